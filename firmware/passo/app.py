@@ -246,10 +246,11 @@ class App:
         feeder.open = not self.planner.empty() and self.controller.may_feed()
         if not feeder.open:
             return
+        live = bool(self.controller.lives) and self.controller.live()
         if self.interrupt:
-            self.port.set_out(self.controller.live())
+            self.port.set_out(live)
             return
-        feeder.fill(self.player.played(), LIVE_TICKS if self.controller.live() else LEAD_TICKS)
+        feeder.fill(self.player.played(), LIVE_TICKS if live else LEAD_TICKS)
         self.player.start()
 
     def cycle(self):
@@ -278,6 +279,8 @@ class App:
             link.heard = True
         if link.batch and (link.keeps or not link.waiting):
             data = self._in_batches(link, data)
+            if link.keeps and not data and not link.protocol.pending():
+                return ()
         return link.protocol.feed(data, self._now_ms)
 
     def _carry_out(self, commands, link):

@@ -65,10 +65,12 @@ class Passed:
         return len(self.functions), len({path for path, _ in self.functions})
 
 
-def _machine():
+def _machine(*before):
+    """A router at rest that has carried out `before`, one after the other."""
     machine = VirtualMachine(_BOARD, trace=None)
-    machine.send(b"$X\n")
-    machine.run_ms(1500)
+    for data in (b"$X\n", *before):
+        machine.send(data)
+        machine.run_ms(1500)
     machine.take()
     return machine
 
@@ -83,17 +85,17 @@ def _until(machine, done):
     raise TimeoutError
 
 
-def _line(text):
+def _line(text, *before):
     """From a line's bytes until the first of its words is in the ring."""
-    machine = _machine()
+    machine = _machine(*before)
     ring = machine.port._player._ring
     made = ring.head
     machine.send(text)
     return _until(machine, lambda: ring.head != made)
 
 
-def _answer(text, end):
-    machine = _machine()
+def _answer(text, end, *before):
+    machine = _machine(*before)
     machine.send(text)
     return _until(machine, lambda: end in machine.received())
 
@@ -184,11 +186,15 @@ def _pressed():
     return _until(machine, lambda: browser.has(b'"step"') and ring.head != made)
 
 
+_MODES = b"G21G91G94G17F600\n"
 WAYS = {
     "a cycle of the main loop, nothing to do": _idle,
-    "`G1`, from its bytes to its first words": lambda: _line(b"G91G1X5F600\n"),
-    "`G2`, the same": lambda: _line(b"G91G2X5Y5I5F600\n"),
-    "`?`, to its answer": lambda: _answer(b"?", b">"),
+    "`G1`, from its bytes to its first words": lambda: _line(b"G1X5\n", _MODES, b"G1X1\n"),
+    "the first `G1`, with `G91` in it": lambda: _line(b"G91G1X5F600\n"),
+    "`G2`, the same": lambda: _line(b"G2X5Y5I5\n", _MODES, b"G2X1Y1I1\n"),
+    "the first `G2`": lambda: _line(b"G91G2X5Y5I5F600\n"),
+    "`?`, to its answer": lambda: _answer(b"?", b">", b"?", b"?", b"?"),
+    "the first `?`": lambda: _answer(b"?", b">"),
     "`!` in motion, to the stand": lambda: _amid_motion(b"!", stands),
     "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.received()),
     "`$H`, to its answer": _homing,

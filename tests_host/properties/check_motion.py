@@ -70,7 +70,7 @@ def check_feeding_changes_nothing(seed):
 
 def set_out(planner):
     """What waits sets out, as Program.begin() has it."""
-    if planner.resting() and not planner.empty():
+    if planner.row() < 0 and not planner.empty():
         planner.start()
 
 

@@ -62,24 +62,17 @@ CYCLE = {
 # What a cycle does besides while the machine is awake.
 AWAKE = {
     "control/controller.py Controller._work",
-    "control/controller.py Controller.live",
     "control/controller.py Controller.may_feed",
     "control/motors.py Motors.poll",
     "control/motors.py Motors.ready",
-    "control/pauses.py Pauses.poll_end",
     "control/program.py Program.poll_end",
-    "control/queue.py Queue.empty",
     "control/queue.py Queue.still",
     "control/stream_queue.py StreamQueue.begin",
-    "control/stream_queue.py StreamQueue.feed",
     "control/stream_queue.py StreamQueue.stream",
     "control/tools.py Tools.poll_end",
-    "motion/planner.py Planner.ahead",
     "motion/planner.py Planner.empty",
-    "motion/planner.py Planner.resting",
     "motion/planner.py Planner.start",
     "ports/virtual_player.py Player.played",
-    "protocols/grbl/protocol.py Grbl.feed",
 }
 # Of a block that is not behind an accelerated line: the feeder fetches it, once.
 FETCH = {

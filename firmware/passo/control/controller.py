@@ -44,8 +44,9 @@ class Controller:
         self._looks = overriding(features, "look")  # here, and not at each cycle: to fetch a method takes memory
         self._polls = overriding(features, "poll")
         self._long = overriding(features, "poll_command")
+        self._holds = overriding(features, "poll_hold")
         self._ends = overriding(features, "poll_end")
-        self._lives = overriding(features, "live")
+        self.lives = overriding(features, "live")
         self._readies = overriding(features, "ready")
         self._busies = overriding(features, "busy")
         self._stops = overriding(features, "stopped")
@@ -84,7 +85,7 @@ class Controller:
 
     def live(self):
         """True while what is under way may change at any moment: few words should lie ahead."""
-        for live in self._lives:
+        for live in self.lives:
             if live():
                 return True
         return False
@@ -163,6 +164,9 @@ class Controller:
             for poll in self._long:
                 poll(now_ms)
         still = self.queue.still()
+        if machine.hold or machine.dropping:
+            for poll in self._holds:
+                poll()
         for poll in self._ends:
             poll(still)
         if still:

@@ -51,7 +51,11 @@ class HostWatch(Feature):
         number = machine.commander
         line = self._lines.get(number)
         worked = self._works
-        self._works = line is not None and self._under_way()
+        state = machine.state
+        works = state == "run" or state == "jog" or state == "idle" and (self._queue.lit() or machine.spindle != commands.SPINDLE_OFF)
+        self._works = works and line is not None and not machine.unattended
+        if self._retracts:
+            self._go_up()
         if line is None:
             return
         if number != self._number:
@@ -91,13 +95,6 @@ class HostWatch(Feature):
         asked = self._asks and (now_ms - self._asked_ms) & COUNT_MASK < lost_ms
         return asked or (now_ms - self._begun_ms) & COUNT_MASK < lost_ms
 
-    def _under_way(self):
-        machine = self._machine
-        if machine.unattended:
-            return False
-        state = machine.state
-        return state == "run" or state == "jog" or state == "idle" and (self._queue.lit() or machine.spindle != commands.SPINDLE_OFF)
-
     def _lost(self, link):
         machine = self._machine
         if commands.HOLD not in machine.handlers:
@@ -112,11 +109,12 @@ class HostWatch(Feature):
             machine.note(errors.HOST_LOST, link["name"])
             machine.carry_out(commands.HOLD)
 
-    def poll_end(self, still):
+    def _go_up(self):
         machine = self._machine
-        if not self._retracts or machine.dropping or not still:
-            return
         queue = self._queue
+        machine.awake = True
+        if machine.dropping or not queue.still():
+            return
         target = list(queue.position())
         if not self._up and target[_Z] < 0:
             self._up = True

@@ -9,6 +9,7 @@ from passo import errors
 from passo.batch import LINES
 from passo.control.feature import Feature
 from passo.motion.look_ahead_viper import plan_lines
+from passo.motion.row_viper import room
 from passo.records import *
 
 
@@ -98,7 +99,8 @@ class LineBatches(Feature):
         batch.tool = queue.tool
         batch.power = planner.power
         batch.dynamic = planner.dynamic
-        self._trace[TRACE_ROOM] = batch.room = queue.room() - 1  # what is played meanwhile counts from the next open() on
+        batch.room = (0 if queue.chords else room(planner.indices)) - 1  # what is played meanwhile counts from the next open() on
+        self._trace[TRACE_ROOM] = batch.room
         self._trace[TRACE_TAKEN] = 0
         batch.begun = True
         return True

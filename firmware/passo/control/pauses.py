@@ -147,10 +147,8 @@ class Pauses(Feature):
 
     # --- what goes on over many passes
 
-    def poll_end(self, still):
+    def poll_hold(self):
         machine = self._machine
-        if not (machine.hold or machine.dropping):
-            return
         if not self._queue.standing():
             return
         if machine.dropping:

@@ -325,7 +325,8 @@ class Program(LineBatches):
     def poll_end(self, still):
         machine = self._machine
         queue = self._queue
-        queue.feed()
+        if queue.chords:
+            queue.feed()
         if machine.command is not None:
             if machine.busy_with(commands.PROBE):
                 self._poll_probe()

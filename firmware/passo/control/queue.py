@@ -32,7 +32,7 @@ class Queue:
         self.waiting = False  # something is queued that has not been released to the feeder yet
         self._walker = None  # of axes that run on their own
         self.arcs = None  # what a language asks about arcs; None if this board has no memory for them
-        self._chords = None  # of an arc that is handed to the planner piece by piece
+        self.chords = None  # of an arc that is handed to the planner piece by piece, see StreamQueue.feed()
 
     def position(self):
         """Where the machine is, exact at this moment."""
@@ -47,7 +47,7 @@ class Queue:
         played = self._player.played()
         seen = self.seen
         self._feeder.look(played, self._origin, self.here, seen)
-        if self._chords:
+        if self.chords:
             seen[SEEN_ROOM] = 0
         if self._rested is not None and self._rested_at == played:
             seen[SEEN_LIT] = self._rested
@@ -73,16 +73,17 @@ class Queue:
     @micropython.native
     def room(self):
         """How many more blocks can be queued now; none behind an arc that is not all queued yet."""
-        return 0 if self._chords else room(self._planner.indices)
+        return 0 if self.chords else room(self._planner.indices)
 
     @micropython.native
     def empty(self):
-        return self._planner.empty() and not self._chords
+        return self._planner.empty() and not self.chords
 
     @micropython.native
     def still(self):
         """True when everything queued has been played to its last tick."""
-        return self.empty() and not self._player.busy()
+        indices = self._planner.indices
+        return indices[QUEUE_ADDED] == indices[QUEUE_RETIRED] and not self.chords and not self._player.busy()
 
     def standing(self):
         """True when a hold has come to its stand."""
@@ -110,8 +111,8 @@ class Queue:
 
     def flush(self):
         self.waiting = False
-        if self._chords:
-            self._chords.flush = True
+        if self.chords:
+            self.chords.flush = True
         else:
             self._planner.flush()
 
@@ -255,7 +256,7 @@ class Queue:
         """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
         position, _, _ = self._feeder.cancel(self._player.played())
         self._planner.clear()
-        self._chords = None
+        self.chords = None
         if self._walker is not None:
             self._walker.clear()
         self._planner.set_power(0, self._planner.dynamic)

@@ -4,7 +4,7 @@ from micropython import const
 
 from passo.control.queue import Queue
 from passo.motion.integers import length_nm
-from passo.records import COUNT_MASK, SCRATCH_EAGER
+from passo.records import COUNT_MASK, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_RETIRED, SCRATCH_EAGER
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 _SILENT_MS = const(20)  # without a line: the stream has ended
@@ -30,12 +30,14 @@ class StreamQueue(Queue):
         """Release what is queued, if the machine stands: a moving one fetches blocks itself. More may follow without a stand
         in between: of several blocks the stream is taken to go on."""
         planner = self._planner
-        if self.waiting and planner.resting():
-            if planner.ahead() > 1:
+        indices = planner.indices
+        fetched = indices[QUEUE_FETCHED]
+        if self.waiting and indices[QUEUE_RETIRED] == fetched:
+            if (indices[QUEUE_ADDED] - fetched) & COUNT_MASK > 1:
                 self._fresh = self.streams = True
                 planner.stream(True)
             planner.start()
-            self.waiting = self._chords is not None  # the rest of them is not queued yet
+            self.waiting = self.chords is not None  # the rest of them is not queued yet
 
     def stream(self, fresh, now_ms):
         """Once a cycle if `fresh`, lines have come since the last one, or while it `streams`. Two such cycles one after the
@@ -52,10 +54,10 @@ class StreamQueue(Queue):
 
     def feed(self):
         """Queue as much of an arc as there is room for, once a cycle of the main loop."""
-        while self._chords and self._planner.room():
-            self._chords.add(self._planner)
-            if not self._chords.left:
-                self._chords = None
+        while self.chords and self._planner.room():
+            self.chords.add(self._planner)
+            if not self.chords.left:
+                self.chords = None
 
     def wait(self, ms, tag):
         """Stand still for a while. Needs room for ms // 80 000 + 1 blocks."""
@@ -102,7 +104,7 @@ class StreamQueue(Queue):
             chords = self._cut(deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations)
         self._change_tool(tool, tag)
         if chords:
-            self._chords = chords
+            self.chords = chords
             self.feed()
         elif changes:
             planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, True, over_half)
@@ -111,7 +113,7 @@ class StreamQueue(Queue):
     def weave(self, woven, command):
         """Go to the end of a seam (motion/weave.py), the way that it takes."""
         self._change_tool(command.tool, command.number)
-        self._chords = woven
+        self.chords = woven
         self.feed()
         self._reach(self.deltas(command.target))
 

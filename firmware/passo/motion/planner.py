@@ -119,11 +119,6 @@ class Planner:
         indices = self.indices
         return indices[QUEUE_ADDED] == indices[QUEUE_RETIRED]
 
-    def resting(self):
-        """True when every block that was released has been played to its last word."""
-        indices = self.indices
-        return indices[QUEUE_RETIRED] == indices[QUEUE_FETCHED]
-
     def ahead(self):
         """How many blocks are queued behind the one under way."""
         indices = self.indices
