@@ -8,6 +8,12 @@ pen's solenoid has its delay. Times are ticks of 80 ns. Positions are steps from
 homing on a barrier that switches exactly at its edge. An axis that homes at its high end has its barrier there. `errors`
 records whatever a real machine could not have followed.
 
+Motors and encoders may fail:
+
+    plant.stall("x", 5)         # the next five steps of X are lost
+    plant.slip("x2", -3)
+    plant.lose_counts("y", 20)
+
 The board file gives axes, drive, polarity, travel and pen delays; what it cannot know comes as options:
 
     start        steps from the nominal origin, one number an axis; None: random within reach, by `seed`, or in the middle
@@ -22,7 +28,6 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
 import random
 
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
-from host_tools.sim.faults import Faults
 from host_tools.sim.parts import NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle
 
 TICKS_PER_MS = 12_500
@@ -35,7 +40,7 @@ def pull_off_of(homing, axis):
     return own.get("pull_off_steps", homing.get("pull_off_steps", 0))
 
 
-class Plant(Faults):
+class Plant:
     def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0):
         self._random = random.Random(seed)
         self.errors = []  # (tick, text)
@@ -393,3 +398,29 @@ class Plant(Faults):
 
     def _plan(self):
         self._due = min([part.due for part in self._parts])
+
+    # --- what a motor and its encoder may do, by the motor's name
+
+    def stall(self, motor, steps):
+        """The next `steps` that a motor is asked for are lost."""
+        self._carriage(motor).stall += steps
+
+    def slip(self, motor, steps):
+        """A motor turns by `steps` that nobody asked for."""
+        carriage = self._carriage(motor)
+        carriage.position += steps
+        watching = [self._watching_second]
+        if carriage in self.carriages:
+            number = self.carriages.index(carriage)
+            self.position[number] = carriage.position
+            watching = [self._watching[number]] + self._others.get(number, [])
+        for barrier in watching:
+            if barrier is not None and (carriage.position <= barrier.last) != barrier.below:
+                barrier.pass_by()
+
+    def lose_counts(self, motor, counts):
+        """An encoder misses so many counts forward."""
+        self.encoders[motor].lost += counts
+
+    def _carriage(self, motor):
+        return next(carriage for carriage in self.carriages + [self.second] if carriage and carriage.name == motor)

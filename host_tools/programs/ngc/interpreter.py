@@ -12,7 +12,6 @@ from host_tools.programs.ngc.codes import (
     NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
 )  # fmt: skip
 from host_tools.programs.ngc.flow import Flow
-from host_tools.programs.ngc.modes import Modes
 from host_tools.programs.ngc.motions import Motions
 from host_tools.programs.ngc.state import State
 from host_tools.programs.program_errors import (
@@ -46,24 +45,9 @@ def compile_program(name, text, listing, tools=None, start=(None, None, None), b
     return flow.texts
 
 
-class Interpreter(Modes, Motions):
+class Interpreter(Motions):
     def __init__(self, path, tools):
-        self.path = path
-        self.tools = tools
-        self.motion = 800
-        self.plane = 17
-        self.scale = 1.0  # mm a unit
-        self.absolute = True
-        self.arc_absolute = False
-        self.feed_mode = 940
-        self.feed = 0.0  # mm/min; mm a turn with G95
-        self.rpm = 0.0
-        self.spindle = ""
-        self.tool = self.chosen = 0
-        self.length_mm = None  # of the tool, as G43 has set it
-        self.initial = True  # G98
-        self.system = 1
-        self.cycle = None  # words of the cycle that holds
+        Motions.__init__(self, path, tools)
         self.values = State(self._told())
 
     def _told(self):

@@ -7,7 +7,26 @@ from host_tools.programs.toolpath import AXES, number
 
 
 class Modes:
-    """Part of Interpreter."""
+    """The part of Interpreter that has the modal state."""
+
+    def __init__(self, path, tools):
+        self.path = path
+        self.tools = tools
+        self.motion = 800
+        self.plane = 17
+        self.scale = 1.0  # mm a unit
+        self.absolute = True
+        self.arc_absolute = False
+        self.feed_mode = 940
+        self.feed = 0.0  # mm/min; mm a turn with G95
+        self.rpm = 0.0
+        self.spindle = ""
+        self.tool = self.chosen = 0
+        self.length_mm = None  # of the tool, as G43 has set it
+        self.initial = True  # G98
+        self.system = 1
+        self.cycle = None  # words of the cycle that holds
+        self.words = {}  # of the line, as far as nothing has taken them
 
     def set_spindle(self, code):
         turned = self.words.pop("s", None)

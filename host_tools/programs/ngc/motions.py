@@ -4,6 +4,7 @@ import math
 
 from host_tools.programs.drilling import Cycle
 from host_tools.programs.ngc.codes import CYCLES, PROBES
+from host_tools.programs.ngc.modes import Modes
 from host_tools.programs.program_errors import (
     ARC, MISSING, NO_FEED, NO_SPINDLE, NOT_ON_BOARD, PLANE, RANGE, ProgramError,
 )  # fmt: skip
@@ -13,8 +14,8 @@ from host_tools.programs.toolpath import AXES, PLANES, centre_of, number, sweep_
 _SLACK = 0.02 * math.sqrt(2)  # mm: by so much LinuxCNC's arcs may be off; in inches a tenth of the number
 
 
-class Motions:
-    """Part of Interpreter."""
+class Motions(Modes):
+    """The part of Interpreter that moves."""
 
     def target(self):
         """The place that the axis words name: mm of X, Y, Z; None where there is no word. Takes the words."""
