@@ -22,7 +22,7 @@ from passo.commands import SPINDLE_OFF
 from passo.config.inverter_makes import MAKES
 from passo.control import modbus
 from passo.control.feature import Feature
-from passo.control.spindle_speed import PERIOD_MS, SLOW, AskedSpeed
+from passo.control.spindle_speed import PERIOD_MS, AskedSpeed
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _UNKNOWN = const(-1)
@@ -46,8 +46,6 @@ class Inverter(Feature):
         self._make = MAKES[config["make"]]
         self._address = config["address"]
         self._poles = config["poles"]
-        self._percent = config["at_speed_percent"]
-        self._spin_up_ms = config["spin_up_ms"]
         self._timeout_ms = config["timeout_ms"] + _FRAMES_BITS * 1000 // config["baud"]
         line = dict(config)
         line["name"] = "inverter"
@@ -57,10 +55,7 @@ class Inverter(Feature):
         self._told_way = self._told_hz = _UNKNOWN  # as the inverter has confirmed
         self._turned = 0  # the way it turned last
         self.output = 0  # hundredths of a hertz, as it said last
-        self._asked_speed = AskedSpeed(machine, queue)
-        self._since_ms = 0  # since when it is wanted
-        self._reached = False
-        self._slow = 0
+        self._asked_speed = AskedSpeed(machine, queue, config)
         self._about = _STOP
         self._request = None  # on its way
         self._reply = bytearray()
@@ -79,7 +74,7 @@ class Inverter(Feature):
             self._listen(now_ms)
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
             self._choose(now_ms)
-        if self._way and not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms:
+        if self._way and self._asked_speed.late(now_ms):
             self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
     # --- what it is to do
@@ -97,9 +92,7 @@ class Inverter(Feature):
         if way != self._way or hz != self._hz:
             self._way = way
             self._hz = hz
-            self._since_ms = now_ms
-            self._reached = False
-            self._slow = 0
+            self._asked_speed.begin(now_ms)
             if self._request is None:
                 self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
 
@@ -192,14 +185,8 @@ class Inverter(Feature):
         """The speed has been read."""
         if not self._way or self._told_way != self._way or self._told_hz != self._hz:
             return
-        if abs(self.output - self._hz) * 100 <= self._hz * self._percent:
-            self._reached = True
-            self._slow = 0
-            self._machine.at_speed = True
-        elif self._reached and self.output * 2 < self._hz:
-            self._slow += 1
-            if self._slow >= SLOW:
-                self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
+        if self._asked_speed.falls_behind(self.output, self._hz):
+            self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
     def _failed(self, now_ms, number, who):
         """No good reply to a request."""

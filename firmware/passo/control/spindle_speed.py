@@ -1,17 +1,24 @@
-"""What speed the programme asks of the spindle, and that cuts wait for it: for what knows the speed that it has."""
+"""What speed the programme asks of the spindle, that cuts wait for it, and whether it is reached: for what measures it."""
 
 from micropython import const
 
 from passo.config import setting_numbers as table
+from passo.records import COUNT_MASK
 
 PERIOD_MS = const(100)  # between two looks at the speed it has
-SLOW = const(3)  # of these below half of what is asked are no accident
+_SLOW = const(3)  # of these below half of what is asked are no accident
 
 
 class AskedSpeed:
-    def __init__(self, machine, queue):
+    def __init__(self, machine, queue, config):
+        """`config`: a section of the board file with at_speed_percent and spin_up_ms."""
         self._machine = machine
         self._queue = queue
+        self._percent = config["at_speed_percent"]
+        self._spin_up_ms = config["spin_up_ms"]
+        self._since_ms = 0  # since when it is wanted
+        self._reached = False
+        self._slow = 0
         machine.waits_for_speed = True
         self._of = None  # what `_rpm` was computed of
         self._rpm = 0
@@ -31,6 +38,26 @@ class AskedSpeed:
                 rpm = max(rpm, settings.value(table.MIN_RPM))
             self._rpm = rpm
         return self._rpm
+
+    def begin(self, now_ms):
+        """Another speed is wanted from now on."""
+        self._since_ms = now_ms
+        self._reached = False
+        self._slow = 0
+
+    def falls_behind(self, speed, wanted):
+        """Judge a speed as measured. True if it has fallen behind for too long; both in any unit, `wanted` above 0."""
+        if abs(speed - wanted) * 100 <= wanted * self._percent:
+            self._reached = True
+            self._slow = 0
+            self._machine.at_speed = True
+        elif self._reached and 2 * speed < wanted:
+            self._slow += 1
+        return self._slow >= _SLOW
+
+    def late(self, now_ms):
+        """True if it has not been reached in spin_up_ms."""
+        return not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms
 
     def ready(self):
         """Nothing sets out with a spindle that is not at speed. What moves already goes on."""

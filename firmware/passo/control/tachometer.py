@@ -14,7 +14,7 @@ from passo import errors
 from passo.commands import SPINDLE_OFF
 from passo.config import setting_numbers as table
 from passo.control.feature import Feature
-from passo.control.spindle_speed import PERIOD_MS, SLOW, AskedSpeed
+from passo.control.spindle_speed import PERIOD_MS, AskedSpeed
 from passo.records import COUNT_MASK
 
 _QUIET_TURNS = const(4)  # without a pulse for so many turns at the speed that is asked it stands
@@ -25,19 +25,15 @@ class Tachometer(Feature):
         config = board["tachometer"]
         Feature.__init__(self, board, machine, queue)
         self._per_turn = config["pulses"]
-        self._percent = config["at_speed_percent"]
-        self._spin_up_ms = config["spin_up_ms"]
         self._pulses = machine.port.pulses(config["input"])
-        self._asked = AskedSpeed(machine, queue)
+        self._asked = AskedSpeed(machine, queue, config)
         self._by_s = board["spindle"]["pwm"]
         self.rpm = 0  # as measured
         self._wanted = 0  # thousandths of a turn a minute
-        self._since_ms = self._looked_ms = machine.port.machine_ms()
+        self._looked_ms = machine.port.machine_ms()
         self._came_ms = self._looked_ms  # when the last look found a pulse
         self._count = self._pulses.count()
         self._us = self._pulses.us
-        self._reached = False
-        self._slow = 0
 
     def report(self, report):
         report["rpm"] = self.rpm
@@ -55,15 +51,13 @@ class Tachometer(Feature):
                 machine.at_speed = True
         if wanted != self._wanted:
             self._wanted = wanted
-            self._since_ms = now_ms
-            self._reached = False
-            self._slow = 0
+            self._asked.begin(now_ms)
         if (now_ms - self._looked_ms) & COUNT_MASK < PERIOD_MS:
             return
         self._looked_ms = now_ms
         self._measure(now_ms)
-        if wanted:
-            self._judge(now_ms)
+        if wanted and (self._asked.falls_behind(1000 * self.rpm, wanted) or self._asked.late(now_ms)):
+            machine.raise_alarm(errors.ALARM_SPINDLE_SPEED, "spindle at %d rpm" % self.rpm)
 
     def _measure(self, now_ms):
         count = self._pulses.count()
@@ -78,20 +72,3 @@ class Tachometer(Feature):
             self._came_ms = now_ms
         elif (now_ms - self._came_ms) & COUNT_MASK > 2 * PERIOD_MS + _QUIET_TURNS * 60_000_000 // max(self._wanted, 60_000):
             self.rpm = 0
-
-    def _judge(self, now_ms):
-        wanted = self._wanted
-        rpm = 1000 * self.rpm
-        if abs(rpm - wanted) <= wanted // 100 * self._percent:
-            self._reached = True
-            self._slow = 0
-            self._machine.at_speed = True
-        elif self._reached and 2 * rpm < wanted:
-            self._slow += 1
-            if self._slow >= SLOW:
-                self._fail()
-        if not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms:
-            self._fail()
-
-    def _fail(self):
-        self._machine.raise_alarm(errors.ALARM_SPINDLE_SPEED, "spindle at %d rpm" % self.rpm)
