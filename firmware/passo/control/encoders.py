@@ -79,8 +79,8 @@ class EncoderWatch(Feature):
         """For people: by motor how many steps it has turned too many, negative: too few, and where the machine is."""
         encoders = self._encoders
         said = ["%s %+d" % (encoders.names[n], encoders.steps(n)) for n in range(len(encoders.names)) if mask >> n & 1]
-        places = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
-        return "%s at %s" % (" ".join(said), " ".join(places))
+        positions = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
+        return "%s at %s" % (" ".join(said), " ".join(positions))
 
     def _move(self):
         self._settled = False

@@ -17,7 +17,7 @@ class LatchedSensor(Sensor):
         latch = self._latch
         if latch.caught and not self.active and not self.pending:  # it may be over by now
             self.pending = True
-            self.edge = latch.place[self._axis]
+            self.edge = latch.position[self._axis]
             self._against_ms = self._calm_ms = 0
         pending, active = self.pending, self.active
         Sensor.sample(self, now_ms, position)

@@ -1,9 +1,9 @@
-"""One switch or optical barrier, filtered: it neither trips on noise nor loses the place where it first moved."""
+"""One switch or optical barrier, filtered: it neither trips on noise nor loses the position where it first moved."""
 
 
 class Sensor:
     """`active` follows the input once the readings against it outweigh those for it by `debounce_ms`. `edge` is the
-    place where the change that was then believed first showed, chatter included; a change that has not shown again
+    position where the change that was then believed first showed, chatter included; a change that has not shown again
     for `debounce_ms` was noise, and is forgotten. Noise denser than that needs a longer `debounce_ms`."""
 
     def __init__(self, read, debounce_ms):
@@ -23,8 +23,8 @@ class Sensor:
         """Nothing has changed until now."""
         self._last_ms = now_ms
 
-    def sample(self, now_ms, place):
-        """Look once; `place` is where the axis stands. Call it at least once a step and once a millisecond."""
+    def sample(self, now_ms, position):
+        """Look once; `position` is where the axis stands. Call it at least once a step and once a millisecond."""
         passed_ms = (now_ms - self._last_ms) & 0x1FFFFFFF
         self._last_ms = now_ms
         if self._read() == self.active:
@@ -34,7 +34,7 @@ class Sensor:
             return
         if not self.pending:
             self.pending = True
-            self.edge = place
+            self.edge = position
             self._against_ms = 0
         self._calm_ms = 0
         self._against_ms += passed_ms

@@ -26,27 +26,27 @@ class TooSteep(ValueError):
 
 
 class Plans:
-    """The plans of the arcs in the queue, each place used again in its turn."""
+    """The plans of the arcs in the queue, each slot used again in its turn."""
 
     def __init__(self):
         self.plan = array("i", bytearray(4 * ARC_FIELDS))  # the one that is being worked out
-        self._users = array("i", [-1] * ARCS)  # the number of the block that each place was last used for
-        self.oldest = -1  # that of the next place: there is no room until it has been played
+        self._users = array("i", [-1] * ARCS)  # the number of the block that each slot was last used for
+        self.oldest = -1  # that of the next slot: there is no room until it has been played
         self._next = 0
         self.plans = zeros(ARC_FIELDS * ARCS)
 
     def clear(self):
-        for place in range(ARCS):
-            self._users[place] = -1
+        for slot in range(ARCS):
+            self._users[slot] = -1
         self.oldest = -1
 
     def keep(self, number):
         """Keep `plan` for the block of this number; where it begins in `plans`."""
-        place = self._next
-        self._users[place] = number
-        first = place * ARC_FIELDS
+        slot = self._next
+        self._users[slot] = number
+        first = slot * ARC_FIELDS
         self.plans[first : first + ARC_FIELDS] = self.plan
-        self._next = (place + 1) % ARCS
+        self._next = (slot + 1) % ARCS
         self.oldest = self._users[self._next]
         return first
 
@@ -119,17 +119,17 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
     if quarters and end_u == -across:  # where a region begins the one before it ends
         quarters -= 1
         end_u = inside
-    steps, place = _steps(square, inside, across, u, w, end_u, quarters)
-    tail = _tail((region + quarters) & 3 if steps else region, place, end_x, end_y)
+    steps, end = _steps(square, inside, across, u, w, end_u, quarters)
+    tail = _tail((region + quarters) & 3 if steps else region, end, end_x, end_y)
     if steps > 1 and end_u - 1 >= (1 - across if quarters else u) and (tail[0] or tail[1]):
         less, before = _steps(square, inside, across, u, w, end_u - 1, quarters)
         other = _tail((region + quarters) & 3, before, end_x, end_y)
         if less + max(abs(other[0]), abs(other[1])) < steps + max(abs(tail[0]), abs(tail[1])):
-            steps, place, tail = less, before, other
+            steps, end, tail = less, before, other
     into[ARC_REGION], into[ARC_U], into[ARC_W] = region, u, w
     into[ARC_INSIDE], into[ARC_ACROSS], into[ARC_STEPS] = inside, across, steps
     into[ARC_TAIL_A], into[ARC_TAIL_B] = tail[0], tail[1] * sign
-    return _measure(into, square, place, quarters, deltas[plane[2]] if plane[2] >= 0 else 0)
+    return _measure(into, square, end, quarters, deltas[plane[2]] if plane[2] >= 0 else 0)
 
 
 def _straight(into, plane, deltas):
@@ -142,11 +142,11 @@ def _straight(into, plane, deltas):
     return into[ARC_PATH] << 10, 0
 
 
-def _measure(into, square, place, quarters, z):
-    """The lengths in the plan of an arc to `place`, and the third axis's steps. In a piece of its own: a board that has run
-    for a while may have no place for both in one."""
+def _measure(into, square, end, quarters, z):
+    """The lengths in the plan of an arc to `end`, and the third axis's steps. In a piece of its own: a board that has run
+    for a while may have no room for both in one piece."""
     u, inside, across, steps = into[ARC_U], into[ARC_INSIDE], into[ARC_ACROSS], into[ARC_STEPS]
-    swept = _rise(square, place[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
+    swept = _rise(square, end[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
     shift = _shift(square)
     radius = isqrt(square << 2 * shift)
     corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
@@ -156,7 +156,7 @@ def _measure(into, square, place, quarters, z):
     z -= tail_z
     ratio = (abs(z) << (30 + shift)) // turned if turned else 0
     if steps and ratio >> 15 < LEADS:  # a word's time passes after its step: the last one's too
-        for sign, at in (1, place[0]), (-1, u):
+        for sign, at in (1, end[0]), (-1, u):
             angle = corner
             if -across < at < inside:
                 angle = _rise(square, at + 1) - _rise(square, at)
@@ -186,8 +186,8 @@ def _steps(square, inside, across, u, w, end_u, quarters):
     return steps, (end_u, inside if end_u == -across else nearest(square, end_u))
 
 
-def _tail(region, place, end_x, end_y):
-    x, y = point_of(region, place[0], place[1])
+def _tail(region, end, end_x, end_y):
+    x, y = point_of(region, end[0], end[1])
     return end_x - x, end_y - y
 
 

@@ -29,8 +29,8 @@ def set_speed(rows, at, scratch, limits, plan, path, swept, plane, center, delta
     if ticks:
         speed_nm_s = length * TICKS_PER_S // ticks or 1
     start = -center[0], -center[1]
-    place = deltas[plane[0]] - center[0], deltas[plane[1]] - center[1]
-    reach = shares(start, place, swept)
+    end = deltas[plane[0]] - center[0], deltas[plane[1]] - center[1]
+    reach = shares(start, end, swept)
     fastest, acceleration = _allowed(limits, plan, plane, center, reach, (flat, rise, length), speed_nm_s)
     asked = speed_nm_s
     if speed_nm_s > fastest or not speed_nm_s:
@@ -55,7 +55,7 @@ def set_speed(rows, at, scratch, limits, plan, path, swept, plane, center, delta
     rows[at + ROW_TICKS] = max((ticks << 10) // path, 1)
     rows[at + ROW_TICKS_REST] = ((ticks << 10) % path << 7) // path
     rows[at + ROW_SPAN] = (2 * ticks * top << 10) // path
-    _set_direction(scratch, SCRATCH_BEFORE, limits, plane, place, clockwise, flat, rise, length)
+    _set_direction(scratch, SCRATCH_BEFORE, limits, plane, end, clockwise, flat, rise, length)
     return True
 
 
@@ -71,9 +71,9 @@ def shares(start, end, swept):
     return found
 
 
-def _share(place, axis):
-    radius = isqrt((place[0] * place[0] + place[1] * place[1]) << 40)
-    return min((abs(place[axis]) << 48) // radius, ONE)
+def _share(point, axis):
+    radius = isqrt((point[0] * point[0] + point[1] * point[1]) << 40)
+    return min((abs(point[axis]) << 48) // radius, ONE)
 
 
 def _allowed(limits, plan, plane, center, reach, lengths, asked):
@@ -128,9 +128,9 @@ def _beside(limits, plane, reach, other, most, along):
     return most
 
 
-def _set_direction(scratch, at, limits, plane, place, clockwise, flat, rise, length):
-    """The arc's direction, of 2²⁸, at `place` seen from its centre."""
-    x, y = place
+def _set_direction(scratch, at, limits, plane, point, clockwise, flat, rise, length):
+    """The arc's direction, of 2²⁸, at `point` seen from its centre."""
+    x, y = point
     radius = isqrt((x * x + y * y) << 40) or 1  # so fine that the direction's length is 1 to 10⁻⁶, on any radius
     sign = -1 if clockwise else 1
     for axis in range(len(limits.steps_per_m)):

@@ -57,7 +57,7 @@ class Line:
             self.state[LINE_RISE + self.axes + axis] = decision
 
     def offset(self, axis, index):
-        """Signed steps of `axis` after `index` dominant steps: the line's place in closed form."""
+        """Signed steps of `axis` after `index` dominant steps: its position in closed form."""
         steps = self._steps(axis, index)
         return -steps if self.negative >> axis & 1 else steps
 

@@ -16,7 +16,7 @@ path; with `along` that along the seam: the path's speed is then so much higher 
 lies its offset inside or outside of the circle, and what is straight beside a line is bent with it, by chords within ¼ step.
 A dwell stops at the edge for exactly its time, beside the time of the path.
 
-Integers only: places in nanometres, angles by CORDIC. Big integers, once a piece.
+Integers only: positions in nanometres, angles by CORDIC. Big integers, once a piece.
 """
 
 from micropython import const
@@ -157,19 +157,19 @@ class Woven:
             return nm_s or 1
         pitch = self._length // self._pitches
         path = at = beside = 0
-        for place, side, _ in self._points:
-            way = (place - at) * pitch // self._of_pitch
+        for along, side, _ in self._points:
+            way = (along - at) * pitch // self._of_pitch
             over = self._offset(side) - beside
             path += isqrt(way * way + over * over)
-            at, beside = place, self._offset(side)
+            at, beside = along, self._offset(side)
         return nm_s * path // pitch or 1
 
     def corners(self):
         """Places in steps of all axes that the seam's edges reach: for the travel's limits."""
         whole = self._pitches * self._of_pitch
         for pitch in range(self._pitches):
-            for place, side, _ in self._points:
-                yield self._place(pitch * self._of_pitch + place, whole, self._offset(side))
+            for along, side, _ in self._points:
+                yield self._position(pitch * self._of_pitch + along, whole, self._offset(side))
 
     def add(self, planner):
         """Queue the next piece: a chord, or the dwell behind it. One too short for a step is none."""
@@ -184,13 +184,13 @@ class Woven:
                 planner.flush()
 
     def _chord(self, planner):
-        place, side, dwells = self._points[self._point]
-        to = self._pitch * self._of_pitch + place
+        along, side, dwells = self._points[self._point]
+        to = self._pitch * self._of_pitch + along
         offset = self._offset(side)
         since, beside = self._from
         parts = self._parts(to - since)
         self._part += 1
-        here = self._place(
+        here = self._position(
             since * parts + (to - since) * self._part, self._pitches * self._of_pitch * parts,
             beside + (offset - beside) * self._part // parts,
         )  # fmt: skip
@@ -220,7 +220,7 @@ class Woven:
         steps = (self._radius + self._amplitude) * finest // NM_PER_M + 1
         return (isqrt(angle * angle * steps // 2) >> 20) + 1
 
-    def _place(self, part, whole, offset):
+    def _position(self, part, whole, offset):
         """Steps of all axes from the seam's start, `part` of `whole` along it and `offset` nm to its left."""
         found = [(2 * delta * part // whole + 1) >> 1 for delta in self._deltas]
         if part == whole and not offset:

@@ -2,9 +2,9 @@
 
     latch = port.latches["limit_x"]
     latch.arm()                 # from here on
-    latch.caught, latch.place   # True once it has happened; the position of each axis then, as the feeder counts
+    latch.caught, latch.position   # True once it has happened; the position of each axis then, as the feeder counts
 
-An interrupt of the feeder may be in the way, up to 1 ms: of steps further apart than that the place is exact.
+An interrupt of the feeder may be in the way, up to 1 ms: of steps further apart than that the position is exact.
 """
 
 from array import array
@@ -16,7 +16,7 @@ from passo.steps.following_viper import Follower
 
 class Latch:
     def __init__(self, axes):
-        self.place = array("i", [0] * axes)
+        self.position = array("i", [0] * axes)
         self.caught = True
         self._follower = self._player = None
 
@@ -30,7 +30,7 @@ class Latch:
     @micropython.native
     def catch(self):  # ISR: no allocation
         if not self.caught and self._player is not None:
-            self._follower.find(self._player.played(), self.place)
+            self._follower.find(self._player.played(), self.position)
             self.caught = True
 
 

@@ -35,18 +35,18 @@ class Position:
         self._walk(played)
         return self._found
 
-    def look(self, played, origin, place, seen):
-        """The position, less `origin`, to the array `place`, and SEEN_… to `seen`."""
+    def look(self, played, origin, position, seen):
+        """The position, less `origin`, to the array `position`, and SEEN_… to `seen`."""
         state, marks, words, indices = self._seen_of
         if self.drive is None:
-            look(state, marks, words, indices, played, origin, place, seen)
+            look(state, marks, words, indices, played, origin, position, seen)
             return
         see(state, marks, words, indices, played, self._walk(played), seen)
         found = self._found
         for axis in range(len(found)):
-            place[axis] = found[axis] - origin[axis]
+            position[axis] = found[axis] - origin[axis]
 
-    # In small pieces: each finds its variables' place on the stack, and nothing is allocated while words are counted. Else
+    # In small pieces: each finds its variables' slots on the stack, and nothing is allocated while words are counted. Else
     # that can take longer than the time between two interrupts, and then no answer would ever be right.
 
     def _walk(self, played):

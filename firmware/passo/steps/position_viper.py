@@ -1,8 +1,8 @@
 """Where the machine is: the last checkpoint played, and the steps in words of the step form since.
 
-    at = find(state, marks, played, place)
+    at = find(state, marks, played, position)
     stepping = tally(words, mask, word, until, axes, position)
-    look(state, marks, words, indices, played, origin, place, seen)    # all that a status report wants, of one moment
+    look(state, marks, words, indices, played, origin, position, seen)    # all that a status report wants, of one moment
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
 
@@ -18,8 +18,8 @@ from passo.records import *
 
 
 @micropython.viper
-def find(state: ptr32, marks: ptr32, played: int, place: ptr32) -> int:
-    """Where in `marks` the last one played stands; its position goes to `place`."""
+def find(state: ptr32, marks: ptr32, played: int, position: ptr32) -> int:
+    """Where in `marks` the last one played stands; its position goes to `position`."""
     number = state[FEED_OLDEST]
     stride = MARK_FIELDS + state[FEED_AXES]
     while number != state[FEED_NEWEST]:
@@ -31,7 +31,7 @@ def find(state: ptr32, marks: ptr32, played: int, place: ptr32) -> int:
     axis = stride - MARK_FIELDS
     while axis:
         axis -= 1
-        place[axis] = marks[at + MARK_FIELDS + axis]
+        position[axis] = marks[at + MARK_FIELDS + axis]
     return at
 
 
@@ -64,16 +64,16 @@ def tally(words: ptr32, mask: int, word: int, until: int, axes: int, position: p
 
 
 @micropython.viper
-def look(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, origin: ptr32, place: ptr32, seen: ptr32):
-    """What the main loop sees when `played` words have appeared: the position, less `origin`, goes to `place`, SEEN_… to `seen`. If an
+def look(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, origin: ptr32, position: ptr32, seen: ptr32):
+    """What the main loop sees when `played` words have appeared: the position, less `origin`, goes to `position`, SEEN_… to `seen`. If an
     interrupt goes on meanwhile it is the position a moment later. Of words of the step form."""
     at = -1
     while at < 0:
         oldest = state[FEED_OLDEST]
-        at = int(find(state, marks, played, place))
+        at = int(find(state, marks, played, position))
         word = marks[at + MARK_WORD]
         if ((played - word) & COUNT_MASK) < COUNT_HALF:
-            tally(words, state[FEED_MASK], word, played, state[FEED_AXES], place)
+            tally(words, state[FEED_MASK], word, played, state[FEED_AXES], position)
             if state[FEED_OLDEST] != oldest:
                 at = -1  # it has written over these words
         else:
@@ -81,7 +81,7 @@ def look(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, 
         if at < 0:
             played = state[FEED_PLAYED]
     for axis in range(state[FEED_AXES]):
-        place[axis] -= origin[axis]
+        position[axis] -= origin[axis]
     see(state, marks, words, indices, played, at, seen)
 
 
