@@ -3,7 +3,7 @@
     web/page_line.py ─► Page (protocol.py): messages ─► Orders (orders.py): fields, who may, when ─► a PageMachine: commands
 
 There is a machine for the language of each board's other links (grbl.py, plotter.py …): it says what a page of such a machine shows, and
-what it may ask for. A PC's page has the same orders, before machines that are told by cable (host_tools/page).
+what it may ask for. A PC's page has the same orders and machines, which a wire tells by cable (host_tools/page).
 """
 
 from passo.protocols.page.protocol import Page
