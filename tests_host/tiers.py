@@ -18,7 +18,7 @@ from contextlib import contextmanager
 TIERS = ("check", "test", "all")
 FEW = 3
 SOME = 20  # CPython has tried all of them
-MEASURED_S = 0.2
+MEASURED_S = 0.1
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"
 
