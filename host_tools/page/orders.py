@@ -14,7 +14,7 @@ _PASSES = 100
 
 class PanelOrders(Orders):
     def __init__(self, machine, store, teach=None, choose=None):
-        """`store`: the jobs: names(), lines(name), text(name, at), add(name, at, piece, last), put(name, text), remove(name); what
+        """`store`: the jobs: names(), lines(name), text(name, at), about(name, settings), add(name, at, piece, last), put(name, text), remove(name); what
         fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
         no choice."""
         Orders.__init__(self, machine)
@@ -25,7 +25,8 @@ class PanelOrders(Orders):
             self._orders["machine"] = self._machine
         if store:
             self._orders.update({
-                "job_text": self._job_text, "job_part": self._job_part, "job_remove": self._job_remove, "run": self._run, "teach": self._teach,
+                "job_text": self._job_text, "job_about": self._job_about, "job_part": self._job_part,
+                "job_remove": self._job_remove, "run": self._run, "teach": self._teach,
             })  # fmt: skip
 
     def can(self):
@@ -50,6 +51,12 @@ class PanelOrders(Orders):
         at = int(number(order, "at", 0, _MOST_NUMBER, 0))
         found = self.store.text(name, at)
         return found if isinstance(found, int) else {"t": "job_text", "name": name, "at": at, "text": found[0], "size": found[1]}
+
+    def _job_about(self, order):
+        """What a job will do: only at rest, for it takes a moment."""
+        name = text(order, "name", 64)
+        found = self.machine.still() or self.store.about(name, self.machine.settings)
+        return found if isinstance(found, int) else {"t": "job_about", "name": name, **found}
 
     def _job_part(self, order):
         """A piece of a job: the first has `at` 0, the last `last`."""

@@ -5,7 +5,7 @@
 """
 
 from host_tools.clients import setting_names
-from host_tools.panel import taught
+from host_tools.panel import job_facts, taught
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import gcode_lines
 from passo.config.boardfile import check
@@ -21,8 +21,9 @@ class Spoken:
     """What one language brings: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them, None: it knows no
     jobs; `about`: what the page is to know of it."""
 
-    def __init__(self, machine, teach, read, about, join=None, made=None):
-        """`join(store)`: what of the machine wants its jobs; `made`: as a Store takes it."""
+    def __init__(self, machine, teach, read, about, join=None, made=None, facts=None):
+        """`join(store)`: what of the machine wants its jobs; `made`, `facts`: as a Store takes them."""
+        self.facts = facts
         self.made = made
         self.join = join or (lambda store: None)
         self.machine = machine
@@ -54,7 +55,7 @@ def _grbl(write, tell, guest):
         machine.job = RecoverableJobs(machine, tell, store)
 
     machine.watcher = see
-    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join)
+    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join, facts=job_facts.gcode)
 
 
 def _pulses(board, write, tell, about):
@@ -81,7 +82,7 @@ def _plotter(board, write, tell, about):
 
     speed = board["speed"]
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
-    return Spoken(PlotterMachine(write, tell, board), None, packet_lines, about, made=drawn.job_of(board))
+    return Spoken(PlotterMachine(write, tell, board), None, packet_lines, about, made=drawn.job_of(board), facts=job_facts.packets_of(board))
 
 
 def _keys(board, write, tell, about):

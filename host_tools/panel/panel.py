@@ -63,7 +63,7 @@ class Panel:
         spoken = languages.create(language, board, self._port.write, self._tell, self._guest.write if self._guest else None)
         self.machine = spoken.machine
         folder = self._jobs if language == "grbl" else self._jobs / language
-        store = Store(folder, spoken.read, spoken.made) if spoken.read else None
+        store = Store(folder, spoken.read, spoken.made, spoken.facts) if spoken.read else None
         spoken.join(store)
         self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None)
         self._about = {"machines": self._machines, **spoken.about}

@@ -3,7 +3,7 @@
     machine.job = RecoverableJobs(machine, tell, store)
     machine.state["recover"]        # {"name", "line", "known", "next"}: offered; "next": what the tool does when it goes down
     machine.orders["recover"]({"do": "recover", "what": "begin"})   # tool up, over the place, outputs on; then it asks
-    machine.orders["recover"]({"do": "recover", "what": "down"})    # the rest of the program; "drop": spindle and coolant off
+    machine.orders["recover"]({"do": "recover", "what": "down"})    # the rest of the program; "drop": tool up, spindle and coolant off; "forget"
 
 The journal is asked once the machine is at rest: at the start, after homing, and when a job has ended. Each job tells the board its
 number as it begins. A board without journal refuses that, and nothing is offered.
@@ -31,6 +31,7 @@ class RecoverableJobs(StoredJobs):
         self._collects = None  # lines of answers, while they are wanted
         self._stage = ""  # "over": on its way, "ask": over the place, and the operator is asked
         self._rest = []
+        self._left = None  # (name, line) of what is forgotten, until a job begins
         self._place = None  # where it waits for the answer
         machine.state["recover"] = None
         machine.orders["recover"] = self._recover
@@ -71,7 +72,7 @@ class RecoverableJobs(StoredJobs):
             except Failure:
                 continue
             left = b"".join(line.upper() for known, line in lines if known >= number)
-            if number > lines[0][0] and any(letter in left for letter in b"XYZ"):  # else only outputs were left, and are off
+            if (name, number) != self._left and number > lines[0][0] and any(letter in left for letter in b"XYZ"):  # else only outputs were left, and are off
                 return {"name": name, "line": number, "known": known, "next": ""}
         return None
 
@@ -85,8 +86,8 @@ class RecoverableJobs(StoredJobs):
             return error
         if offer is None:
             return errors.NO_SUCH_JOB
-        if what == "drop":
-            return self._drop()
+        if what == "drop" or what == "forget":
+            return self._drop() if what == "drop" else self._forget()
         if machine.state["state"] != "Idle":
             return errors.LOCKED
         if what == "begin":
@@ -98,11 +99,18 @@ class RecoverableJobs(StoredJobs):
     def _drop(self):
         machine = self._machine
         known = machine.state["recover"]["known"]
-        self._stage = ""
-        machine.state["recover"] = None
+        self._forget()
         homing, ways = (int(machine.settings.get(number, 0)) for number in (_HOMING, _HOMING_WAYS))
         rises = known and homing and not ways >> 2 & 1 and len(machine.axes) > 2 and machine.state["state"] == "Idle"
         return (machine.say(b"G53G0Z0") if rises else 0) or machine.say(b"M5") or machine.say(b"M9")
+
+    def _forget(self):
+        """It is offered no more; nothing moves."""
+        offer = self._machine.state["recover"]
+        self._left = offer["name"], offer["line"]
+        self._stage = ""
+        self._machine.state["recover"] = None
+        return 0
 
     def _begin_again(self, sure):
         if not sure:
@@ -158,6 +166,7 @@ class RecoverableJobs(StoredJobs):
 
     def run(self, name, lines, passes, checked, single=False):
         self._stage = ""
+        self._left = None
         if self._keeps and not checked:
             machine = self._machine
             error = machine.still()

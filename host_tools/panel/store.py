@@ -29,10 +29,12 @@ def gcode_lines(path):
 
 
 class Store:
-    def __init__(self, folder, read, made=None):
+    def __init__(self, folder, read, made=None, facts=None):
         """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it. `made(name, text)`: name
-        and text of the job that a file becomes, or the number of an error; None: a file is a job."""
+        and text of the job that a file becomes, or the number of an error; None: a file is a job.
+        `facts(lines, settings)`: what a job will do, see job_facts.py."""
         self._made = made
+        self._facts = facts
         self._folder = folder
         self._read = read
         folder.mkdir(parents=True, exist_ok=True)
@@ -66,6 +68,13 @@ class Store:
             return self._read(path)
         except (Failure, OSError):
             return errors.NO_SUCH_JOB
+
+    def about(self, name, settings):
+        """What a job will do, a dict, or the number of an error. `settings`: those of the board."""
+        lines = self.lines(name)
+        if isinstance(lines, int):
+            return lines
+        return self._facts(lines, settings) if self._facts else {}
 
     def programs(self):
         """[(name, lines, CRC-32 as a stored job)] of the jobs by which a board's journal may know one: the newest, up to a bound. Lines

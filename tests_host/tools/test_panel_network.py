@@ -79,7 +79,7 @@ def replays(panel):
 
 def without_a_key(panel):
     page = panel.page()
-    for name in ("step", "goto", "jog", "run", "output", "line", "resume", "give", "jobs", "job_text", "machine", "teach", "stored", "recover"):
+    for name in ("step", "goto", "jog", "run", "output", "line", "resume", "give", "jobs", "job_text", "job_about", "machine", "teach", "stored", "recover"):
         page.socket.send(json.dumps({"do": name, "by": {"x": 5}, "to": {"x": 5}, "way": {"x": 1}, "speed": 5000, "line": "G0X9", "name": "job"}))
         answer = page._find(lambda told: told["t"] == "answer")
         known = name not in getattr(panel, "lacking", ())

@@ -113,6 +113,7 @@ class Browser:
         """Another option of a list."""
         from selenium.webdriver.support.ui import Select
 
+        self.driver.execute_script(BRING, self.find(name))
         Select(self.find(name)).select_by_value(value)
 
     def press(self, way):
@@ -304,6 +305,36 @@ def test_the_path_and_its_lines(browser, panel, tmp_path):
     browser.click("path-fit")
     ink = "const c = document.getElementById('path'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; return d.some((each) => each)"
     browser.until(lambda: browser.driver.execute_script(ink))
+
+
+PAUSES = "G21 G90 F3000\nG1 X9000\nM0\nT2 M6\nX0\n"
+
+
+def test_what_a_job_will_do_is_told(browser, panel, tmp_path):
+    """Size, time, bounds, tools; what leads out of the travel; a file that is dropped is a job, too."""
+    browser.driver.execute_script(
+        "const data = new DataTransfer(); data.items.add(new File([arguments[0]], 'far.gcode'));"
+        "document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }))", PAUSES)
+    browser.until(lambda: "far.gcode" in browser.text("run"))
+    browser.until(lambda: "tools T2" in browser.text("job-facts"))
+    facts = browser.text("job-facts")
+    assert facts.startswith("5 lines, 1 kB · about ") and "X 0.0 … 9000.0, Y" in facts and facts.endswith("pauses: 1")
+    assert "out of the travel: X 0.0 … 9000.0 mm" in browser.text("job-wrong")
+
+
+def test_a_pause_is_a_bar_with_its_button(browser, panel, tmp_path):
+    """M0 and M6: the bar says what to do, and its button goes on; how long it has lasted is told meanwhile."""
+    file = tmp_path / "pauses.gcode"
+    file.write_text("G21 G91 F3000\nM0\nX4\nT2 M6\nX-4\n")
+    browser.find("upload").send_keys(str(file))
+    browser.until(lambda: "pauses.gcode" in browser.text("run"))
+    browser.click("run")
+    for text in ("The program has paused (M0)", "Put in tool T2"):
+        browser.until(lambda text=text: text in browser.text("wait-text"))
+        assert "gone" in browser.text("job-time")
+        browser.shot("wait-bar")
+        browser.click("wait-go")
+    browser.until(lambda: "Done" in browser.text("job-state") and not browser.find("wait-bar").is_displayed())
 
 
 def test_the_job_chosen_is_kept(browser, panel, tmp_path):

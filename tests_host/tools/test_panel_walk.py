@@ -200,7 +200,7 @@ def interrupted(page, folder):
     """A job that is ended amid a line is offered: after STOP only if the operator vouches for zero, and left; then gone on with."""
     page.find("upload").send_keys(str(folder / "cut.gcode"))
     page.until(lambda: page.driver.execute_script("return document.getElementById('jobs').value") == "cut.gcode" and "X15" in page.text("lines"))
-    for name in ("recover-drop", "recover-begin"):
+    for name in ("recover-drop", "recover-forget", "recover-begin"):
         page.until_state("Ready")
         page.until(lambda: page.find("run").is_enabled())
         page.click("run")
@@ -213,6 +213,10 @@ def interrupted(page, folder):
             page.shot("recover-doubt")
             page.click("recover-sure")
         page.until(lambda: page.find("recover-begin").is_displayed())
+        if name == "recover-forget":
+            page.click(name)
+            page.until(lambda: not page.find("recover-row").is_displayed())
+            continue
         page.click("recover-begin")
         page.until(lambda: "Next: " in page.text("recover-text"))
         if name == "recover-drop":

@@ -4,6 +4,7 @@ import "./old.js";
 import { Cards } from "./cards.js";
 import { makeOverrides, showControls, showWait } from "./controls.js";
 import { Jog } from "./jog.js";
+import { JobFacts, dropped } from "./job_facts.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
 import { makePad } from "./pad.js";
@@ -34,6 +35,7 @@ const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).the
   ask, () => report, () => $("jobs").value, say, () => language);
 const recover = new Recover((name, fields) => order(name, fields));
 const picture = new Picture($("path"), touched);
+const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture);
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 const tabs = new Tabs(() => picture.draw());
@@ -192,7 +194,6 @@ function show() {
   $("state").dataset.state = number;
   const braking = ["Hold", "Door"].includes(number) && report.sub !== "0";
   let name = braking ? _("Stopping") : _(STATES[report.link === false ? "" : number] || number);
-  if (number === "Hold" && report.why) name += ": " + (report.why === "pause" ? _("a pause of the program") : _("change the tool to {tool}", { tool: report.why }));
   if ($("state-name").textContent !== name) $("state-name").textContent = name;
   [...axes].forEach((axis, n) => {
     $(`w-${axis}`).textContent = report.w && n in report.w ? report.w[n].toFixed(3) : "";
@@ -274,7 +275,7 @@ function showTable() {
   if (!told || !m || !w || m.length < 2) return;
   const zero = [0, 1, 2].map((axis) => (axis in m ? w[axis] - m[axis] : 0));
   const box = [0, 1, 2].map((axis) => (told[axis] || [0, 0]).map((end) => Math.round((end + zero[axis]) * 100) / 100));
-  picture.setTable({ box, zero });
+  if (picture.setTable({ box, zero })) facts.tell();
 }
 
 // [[low, high]] of the axes in machine coordinates, mm; $130 … of grbl, and $23: which axes home at their low end.
@@ -314,6 +315,7 @@ function showJob() {
   if (report.w && report.w.length) picture.move(report.w, now && now.name === job.name ? (now.how === "done" ? Infinity : line) : 0);
   for (const [wanted, done] of waiting) if (wanted(now)) done(true);
   waiting = waiting.filter(([wanted]) => !wanted(now));
+  facts.show(now);
   if (!now) return;
   $("progress").value = now.lines ? now.done / now.lines : 0;
   let text = cards.told(now) || described(now, line);
@@ -341,12 +343,15 @@ function mark(line) {
   if ($("lines").dataset.line === String(line)) return;
   $("lines").dataset.line = line;
   const first = Math.max(0, line - 4);
+  let now = null;
   $("lines").replaceChildren(...job.lines.slice(first, first + 9).map((text, n) => {
     const row = document.createElement(first + n + 1 === line ? "b" : "span");
     row.textContent = `${first + n + 1}  ${text}\n`;
+    if (first + n + 1 === line) now = row;
     row.onclick = () => { picture.mark(first + n + 1); tellLine(first + n + 1); };
     return row;
   }));
+  if (now) $("lines").scrollTop = now.offsetTop - $("lines").clientHeight / 2;
 }
 
 function showLog(message) {
@@ -398,6 +403,7 @@ async function load() {
   const name = $("jobs").value;
   const mine = { name, text: "", lines: [] };
   job = mine;
+  facts.forget();
   if (name) put("job", name);
   $("run-name").textContent = name;
   enable();
@@ -412,6 +418,7 @@ async function load() {
   $("lines").dataset.line = "";
   picture.show(cards.read(job.text) || read(job.text));
   if (!cards.mark(null)) mark(1);
+  if (name) facts.load(job);
 }
 
 async function upload(file) {
@@ -468,6 +475,7 @@ $("give").onclick = () => order("give", { to: "guest" });
 $("take").onclick = () => order("give", { to: "page" });
 $("jobs").onchange = load;
 $("upload").onchange = async () => { if ($("upload").files[0]) await upload($("upload").files[0]); $("upload").value = ""; };
+dropped((file) => (cards.can("jobs") ? upload(file) : shelf.upload(file)), () => cards.can("jobs") || cards.can("kept"));
 $("remove").onclick = async () => {
   const name = $("jobs").value;
   if (name && await ask(_("Remove {name}?", { name }))) { await order("job_remove", { name }); await order("jobs"); }

@@ -22,14 +22,15 @@ export class Picture {
 
   show(moves) { this.moves = moves; this.done = 0; this.marked = null; this.fit(); }
 
-  // The travel in work coordinates: [[low, high] of x, y, z], and the machine's zero; null: not known.
+  // The travel in work coordinates: { box: [[low, high] of x, y, z], zero: the machine's }. True if it is another one.
   setTable(table) {
     const text = JSON.stringify(table);
-    if (text === this.known) return;
+    if (text === this.known) return false;
     const first = !this.table;
     this.known = text;
     this.table = table;
     if (first && !this.moves.length) this.fit(); else this.draw();
+    return true;
   }
 
   // The box of the job's moves, or null.

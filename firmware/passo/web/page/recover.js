@@ -10,6 +10,7 @@ export class Recover {
     $("recover-begin").onclick = () => order("recover", { what: "begin", unverified: $("recover-sure").checked });
     $("recover-down").onclick = () => order("recover", { what: "down" });
     $("recover-drop").onclick = () => order("recover", { what: "drop" });
+    $("recover-forget").onclick = () => order("recover", { what: "forget" });
   }
 
   // `offer`: of the state; `free`: nothing runs, and this page commands; `idle`: the machine is; `turns`: its spindle does.
@@ -26,6 +27,6 @@ export class Recover {
     $("recover-down").hidden = !offer.next;
     $("recover-begin").disabled = !free || !idle || !(offer.known || $("recover-sure").checked);
     $("recover-down").disabled = !free || !idle;
-    $("recover-drop").disabled = !free;
+    $("recover-drop").disabled = $("recover-forget").disabled = !free;
   }
 }

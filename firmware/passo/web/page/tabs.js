@@ -1,9 +1,9 @@
 // Which parts of the page are seen: one at a time on a phone, all of them in two columns on a tablet, in three on a wide screen.
 
 const COLUMNS = {
-  1: [["move", "job", "path", "machine"], [], []],
-  2: [["move", "job"], ["path", "machine"], []],
-  3: [["move"], ["path", "job"], ["machine"]],
+  1: [["move", "job", "overrides", "path", "machine"], [], []],
+  2: [["move", "job"], ["path", "overrides", "machine"], []],
+  3: [["move"], ["path", "job"], ["overrides", "machine"]],
 };
 const TWO = matchMedia("(min-width: 44rem)"), THREE = matchMedia("(min-width: 72rem)");
 
@@ -49,6 +49,7 @@ export class Tabs {
       tab.setAttribute("aria-current", String(name === this.chosen));
       pane(name).hidden = !shown || this.count === 1 && name !== this.chosen;
     }
+    pane("overrides").hidden = !used("overrides") || pane("job").hidden;
     for (const column of document.querySelectorAll(".column")) column.hidden = !Array.from(column.children).some((each) => !each.hidden);
     document.querySelector("main").dataset.columns = document.querySelectorAll(".column:not([hidden])").length;
     this.changed();

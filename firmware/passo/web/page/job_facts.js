@@ -1,0 +1,100 @@
+// What is told of a job before and while it runs: size, time, bounds, tools; gone, left, and when it ends.
+
+import { _ } from "./words.js";
+
+const $ = (id) => document.getElementById(id);
+const TRUST = 0.1;  // part of a job up to which the estimate counts for more than what was measured
+
+// Seconds as people say them.
+export function clock(seconds) {
+  const s = Math.round(seconds), two = (number) => String(number).padStart(2, "0");
+  return s < 3600 ? `${Math.floor(s / 60)}:${two(s % 60)} min` : `${Math.floor(s / 3600)}:${two(Math.floor(s / 60) % 60)} h`;
+}
+
+export class JobFacts {
+  // order(name, fields): a promise of the answer; picture: its bounds and table.
+  constructor(order, picture) {
+    this.order = order;
+    this.picture = picture;
+    this.about = {};
+    this.run = null;
+  }
+
+  // A job has been loaded: ask the PC what it will do; a board has no time for that.
+  async load(job) {
+    this.about = { name: job.name, size: job.text.length, lines: job.lines.length };
+    this.tell();
+    const answer = await this.order("job_about", { name: job.name });
+    if (!answer.error && answer.name === this.about.name) this.about = { ...this.about, ...answer };
+    this.tell();
+  }
+
+  forget() { this.about = {}; this.tell(); }
+
+  tell() {
+    const { name, size, lines, seconds, tools, pauses } = this.about, box = name && this.picture.bounds();
+    const facts = name ? [_("{lines} lines, {size} kB", { lines, size: Math.ceil(size / 1024) })] : [];
+    if (seconds !== undefined) facts.push(_("about {time}", { time: clock(seconds) }));
+    if (box) facts.push(box.map(([low, high], axis) => `${"XYZ"[axis]} ${low.toFixed(1)} … ${high.toFixed(1)}`).join(", ") + " mm");
+    if (tools && tools.length) facts.push(_("tools {tools}", { tools: tools.join(", ") }));
+    if (pauses) facts.push(_("pauses: {pauses}", { pauses }));
+    if ($("job-facts").textContent !== facts.join(" · ")) $("job-facts").textContent = facts.join(" · ");
+    const wrong = box ? this.outside(box) : "";
+    if ($("job-wrong").textContent !== wrong) $("job-wrong").textContent = wrong;
+  }
+
+  // What leads out of the table, in words.
+  outside(box) {
+    const table = this.picture.table;
+    if (!table) return "";
+    const wrong = box.map(([low, high], axis) => {
+      const [least, most] = table.box[axis];
+      if (most <= least || low >= least - 0.01 && high <= most + 0.01) return "";
+      return `${"XYZ"[axis]} ${low.toFixed(1)} … ${high.toFixed(1)} mm (${least.toFixed(1)} … ${most.toFixed(1)} mm)`;
+    }).filter(Boolean);
+    return wrong.length ? _("From this zero it leads out of the travel: {axes}", { axes: wrong.join(", ") }) : "";
+  }
+
+  // The times of a job that runs; `now`: the state's.
+  show(now) {
+    const runs = now && ["run", "halting"].includes(now.how) && !now.checked;
+    if (!runs) {
+      this.run = null;
+      if (!now || now.how !== "done") $("job-time").textContent = "";
+      return;
+    }
+    if (!this.run || this.run.name !== now.name || now.done < this.run.done) this.run = { name: now.name, from: Date.now(), at: now.done };
+    this.run.done = now.done;
+    const gone = (Date.now() - this.run.from) / 1000, left = this.left(now, gone);
+    let text = _("{time} gone", { time: clock(gone) });
+    if (left !== null) {
+      const end = new Date(Date.now() + left * 1000).toLocaleTimeString(document.documentElement.lang, { hour: "2-digit", minute: "2-digit" });
+      text += `, ${_("about {time} left, ends at {end}", { time: clock(left), end })}`;
+    }
+    if ($("job-time").textContent !== text) $("job-time").textContent = text;
+  }
+
+  // Seconds left, by the estimate and the pace so far; null: nobody knows.
+  left(now, gone) {
+    const { name, parts, seconds } = this.about, share = now.lines ? now.done / now.lines : 0;
+    if (name !== now.name || !parts || !seconds) return share > 0.03 && gone > 5 ? gone * (1 - share) / share : null;
+    const until = (part) => {
+      const at = Math.min(1, part) * (parts.length - 1), low = Math.floor(at);
+      return parts[low] + (at - low) * ((low + 1 < parts.length ? parts[low + 1] : parts[low]) - parts[low]);
+    };
+    const thought = until(share), begun = until(this.run.at / now.lines), trust = seconds * TRUST;
+    return (seconds - thought) * (gone + trust) / (thought - begun + trust) + seconds * (now.passes - now.pass);
+  }
+}
+
+// A file that is dropped anywhere on the page; take(file).
+export function dropped(take, may) {
+  const show = (on) => document.body.classList.toggle("dropping", on);
+  document.addEventListener("dragover", (event) => { event.preventDefault(); show(may()); });
+  document.addEventListener("dragleave", (event) => { if (!event.relatedTarget) show(false); });
+  document.addEventListener("drop", async (event) => {
+    event.preventDefault();
+    show(false);
+    for (const file of may() ? Array.from(event.dataTransfer.files) : []) await take(file);
+  });
+}

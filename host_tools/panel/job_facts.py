@@ -1,0 +1,63 @@
+"""What a job will do, as far as its lines say: about how long it takes, its tools, and where it waits for somebody.
+
+    gcode(lines, settings)                  # [(number, bytes)], {number: text} → {"lines", "seconds", "parts", "tools", "pauses"}
+    packets_of(board)(lines, settings)      # the same of a plotter's job
+
+`parts`: estimated seconds up to each 32nd of the lines. A job of more than MOST_LINES is not estimated: the panel's loop must not stand.
+"""
+
+import re
+
+from host_tools.programs.estimate import Estimate
+from host_tools.programs.gcode_time import Limits, estimate
+
+MOST_LINES = 30_000
+_PARTS = 32
+_TOOL = re.compile(rb"T(\d+)")
+_CHANGE = re.compile(rb"M0*6(?!\d)")
+_PAUSE = re.compile(rb"M0*[01](?!\d)")
+
+
+def gcode(lines, settings):
+    found = {"lines": len(lines), "tools": _tools(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
+    if len(lines) <= MOST_LINES:
+        limits = Limits.of_settings([f"${number}={value}" for number, value in settings.items()])
+        found.update(_times(estimate(lines, limits)))
+    return found
+
+
+def _tools(lines):
+    """The tools that are changed to, in order: T goes before M6 or beside it."""
+    tools, chosen = [], ""
+    for _, line in lines:
+        line = line.upper()
+        named = _TOOL.search(line)
+        if named:
+            chosen = "T" + named[1].decode()
+        if chosen and _CHANGE.search(line) and (not tools or tools[-1] != chosen):
+            tools.append(chosen)
+    return tools
+
+
+def packets_of(board):
+    times = Estimate(board)
+
+    def packets(lines, settings):
+        found = {"lines": len(lines), "tools": [], "pauses": 0}
+        words = [line.split() for _, line in lines]
+        if len(lines) <= MOST_LINES:
+            points = [(word[0] == b"LINE", int(word[1]), int(word[2])) for word in words if len(word) == 3]
+            seconds = iter(times.object_s(points))
+            found.update(_times([next(seconds) if len(word) == 3 else 0.0 for word in words]))
+        return found
+
+    return packets
+
+
+def _times(seconds):
+    until, parts = 0.0, [0.0]
+    for index, taken in enumerate(seconds):
+        until += taken
+        while len(parts) <= (index + 1) * _PARTS // len(seconds):
+            parts.append(round(until, 1))
+    return {"seconds": round(until, 1), "parts": parts}
