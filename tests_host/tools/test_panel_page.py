@@ -413,9 +413,14 @@ def test_tool_overrides_line_and_settings(browser):
     for button, what, text in (("feed+10", "feed", "110 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"), ("rapid100", "rapid", "100 %")):
         browser.tap(f"[data-override='{button}']")
         browser.until(lambda: browser.text(f"ov-{what}") == text)
-    browser.fill("line", "$LINK")
-    browser.tap("#line-form button")
-    browser.until(lambda: "[LINK:" in browser.text("said"))
+    for line, answer in (("$LINK", "[LINK:"), ("G9", "Error 20")):
+        browser.fill("line", line)
+        browser.tap("#line-form button")
+        browser.until(lambda line=line, answer=answer: f"> {line}" in browser.text("said") and answer in browser.text("said"))
+    from selenium.webdriver.common.keys import Keys
+
+    browser.find("line").send_keys(Keys.ARROW_UP, Keys.ARROW_UP)
+    assert browser.find("line").get_attribute("value") == "$LINK"
     browser.tap("#card-settings summary")
     for yes, kept in ((False, 0.01), (True, 0.02)):
         browser.driver.execute_script(

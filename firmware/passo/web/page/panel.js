@@ -7,11 +7,13 @@ import { Jog } from "./jog.js";
 import { JobFacts, dropped } from "./job_facts.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
+import { OwnButtons } from "./own_buttons.js";
 import { makePad } from "./pad.js";
 import { Picture } from "./path.js";
 import { read } from "./gcode_path.js";
 import { Recover } from "./recover.js";
 import { Tabs } from "./tabs.js";
+import { Typed } from "./typed.js";
 import { _, choose, languages, preferred } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -39,14 +41,24 @@ const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields })
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 const tabs = new Tabs(() => picture.draw());
+const typed = new Typed(order, errorText);
+new OwnButtons(order, ask, atRest);
 let waiting = [];  // [condition of a job, resolve]
 
 // --- messages
 
 function say(text) { $("message").textContent = text; }
 
-function refuse(error) {
-  if (error) say(`${_("Error")} ${error}: ${_(errors[error] || "")}`);
+function errorText(error) { return `${_("Error")} ${error}: ${_(errors[error] || "")}`; }
+
+function refuse(error) { if (error) say(errorText(error)); }
+
+// True once the machine is at rest again; false if it is not, or has stopped for another reason.
+async function atRest() {
+  const moves = () => ["Run", "Jog", "Home"].includes(report.state);
+  await new Promise((seen) => setTimeout(seen, 200));
+  while (moves()) await new Promise((seen) => setTimeout(seen, 100));
+  return report.state === "Idle";
 }
 
 // An order; what is refused is said. Returns the answer.
@@ -134,8 +146,7 @@ function told(message) {
   } else if (message.t === "log") {
     showLog(message);
   } else if (message.t === "said") {
-    $("said").textContent = ($("said").textContent + message.text + "\n").slice(-4000);
-    $("said").scrollTop = $("said").scrollHeight;
+    typed.say(message.text);
   }
 }
 
@@ -362,6 +373,7 @@ function showLog(message) {
   });
   if (message.all) return $("log").replaceChildren(...rows);
   $("log").append(...rows);
+  for (const number of message.log) typed.say(errorText(number));
   $("log").scrollTop = $("log").scrollHeight;
   refuse(message.log[message.log.length - 1]);
 }
@@ -454,8 +466,21 @@ for (const label of document.querySelectorAll("#card-jog fieldset label")) {
   for (const end of ["pointerup", "touchend"]) label.addEventListener(end, () => setTimeout(() => label.firstElementChild.blur()));
 }
 
+// Keys that are no moves.
+function shortcut(key) {
+  const steps = document.querySelectorAll("input[name=step]"), busy = report.state === "Run";
+  if (key === "?") $("help-keys").showModal();
+  else if ("1234".includes(key) && cards.can("step")) steps[Number(key) - 1].checked = true;
+  else if (key === "p" || key === "P") $(busy ? "hold" : "resume").click();
+  else return false;
+  return true;
+}
+
+$("help-close").onclick = () => $("help-keys").close();
 document.addEventListener("keydown", (event) => {
-  if (event.key === "Escape" && !$("ask").open) return link.stop();
+  if (event.key === "Escape" && !$("ask").open && !$("help-keys").open) return link.stop();
+  const plain = !event.ctrlKey && !event.altKey && !event.metaKey && !event.repeat && !typing(event.target);
+  if (plain && event.key.length === 1 && shortcut(event.key)) { event.preventDefault(); return; }
   const way = KEYS[event.key];
   if (!way || typing(event.target) || event.ctrlKey || event.altKey || event.metaKey || !axes.includes(way[0]) || $("card-jog").hidden) return;
   event.preventDefault();
@@ -486,7 +511,6 @@ $("run").onclick = async () => {
   if (shown || await ask(_("Run {name}, which is not shown here yet?", { name }))) order("run", { name, passes: Number($("passes").value) || 1 });
 };
 $("check").onclick = () => order("run", { name: $("jobs").value, check: true });
-$("line-form").onsubmit = (event) => { event.preventDefault(); order("line", { line: $("line").value }); $("line").select(); };
 $("key-form").onsubmit = (event) => {
   event.preventDefault();
   keep($("key").value);
