@@ -1,6 +1,6 @@
 """Writes the tables of docs/ that repeat what the firmware knows: board-file keys, pins, settings, errors.
 
-    python -m host_tools.build.reference          # writes board-file.md, wiring.md, settings.md and errors.md of docs/ anew
+    python -m host_tools.build.reference          # writes board-file.md, pins.md, settings.md and errors.md of docs/ anew
 
 Of each page only what stands between its two marks is made; the rest is written by hand. tests_host/rules/test_docs.py fails
 while a page is not current.
@@ -238,7 +238,7 @@ def errors():
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {text} |" for number, text in texts]]
 
 
-PAGES = {"board-file.md": board_keys, "wiring.md": pins, "settings.md": settings, "errors.md": errors}
+PAGES = {"board-file.md": board_keys, "pins.md": pins, "settings.md": settings, "errors.md": errors}
 
 if __name__ == "__main__":
     for _name in PAGES:
