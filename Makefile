@@ -15,7 +15,7 @@ PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --du
 MINOR = import sys; print(*sys.version_info[:2])
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run check test test-all soak bench build flash uf2 emulate site wheel clean
+.PHONY: help venv run check test test-all soak bench build flash uf2 emulate site pictures wheel clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -109,6 +109,9 @@ emulate: $(EMULATE)  ## the firmware on an emulated Pico; ARGS='--board NAME --t
 
 site: $(TOOLS)  ## the page with the firmware in it, for any web server: build/site; ARGS='--serve 8000'
 	$(BIN)/passo site $(ARGS)
+
+pictures: $(STAMP)  ## the wiring drawings of docs/ and README's picture of the page, by chromium
+	$(BIN)/python -m host_tools.build.pictures --page
 
 wheel: $(STAMP)  ## what pip installs, with the kernels compiled for every chip: dist/
 	$(BIN)/python -m host_tools.build.ship

@@ -67,10 +67,10 @@ def test_links_resolve(page):
     assert not broken
 
 
-def shown_commands(text, verb):
-    """What is shown of a command, without its comment: [words]."""
+def shown_commands(text, verb, mentioned=True):
+    """What is shown of a command, without its comment: [words]; `mentioned`: in a line of text, too."""
     found = []
-    for line in blocks(text) + spans(text):
+    for line in blocks(text) + (spans(text) if mentioned else []):
         line = re.sub(r"^\$ ", "", line.strip())
         match = re.match(rf"(?:\.venv/bin/)?{verb}(?: (.*))?$", line)
         if match:

@@ -162,6 +162,93 @@ def test_what_a_document_shows(passo, page):
         good(passo(*words))
 
 
+# --- guides, from the first command to the last
+
+GUIDES = sorted([*(ROOT / "docs" / "machines").glob("*.md"), ROOT / "docs" / "class.md"])
+FOR_PEOPLE = ("--open", "--serve")  # what a browser shows, tested elsewhere: those that wait for one are started, and ended
+
+
+def sessions(page):
+    """[(section, [words of its commands, in their order])] of a guide, with the serial port of the real board as that of the virtual one."""
+    text = page.read_text(encoding="utf-8")
+    for section in re.split(r"^## ", text, flags=re.MULTILINE)[1:]:
+        yield section.split("\n", 1)[0], shown_commands(section, "passo", mentioned=False)
+
+
+def board_of(page):
+    """The board file whose firmware a guide flashes, for its virtual machine."""
+    found = re.search(r"passo flash --board (\w+)", page.read_text(encoding="utf-8"))
+    return found[1] if found else "router_3axis"
+
+
+class Session:
+    """Runs the commands of a section; a virtual board goes on behind those that follow until it is ended, as Ctrl-C would."""
+
+    def __init__(self, passo, board, link):
+        self._passo, self._board, self._link = passo, board, link
+        self._running, self._panel = [], None
+
+    def run(self, words):
+        waits = words[:1] == ["board"] or any(word in words for word in FOR_PEOPLE)
+        if words[:1] == ["plot"]:
+            self.end()
+        elif self._panel is not None:  # one program has a port at a time
+            self._running.remove(self._panel)
+            self._ended(self._panel)
+            self._panel = None
+        words = [str(self._link) if word.startswith(("/tmp/", "/dev/tty")) else word for word in words]
+        if words[:1] == ["flash"]:
+            words = [*words[: words.index("--port")], "--dry-run"]
+        elif str(self._link) in words and words[:1] != ["board"] and not self._running:
+            self._start(["board", "--board", self._board, "--link", str(self._link), "--time", "fast"])
+        if waits:
+            self._start([word for word in words if word != "--open"])
+        elif words[:1] != ["ports"]:  # whose boards are those of this PC
+            good(self._passo(*words))
+
+    def _start(self, words):
+        if words[0] == "site":
+            words[words.index("--serve") + 1] = "0"
+        elif words[0] == "panel":
+            words += ["--http", "0"]
+        process = self._passo(*words, start=True)
+        self._running.append(process)
+        self._panel = process if words[0] == "panel" else self._panel
+        for line in process.stdout:
+            if re.match("port|page|http|.*http://", line):
+                return
+        raise AssertionError(f"passo {' '.join(words)}: {process.stderr.read()}")
+
+    def end(self):
+        while self._running:
+            self._ended(self._running.pop())
+
+    def _ended(self, process):
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=60)
+        process.stdout.close()
+        process.stderr.close()
+
+
+@pytest.mark.parametrize("page", [
+    pytest.param(page, id=page.stem, marks=[] if page.stem == "kit" else pytest.mark.slow) for page in GUIDES
+])  # fmt: skip
+def test_every_command_of_a_guide(passo, page, tmp_path):
+    """In the order in which it shows them: a virtual board stands for the real one, and `flash` only says what it would copy."""
+    shutil.copytree(ROOT / "docs", passo.folder / "docs", dirs_exist_ok=True)
+    board = board_of(page)
+    count = 0
+    for section, commands in sessions(page):
+        session = Session(passo, board, tmp_path / "port")
+        try:
+            for words in commands:
+                session.run(words)
+                count += 1
+        finally:
+            session.end()
+    assert count >= 4
+
+
 def test_a_panel_and_its_page(passo):
     """What `passo panel` imports is installed with the command, and its page lies in the wheel."""
     process = passo("panel", "--demo", "--http", "0", start=True)
