@@ -299,7 +299,8 @@ class App:
         answer = link.protocol.reply(self.controller.status(command))
         if answer:
             link.serial.write(answer)
-        self.controller.asked(link)
+        for asked in self.controller.asks:
+            asked(link)
 
     def _begin(self, command):
         link = command.link

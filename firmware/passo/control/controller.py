@@ -50,7 +50,7 @@ class Controller:
         self._readies = overriding(features, "ready")
         self._busies = overriding(features, "busy")
         self._stops = overriding(features, "stopped")
-        self._asks = overriding(features, "asked")
+        self.asks = overriding(features, "asked")
         self._batches = {}  # (open, accept, close) by their kind
         for feature in features:
             self._batches.update(feature.batches() or {})
@@ -98,7 +98,8 @@ class Controller:
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
         if command.kind == commands.STATUS:
             self.machine.tell(self.status(command))
-            self.asked(command.link)
+            for asked in self.asks:
+                asked(command.link)
             return 0
         self.machine.awake = True
         handler = self.machine.handlers.get(command.kind)
@@ -236,7 +237,7 @@ class Controller:
         return errors.NO_HOMING
 
     def status(self, command):
-        """The event that answers STATUS, which is never refused. The caller calls asked() when it has answered."""
+        """The event that answers STATUS, which is never refused. The caller calls all of `asks` when it has answered."""
         machine = self.machine
         report = self._report
         log = machine.log
@@ -248,11 +249,6 @@ class Controller:
         event = command.accepted or Event(ACCEPTED, command)
         event.value = report
         return event
-
-    def asked(self, link):
-        """Tell the features that `link` has asked for the status."""
-        for asked in self._asks:
-            asked(link)
 
     def _stop(self, command):
         machine = self.machine

@@ -24,11 +24,12 @@ class Resets(Feature):
             machine.alarm = errors.ALARM_LOCKED
         machine.command = None
         machine.checking = machine.sleeping = False
-        machine.abort()
-        machine.forget()
-        machine.restart()
         if alarm:
             machine.raise_alarm(alarm)
+        else:
+            machine.abort()
+            machine.forget()
+        machine.restart()
         machine.restarted(command)
         return machine.accepted(command)
 

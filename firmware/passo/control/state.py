@@ -97,7 +97,7 @@ class MachineState:
         for held in self._held:
             if held():
                 return "hold"
-        return "run" if command or self.drawing or self.active or self.occupied() else "idle"
+        return "run" if command or self.drawing or self.active or self._active and self.occupied() else "idle"
 
     @property
     def target(self):
