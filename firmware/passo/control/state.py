@@ -5,6 +5,8 @@
 
 Features (feature.py) see this record and the queue. What concerns all of the machine (a stop, an alarm, a new beginning) is a method
 of the record, which calls those of all features.
+
+An attribute has one writer beside this module, unless WRITERS of tests_host/rules/test_writers.py says why it has more.
 """
 
 from passo import commands, errors

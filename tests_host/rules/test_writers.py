@@ -1,0 +1,58 @@
+"""Who writes the machine's record (control/state.py): one module beside it for each attribute, but for those named here."""
+
+import ast
+from collections import defaultdict
+
+import pytest
+
+from host_tools.resources import FIRMWARE
+
+pytestmark = pytest.mark.quick
+
+# Attributes with several writers, and why.
+WRITERS = {
+    # a flag that says "poll again", which nobody but the controller takes back
+    "awake": {"changeover", "controller", "encoders", "gantry", "host_watch", "independent", "job_journal", "jobs", "line_batches", "program", "step_program"},
+    # the long command: its feature begins it, and whoever stops the machine ends it
+    "command": {"controller", "drawing", "homing", "jobs", "pauses", "program", "resets", "tools"},
+    # motion of a program and jogs: each way of queueing them says so, the controller notices the stand
+    "active": {"line_batches", "program"},
+    "fresh": {"line_batches", "program"},
+    "jogging": {"controller", "drawing", "independent", "program"},
+    # the spindle's speed: what switches it says "not yet", what measures it "now"
+    "at_speed": {"inverter", "pauses", "spindle_speed", "tachometer", "tools"},
+    # a button may toggle what the program has switched
+    "coolant": {"pauses", "tools"},
+    # what finds the position, and what doubts it
+    "homed": {"controller", "encoders", "homing", "interlock"},
+    # STOP and RESET turn an alarm that needs a reset into the lock
+    "alarm": {"controller", "resets"},
+    # of a board with a drawing or a step program, never both
+    "job": {"drawing", "step_program"},
+}
+_RECORD = ("machine", "self._machine", "self.machine", "self.controller.machine")
+
+
+def targets(node):
+    if isinstance(node, ast.Assign):
+        for target in node.targets:
+            yield from target.elts if isinstance(target, ast.Tuple) else (target,)
+    elif isinstance(node, ast.AugAssign):
+        yield node.target
+
+
+def writers():
+    """{attribute: modules of control that assign it}"""
+    found = defaultdict(set)
+    for path in sorted((FIRMWARE / "passo/control").glob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            for target in targets(node):
+                if isinstance(target, ast.Attribute) and ast.unparse(target.value) in _RECORD:
+                    found[target.attr].add(path.stem)
+    return found
+
+
+def test_an_attribute_has_one_writer():
+    found = writers()
+    assert found["checking"] == {"resets"} and "overrides" in found
+    assert {name: modules for name, modules in found.items() if len(modules) > 1} == WRITERS
