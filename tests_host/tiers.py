@@ -1,7 +1,7 @@
 """How much of the tests runs: `pytest --tier check|test|all`, which `make check`, `make test` and `make test-all` give.
 
     check   what is marked `quick`, and FEW examples of each property, under MicroPython nothing else: within 90 s
-    test    all but what is marked `slow`, under MicroPython at most SOME examples: what guards a commit
+    test    all but what is marked `slow`, under MicroPython one PARTth of the examples, at most SOME: what guards a commit
     all     everything; also what pytest runs if nobody asks for less
 
     examples(60, tier="check")      # how many of 60 examples of a property are tried
@@ -17,7 +17,7 @@ from contextlib import contextmanager
 
 TIERS = ("check", "test", "all")
 FEW = 3
-SOME = 20  # CPython has tried all of them
+SOME, PART = 20, 4  # CPython has tried all of them
 MEASURED_S = 0.1
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"

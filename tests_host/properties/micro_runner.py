@@ -1,10 +1,11 @@
 """Runs check modules without pytest: under MicroPython, and under CPython for comparison.
 
-    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few] [--most=N] [--slow] check_line
+    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few] [--most=N] [--part=N] [--slow] check_line
 
 Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
 generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. With --few only those
-with parameters run; with --most=N each at most N times; what `SLOW` names runs with --slow only. Prints every failure with its arguments
+with parameters run; with --most=N each at most N times; with --part=N an Nth of its RUNS, but three at least; what `SLOW` names runs with
+--slow only. Prints every failure with its arguments
 and a closing count; the exit status is 1 if anything failed.
 """
 
@@ -13,6 +14,7 @@ import sys
 from draws import Random, draw
 
 DEFAULT_RUNS = 100
+LEAST = 3
 
 
 def report(label, error):
@@ -45,7 +47,7 @@ def run_check(name, check, specs, runs, examples=()):
     return runs, False
 
 
-def run_module(module_name, few=False, slow=True, most=1_000_000):
+def run_module(module_name, few=False, slow=True, most=1_000_000, part=1):
     """Run the checks of a module; returns (checks, runs, failures)."""
     module = __import__(module_name)
     cases = getattr(module, "CASES", {})
@@ -57,7 +59,8 @@ def run_module(module_name, few=False, slow=True, most=1_000_000):
     total = failures = 0
     for name in names:
         specs = cases.get(name, ())
-        runs = min(counts.get(name, DEFAULT_RUNS), most) if specs else 1
+        runs = counts.get(name, DEFAULT_RUNS)
+        runs = min(runs, max(runs // part, LEAST), most) if specs else 1
         made, failed = run_check(name, getattr(module, name), specs, runs, examples.get(name, ()))
         total += made
         failures += failed
@@ -66,14 +69,16 @@ def run_module(module_name, few=False, slow=True, most=1_000_000):
 
 def main(arguments):
     checks = runs = failures = 0
-    few, slow, most = "--few" in arguments, "--slow" in arguments, 1_000_000
+    few, slow, most, part = "--few" in arguments, "--slow" in arguments, 1_000_000, 1
     for argument in arguments:
         if argument.startswith("--most="):
             most = int(argument[7:])
+        elif argument.startswith("--part="):
+            part = int(argument[7:])
     for module_name in arguments:
         if module_name.startswith("--"):
             continue
-        counted = run_module(module_name, few, slow, most)
+        counted = run_module(module_name, few, slow, most, part)
         checks += counted[0]
         runs += counted[1]
         failures += counted[2]
