@@ -21,7 +21,7 @@ BOARDS = ("plotter_2014", "router_3axis", "laser_xy", "torch_manipulator", "mill
 FOLDERS = {"en": DOCS / "machines", "pt": DOCS / "pt" / "machines"}
 PAGE = DOCS / "page.png"
 _SIZE = 1280, 1240
-_HOMING_S, _RUNNING_S = 15, 12
+_HOMING_S, _RUNNING_S = 40, 12
 JOB = DOCS / "machines" / "plate.gcode"
 
 
@@ -69,7 +69,7 @@ def _taken(address, file):
         _press(browser, "button", "Home")
         time.sleep(_HOMING_S)
         _press(browser, "option", JOB.name)
-        time.sleep(1)
+        time.sleep(3)
         _press(browser, "button", "Run")
         time.sleep(_RUNNING_S)
         picture = Image.open(io.BytesIO(browser.get_screenshot_as_png())).convert("RGB")
@@ -81,8 +81,10 @@ def _taken(address, file):
 def _press(browser, kind, label):
     """Press the first element of that kind and name, as the page shows it in English."""
     for each in browser.find_elements("tag name", kind):
-        if each.text.strip().startswith(label) or each.get_attribute("value") == label:
-            return each.click()
+        if each.is_enabled() and (each.text.strip().startswith(label) or each.get_attribute("value") == label):
+            browser.execute_script("arguments[0].scrollIntoView({block: 'nearest'})", each)
+            each.click()
+            return browser.execute_script("window.scrollTo(0, 0)")
     print(f"the page has no {kind} {label!r}", file=sys.stderr)
 
 

@@ -24,7 +24,7 @@ from passo.config.boardfile import check, claimed_pins
 ImageFont = pytest.importorskip("PIL.ImageFont")
 matplotlib = pytest.importorskip("matplotlib")
 SVG = "{http://www.w3.org/2000/svg}"
-LETTER = 0.001  # of a size, to compare with
+THOUSANDTH = 0.001  # the font is measured at a size of 1000
 
 
 @pytest.fixture(params=("en", "pt"))
@@ -95,7 +95,7 @@ def text_boxes(root):
     for element, x, y, box in elements(root):
         if element.tag == SVG + "text":
             size = float(element.get("font-size"))
-            wide = font(element.get("font-weight") == "bold").getlength(element.text) * size * LETTER
+            wide = font(element.get("font-weight") == "bold").getlength(element.text) * size * THOUSANDTH
             left = x + float(element.get("x")) - {"middle": wide / 2, "end": wide}.get(element.get("text-anchor"), 0)
             base = y + float(element.get("y"))
             found.append((element.text, left, base - 0.73 * size, left + wide, base + 0.2 * size, box))
