@@ -21,7 +21,7 @@ from passo.control.motors import Motors
 from passo.errors import LATER
 from passo.memory import keep
 from passo.motion.planner import Planner
-from passo.records import COUNT_MASK, LEAD_TICKS, TICKS_PER_S
+from passo.records import COUNT_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_S
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import us_to_ticks
 
@@ -243,7 +243,8 @@ class App:
     def _feed(self):
         """Make words for the player, if there is something to play and the motors are ready."""
         feeder = self.feeder
-        feeder.open = not self.planner.empty() and self.controller.may_feed()
+        indices = self.planner.indices
+        feeder.open = indices[QUEUE_ADDED] != indices[QUEUE_RETIRED] and self.controller.may_feed()
         if not feeder.open:
             return
         live = bool(self.controller.lives) and self.controller.live()

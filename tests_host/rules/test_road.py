@@ -70,7 +70,6 @@ AWAKE = {
     "control/stream_queue.py StreamQueue.begin",
     "control/stream_queue.py StreamQueue.stream",
     "control/tools.py Tools.poll_end",
-    "motion/planner.py Planner.empty",
     "motion/planner.py Planner.start",
     "ports/virtual_player.py Player.played",
 }
