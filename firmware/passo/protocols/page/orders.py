@@ -19,9 +19,6 @@ _MOST_SPEED = 1_000_000.0
 _LEAST_WAY = 1e-6  # of a direction: less is no direction, and its square may be 0
 _LINE = const(120)
 _MOST_NUMBER = const(0x1FFFFFFF)
-
-
-OF_PC = ("job_text", "job_part", "job_remove", "run", "teach", "machine")
 _DEEPEST = const(8)  # brackets in each other: an order has two
 
 
@@ -94,8 +91,6 @@ class Orders:
             "override": self._override, "output": self._output, "set": self._set, "line": self._line, "give": self._give,
             "jobs": self._jobs, "abort": self._abort, "log": self._log, "settings": self._settings, "play": self._play,
         }  # fmt: skip
-        for name in OF_PC:
-            self._orders[name] = self._wordless
 
     def can(self):
         """What a page may ask for."""
@@ -119,10 +114,6 @@ class Orders:
 
     def _answer(self, name, error):
         return {"t": "answer", "do": name, "error": error}
-
-    def _wordless(self, order):
-        """Only a PC does that."""
-        return errors.UNKNOWN_COMMAND
 
     # --- motion
 
