@@ -17,10 +17,11 @@ USED = 3 * SLOTS + 60  # of the slots: three blocks are erased
 RX_BYTES = 128
 ANSWER = re.compile(rb"(ok|error:\d+|ALARM:\d+)\r\n")
 LINK = "serial"
+pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("erases")]
 
 
 # Whoever outlasts the longest erases outlasts typical ones.
-@pytest.fixture(params=[pytest.param(TYPICAL, id="typical", marks=pytest.mark.slow), pytest.param(LONGEST, id="longest")])
+@pytest.fixture(scope="module", params=[pytest.param(TYPICAL, id="typical", marks=pytest.mark.slow), pytest.param(LONGEST, id="longest")])
 def machine(request, uf2):  # noqa: F811
     board = boards.load("router_3axis")
     board["journal"] = {"every_ms": 200}
