@@ -6,7 +6,7 @@ What is used is noted in the page, from its events; at the end nothing of its DO
 import time
 
 import pytest
-from test_panel_page import MM, SQUARE, Browser, driver, jogged, pytestmark as of_pages, switched  # noqa: F401
+from test_panel_page import BRING, MM, SQUARE, Browser, driver, jogged, pytestmark as of_pages, switched  # noqa: F401
 
 from host_tools import boards
 from panel_process import PanelProcess
@@ -62,6 +62,7 @@ class Walker(Browser):
         """Type into a field, in place of what is there."""
         from selenium.webdriver.common.keys import Keys
 
+        self.driver.execute_script(BRING, self.find(name))
         self.keys(self.find(name), Keys.CONTROL + "a" + Keys.NULL, text)
 
     @staticmethod
@@ -101,7 +102,7 @@ def walk(tmp_path_factory, driver):
             used = stranger.noted()
         with Walker(panel, driver) as page:
             homed = home(page)
-            for part in (moves, jobs, paused, interrupted, kept_jobs, tool, teach, looks):
+            for part in (moves, jobs, interrupted, kept_jobs, paused, tool, teach, looks):
                 part(page, folder)
             page.until_state("Ready")
             page.shot("walk")
@@ -279,7 +280,7 @@ def tool(page, folder):
     page.tap("#own-form button")
     page.moved("#own-buttons button", 0, 0, MM_Z)
     page.tap("#own-changes button")
-    page.type("own-lines", "")
+    page.find("own-lines").clear()
     page.tap("#own-form button")
     page.until(lambda: page.text("own-buttons") == "")
     page.keys(page.css("body"), "?")
