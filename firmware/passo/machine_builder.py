@@ -176,17 +176,16 @@ def make_drive(board):
     kind = board["drive"]["kind"]
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
-    gantry = board.get("gantry")
-    if gantry:
-        from passo.drives.gantry import GantryDrive, pin_names
-
-        pins = pin_names(names, gantry["axis"] + "2")
-        layout = Layout(kind, count, 2 * count + 2, pins, (2 << count) - 1, count + 1)
-        return layout, GantryDrive(count, names.index(gantry["axis"])), 0
     if kind == "step_dir":
-        from passo.drives import step_dir
+        gantry = board.get("gantry")
+        motors = names + [gantry["axis"] + "2"] if gantry else names
+        pins = [name + "_step" for name in motors] + [name + "_dir" for name in motors]
+        layout = Layout(kind, count, len(pins), pins, (1 << len(motors)) - 1, len(motors))
+        if not gantry:
+            return layout, None, 0
+        from passo.drives.gantry import GantryDrive
 
-        return Layout(kind, count, 2 * count, step_dir.pin_names(names), (1 << count) - 1), None, 0
+        return layout, GantryDrive(count, names.index(gantry["axis"])), 0
     from passo.drives.coils import CoilDrive
 
     if kind == "unipolar":

@@ -2,7 +2,8 @@
 
 from array import array
 
-from passo.drives.gantry import GantryDrive, pin_names
+from passo.drives.gantry import GantryDrive
+from passo.machine_builder import make_drive
 
 CASES = {
     "check_words_become_pins_and_steps_again": (
@@ -46,6 +47,7 @@ def check_words_become_pins_and_steps_again(axes, axis, motors, words):
 
 
 def check_names_are_in_the_order_of_the_bits():
-    assert pin_names(["x", "y"], "x2") == ["x_step", "y_step", "x2_step", "x_dir", "y_dir", "x2_dir"]
+    board = {"drive": {"kind": "step_dir"}, "axes": [{"name": "x"}, {"name": "y"}], "gantry": {"axis": "x"}}
+    assert make_drive(board)[0].pin_names == ["x_step", "y_step", "x2_step", "x_dir", "y_dir", "x2_dir", "tool"]
     drive = GantryDrive(2, 1)
     assert drive.pins(0) == (2, 16) and drive.pins(1) == (4, 32)

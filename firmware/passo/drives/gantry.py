@@ -9,11 +9,6 @@ import micropython
 from passo.drives.gantry_viper import double, tally
 
 
-def pin_names(axes, second):
-    names = axes + [second]
-    return [name + "_step" for name in names] + [name + "_dir" for name in names]
-
-
 class GantryDrive:
     def __init__(self, axes, axis):
         self._axes = axes
