@@ -56,7 +56,11 @@ class PanelOrders(Orders):
         """What a job will do: only at rest, for it takes a moment."""
         name = text(order, "name", 64)
         found = self.machine.still() or self.store.about(name, self.machine.settings)
-        return found if isinstance(found, int) else {"t": "job_about", "name": name, **found}
+        if isinstance(found, int):
+            return found
+        answer = {"t": "job_about", "name": name}  # MicroPython, in a tab, does not know {**found}
+        answer.update(found)
+        return answer
 
     def _job_part(self, order):
         """A piece of a job: the first has `at` 0, the last `last`."""
