@@ -6,7 +6,8 @@
     machine.orders["recover"]({"do": "recover", "what": "down"})    # the rest of the program; "drop": tool up, spindle and coolant off; "forget"
 
 The journal is asked once the machine is at rest: at the start, after homing, and when a job has ended. Each job tells the board its
-number as it begins. A board without journal refuses that, and nothing is offered.
+number before its first line goes, for the board writes down each line under the number that it was told last. A job that does not
+begin tells none: the one that was interrupted before is still to be offered.
 """
 
 from host_tools.failure import Failure
@@ -15,7 +16,7 @@ from host_tools.programs.interrupted import ended, interrupted, number_of, stage
 from host_tools.programs.replayed_machine import Machine
 from passo import errors
 from host_tools.page.stored import StoredJobs
-from host_tools.clients.grbl_wire import PAGE
+from host_tools.clients.grbl_wire import LOST, PAGE
 
 _REST = ("Idle", "Alarm")
 _HOMING, _HOMING_WAYS = 22, 23  # settings: whether it homes, and which axes at their low ends
@@ -27,7 +28,7 @@ class RecoverableJobs(StoredJobs):
         self._tell_all = tell
         self._files = store
         self._asked = False  # the journal is known, or has been asked for
-        self._keeps = False  # the board has one
+        self._announcing = False  # the board has not yet answered that it knows which job begins
         self._collects = None  # lines of answers, while they are wanted
         self._stage = ""  # "over": on its way, "ask": over the place, and the operator is asked
         self._rest = []
@@ -62,8 +63,10 @@ class RecoverableJobs(StoredJobs):
 
     def _journal(self, error):
         said, self._collects = self._collects or [], None
-        self._keeps = not error
-        self._machine.state["recover"] = None if error else self._offer(said)
+        if error == LOST:
+            self._asked = False
+        else:
+            self._machine.state["recover"] = None if error else self._offer(said)
 
     def _offer(self, said):
         for name, lines, crc in self._files.programs():
@@ -165,18 +168,40 @@ class RecoverableJobs(StoredJobs):
     # --- jobs
 
     def run(self, name, lines, passes, checked, single=False):
+        machine = self._machine
+        said = b"" if checked or not self._keeps() else b"$JR=%08x" % self._number(name, lines)
+        error = machine.still() or (0 if machine.wire.room(len(said)) else errors.BUSY) or StoredJobs.run(self, name, lines, passes, checked, single)
+        if error:
+            return error
         self._stage = ""
         self._left = None
-        if self._keeps and not checked:
-            machine = self._machine
-            error = machine.still()
-            number = next((number_of(text) for found, text, _ in self._files.programs() if found == name), 0)
-            if error or number and not machine.wire.say(PAGE, b"$JR=%08x" % number):
-                return error or errors.BUSY
-        error = StoredJobs.run(self, name, lines, passes, checked, single)
-        if not error:
-            self._machine.state["recover"] = None
-        return error
+        machine.state["recover"] = None
+        self._announcing = bool(said)
+        if said:
+            machine.wire.say(PAGE, said, self._announced)
+        return 0
+
+    def _keeps(self):
+        """The board has a journal, or has not said yet that it has none."""
+        return self._machine.options is None or "J" in self._machine.options
+
+    def _number(self, name, lines):
+        """Of a job that is not among those looked through, a number by which it is not found: it is not offered, and no other is in its place."""
+        return next((number_of(text) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
+
+    def _announced(self, error):
+        self._announcing = False
+        if error and error != LOST and "J" in (self._machine.options or "") and self.running():
+            self.fail(error)  # its lines would be taken for those of the job before
+
+    def _begin(self, name, what):
+        if what == "run":
+            self._left = None
+        StoredJobs._begin(self, name, what)
+
+    def poll(self):
+        if not self._announcing:
+            StoredJobs.poll(self)
 
     def _end(self, how, error):
         StoredJobs._end(self, how, error)

@@ -6,7 +6,7 @@ from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import Store, gcode_lines
 from host_tools.sim.pages import Pages
 from panel_desk import Desk
-from passo import errors
+from passo import commands, errors
 from passo.config.boardfile import check
 from router import BOARD, World
 
@@ -134,3 +134,103 @@ def test_a_board_without_journal_offers_nothing(tmp_path):
     made.run_ms(500)
     assert made.machine.state["recover"] is None
     assert made.order("recover", what="begin") == errors.NO_SUCH_JOB
+
+
+PAUSED = "G21\nM0\nG4P0.1\n"
+
+
+def paused_and_done(made):
+    assert made.store.put("paused.gcode", PAUSED) == 0
+    assert made.order("run", name="paused.gcode") == 0
+    while made.machine.state["state"] != "Hold":
+        made.cycle()
+    assert made.order("resume") == 0
+
+
+def cut_amid(made, name="part.gcode"):
+    """A job is stopped on its path at the bottom, and the machine stands."""
+    assert made.order("run", name=name) == 0
+    made.run_ms(300)
+    while made.machine.state["w"][1] < 6 or made.machine.state["m"][2] > -3:
+        made.cycle()
+    assert made.order("abort") == 0
+    made.run_ms(2000)
+
+
+def ready(tmp_path):
+    made = desk(tmp_path, Pages())
+    assert made.store.put("part.gcode", JOB) == 0
+    home(made)
+    return made
+
+
+@pytest.mark.parametrize("reset", (False, True), ids=("", "a reset drops the question"))
+def test_a_job_behind_one_with_a_pause_is_offered(tmp_path, reset):
+    made = ready(tmp_path)
+    paused_and_done(made)
+    job = made.machine.job
+    while reset and made.machine.wire.oldest() != b"$JR":
+        made.cycle()
+    assert not reset or made.order("stop") == 0
+    made.run_ms(500)
+    while job.running():
+        made.cycle()
+    cut_amid(made)
+    offer = made.machine.state["recover"]
+    assert offer and offer["name"] == "part.gcode" and offer["line"] in (8, 9) and offer["known"], offer
+
+
+def test_a_job_that_does_not_begin_leaves_the_one_before(tmp_path):
+    made = ready(tmp_path)
+    cut_amid(made)
+    offer = made.machine.state["recover"]
+    assert made.store.put("paused.gcode", PAUSED) == 0
+    made.board.app.controller.machine.raise_alarm(errors.ALARM_POWER, "test")
+    made.run_ms(300)
+    assert made.order("run", name="paused.gcode")
+    made.run_ms(300)
+    assert made.order("unlock") == 0
+    made.run_ms(300)
+    home(made)
+    assert made.machine.state["recover"] == offer
+
+
+def test_a_job_too_large_to_be_looked_for_is_not_taken_for_another(tmp_path, monkeypatch):
+    """What the board writes down of its lines is under a number of its own."""
+    made = ready(tmp_path)
+    cut_amid(made)
+    assert made.store.put("large.gcode", JOB.replace("X8", "X9")) == 0
+    monkeypatch.setattr("host_tools.panel.store._MOST_KNOWN", 0)
+    cut_amid(made, "large.gcode")
+    monkeypatch.undo()
+    (tmp_path / "jobs" / "large.gcode").unlink()
+    home(made)
+    assert made.machine.state["recover"] is None
+
+
+def test_no_line_goes_before_the_board_knows_whose_it_is(tmp_path):
+    """A board that does not take the job's number gets none of its lines, and what it wrote down stays."""
+    made = ready(tmp_path)
+    cut_amid(made)
+    offer, place = made.machine.state["recover"], made.place()
+    handlers = made.board.app.controller.machine.handlers
+    asked = handlers[commands.JOURNAL]
+    handlers[commands.JOURNAL] = lambda command: asked(command) if command.target is None else errors.BUSY
+    assert made.store.put("paused.gcode", JOB.replace("X8", "X9")) == 0
+    assert made.order("run", name="paused.gcode") == 0
+    made.run_ms(1000)
+    assert made.machine.state["job"]["how"] == "failed" and made.place() == place
+    assert made.machine.state["recover"] == offer
+
+
+def test_what_is_forgotten_is_offered_again_once_it_has_begun_again(tmp_path):
+    made = ready(tmp_path)
+    cut_amid(made)
+    job, offer = made.machine.job, made.machine.state["recover"]
+    assert made.order("recover", what="forget") == 0
+    home(made)
+    assert made.machine.state["recover"] is None
+    job._begin("part.gcode", "run")
+    job._finish("failed", errors.STOPPED)
+    home(made)
+    assert made.machine.state["recover"] == offer
