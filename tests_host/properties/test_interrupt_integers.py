@@ -13,7 +13,7 @@ from passo.motion import independent, line, planner, step_program, step_program_
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
 from passo.records import COUNT_MASK, ENDLESS, FEED_OLDEST, FEED_PLACE, FEED_TICKS, MARK_FIELDS, MARK_TICKS
-from passo.steps import feeder, power, ring
+from passo.steps import position, power, ring
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
 
@@ -54,7 +54,7 @@ def narrow():
         "numbers": lambda count: SmallList("I", range(count)),
     }
     with pytest.MonkeyPatch.context() as patch:
-        for module in (line, planner, feeder, power, ring, independent, step_program, step_program_words):
+        for module in (line, planner, position, power, ring, independent, step_program, step_program_words):
             found = [name for name in stands_in if name in vars(module)]
             assert found, module
             for name in found:

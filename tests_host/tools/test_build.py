@@ -298,7 +298,7 @@ def test_the_page_of_a_board_is_small(tmp_path):
         with open(path, "rb") as file:
             file.seek(start)
             assert gzip.decompress(file.read(size)) == (pages.PAGES / name).read_bytes()
-    assert {"errors.json", "rules.json"} < set(names) and (tmp_path / "pages.bin").stat().st_size < 60_000
+    assert {"errors.json", "rules.json"} < set(names) and (tmp_path / "pages.bin").stat().st_size < 90_000
 
 
 def test_what_wants_the_uf2_is_refused_before_it_is_flashed(tmp_path):

@@ -44,6 +44,7 @@ def test_other_tools_make_it_anew(folder, monkeypatch):
 
 
 def test_a_kept_build_is_the_build(folder, tmp_path):
+    tree._module.cache_clear()  # of other tests' builds
     tree.build_tree(BOARD, tmp_path / "made")
     count = len(list(folder.iterdir()))
     tree._module.cache_clear()
