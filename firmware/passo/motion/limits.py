@@ -26,6 +26,7 @@ from passo.records import (
 )  # fmt: skip
 
 ONE = 1 << 28
+_NM_M_40_S = 25_000_000
 TOP = 16_000
 FASTEST = 32_000  # twice TOP: its square is the largest q
 MOST = (1 << 29) - 1
@@ -46,6 +47,7 @@ class Limits:
         self.accelerations = list(accelerations)
         self.junction_deviation = junction_deviation
         self.jerk = jerk
+        self.quick = all([speed > _NM_M_40_S // steps for steps, speed in zip(steps_per_m, speeds)])  # a step of each axis takes 40 s at most
         self.fastest = isqrt(sum([speed * speed for speed in speeds])) + 1
         self.strongest = isqrt(sum([each * each for each in accelerations])) + 1
         self.start = min((start_speed * start_speed << 28) // (self.fastest * self.fastest), ONE - 1)
