@@ -54,6 +54,10 @@ class Jobs:
         numbered = not self._grbl or [line for _, line in found if "N" in line.upper()]
         return [(number, (line if numbered else tagged(number, line)).encode()) for number, line in found]
 
+    def about(self, name, settings):
+        """What a job will do is not looked at in a tab."""
+        return {} if name in self._jobs else errors.NO_SUCH_JOB
+
     def text(self, name, at):
         """(text from character `at` on, at most 32 kB, and how many there are), or the number of an error."""
         if name not in self._jobs:

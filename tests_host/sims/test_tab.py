@@ -155,3 +155,12 @@ def test_jobs_of_a_tab():
     assert [name for name, _ in kept.names()] == ["a.gcode", "c"]
     assert Jobs({"noise": "G0 X1!\x18?~ü\r\n%\r\n\x00\n"}, "grbl").lines("noise") == [(1, b"N1G0 X1")]
     assert Jobs({"n": "N7 G0 X1\nG0 X2\n"}, "grbl").lines("n") == [(1, b"N7 G0 X1"), (2, b"G0 X2")]
+
+
+def test_every_order_for_jobs_is_known_in_a_tab():
+    """A tab's jobs have what a PC's page asks of its folder."""
+    from host_tools.panel.store import Store
+
+    asked = {"about", "add", "lines", "names", "put", "remove", "text"}
+    assert asked <= set(dir(Store)) and asked <= set(dir(Jobs))
+    assert Jobs({"part.gcode": "G0X1"}, "grbl").about("part.gcode", {}) == {}
