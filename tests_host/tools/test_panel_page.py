@@ -565,24 +565,54 @@ def test_axe_finds_no_serious_fault(panel, driver, axe, size, language, theme):
 @pytest.mark.parametrize("size", SIZES)
 def test_nothing_is_longer_than_two_screens(panel, driver, size):
     """Each part on a phone, all of them at once on a tablet and a PC; STOP and the state are in sight at the end of it, too."""
-    width, height = size
-    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
     with Browser(panel, driver) as browser:
-        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
-        try:
-            tabs = driver.find_elements("css selector", "[data-tab]")
-            for tab in [each for each in tabs if each.is_displayed()] or tabs[:1]:
-                if tab.is_displayed():
-                    tab.click()
-                assert driver.execute_script("return document.documentElement.scrollHeight") <= 2 * height
-                assert driver.execute_script("return document.documentElement.scrollWidth") <= width
-                driver.execute_script("scrollTo(0, 1e6)")
-                for name in ("stop", "state"):
-                    box = browser.find(name).rect
-                    top = box["y"] - driver.execute_script("return scrollY")
-                    assert 0 <= top and top + box["height"] <= height
-                small = driver.execute_script(
-                    "return [...document.querySelectorAll('button')].filter((e) => e.offsetParent && e.offsetHeight < 48).map((e) => e.id || e.textContent)")
-                assert not small
-        finally:
-            driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        within_two_screens(browser, size)
+
+
+@pytest.mark.parametrize("board", ["torch_manipulator", "two_motor_kit"])
+def test_what_is_longest_in_portuguese(tmp_path, driver, board):
+    with PanelProcess(tmp_path, "--board", board) as process, Browser(process, driver, query="lang=pt&theme=light") as browser:
+        browser.until(lambda: browser.find("card-jog").is_displayed() or browser.find("card-keys").is_displayed())
+        for size in SIZES:
+            within_two_screens(browser, size)
+
+
+def test_a_job_that_runs_makes_nothing_longer(panel, driver, tmp_path):
+    file = tmp_path / "slow.gcode"
+    file.write_text("G21 G91 F600\n" + "G1 X9 Y9\nG1 X-9 Y-9\n" * 30)
+    with Browser(panel, driver, query="lang=pt&theme=light") as browser:
+        if browser.find("unlock").is_enabled():
+            browser.click("unlock")
+        browser.until(lambda: browser.find("state").get_attribute("data-state") == "Idle")
+        browser.find("upload").send_keys(str(file))
+        browser.until(lambda: "slow.gcode" in browser.text("run"))
+        browser.click("run")
+        browser.until(lambda: browser.find("state").get_attribute("data-state") == "Run")
+        for size in SIZES:
+            within_two_screens(browser, size)
+        browser.click("abort")
+        browser.until(lambda: browser.find("state").get_attribute("data-state") == "Idle")
+
+
+def within_two_screens(browser, size):
+    width, height = size
+    driver = browser.driver
+    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+    try:
+        tabs = driver.find_elements("css selector", "[data-tab]")
+        for tab in [each for each in tabs if each.is_displayed()] or tabs[:1]:
+            if tab.is_displayed():
+                tab.click()
+            assert driver.execute_script("return document.documentElement.scrollHeight") <= 2 * height
+            assert driver.execute_script("return document.documentElement.scrollWidth") <= width
+            driver.execute_script("scrollTo(0, 1e6)")
+            for name in ("stop", "state"):
+                box = browser.find(name).rect
+                top = box["y"] - driver.execute_script("return scrollY")
+                assert 0 <= top and top + box["height"] <= height
+            small = driver.execute_script(
+                "return [...document.querySelectorAll('button')].filter((e) => e.offsetParent && e.offsetHeight < 48).map((e) => e.id || e.textContent)")
+            assert not small
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
