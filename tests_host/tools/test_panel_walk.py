@@ -217,7 +217,7 @@ def interrupted(page, folder):
         page.until_state("Ready")
         page.until(lambda: page.find("run").is_enabled())
         page.click("run")
-        page.until(lambda: "line 3," in page.text("job-state"))
+        page.until(lambda: "cut.gcode: Running, line 3," in page.text("job-state"))
         page.click("stop" if name == "recover-drop" else "abort")
         if name == "recover-drop":
             page.until_state("Alarm")
