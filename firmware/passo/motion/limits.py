@@ -47,7 +47,7 @@ class Limits:
         self.accelerations = list(accelerations)
         self.junction_deviation = junction_deviation
         self.jerk = jerk
-        self.quick = all([speed > _NM_M_40_S // steps for steps, speed in zip(steps_per_m, speeds)])  # a step of each axis takes 40 s at most
+        self.ready = all([speed > _NM_M_40_S // steps for steps, speed in zip(steps_per_m, speeds)])  # a step of each axis takes 40 s at most
         self.fastest = isqrt(sum([speed * speed for speed in speeds])) + 1
         self.strongest = isqrt(sum([each * each for each in accelerations])) + 1
         self.start = min((start_speed * start_speed << 28) // (self.fastest * self.fastest), ONE - 1)

@@ -62,7 +62,7 @@ class Planner:
         self.scratch[SCRATCH_SIZE] = QUEUE_SIZE
         self.scratch[SCRATCH_FACTOR] = self.scratch[SCRATCH_FACTOR + 1] = 4096
         self.accelerates = False  # it has limits
-        self.streams = False  # lines() may be asked for: no axis is so slow that it would refuse one
+        self.ready = False  # lines() may be asked for: no axis is so slow that it would refuse one
         self._limits = None
         self._fields = None  # of the limits
         self.arrays = None  # what plan_lines() takes, one tuple until there are other limits
@@ -82,7 +82,7 @@ class Planner:
         self.arrays = self.rows, self.scratch, self.indices, self._fields
         self.scratch[SCRATCH_START] = limits.start if limits else 0
         self.accelerates = limits is not None
-        self.streams = self.accelerates and limits.quick
+        self.ready = self.accelerates and limits.ready
         self.scratch[SCRATCH_FEED] = self.scratch[SCRATCH_GIVEN] = self.scratch[SCRATCH_ASKED] = 0
 
     def load(self):

@@ -6,8 +6,7 @@
 
 No single byte lost, doubled or flipped can draw a wrong line, as long as the host waits for its answers:
 
-- A flipped byte breaks the checksum. All bytes are then dropped until the line is quiet for `gap_ms`; RESEND follows. Only the six
-  bytes of STOP are still looked for: they stop the machine, and no RESEND follows.
+- A flipped byte breaks the checksum. All bytes are then dropped until the line is quiet for `gap_ms`; RESEND follows.
 - A lost byte leaves a packet unfinished. After RESYNC_MS it is dropped and RESEND follows.
 - A doubled byte makes seven. Their first six could be valid by chance (1 in 256), so six bytes in which a byte
   repeats its neighbour are held for `gap_ms`. If a seventh arrives that would make them another valid packet with one
@@ -55,7 +54,6 @@ _SIMPLE = {REQUEST: HELLO, END: DRAW, ORIGIN: HOME, HALT: STOP, ASK: STATUS}
 _ON_ACCEPTED = {HELLO: b"k", POINT: b"n", JOG: b"n", SPEED: b"s", HAND_OVER: b"t"}
 _ON_FINISHED = {DRAW: b"d", HOME: b"o", STOP: b"d"}
 _RESEND = b"r"
-_STOP = bytes((HALT, 0, 0, 0, 0, HALT))
 
 
 @micropython.viper
@@ -176,11 +174,7 @@ class Plotter:
             else:
                 commands.append(command)
         if self._broken:
-            if _STOP in self._bytes:
-                self._bytes = b""
-                self._why = errors.STOPPED
-                commands.append(Command(STOP))
-            self._bytes = self._bytes[1 - PACKET :]
+            self._bytes = b""
             if quiet:
                 commands.append(self._dropped(self._why))
         elif self._bytes and (now_ms - self._since) & COUNT_MASK >= RESYNC_MS:
