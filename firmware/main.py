@@ -1,15 +1,14 @@
 """Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C.
 
-A build has its stamp in passo/stamp.txt, and once more in stamp.txt, which is copied last: without it, or with another one, the
-files here are not those of one build, and none of them is run. In Passo's UF2 this file and the package are frozen: passo_image knows
-whether it is whole.
+A build has its stamp in passo/stamp.txt, and in stamp.txt, which is copied last: where they differ, the files here are not those of
+one build, and none is run. In Passo's UF2 all of it is frozen: passo_image knows whether it is whole.
 """
 
 import sys
 
 try:
     import passo_image as image
-except ImportError:  # MicroPython as it comes
+except ImportError:  # stock MicroPython
     image = None
 
 
@@ -21,7 +20,7 @@ def stamp_of(path):
         return ""
 
 
-# What only the start needs is imported by functions of their own: the frames of main() and of this module keep what they had.
+# Functions of their own import what only the start needs.
 
 
 def made_safe():
@@ -44,7 +43,7 @@ else:
     WHOLE = STAMP == stamp_of("stamp.txt")
 
 if WHOLE:
-    BOARD = made_safe()  # first: the rest takes a second or two to load
+    BOARD = made_safe()  # first: the rest takes seconds
     if sys.platform == "esp32":
         from passo.ports.esp32.start import Start
     else:

@@ -107,6 +107,11 @@ PAGE = Path("passo", "protocols", "page")
 _STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 4088, 40
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
+# Ports that only boards with a key have; spared, as features are, where a network takes the room of the flash.
+OF_KEYS = {
+    "encoders": ("encoders.py", "pin_encoders.py", "rp2/encoders.py"), "interlock": ("interlock.py", "pin_interlock.py"),
+    "registers": ("shift_registers.py", "rp2/shift_registers.py"), "tachometer": ("pulses.py",),
+}  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
@@ -182,6 +187,9 @@ def selected(board, firmware=FIRMWARE, spared=None):
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and (board.get("card") or path not in OF_CARD)]
+    if board.get("network"):
+        unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
+        files = [path for path in files if path not in unused]
     known = {language_name(path) for path in files} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
     if any(link.get("frames") for link in board.get("links", [])):
