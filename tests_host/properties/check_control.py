@@ -3,6 +3,7 @@
 from boards.plotter_2014 import BOARD
 from passo import errors
 from passo.config.boardfile import BoardError, check
+from passo.control import point_buffer
 from passo.control.log import Log
 from passo.control.motors import HOLDING, RELEASED, RUNNING
 from passo.control.point_buffer import PointBuffer
@@ -14,6 +15,9 @@ TRAVEL = [axis["travel_steps"] for axis in BOARD["axes"]]
 CASES = {
     "check_homing_from_anywhere": (("x", 0, 400), ("y", 0, 300), ("noise", 0, 60)),
     "check_store": (("capacity", 1, 9), ("points", "list", 40, ("put", 0, 1), ("x", 0, 65535), ("y", 0, 65535))),
+    "check_store_with_little_memory": (
+        ("capacity", 1, 1300), ("pieces", 1, 6), ("work", "list", 12, ("filled", 0, 700), ("taken", 0, 700)),
+    ),
     "check_stop_anywhere": (("turns", 1, 250),),
     "check_sensor_noise": (("spikes", "list", 30, ("at", 0, 99)),),
 }
@@ -315,6 +319,46 @@ def check_sensor_noise(spikes):
         level[0] = 0 if ms in (101, 103) else 1
         sensor.sample(ms, ms)
     assert sensor.active and sensor.edge == (98 if 98 in noisy else 100)
+
+
+class _Memory:
+    """Stands for the heap: so many pieces, each given back when a store drops it."""
+
+    def __init__(self, store, pieces):
+        self.store = store
+        self.pieces = pieces
+
+    def __call__(self, size):
+        if len([chunk for chunk in self.store._chunks + [self.store._spare] if chunk is not None]) >= self.pieces:
+            raise MemoryError
+        return bytearray(size)
+
+
+def check_store_with_little_memory(capacity, pieces, work):
+    """What is taken is what was put, in order, also where the memory for all of the points is missing; an empty store takes more."""
+    store = PointBuffer(capacity)
+    point_buffer.bytearray = _Memory(store, pieces)
+    try:
+        first = last = 0
+        for filled, taken in work + [(1, 9999)]:
+            while filled:
+                places = store.reserve()
+                if places is None:
+                    break
+                data, at, room = places
+                assert 0 < room <= store.free() and at + 5 * room <= len(data)
+                for _ in range(min(room, filled)):
+                    data[at : at + 5] = bytes((last & 1, last >> 8, last & 255, 7, last & 255))
+                    at += 5
+                    last += 1
+                    store.count += 1
+                    filled -= 1
+            assert store.count == last - first and (store.count or not filled), "an empty store has room"
+            for _ in range(min(taken, store.count)):
+                assert store.take() == (first, 7 << 8 | first & 255, first & 1 == 1)
+                first += 1
+    finally:
+        del point_buffer.bytearray
 
 
 def check_store(capacity, points):

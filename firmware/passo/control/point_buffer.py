@@ -18,6 +18,7 @@ class PointBuffer:
         self._chunks = [None] * ((self.capacity + _CHUNK - 1) // _CHUNK)
         self._size = _CHUNK * len(self._chunks)
         self._first = self.count = 0
+        self._spare = None  # a chunk whose points have all been taken: the next one that is wanted
 
     def free(self):
         """How many more points there is room for; 0 also when no memory is left for the next one."""
@@ -31,7 +32,8 @@ class PointBuffer:
     def _chunk(self, index):
         chunk = self._chunks[index // _CHUNK]
         if chunk is None:
-            chunk = self._chunks[index // _CHUNK] = bytearray(_POINT * _CHUNK)
+            chunk = self._chunks[index // _CHUNK] = self._spare or bytearray(_POINT * _CHUNK)
+            self._spare = None
         return chunk
 
     def put(self, x, y, tool):
@@ -62,4 +64,8 @@ class PointBuffer:
         at = self._first % _CHUNK * _POINT
         self._first = (self._first + 1) % self._size
         self.count -= 1
+        if not self._first % _CHUNK and self._spare is None and self.count < self._size - _CHUNK:  # else the newest points lie there
+            left = (self._first or self._size) // _CHUNK - 1
+            self._spare = self._chunks[left]
+            self._chunks[left] = None
         return data[at + 1] << 8 | data[at + 2], data[at + 3] << 8 | data[at + 4], data[at] == 1
