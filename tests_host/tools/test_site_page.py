@@ -195,7 +195,6 @@ def test_jog_and_stop_end_at_once(browser, show):
     show("a jog of 50 mm/s in the tab stands after", f"{figures} (the ramp alone: 200 ms, {ramp_mm:.1f} mm)")
 
 
-@pytest.mark.slow
 def test_what_a_stranger_brings(browser, tmp_path):
     """Files that are no jobs, a job twice, another machine, and the page loaded again."""
     browser.open("?lang=en")

@@ -44,6 +44,7 @@ const tabs = new Tabs(() => picture.draw());
 const typed = new Typed(order, errorText);
 new OwnButtons(order, ask, atRest);
 let waiting = [];  // [condition of a job, resolve]
+let starting = false;  // a job has been asked to run: the end of the one before is told no more
 
 // --- messages
 
@@ -331,7 +332,7 @@ function showJob() {
   $("progress").value = now.lines ? now.done / now.lines : 0;
   let text = cards.told(now) || described(now, line);
   if (now.error) text += `. ${_("Error")} ${now.error}: ${_(errors[now.error] || "")}`;
-  if ($("job-state").textContent !== text) $("job-state").textContent = text;
+  if (!starting && $("job-state").textContent !== text) $("job-state").textContent = text;
   if (now.name === job.name && !cards.mark(now)) mark(line);
   if (now.name === job.name && now.how === "run") tellLine(line);
 }
@@ -505,12 +506,18 @@ $("remove").onclick = async () => {
   const name = $("jobs").value;
   if (name && await ask(_("Remove {name}?", { name }))) { await order("job_remove", { name }); await order("jobs"); }
 };
+async function run(fields) {
+  starting = true;
+  $("job-state").textContent = "";
+  await order("run", fields);
+  starting = false;
+}
 $("run").onclick = async () => {
   const name = $("jobs").value;
   const shown = job.name === name && job.lines.length > 0;
-  if (shown || await ask(_("Run {name}, which is not shown here yet?", { name }))) order("run", { name, passes: Number($("passes").value) || 1 });
+  if (shown || await ask(_("Run {name}, which is not shown here yet?", { name }))) run({ name, passes: Number($("passes").value) || 1 });
 };
-$("check").onclick = () => order("run", { name: $("jobs").value, check: true });
+$("check").onclick = () => run({ name: $("jobs").value, check: true });
 $("key-form").onsubmit = (event) => {
   event.preventDefault();
   keep($("key").value);
