@@ -30,9 +30,9 @@ def text_of(path):
         return file.read()
 
 
-def digest(path, place=None):
-    """Of a file and where it belongs (None: where it is): 16 hexadecimal digits."""
-    found = hashlib.sha256((place or path).encode() + b"\0")
+def digest(path, target=None):
+    """16 hexadecimal digits of a file's bytes and of the path where it belongs, `target`; None: the file lies there."""
+    found = hashlib.sha256((target or path).encode() + b"\0")
     with open(path, "rb") as file:
         while True:
             part = file.read(512)
@@ -88,7 +88,7 @@ def want(text):
 
 
 def tidy():
-    """Files that no machine wants go."""
+    """Remove the files that no stored machine wants."""
     wanted = set([sum for name in stored() for _, sum in modules(name)])
     if there(FILES):
         for sum in os.listdir(FILES):
@@ -114,7 +114,7 @@ def move(source, target):
 
 
 def running():
-    """The name of the machine whose board file is in place; where the board is none of them, "before"."""
+    """The name of the machine whose board file is /board.py; "before" if that belongs to none."""
     if there("board.py"):
         board = digest("board.py")
         for name in stored():

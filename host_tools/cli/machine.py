@@ -36,6 +36,7 @@ app = typer.Typer(
     no_args_is_help=True,
 )
 Port = Annotated[str, typer.Option(help="Serial port of the board (passo ports).")]
+_TAKEN = ("before", "chosen", "files")  # names in the folder of machines that machines.py gives itself
 _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
 
@@ -97,8 +98,8 @@ def store(board, port, call, out=None):
     from host_tools import boards
 
     name = Path(board).stem
-    if not re.fullmatch(r"\w{1,32}", name):
-        raise Failure("{!r} is no name for a machine: letters, digits and _", name)
+    if not re.fullmatch(r"\w{1,32}", name) or name in _TAKEN:
+        raise Failure("{!r} is no name for a machine: letters, digits and _, not before, chosen or files", name)
     chip = boards.load(board).get("chip")
     told = _run(port, "tell()")
     there = next((line[5:] for line in told if line.startswith("chip ")), None)

@@ -85,6 +85,7 @@ def test_what_is_not_chosen(folder, board, small):  # noqa: F811
     assert "there is no machine plotter" in passo("choose", "plotter", *where)
     assert "is no name" in passo("choose", "../x", *where)
     assert "is an rp2040" in passo("add", "mks_dlc32", *where)
+    assert "not before, chosen or files" in passo("add", "boards/files.py", *where)
     next((files / "machines/files").iterdir()).unlink()
     assert "1 files of its firmware are missing or of another version" in passo("list", *where)
     said = passo("choose", "lpt_router", *where)
