@@ -54,7 +54,7 @@ if WHOLE:
             del flash_code
         from passo.ports.rp2.start import Start
     from passo.config.board_error import BoardError
-    from passo.ports.start import forget
+    from passo.memory import forget
 
 
 def checked(board):

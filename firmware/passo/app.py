@@ -19,7 +19,7 @@ from passo.config.settings import Settings
 from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.errors import LATER
-from passo.memory import keep
+from passo.memory import forget, keep
 from passo.motion.planner import Planner
 from passo.records import COUNT_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_S
 from passo.steps.ring import Ring, ring_size
@@ -75,7 +75,7 @@ class App:
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
         settings are kept, None: nowhere; `rooms`: what was made while memory was free in large pieces, see keep(). Raises
         BoardError."""
-        from passo import machine_builder  # main.py forgets it again
+        from passo import machine_builder  # here: it is forgotten again
 
         keep(rooms)
         self.board = board
@@ -89,7 +89,7 @@ class App:
         if "program" in names:
             self.planner.load()
         settings = Settings(board, Journal(slots or MemorySlots()), writing=getattr(port, "writing", None))
-        machine_builder.forget("setting_table")
+        forget("passo.config.setting_table")
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
         inverted = bool(settings.turned(ENABLE_INVERT)) and not board["interlock"]  # which knows the board file's only
@@ -120,12 +120,23 @@ class App:
             self.links.append(made)
         if board["network"]:
             machine_builder.network().join(self.links, self.controller)
-        machine_builder.prepare(self.links)  # before what stored jobs want
+        self._prepare()  # before what stored jobs want
+        if self.interrupt:  # a chip has little memory
+            machine_builder = None
+            forget("passo.machine_builder")
         if board["jobs"]:
             self._add_jobs(languages, shared, most)
-            machine_builder.prepare(self.links)
+            self._prepare()
         self.controller.start()
         self._answer()
+
+    def _prepare(self):
+        """Make now what links make when they are used first, as far as memory lasts."""
+        for link in self.links:
+            try:
+                getattr(link.protocol, "prepare", int)()
+            except MemoryError:
+                return
 
     def _add_jobs(self, languages, shared, most):
         """The link that stored jobs come by: it speaks as the first one of their language."""

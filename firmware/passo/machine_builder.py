@@ -3,11 +3,10 @@
 A board forgets this module when that is done: it has better uses for the memory.
 """
 
-import sys
-
 from passo.commands import INPUTS
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
+from passo.memory import forget
 from passo.steps import ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
@@ -64,15 +63,15 @@ FEATURES = (
 
 def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
-    forget("motor_keys")
+    forget("passo.config.motor_keys")
     if board["gantry"]:
         from passo.drives import gantry
         from passo.steps import gantry_wiring
-    forget("device_keys")
+    forget("passo.config.device_keys")
     if board["shift"]:
-        forget("shift_keys")
+        forget("passo.config.shift_keys")
     if board["network"]:
-        forget("network_keys")
+        forget("passo.config.network_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:
@@ -203,23 +202,6 @@ def make_drive(board):
     for axis in range(count):
         off |= motors.OFF << axis * motors.WIDTH
     return Layout("coils", count, count * motors.WIDTH, pins, 0), drive, off
-
-
-def forget(name):
-    """Give back the memory of a module of config that made what it was to make; asked for again it is loaded again."""
-    from passo import config
-
-    if sys.modules.pop("passo.config." + name, None):
-        delattr(config, name)
-
-
-def prepare(links):
-    """Make now what links make when they are used first, as far as memory lasts."""
-    for link in links:
-        try:
-            getattr(link.protocol, "prepare", int)()
-        except MemoryError:
-            return
 
 
 def fastest(board, settings):

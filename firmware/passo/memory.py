@@ -10,6 +10,7 @@
 """
 
 import gc
+import sys
 from array import array
 
 from micropython import const
@@ -49,6 +50,14 @@ def stream():
         return _make("d", spent, 0)
     except MemoryError:
         return None
+
+
+def forget(name):
+    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again."""
+    if sys.modules.pop(name, None):
+        package, _, module = name.rpartition(".")
+        if package:
+            delattr(sys.modules[package], module)
 
 
 class FileRoom:

@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "network_builder": ("passo",),
     "passo_image": ("passo.ports.rp2",),
     "main": (
-        "passo_image", "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.port_pins", "passo.config.board_error", "passo.config.journal", "passo.ports", "board",
+        "passo_image", "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.port_pins", "passo.config.board_error", "passo.config.journal", "passo.memory", "passo.ports", "board",
     ),
 }
 

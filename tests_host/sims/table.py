@@ -18,7 +18,7 @@ EDGE = 30  # steps from the table's end at which a barrier is interrupted
 
 class Table:
     def __init__(self, start=(100, 80), fault=None, noise=0):
-        """`fault`: {barrier: level it always reads}; `noise`: one reading in `noise` is wrong (0: none)."""
+        """`fault`: {barrier: level it always reads}; `noise`: of so many moments that are read at, one is wrong (0: none), whoever reads."""
         self.place = list(start)
         self.start = list(start)
         self.pen = 0
@@ -28,6 +28,7 @@ class Table:
         self.fault = fault or {}
         self.noise = noise
         self._count = 0
+        self._read_at = None
         self._before = 0
         self._levels_mask = 0
 
@@ -60,7 +61,9 @@ class Table:
             return self.fault[name]
         level = 1 if self.place["xy".find(name[-1])] <= EDGE else 0
         if self.noise:
-            self._count += 1
+            if tick != self._read_at:
+                self._read_at = tick
+                self._count += 1
             if self._count % self.noise == 0:
                 return 1 - level
         return level

@@ -30,14 +30,6 @@ REPORT = "crash.txt"
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN}
 
 
-def forget(name):
-    """Give back the memory of a module that only the start needs."""
-    package, _, module = name.rpartition(".")
-    del sys.modules[name]
-    if package:
-        delattr(sys.modules[package], module)
-
-
 class Start:
     rooms = ()  # large arrays that the app will ask for: see passo/memory.py
 

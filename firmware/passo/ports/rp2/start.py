@@ -11,6 +11,7 @@ from array import array
 import rp2
 from micropython import const
 
+from passo.memory import forget
 from passo.ports import start
 from passo.ports.rp2.fields import LEAD_TICKS
 from passo.records import ARCS, ARC_FIELDS, LINES_BYTES, QUEUE_SIZE, ROW_STEPS
@@ -71,7 +72,7 @@ class Start(start.Start):
             code.finish()
             self._said = code.text()
         for name in [name for name in sys.modules if name.rpartition("rp2")[2] in _OF_LOADING]:
-            start.forget(name)
+            forget(name)
         return self._said
 
     def button(self):
