@@ -27,6 +27,7 @@ EXAMPLES = {
         ("plotter", "pulses", "pc", [(1, 0, 60)], 0, 0, 3),
         ("plotter", "grbl", "pc", [(1, 3, 3)], 3, 0, 2),
         ("plotter", "grbl", "pc", [(0, 7, 3)], 9, 1, 6),
+        ("plotter", "plotter", "a", [(0, 2, 0)] * 3, 0, 0, 0),
     ),
 }
 

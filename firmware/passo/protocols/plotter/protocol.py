@@ -6,7 +6,8 @@
 
 No single byte lost, doubled or flipped can draw a wrong line, as long as the host waits for its answers:
 
-- A flipped byte breaks the checksum. All bytes are then dropped until the line is quiet for `gap_ms`; RESEND follows.
+- A flipped byte breaks the checksum. All bytes are then dropped until the line is quiet for `gap_ms`; RESEND follows. If the six bytes
+  of STOP are among them, the machine stops instead.
 - A lost byte leaves a packet unfinished. After RESYNC_MS it is dropped and RESEND follows.
 - A doubled byte makes seven. Their first six could be valid by chance (1 in 256), so six bytes in which a byte
   repeats its neighbour are held for `gap_ms`. If a seventh arrives that would make them another valid packet with one
@@ -173,8 +174,12 @@ class Plotter:
                 self._broken = True
             else:
                 commands.append(command)
-        if self._broken:
-            self._bytes = b""
+        if self._broken and b"x\0\0\0\0x" in self._bytes:  # STOP
+            self._dropped(self._why)
+            self._before = HALT
+            commands.append(Command(STOP))
+        elif self._broken:
+            self._bytes = self._bytes[1 - PACKET :]  # where a STOP may have begun
             if quiet:
                 commands.append(self._dropped(self._why))
         elif self._bytes and (now_ms - self._since) & COUNT_MASK >= RESYNC_MS:
