@@ -31,7 +31,7 @@ BOARD = {
     "jog": {"steps": 10, "up": "y+"},
     "idle_release_ms": 5000,
     # A Pico W has no room for more beside the page; a longer drawing is drawn while it arrives.
-    "store_points": 1200,
+    "store_points": 256,
     # Drawings that a phone has uploaded lie in flash, and are drawn from there.
     "jobs": {"language": "plotter"},
     "network": {"host": "passo"},
