@@ -1,0 +1,109 @@
+"""What people and programs may ask of Passo: golden/surface.txt lists it, and nothing that is listed goes without a word.
+
+    python tests_host/rules/test_surface.py > tests_host/golden/surface.txt      # after something new, or something removed on purpose
+
+A line is a command of `passo` with an option, a setting, a board-file key, a code, a `$` line, a path of HTTP, an order of a page with
+a field, or a field of a status report.
+"""
+
+import re
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.quick
+
+ROOT = Path(__file__).resolve().parents[2]
+LIST = ROOT / "tests_host" / "golden" / "surface.txt"
+
+
+def verbs():
+    from host_tools.cli.main import app
+    from typer.main import get_command
+
+    def walk(command, path):
+        yield path
+        for parameter in command.params:
+            for name in parameter.opts + parameter.secondary_opts if parameter.param_type_name == "option" else [parameter.name.upper()]:
+                yield f"{path} {name}"
+        for name, inner in getattr(command, "commands", {}).items():
+            yield from walk(inner, f"{path} {name}")
+
+    return walk(get_command(app), "passo")
+
+
+def settings():
+    from passo.config import setting_table
+    from passo.config.boardfile import check
+
+    from host_tools import boards
+
+    for name in boards.names():
+        for number, rule in setting_table.make(check(boards.load(name))).items():
+            yield f"setting ${number} {rule[0]}"
+
+
+def board_keys():
+    from passo.config import boardfile
+
+    from host_tools.build.reference import all_rules, keys
+
+    return (f"board file {key}" for key in keys(all_rules(boardfile)))
+
+
+def codes():
+    from passo.protocols.gcode.codes import CODES
+    from passo.protocols.gcode.words import M_CODES
+
+    for code in CODES:
+        letter, number = ("M", code - M_CODES) if code >= M_CODES else ("G", code)
+        yield f"G-code {letter}{number / 100:g}"
+
+
+def statuses():
+    from passo.commands import INPUTS, STATUS_WORDS
+
+    return [f"status {row[1]}" for row in STATUS_WORDS] + [f"input {row[0]} {row[1]}" for row in INPUTS]
+
+
+PAGES = ("firmware/passo/protocols/page", "firmware/passo/web", "host_tools/page", "host_tools/panel")
+
+# {kind: (folders, files, expression)} of what stands in the source as a text.
+TEXTS = {
+    "$ line": (("firmware/passo/protocols/grbl",), "*.py", r'"(\$[A-Z#$+]*=?)'),
+    "HTTP path": (("firmware/passo/web", "firmware/passo/protocols/torch"), "*.py", r'b?"(/[A-Za-z.]*)"'),
+    "panel path": (("host_tools/panel",), "*.py", r'app\.(?:get|post)\("([^"]*)"'),
+    "page order": (PAGES, "*.py", r'"([a-z_]+)"(?:: |\] = )self\._[a-z]\w*[,}\n]'),
+    "page order field": (PAGES, "*.py", r'(?:(?:number|text|places)\(order, |order\.get\()"(\w+)"'),
+    "page message": (PAGES, "*.py", r'"t": "(\w+)"'),
+    "page card": (("firmware/passo/web/page",), "*.html", r'id="card-(\w+)"'),
+}
+
+
+def texts():
+    for kind, (folders, files, expression) in TEXTS.items():
+        for folder in folders:
+            for path in (ROOT / folder).glob(files):
+                for found in re.findall(expression, path.read_text(encoding="utf-8")):
+                    yield f"{kind} {found}"
+
+
+def surface():
+    return sorted({*verbs(), *settings(), *board_keys(), *codes(), *statuses(), *texts()})
+
+
+def test_nothing_that_is_promised_is_lost():
+    listed = LIST.read_text(encoding="utf-8").splitlines()
+    assert len(listed) > 800 and listed == sorted(listed)
+    lost = set(listed) - set(surface())
+    assert not lost, sorted(lost)
+
+
+@pytest.mark.parametrize("kind", ["passo", "setting", "board file", "G-code", "status", "input", *TEXTS])
+def test_each_kind_is_found(kind):
+    """An expression that finds nothing would guard nothing."""
+    assert [line for line in surface() if line.startswith(kind + " ")]
+
+
+if __name__ == "__main__":
+    print("\n".join(surface()))
