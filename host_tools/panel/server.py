@@ -184,6 +184,7 @@ class Server:
 
         @app.post("/stop")
         async def stop(request):
+            self.pages.overtake(request.body)
             return self.api.order({"do": "stop"}, False)
 
         @app.get("/errors.json")

@@ -9,6 +9,7 @@ export class Link {
     this.up = up;
     this.waiting = new Map();
     this.id = 0;
+    this.stops = 0;  // how often STOP was pressed
     this.open = false;
     this.board = new URLSearchParams(location.search).get("board");
     this.start();
@@ -81,5 +82,8 @@ export class Link {
 
   look(every) { return this.order({ do: "look", every }); }
 
-  stop() { if (this.open) this.worker.postMessage('{"do":"stop"}'); }
+  stop() {
+    this.stops++;
+    if (this.open) this.worker.postMessage('{"do":"stop"}');
+  }
 }

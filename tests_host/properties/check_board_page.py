@@ -226,6 +226,45 @@ def check_stop_wants_no_key():
         assert list(board.world.place) == stood
 
 
+def posted_stop(board, page):
+    """A STOP as the page's script posts it: it names the page's newest order."""
+    said = ("%s.%d" % (page.session.nonce, page.count)).encode()
+    assert b'"error": 0' in board.get("/stop", "POST", more=b"Content-Length: %d\r\n" % len(said), body=said)
+
+
+def check_a_stop_that_overtakes_orders():
+    """Orders that were sent before a STOP do not move the machine after it: those still under way, and those that wait to be read."""
+    step = {"do": "step", "by": {"x": 5}, "speed": SPEED}
+    board = ServedRouter()
+    page = board.commanding()
+    before = list(board.world.place)
+    late = [page.message(step) for _ in range(7)]
+    posted_stop(board, page)
+    for message in late:
+        page.say(message)
+    board.run_ms(500)
+    assert [told["error"] for told in page.told if told["t"] == "answer"] == [errors.STOPPED] * 7 and page.alive
+    assert list(board.world.place) == before
+    for wrong in (b"", b".", b"x.1", page.session.nonce.encode() + b".", page.session.nonce.encode() + b".\xff", b"\xff" * 200):
+        assert b'"error": 0' in board.get("/stop", "POST", more=b"Content-Length: %d\r\n" % len(wrong), body=wrong)
+    assert page.order("step", by={"x": 5}, speed=SPEED)["error"] == 0, "what is ordered after it counts"
+    board.run_ms(1500)
+    assert list(board.world.place) == [before[0] + 5 * MM] + before[1:]
+    other = board.page()
+    for each in (page, other):
+        each.begin("step", by={"x": 5}, speed=SPEED)
+    for _ in range(20):  # both wait behind each other
+        board.server._server.poll(int(board.now_ms()))
+    assert len(board.server._messages) == 2
+    assert board.server._stop(b"") and len(board.server._messages) == 3
+    board.run_ms(500)
+    assert [[told["error"] for told in each.told if told["t"] == "answer"][-1] for each in (page, other)] == [errors.STOPPED] * 2
+    assert list(board.world.place) == [before[0] + 5 * MM] + before[1:]
+    assert other.order("step", by={"x": -5}, speed=SPEED)["error"] == 0
+    board.run_ms(1500)
+    assert list(board.world.place) == before
+
+
 def check_a_wrong_key():
     board = ServedRouter()
     page = board.page("A" * 16)

@@ -92,10 +92,10 @@ class ServedRouter(Machine):
     def page(self, key=KEY):
         return Browser(self, key)
 
-    def get(self, path, method="GET", host=b"127.0.0.1", more=b""):
+    def get(self, path, method="GET", host=b"127.0.0.1", more=b"", body=b""):
         """The whole answer to a request."""
         wire = self.connect()
-        wire.send(b"%s %s HTTP/1.1\r\nHost: %s\r\n" % (method.encode(), path.encode(), host) + more + b"\r\n")
+        wire.send(b"%s %s HTTP/1.1\r\nHost: %s\r\n" % (method.encode(), path.encode(), host) + more + b"\r\n" + body)
         data = b""
         for _ in range(_ANSWERED_MS):
             self.run_ms(1)

@@ -27,7 +27,7 @@ def served(tmp_path):
     listener.bind(("127.0.0.1", 0))
     listener.listen(50)
     server = Server(listener, Folder(str(tmp_path) + "/"), Open())
-    server.calls[b"/stop"] = lambda: b"{}"
+    server.calls[b"/stop"] = lambda body: b"{}"
     return server, listener.getsockname()
 
 

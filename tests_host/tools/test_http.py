@@ -15,6 +15,8 @@ import pytest
 import requests
 
 from passo.protocols.torch import protocol as torch
+from passo.web.files import Folder
+from passo.web.http import Server
 from passo.web.session import Hmac
 from test_board_command import COMMAND, Board, environment
 
@@ -125,6 +127,60 @@ def curl(url, *options):
     said = subprocess.run(["curl", "-s", "-i", *options, url], capture_output=True, timeout=LIMIT_S, check=True).stdout
     head, _, body = said.partition(b"\r\n\r\n")
     return head.decode().split("\r\n"), body
+
+
+def test_a_stop_that_overtakes_an_order():
+    """What was asked before a STOP and comes after it is an old proof; what waits in the server is refused, not carried out behind it."""
+    with Torch("torch_pico_w") as torch_board:
+        client = Keyed(torch_board.url)
+        assert client.post("/ON")["error"] == 0
+        late, stop = Keyed(torch_board.url), Keyed(torch_board.url)
+        late.nonce = stop.nonce = client.nonce
+        late.count, stop.count = client.count, client.count + 1
+        assert stop.post("/HALT")["error"] == 0
+        assert late.post("/COMMAND", BODY, tries=1)["error"] == 178
+        found = torch_board.settled()
+        assert (found["px"], found["py"]) == (0, 0)
+        assert stop.post("/COMMAND", BODY, tries=1)["error"] == 0
+        assert torch_board.settled()["px"] == 100
+
+
+class Proven:
+    """A guard that takes everybody for proven, but for STOP."""
+
+    def wrong(self, connection, browser):
+        return 0
+
+    def headers(self):
+        return b""
+
+    def free(self, path):
+        return path in (b"/HALT", b"/INFO")
+
+    def proven(self, connection, now_ms):
+        return True
+
+
+def test_orders_that_wait_are_refused_by_a_stop(tmp_path):
+    listener = socket.socket()
+    listener.bind(("127.0.0.1", 0))
+    listener.listen(9)
+    server = Server(listener, Folder(str(tmp_path) + "/"), Proven())
+    server.serve((b"/COMMAND", b"/HALT"), (b"/INFO",), "torch.html")
+    wires = []
+    for line in (b"POST /COMMAND", b"GET /INFO", b"POST /COMMAND", b"POST /HALT"):
+        wires.append(socket.create_connection(listener.getsockname(), LIMIT_S))
+        wires[-1].sendall(line + b" HTTP/1.1\r\nHost: a\r\nAccept: application/json\r\n\r\n")
+        deadline = time.monotonic() + LIMIT_S
+        while len(server._requests) < len(wires) and b"/HALT" not in line and time.monotonic() < deadline:
+            server.poll(0)
+    for _ in range(200):
+        server.poll(0)
+    assert [wire.recv(1000)[9:12] for wire in (wires[0], wires[2])] == [b"409"] * 2
+    assert [server.take()[2:].split(b" ")[0] for _ in range(3)] == [b"/HALT", b"/INFO", b""]
+    for wire in wires:
+        wire.close()
+    server.close()
 
 
 @pytest.mark.skipif(not shutil.which("curl"), reason="no curl")

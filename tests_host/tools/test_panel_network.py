@@ -223,6 +223,21 @@ def test_stop_needs_no_key(tmp_path):
     assert len(panel.trace()) < 100_000
 
 
+def test_a_stop_that_overtakes_an_order(tmp_path):
+    """An order that was sent before a STOP and comes after it is refused."""
+    with PanelProcess(tmp_path) as panel:
+        page = panel.page().ready()
+        late = page.message({"do": "step", "by": {"x": 5}, "speed": 5000})
+        said = f"{page.hello['nonce']}.{page.count}".encode()
+        assert b" 200" in ask(panel, request(panel, b"POST /stop HTTP/1.1", more=b"Content-Length: %d\r\n" % len(said)) + said)
+        page.socket.send(late)
+        assert page._find(lambda told: told["t"] == "answer")["error"] == errors.STOPPED
+        page.until(lambda state: state["state"] == "Idle")
+        assert page.order("step", by={"x": 1}, speed=5000)["error"] == 0
+        page.until(lambda state: state["state"] == "Idle" and state["m"][0] >= 1)
+        assert page.state["m"][0] == 1, "the late one did not move it"
+
+
 def test_nobody_is_kept_from_stop(tmp_path):
     """Slow heads, connections that say nothing, readers that take no answer, pages that prove nothing: they make room."""
     with PanelProcess(tmp_path) as panel:

@@ -29,7 +29,7 @@ _MESSAGE_BYTES = const(1024)  # of a WebSocket's message
 UNSENT = const(4096)  # bytes for who does not read
 _STATUS = {
     200: b"OK", 400: b"Bad Request", 403: b"Forbidden", 404: b"Not Found", 405: b"Method Not Allowed",
-    413: b"Content Too Large", 431: b"Request Header Fields Too Large", 503: b"Service Unavailable",
+    409: b"Conflict", 413: b"Content Too Large", 431: b"Request Header Fields Too Large", 503: b"Service Unavailable",
 }  # fmt: skip
 _HEADERS = (
     b"Connection: close\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n"

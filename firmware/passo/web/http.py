@@ -5,7 +5,7 @@
     request = server.take()         # for the language: number, flags, path and body; b"" if there is none
     server.answer(b"…")             # its answer: the number, and what it says
     server.sockets[b"/ws"] = owner  # WebSockets: owner.open(), .heard() and .gone(), see page_line.py
-    server.calls[b"/stop"] = stop   # POST: stop() gives the answer, JSON
+    server.calls[b"/stop"] = stop   # POST: stop(body) gives the answer, JSON
 
 Microdot and asyncio would take more memory than a Pico W has beside the machine, and a main loop of their own. This one does a
 bounded piece of work a call: it takes one connection, and goes on with two. It holds at most SLOTS requests, PAGES pages that
@@ -36,6 +36,7 @@ _PUSHED = const(255)  # the number of the request whose answer is pushed
 _MOST_S = const(60)  # requests a second for the machine
 _BEGIN = b'<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Passo</title><link rel="icon" href="data:,"><pre id="answer">'
 _BUSY = b"too many requests\n"
+_STOPPED = b"dropped: the machine was stopped\n"
 
 
 class Server:
@@ -248,7 +249,7 @@ class Server:
         elif path in self._posts or path in self._gets:
             self._ask(connection, path, now_ms)
         elif path in self.calls and connection.method == b"POST":
-            connection.answer(200, b"application/json", self.calls[path]())
+            connection.answer(200, b"application/json", self.calls[path](connection.body))
             self.send(connection)
         elif owner and connection.key:
             self._open(connection, owner, now_ms)
@@ -304,11 +305,27 @@ class Server:
             flags |= REQUEST_PROVEN
         request = bytes((self._number, flags)) + path + b" " + connection.body
         if free:
+            if path in self._posts:
+                self._overtake(connection, now_ms)
             self._requests.insert(0, request)
         else:
             self._requests.append(request)
 
-    def _say(self, connection, status):
-        body = _BUSY if status == 503 else b"%d\n" % status
+    def _overtake(self, connection, now_ms):
+        """A STOP: what waits was asked before it, and is refused. A proof with it makes those that are still under way old ones."""
+        if connection.proof:
+            self._guard.proven(connection, now_ms)
+        waiting, self._requests = self._requests, []
+        for request in waiting:
+            if request[1] & REQUEST_PROVEN:
+                for each in self.connections:
+                    if each.number == request[0] and each.state == ASKED:
+                        self._say(each, 409, _STOPPED)
+                        break
+            else:
+                self._requests.append(request)
+
+    def _say(self, connection, status, body=b""):
+        body = body or (_BUSY if status == 503 else b"%d\n" % status)
         connection.answer(status, b"text/plain", body)
         self.send(connection)

@@ -12,10 +12,11 @@ import json
 
 from micropython import const
 
+from passo import errors
 from passo.protocols.page.orders import order_of
 from passo.protocols.page.protocol import ALL, FIRST, FREE, GONE, MOST, PROVEN, TOLD
 from passo.records import COUNT_MASK
-from passo.web.pages import Pages
+from passo.web.pages import Pages, refused
 from passo.web.websocket import TEXT, frame
 
 _PUSH_MS = const(190)  # between two states, whatever a pass of the main loop takes: five a second
@@ -139,9 +140,21 @@ class PageLine:
             self.pages.leave(page)
             self._messages.append((None, bytes((page.number, GONE))))
 
-    def _stop(self):
+    def _stop(self, body):
+        """STOP by a request of its own: what pages have ordered before it is refused, not carried out behind it."""
+        self.pages.overtake(body)
+        self._messages = [message for message in [self._before(*message) for message in self._messages] if message]
         self._messages.insert(0, (None, bytes((FIRST + MOST, FREE)) + _STOP))
         return _STOPPED
+
+    def _before(self, connection, message):
+        """What is left of a message that a STOP has overtaken; None: nothing."""
+        if connection is not None or message[1] != PROVEN:
+            return connection, message
+        for page in self.pages.pages:
+            if page.number == message[0]:
+                return page.socket, packed(refused(errors.STOPPED))
+        return None
 
 
 def packed(message):

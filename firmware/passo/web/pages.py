@@ -6,6 +6,7 @@
     text, proven = pages.open(page, message, now_ms)    # of an order; text None: `proven` is the answer, None: the page is to be closed
     pages.tell(event)                               # with the next state
     page.pace.due(version, now_ms)
+    pages.overtake(b"NONCE.COUNT")                  # a STOP has come beside a page's WebSocket
     pages.leave(page)                               # its jog is to end
 """
 
@@ -20,6 +21,12 @@ from passo.web.session import Session
 _MESSAGES_S = const(100)  # orders a second, of one page
 _SECOND_MS = const(1000)
 _TOLD = const(100)  # events that wait for the next push
+_DIGITS = const(8)  # of a count
+
+
+def refused(error):
+    """The answer to an order that has not been looked at: without its number, the oldest is meant."""
+    return {"t": "answer", "do": "", "error": error}
 
 
 class Page:
@@ -34,6 +41,7 @@ class Page:
         self.hello = None
         self.told = []
         self.wrong = 0
+        self.before = 0  # orders up to this count are older than a STOP that has overtaken them
         self.second_ms = 0
         self.count = 0
         self.lease = 0  # of the jog that this page holds
@@ -81,8 +89,18 @@ class Pages:
         text = page.session.open(text)
         if text is None:
             page.wrong += 1
-            return None, {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < WRONG else None
+            return None, refused(errors.NO_SESSION) if page.wrong < WRONG else None
+        if page.session.count <= page.before:
+            return None, refused(errors.STOPPED)
         return text, True
+
+    def overtake(self, said):
+        """A STOP came by another way than the orders of its page, which may still be under way: those that were sent before it are
+        refused. `said`: the page's nonce and how many orders it has sent, b"NONCE.COUNT"."""
+        nonce, _, count = said.partition(b".")
+        for page in self.pages:
+            if page.session.nonce.encode() == nonce and count.isdigit() and len(count) <= _DIGITS:
+                page.before = int(count)
 
     def look(self, page, order):
         """The answer to an order that says how often the page is told the state; None: it is another one."""

@@ -68,7 +68,7 @@ class Session:
         self._hmac = Hmac(key.encode())
         self.nonce = nonce
         self.opened = False  # a message has proven the key
-        self._count = 0
+        self.count = 0  # of the last message
 
     def open(self, text):
         """The body of a message, or None: a wrong proof, or a counter that is not higher than the last."""
@@ -76,9 +76,9 @@ class Session:
         proof, _, body = rest.partition(".")
         if not count or len(count) > _DIGITS or [digit for digit in count if digit not in "0123456789"]:
             return None
-        if not same(proof, self._hmac.hex((self.nonce + "." + count + "." + body).encode())) or int(count) <= self._count:
+        if not same(proof, self._hmac.hex((self.nonce + "." + count + "." + body).encode())) or int(count) <= self.count:
             return None
-        self._count = int(count)
+        self.count = int(count)
         self.opened = True
         return body
 

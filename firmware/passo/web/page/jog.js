@@ -18,11 +18,12 @@ export class Jog {
 
   async press(way, speed, button) {
     if (this.held) return;
-    const held = { button };
+    const held = { button }, stops = this.link.stops;
     this.held = held;
     button.classList.add("held");
     if (this.seldom()) await this.link.look(OFTEN_MS).then(() => new Promise((seen) => { this.seen = seen; }));
     if (this.held !== held) return;
+    if (this.link.stops !== stops) return this.drop();
     const report = this.state();
     this.lease = Math.max(this.lease, report.lease || 0) + 1;
     held.lease = this.lease;

@@ -10,6 +10,8 @@ export class Link {
     this.told = told;
     this.up = up;
     this.key = "";
+    this.sent = "";  // nonce and count of the newest order
+    this.stops = 0;  // how often STOP was pressed
     this.waiting = new Map();
     this.id = 0;
     this.open();
@@ -53,6 +55,7 @@ export class Link {
     const id = ++this.id;
     const body = JSON.stringify({ ...order, id });
     const count = String(++this.count);
+    this.sent = `${this.nonce}.${count}`;
     const proof = hex(hmac(bytes(this.key), bytes(`${this.nonce}.${count}.${body}`)));
     this.socket.send(`${count}.${proof}.${body}`);
     return new Promise((answer) => this.waiting.set(id, answer));
@@ -66,9 +69,10 @@ export class Link {
     return new Promise((answer) => this.waiting.set(id, answer));
   }
 
-  // STOP goes both ways at once, and needs no key.
+  // STOP goes both ways at once, and needs no key. It may overtake orders that are under way: by the last one's count the server knows them.
   stop() {
+    this.stops++;
     if (this.ready()) this.socket.send('{"do":"stop"}');
-    fetch("stop", { method: "POST" }).catch(() => {});
+    fetch("stop", { method: "POST", body: this.sent }).catch(() => {});
   }
 }

@@ -10,9 +10,10 @@ function kept() {
 }
 
 export class OwnButtons {
-  // order(name, fields): a promise of the answer; ask(text): of a yes; rest(): a promise, once the machine is at rest.
-  constructor(order, ask, rest) {
-    Object.assign(this, { order, ask, rest });
+  // order(name, fields): a promise of the answer; ask(text): of a yes; rest(): a promise, once the machine is at rest;
+  // stops(): how often STOP was pressed.
+  constructor(order, ask, rest, stops) {
+    Object.assign(this, { order, ask, rest, stops });
     this.made = kept();
     this.runs = false;
     $("own-form").onsubmit = (event) => { event.preventDefault(); this.keep($("own-name").value.trim(), $("own-lines").value); };
@@ -37,8 +38,9 @@ export class OwnButtons {
   async run(own) {
     if (this.runs) return;
     this.runs = true;
+    const stops = this.stops();
     for (const line of own.lines) {
-      if ((await this.order("line", { line })).error || !(await this.rest())) break;
+      if ((await this.order("line", { line })).error || !(await this.rest()) || this.stops() !== stops) break;
     }
     this.runs = false;
   }

@@ -42,7 +42,7 @@ const cards = new Cards({ order, ask, picture, report: () => report, proven: () 
 let language = "";
 const tabs = new Tabs(() => picture.draw());
 const typed = new Typed(order, errorText);
-new OwnButtons(order, ask, atRest);
+new OwnButtons(order, ask, atRest, () => link.stops);
 let waiting = [];  // [condition of a job, resolve]
 let starting = false;  // a job has been asked to run: the end of the one before is told no more
 

@@ -9,6 +9,7 @@ const key = document.getElementById("key");
 const bytes = (text) => new TextEncoder().encode(text);
 const letters = (text) => text.toUpperCase().replace(/[^A-HJ-NP-Z2-9]/g, "");
 let nonce = null, count = 0, line = Promise.resolve();
+let stops = 0; // how often STOP was pressed: what was asked before it is not asked again, nor later
 
 const english = !(navigator.language || "pt").toLowerCase().startsWith("pt");
 if (english) {
@@ -35,8 +36,9 @@ async function once(method, path, body) {
 }
 
 async function send(method, path, body = "") {
+  const before = stops;
   let { said } = await once(method, path, body);
-  if (said.error === 178 && letters(key.value)) ({ said } = await once(method, path, body)); // another page has counted on
+  if (said.error === 178 && letters(key.value) && stops === before) ({ said } = await once(method, path, body)); // another page has counted on
   show(said);
   return said;
 }
@@ -61,7 +63,9 @@ for (const form of document.querySelectorAll("form[action]")) {
     event.preventDefault();
     const fields = [...new FormData(form)].map((pair) => pair.join("=")).join("&");
     const method = form.method.toUpperCase();
-    const go = () => send(method, form.getAttribute("action"), fields).catch(failed);
+    if (form.querySelector("#halt")) stops++;
+    const before = stops;
+    const go = () => stops === before && send(method, form.getAttribute("action"), fields).catch(failed);
     if (form.querySelector("#halt")) go(); // never behind another
     else if (!form.querySelector("[data-jog]")) line = line.then(go);
   });
@@ -73,7 +77,8 @@ for (const button of document.querySelectorAll("[data-jog]")) {
   const hold = async () => {
     if (held) return;
     held = true;
-    while (held) {
+    const before = stops;
+    while (held && stops === before) {
       const said = await send("POST", path).catch(failed);
       if (!said || said.error) break;
       await new Promise((done) => setTimeout(done, JOG_MS));
