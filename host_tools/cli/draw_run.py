@@ -2,6 +2,7 @@
 
 import contextlib
 import signal
+import sys
 import time
 from typing import NamedTuple
 
@@ -13,6 +14,9 @@ from host_tools.language import _
 from host_tools.programs import drawn, job_record
 
 
+_BAUD = 57600
+
+
 class Way(NamedTuple):
     """How a drawing begins: `resume`: where it was interrupted; `home` first; without that, and the position is not known, only if
     `unverified`; `strict`: only by the board's journal; `ask` before the pen goes down."""
@@ -22,6 +26,33 @@ class Way(NamedTuple):
     unverified: bool = False
     strict: bool = False
     ask: bool = False
+
+
+class Plotted:
+    """A drawing for a plotter. `digest`: of its points; `seconds`: that it takes, about."""
+
+    def __init__(self, machine, plan, said):
+        from host_tools.programs import estimate
+
+        self._machine, self._said = machine, said
+        self._objects = plan.objects(said.points)
+        self.digest = plan.digest(said.points)
+        times = estimate.Estimate(machine, said.speed)
+        self.seconds = sum(sum(times.object_s(points)) for points in plan.objects(sys.maxsize))
+
+    def told(self):
+        """What else there is to say of it."""
+        return ()
+
+    def write(self, console, path):
+        """Write its packets. Raises Failure."""
+        drawn.write_packets(path, self._objects, self._said.home, self._said.speed)
+        console.print(_("  {0}: to be stored by passo jobs store {0} --protocol plotter", path))
+
+    def run(self, console, record, said):
+        """Draw it. Raises Failure."""
+        way = Way(said.resume, said.home)
+        run(console, self._objects, self._machine, record, said.port, said.baud or _BAUD, said.speed, way, said.log, said.timeout)
 
 
 def run(console, objects, machine, record, port, baud, speed, way, log=None, timeout=3.0, numbers=()):

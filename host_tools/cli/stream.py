@@ -18,6 +18,7 @@ from host_tools.language import _, line_text
 from host_tools.programs.gcode_time import Remaining
 
 _STATUS_S = 0.25
+_KEEP_S = 1.0
 FirstLine = Annotated[
     Optional[int], typer.Option("--from", min=1, metavar="LINE", help="Begin at this line of the file, or of a compiled listing.")
 ]
@@ -63,7 +64,7 @@ def stream(
     """
     from host_tools.cli import ports
     from host_tools.clients.grbl import GrblClient
-    from host_tools.programs import compiler, gcode_file, gcode_time
+    from host_tools.programs import compiler, gcode_file
 
     if flow not in ("count", "ok"):
         raise Failure("--flow is count or ok, not {!r}", flow)
@@ -71,19 +72,29 @@ def stream(
     compiler.tell(program)
     lines = list(program.rows())
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
-        _make_ready(client, home, unlock)
-        if first:
-            lines = prepared(client, lines, first, None, yes)
-        announce(client, lines, file.name)
-        limits = gcode_time.Limits.of_settings(client.command("$$"))
-        with Panel(client, lines, gcode_time.estimate(lines, limits), program.origin) as panel:
-            for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered, program.origin):
-                panel.done(number)
-            client.wait_idle(panel.cycle)
-        print(_("{}: {} lines in {}", file, len(lines), gcode_file.clock(panel.seconds())))
+        make_ready(client, home, unlock)
+        seconds, count = send(client, lines, file.name, flow == "count", first, yes, program.origin)
+        print(_("{}: {} lines in {}", file, count, gcode_file.clock(seconds)))
 
 
-def _make_ready(client, home, unlock):
+def send(client, lines, name, count, first, yes, origin, keep=None):
+    """Send [(number, bytes)] of the program `name` with progress and keys, from line `first` on, if not None. Calls `keep(number)` as
+    a line begins to move the machine, once a second. Returns (seconds, lines sent). Raises Failure."""
+    from host_tools.programs import gcode_time
+
+    if first:
+        lines = prepared(client, lines, first, None, yes)
+    announce(client, lines, name)
+    limits = gcode_time.Limits.of_settings(client.command("$$"))
+    with Panel(client, lines, gcode_time.estimate(lines, limits), origin, keep) as panel:
+        for number in client.stream(lines, count, panel.cycle, panel.numbered, origin):
+            panel.done(number)
+        client.wait_idle(panel.cycle)
+    return panel.seconds(), len(lines)
+
+
+def make_ready(client, home, unlock):
+    """Connect; out of an alarm by homing, or `unlock`. Raises Failure."""
     client.connect()
     if home:
         _home(client)
@@ -106,9 +117,12 @@ class Aborted(Failure):
 
 
 class Panel:
-    """The progress bar and the keys. `seconds`: estimated time of each line; `origin(number)`: what a line is called."""
+    """The progress bar and the keys. `seconds`: estimated time of each line; `origin(number)`: what a line is called; `keep(number)`
+    is called once a second, and at the end, with the line that moves the machine."""
 
-    def __init__(self, client, lines, seconds=None, origin=line_text):
+    def __init__(self, client, lines, seconds=None, origin=line_text, keep=None):
+        self._keep = keep
+        self._kept = 0.0
         self._client = client
         self._origin = origin
         self._remaining = Remaining(seconds or [1.0] * len(lines))
@@ -141,6 +155,8 @@ class Panel:
         if self._bar:
             self._show()
         self._keys.close()
+        if self._keep and self._line:
+            self._keep(self._line)
         if not self._asks and (kind is None or not issubclass(kind, LinkError)):
             self._client.report(0)
         if kind is KeyboardInterrupt:
@@ -165,6 +181,9 @@ class Panel:
         if self.numbered:
             self._line = max(self._line, int(self._client.status.get("Ln", 0)))
         now = time.monotonic()
+        if self._keep and self._line and now - self._kept >= _KEEP_S:
+            self._kept = now
+            self._keep(self._line)
         self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
         if self._asked and self._client.silent():
             raise LinkError("port {}: no answer any more, at {}", self._client.port, self._origin(self._line))

@@ -26,11 +26,20 @@ _EDGE_MM = 0.1  # a line outside the page by less is moved onto its edge
 
 
 @dataclass
+class Part:
+    """What one layer, or one pen, draws: lines in drawing order, each a list of (x, y) steps, of two points or more."""
+
+    number: int
+    name: str | None
+    lines: list
+
+
+@dataclass
 class Drawing:
     """Polylines in steps, in drawing order, with figures for people."""
 
     name: str
-    lines: list  # of lists of (x, y) steps, two points or more each
+    parts: list  # of Part
     steps_per_mm: tuple[float, float]
     scale: float  # of the real size
     mm_per_px: float
@@ -41,19 +50,24 @@ class Drawing:
     layers: dict = field(default_factory=dict)  # number: name or None, of all in the file
     notes: list = field(default_factory=list)
 
+    @property
+    def lines(self):
+        """Those of all parts."""
+        return [line for part in self.parts for line in part.lines]
+
     def objects(self, most):
-        """The drawing cut into objects of at most `most` points, each [(pen_down, x, y), ...] and begun by a MOVE."""
-        cut = [[]]
-        for line in self.lines:
-            if len(cut[-1]) + len(line) > most and len(line) <= most:
-                cut.append([])
-            for index, (x, y) in enumerate(line):
-                if len(cut[-1]) >= most - (index == 0):
-                    cut.append([])
-                if not cut[-1] and index:
-                    cut[-1].append((False, *line[index - 1]))
-                cut[-1].append((index > 0, x, y))
-        return [points for points in cut if points]
+        """The drawing cut into objects of at most `most` points, each [(pen_down, x, y), ...] and begun by a MOVE. A part
+        begins a new one."""
+        return [points for part in self.parts for points in _cut(part.lines, most)]
+
+    def changes(self, most):
+        """{index of an object: the Part that begins with it}, but of the first part."""
+        first, found = 0, {}
+        for part in self.parts:
+            found[first] = part
+            first += len(_cut(part.lines, most))
+        found.pop(0, None)
+        return found
 
     def digest(self, most):
         """64 hex digits that are equal if and only if the objects of points are."""
@@ -74,6 +88,20 @@ class Drawing:
 
     def _mm(self, a, b):
         return math.hypot((b[0] - a[0]) / self.steps_per_mm[0], (b[1] - a[1]) / self.steps_per_mm[1])
+
+
+def _cut(lines, most):
+    cut = [[]]
+    for line in lines:
+        if len(cut[-1]) + len(line) > most and len(line) <= most:
+            cut.append([])
+        for index, (x, y) in enumerate(line):
+            if len(cut[-1]) >= most - (index == 0):
+                cut.append([])
+            if not cut[-1] and index:
+                cut[-1].append((False, *line[index - 1]))
+            cut[-1].append((index > 0, x, y))
+    return [points for points in cut if points]
 
 
 def load(path, board, options=None, progress=None):
@@ -100,16 +128,20 @@ def load(path, board, options=None, progress=None):
     chosen = _chosen(page, path, options)
     mm_per_px = MM_PER_PX * place.factor
     left, bottom = place.corner_px
-    placed = [
-        [(line - complex(left, bottom)).conjugate() * mm_per_px + complex(*place.origin_mm) for line in lines]
-        for _, lines in sorted(chosen.items())
+    placed = {
+        number: [(line - complex(left, bottom)).conjugate() * mm_per_px + complex(*place.origin_mm) for line in lines]
+        for number, lines in sorted(chosen.items())
+    }
+    box = placement.box_of(placed.values())
+    travel = boards.travel_steps(board)
+    parts = [
+        Part(number, page.names.get(number), _to_steps(lines, steps_per_mm, travel))
+        for number, lines in zip(placed, _ordered(list(placed.values()), options.tolerance, progress))
     ]
-    box = placement.box_of(placed)
-    lines = _to_steps(_ordered(placed, options.tolerance, progress), steps_per_mm, boards.travel_steps(board))
     names = {number: page.names.get(number) for number in sorted(page.layers)}
     notes = [*_notes_of(page), *place.notes]
     return Drawing(
-        str(path), lines, steps_per_mm, place.factor, mm_per_px, place.corner_px, place.origin_mm,
+        str(path), parts, steps_per_mm, place.factor, mm_per_px, place.corner_px, place.origin_mm,
         place.on_table((0.0, 0.0, *page.size_px)), box, names, notes,
     )  # fmt: skip
 
@@ -177,7 +209,7 @@ def _notes_of(page):
 
 
 def _ordered(layers, tolerance_mm, progress):
-    """Lines of all layers, joined, thinned, and ordered for little pen-up travel from 0;0."""
+    """The lines of each layer, joined, thinned, and ordered for little pen-up travel from 0;0."""
     import numpy
     from shapely.geometry import LineString
 
@@ -188,7 +220,7 @@ def _ordered(layers, tolerance_mm, progress):
     count = sum(map(len, layers))
     done = 0
     for lines in layers:
-        thin = []
+        thin, way = [], []
         for index, line in enumerate(joined(lines, _JOIN_MM)):
             if index % 64 == 0:
                 progress(N_("ordering"), (done + index) / count)
@@ -201,8 +233,9 @@ def _ordered(layers, tolerance_mm, progress):
             if len(line) > 3 and line[0] == line[-1]:
                 nearest = int(numpy.argmin(abs(line[:-1] - pen)))
                 line = numpy.concatenate((line[nearest:-1], line[: nearest + 1]))
-            ordered.append(line)
+            way.append(line)
             pen = line[-1]
+        ordered.append(way)
         done += len(lines)
     return ordered
 

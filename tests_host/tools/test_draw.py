@@ -409,14 +409,14 @@ def test_a_journal_that_cannot_be_written_is_noticed_before_the_port_is_opened(t
     assert "journal" in (said := process.communicate()[1]) and "cannot be written" in said and "nowhere" not in said
 
 
-@pytest.mark.parametrize("board, spoken", [("router_3axis", "grbl"), ("torch_manipulator", "torch"), ("lpt_router", "pulses")])
-def test_a_board_that_is_no_plotter_is_refused(tmp_path, start, board, spoken):
+@pytest.mark.parametrize("board, spoken", [("torch_manipulator", "torch"), ("lpt_router", "pulses")])
+def test_a_board_that_speaks_neither_language_is_refused(tmp_path, start, board, spoken):
     path = svg(tmp_path, '<path d="M0 0 h40"/>')
     for more in (["--dry-run"], ["--port", "/dev/nowhere"]):
         process = start("draw", path, "--board", board, *more)
         assert process.wait(30) == 1
         said = process.communicate()[1]
-        assert f"board {board} speaks {spoken}: passo draw speaks to plotters only" in said and len(said.splitlines()) == 1
+        assert f"board {board} speaks {spoken}: passo draw speaks to plotters, and in G-code" in said and len(said.splitlines()) == 1
 
 
 def test_a_preview_has_table_page_and_time(tmp_path, monkeypatch, capsys):

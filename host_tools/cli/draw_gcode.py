@@ -1,0 +1,88 @@
+"""`passo draw` on machines that speak grbl: the drawing as lines of G-code, written to a file or sent, and gone on with by line."""
+
+import hashlib
+from dataclasses import fields, replace
+
+from host_tools.cli import stream
+from host_tools.drawings import gcode
+from host_tools.drawings.gcode import TOOLS, Cut
+from host_tools.failure import Failure, reason
+from host_tools.language import _, line_text
+from host_tools.programs import gcode_file, gcode_time
+from host_tools.programs.gcode_time import Limits
+
+_BAUD = 115200
+_LEAST_TIMEOUT_S = 5.0
+
+
+def cuts(machine, plan, said):
+    """{number of a part: its Cut}, by the options of the command. Raises Failure."""
+    given = {each.name: getattr(said, each.name) for each in fields(Cut) if getattr(said, each.name) is not None}
+    if given.get("tool", TOOLS[0]) not in TOOLS:
+        raise Failure("--tool takes {}, not {!r}", ", ".join(TOOLS), given["tool"])
+    usual = replace(gcode.usual(machine, given.get("tool")), **given).checked()
+    found = {part.number: usual for part in plan.parts}
+    for text in said.layers or ():
+        number, colon, changes = text.partition(":")
+        if not colon or not number.isdigit():
+            raise Failure("--for wants LAYER:NAME=NUMBER, as in 2:feed=300,depth=1, not {!r}", text)
+        if int(number) not in plan.layers:
+            raise Failure("--for {}: there is no layer {}; it has {}", text, number, ", ".join(map(str, plan.layers)))
+        if int(number) in found:
+            found[int(number)] = found[int(number)].changed(changes)
+    return found
+
+
+class Written:
+    """A drawing as G-code. `digest`: of its lines; `seconds`: that they take, about."""
+
+    def __init__(self, machine, plan, said):
+        self._plan, self._cuts = plan, cuts(machine, plan, said)
+        self.lines = gcode.lines_of(plan, self._cuts)
+        self.digest = hashlib.sha256("\n".join(self.lines).encode()).hexdigest()
+        self._rows = [(number, gcode_file.strip(line.encode())) for number, line in enumerate(self.lines, 1)]
+        limits = Limits(
+            [axis["max_mm_min"] / 60 for axis in machine["axes"]], [axis["accel_mm_s2"] for axis in machine["axes"]]
+        )
+        while len(limits.speeds) < 4:
+            limits.speeds.append(limits.speeds[-1])
+            limits.accelerations.append(limits.accelerations[-1])
+        self.seconds = sum(gcode_time.estimate(self._rows, limits))
+
+    def told(self):
+        """How each layer is drawn."""
+        for part in self._plan.parts:
+            cut = self._cuts[part.number]
+            if cut.tool == "z":
+                yield _("layer {}: tool on Z, F{:g}, {:g} mm deep in {} passes", part.number, cut.feed, cut.depth, cut.passes)
+            elif cut.tool == "laser":
+                yield _("layer {}: laser, F{:g}, S{:g}, {} passes", part.number, cut.feed, cut.power, cut.passes)
+            else:
+                yield _("layer {}: tool by M3 S{:g} and M5, F{:g}, {} passes", part.number, cut.power, cut.feed, cut.passes)
+
+    def write(self, console, path):
+        """Write the file. Raises Failure."""
+        name = "".join(each for each in self._plan.name if each.isascii() and each not in "()")
+        try:
+            path.write_text("\n".join([f"(passo draw {name})", *self.lines, ""]), encoding="ascii")
+        except OSError as error:
+            raise Failure("cannot write {}: {}", path, reason(error)) from error
+        console.print(_("  {0}: {1} lines; passo check {0} shows what the machine makes of it", path, len(self.lines)))
+
+    def run(self, console, record, said):
+        """Send it, from its start or from the line where it was broken off. Raises Failure."""
+        from host_tools.cli import ports
+        from host_tools.clients.grbl import GrblClient
+
+        first = None
+        if said.resume:
+            record.resume()
+            first = record.object
+        with GrblClient(said.port or ports.only(), said.baud or _BAUD, max(said.timeout, _LEAST_TIMEOUT_S), said.log) as client:
+            stream.make_ready(client, said.home, False)
+            seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._name, record.save)
+        record.finish()
+        console.print(_("drawn in {}: {} lines", gcode_file.clock(seconds), len(self._rows)))
+
+    def _name(self, number):
+        return line_text(number)

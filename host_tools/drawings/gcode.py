@@ -1,0 +1,167 @@
+"""A drawing as G-code, for machines that speak grbl: a laser, a tool on Z, or a tool that M3 lowers and M5 lifts.
+
+    cut = Cut("z", feed=600, depth=1.5, passes=3)
+    lines_of(plan, {part.number: cut for part in plan.parts})       # ["G21 G90 G94 G17", "G0 Z2", …]
+
+The drawing's 0;0 is the zero of the work. A line is drawn in all its passes before the next: a closed one goes round again, an
+open one back, so the tool is not lifted in between. On Z each pass is deeper by the same step, the last one `depth` below zero.
+"""
+
+from dataclasses import dataclass, fields, replace
+
+from host_tools.failure import Failure
+
+TOOLS = ("laser", "z", "m3")
+_DECIMALS = 4
+
+
+@dataclass(frozen=True)
+class Cut:
+    """How a layer is drawn. Lengths in mm, speeds in mm/min; 0: none."""
+
+    tool: str
+    feed: float = 1000.0
+    plunge: float = 300.0  # speed of Z on its way down
+    power: float = 0.0  # S of M3 or M4
+    depth: float = 0.0  # below zero, of the last pass
+    passes: int = 1
+    lift: float = 2.0  # of Z above zero, on the way to the next line
+    dwell: float = 0.0  # seconds that the tool takes to go down or up
+
+    def changed(self, text):
+        """The same with "feed=600,power=300". Raises Failure."""
+        kinds = {each.name: each.type for each in fields(Cut) if each.name != "tool"}
+        values = {}
+        for part in text.split(","):
+            name, _, value = part.partition("=")
+            try:
+                values[name.strip()] = kinds[name.strip()](value)
+            except (KeyError, ValueError):
+                raise Failure("{!r} is no setting of a layer: NAME=NUMBER is, of {}", part, ", ".join(kinds)) from None
+        return replace(self, **values).checked()
+
+    def checked(self):
+        """The same. Raises Failure if a figure cannot be."""
+        for name, least in (("feed", 1e-3), ("plunge", 1e-3), ("power", 0), ("depth", 0), ("passes", 1), ("lift", 0), ("dwell", 0)):
+            if not least <= getattr(self, name) <= 1e6:
+                raise Failure("{}: {:g} cannot be", name, getattr(self, name))
+        if self.tool == "m3" and not self.power:
+            raise Failure("power: M3 S0 leaves the tool up")
+        return self
+
+
+def usual(board, tool=None):
+    """The Cut of a board file with a tool of TOOLS; None: its laser, its Z axis, or else the tool's output."""
+    spindle = board.get("spindle") or {}
+    height = any(axis["name"] == "z" for axis in board["axes"])
+    tool = tool or ("laser" if spindle.get("laser") else "z" if height else "m3")
+    full = spindle.get("max_rpm") or 1000
+    return {
+        "laser": Cut("laser", feed=1000.0, power=round(full * 0.3)),
+        "z": Cut("z", feed=600.0),
+        "m3": Cut("m3", feed=3000.0, power=full),
+    }[tool]
+
+
+class _Writer:
+    def __init__(self, steps_per_mm):
+        self._steps_per_mm = steps_per_mm
+        self.lines = []
+        self._feed = None
+        self._tool = None  # the last line that switched or lifted it
+
+    def put(self, line):
+        self.lines.append(line)
+
+    def _set(self, line):
+        """The tool's state, if it is another one. True if it was."""
+        fresh = line != self._tool
+        if fresh:
+            self._tool = line
+            self.put(line)
+        return fresh
+
+    def changed(self):
+        """Another tool: what the last one was told no longer holds."""
+        self._tool = self._feed = None
+
+    def at(self, place):
+        return " ".join(f"{axis}{number(steps / per_mm)}" for axis, steps, per_mm in zip("XY", place, self._steps_per_mm))
+
+    def feed(self, value):
+        """The word of a speed, if it is another one."""
+        if value == self._feed:
+            return ""
+        self._feed = value
+        return f" F{number(value)}"
+
+    def rest(self, cut):
+        """The tool is up, or dark, and a spindle goes on."""
+        if cut.tool == "z":
+            self._set(f"G0 Z{number(cut.lift)}")
+        elif cut.tool == "m3":
+            self._switch("M5", cut)
+
+    def begin(self, cut):
+        """The tool is ready for lines."""
+        self.rest(cut)
+        if cut.tool == "laser":
+            self._set(f"M4 S{number(cut.power)}")
+        elif cut.tool == "z" and cut.power:
+            self.put(f"M3 S{number(cut.power)}")
+
+    def stop(self, cut):
+        """The tool is up, dark, and a spindle stands."""
+        self.rest(cut)
+        if cut.tool == "laser" or cut.tool == "z" and cut.power:
+            self.put("M5")
+
+    def line(self, points, cut):
+        self.put(f"G0 {self.at(points[0])}")
+        if cut.tool == "m3":
+            self._switch(f"M3 S{number(cut.power)}", cut)
+        closed = points[0] == points[-1]
+        for index in range(cut.passes):
+            if cut.tool == "z" and (not index or cut.depth):
+                self._set(f"G1 Z{number(-cut.depth * (index + 1) / cut.passes)}{self.feed(cut.plunge)}")
+            way = points if closed or index % 2 == 0 else points[::-1]
+            for place in way[1:]:
+                self.put(f"G1 {self.at(place)}{self.feed(cut.feed)}")
+        self.rest(cut)
+
+    def _switch(self, code, cut):
+        if self._set(code) and cut.dwell:
+            self.put(f"G4 P{number(cut.dwell)}")
+
+
+def lines_of(plan, cuts, change=None):
+    """The G-code of a drawing. `cuts`: {number of a part: Cut}; `change`: lines between two parts, {} in them is the number of
+    the next; None: none, the tool draws on."""
+    writer = _Writer(plan.steps_per_mm)
+    writer.put("G21 G90 G94 G17")
+    for index, part in enumerate(plan.parts):
+        cut = cuts[part.number]
+        if index:
+            before = cuts[plan.parts[index - 1].number]
+            if change is not None:
+                writer.stop(before)
+                for line in change:
+                    writer.put(line.replace("{}", str(part.number)))
+                writer.changed()
+            elif (cut.tool, cut.power) != (before.tool, before.power):
+                writer.stop(before)
+                writer.changed()
+        writer.begin(cut)
+        for points in part.lines:
+            writer.line(points, cut)
+    if plan.parts:
+        writer.stop(cuts[plan.parts[-1].number])
+    writer.put("G0 X0 Y0")
+    writer.put("M30")
+    return writer.lines
+
+
+def number(value):
+    """A figure without zeros that say nothing."""
+    text = f"{value:.{_DECIMALS}f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text

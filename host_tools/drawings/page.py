@@ -1,0 +1,47 @@
+"""What the readers of drawings give: lines and filled areas, layer by layer, in px of 1/96 inch, y down.
+
+    page = Page((width_px, height_px))
+    page.add(1, "cut", [Ink("#ff0000", lines, areas)])
+    page.layers             # {1: [complex array, ...], ...}: x + iy
+"""
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+
+@dataclass
+class Ink:
+    """Lines and areas of one colour, as the file names it."""
+
+    colour: str
+    lines: list  # complex arrays
+    areas: list = field(default_factory=list)  # shapely geometries
+
+
+@dataclass
+class Page:
+    size_px: tuple[float, float]
+    layers: dict = field(default_factory=dict)  # number: lines
+    names: dict = field(default_factory=dict)  # number: what its groups are called
+    fills: dict = field(default_factory=dict)  # number: areas
+    left_out: Counter = field(default_factory=Counter)
+    unpainted: int = 0  # shapes with neither stroke nor fill
+    lost_mm: float = 0.0  # of lines outside the page
+    by_colour: bool = False  # a layer is a colour, in the order in which the file comes to them
+
+    def add(self, number, name, inks):
+        for ink in inks:
+            if not ink.lines and not ink.areas:
+                continue
+            if self.by_colour:
+                name = ink.colour
+                number = next((known for known, each in self.names.items() if each == name), len(self.names) + 1)
+            self.layers.setdefault(number, []).extend(ink.lines)
+            self.fills.setdefault(number, []).extend(ink.areas)
+            if name:
+                self.names.setdefault(number, name)
+
+    def only(self, numbers):
+        """Forget other layers."""
+        self.layers = {number: self.layers[number] for number in numbers}
+        self.fills = {number: self.fills.get(number, []) for number in numbers}

@@ -1,0 +1,202 @@
+"""`passo draw` by G-code: what a laser, a router and a tool on M3 and M5 do at their pins, files, sending, going on."""
+
+import random
+import re
+import sys
+
+import numpy
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from running_router import Running
+from test_draw import farthest_mm, page_of, sampled
+
+from host_tools import boards
+from host_tools.cli import draw_gcode, stream
+from host_tools.cli import main as cli
+from host_tools.cli.draw_options import Said
+from host_tools.drawings import drawing, gcode
+from host_tools.drawings.drawing import Drawing, Part
+from host_tools.failure import Failure
+from host_tools.programs import gcode_file
+from host_tools.sim.job import VirtualJob
+
+PLACES = st.tuples(st.integers(0, 9600), st.integers(0, 6400))
+LINES = st.lists(st.lists(PLACES, min_size=2, max_size=6), min_size=1, max_size=6)
+CUTS = st.builds(
+    gcode.Cut, st.sampled_from(gcode.TOOLS), st.sampled_from([100.0, 987.5]), st.just(200.0), st.integers(0, 900),
+    st.sampled_from([0.0, 0.5, 1.7]), st.integers(1, 4), st.sampled_from([1.0, 5.0]), st.sampled_from([0.0, 0.25]),
+)  # fmt: skip
+
+
+def plan_of(parts, steps_per_mm=(320.0, 320.0)):
+    found = [Part(number, None, lines) for number, lines in enumerate(parts, 1)]
+    return Drawing("a.svg", found, steps_per_mm, 1.0, 1.0, (0, 0), (0, 0), (0, 0, 1, 1), (0, 0, 1, 1))
+
+
+class Reader:
+    """G-code as its tool goes: [(place, place, z, power)] of the lines that it draws. Any other motion is up or dark."""
+
+    def __init__(self, lines, tool):
+        self.drawn, self.passed = [], []
+        place, z, power, rapid = (0.0, 0.0), None, 0.0, True
+        for line in lines:
+            words = dict(re.findall(r"([A-Z])(-?[\d.]+)", line))
+            if "M" in words:
+                power = 0.0 if words["M"] == "5" else float(words.get("S", 0)) if words["M"] in "34" else power
+                continue
+            if words.get("G") not in ("0", "1"):
+                continue
+            rapid = words["G"] == "0"
+            if "Z" in words:
+                assert not {"X", "Y"} & set(words)
+                z = float(words["Z"])
+                continue
+            there = float(words["X"]), float(words["Y"])
+            down = {"laser": not rapid, "m3": power > 0, "z": not rapid}[tool]
+            assert not (rapid and down)
+            if tool == "z":
+                assert not rapid or z > 0
+                assert rapid or z <= 0
+            (self.drawn if down else self.passed).append((place, there, z, power))
+            place = there
+
+
+@settings(max_examples=80, deadline=None)
+@given(st.lists(LINES, min_size=1, max_size=3), CUTS, st.booleans())
+def test_every_line_is_drawn_in_each_pass_and_nothing_else(parts, cut, pens):
+    cut = cut if cut.tool != "m3" else cut.changed(f"power={cut.power + 1}")
+    plan = plan_of(parts)
+    lines = gcode.lines_of(plan, {part.number: cut for part in plan.parts}, ["M0"] if pens else None)
+    reader = Reader(lines, cut.tool)
+    wanted = [frozenset(pair) for part in parts for line in part for pair in zip(line, line[1:])] * cut.passes
+    found = [frozenset((round(x * 320), round(y * 320)) for x, y in (a, b)) for a, b, _, _ in reader.drawn]
+    assert sorted(map(sorted, wanted)) == sorted(map(sorted, found))
+    if cut.tool == "z":
+        depths = {round(-cut.depth * (index + 1) / cut.passes, 4) + 0.0 for index in range(cut.passes)}
+        assert {z for _, _, z, _ in reader.drawn} == depths
+        assert {z for _, _, z, _ in reader.passed} == {cut.lift}
+    else:
+        assert {power for _, _, _, power in reader.drawn} == {cut.power}
+    assert lines.count("M0") == (len(parts) - 1 if pens else 0)
+    assert all(len(line) < 80 for line in lines) and lines[-1] == "M30"
+
+
+@pytest.mark.parametrize("board, tool", [("laser_xy", "laser"), ("router_3axis", "z"), ("router_3axis", "m3")])
+def test_the_pins_draw_the_drawing(tmp_path, board, tool):
+    """Through the firmware, each step: the tool is on along the drawing's lines, all of them, and nowhere else."""
+    chance = random.Random(board)
+    body = "".join(
+        f'<path fill="none" stroke="black" d="M{chance.uniform(5, 95):.2f} {chance.uniform(5, 95):.2f}'
+        f'q{chance.uniform(-5, 5):.2f} {chance.uniform(-5, 5):.2f} {chance.uniform(-5, 5):.2f} {chance.uniform(-5, 5):.2f}"/>'
+        for _ in range(12)
+    )
+    machine = boards.load(board)
+    plan = drawing.load(page_of(tmp_path, 100, 100, body), machine, drawing.Options(fit=True))
+    said = Said(tmp_path, tool=tool, feed=3000.0, depth=0.5, passes=2)
+    lines = gcode.lines_of(plan, draw_gcode.cuts(machine, plan, said))
+    job = VirtualJob(board, inside=True)
+    if tool == "m3":
+        job.track.by_height = False
+    job.run([(number, gcode_file.strip(line.encode())) for number, line in enumerate(lines, 1)])
+    assert not job.errors
+    wanted = [numpy.array(line) / plan.steps_per_mm for line in plan.lines]
+    drawn = [numpy.array(places)[:, :2] for on, places in job.track.strokes if on and len(places) > 1]
+    assert farthest_mm(numpy.concatenate([sampled(line, 0.5) for line in wanted]), drawn) < 0.2
+    assert farthest_mm(numpy.concatenate([sampled(line, 0.5) for line in drawn]), wanted) < 0.2
+    length = sum(numpy.hypot(*numpy.diff(line, axis=0).T).sum() for line in wanted)
+    inked = sum(numpy.hypot(*numpy.diff(line, axis=0).T).sum() for line in drawn)
+    assert inked == pytest.approx(2 * length, rel=0.01)
+
+
+def command(monkeypatch, capsys, *words):
+    """(what `passo draw` said, its exit status)."""
+    monkeypatch.setattr(sys, "argv", ["passo", "draw", *map(str, words)])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    said = capsys.readouterr()
+    return said.out + said.err, ended.value.code or 0
+
+
+def layered(tmp_path, name="two.svg"):
+    """Two layers."""
+    path = tmp_path / name
+    body = '<g id="layer1"><path d="M10 10 h30"/></g><g id="layer2"><path d="M10 20 h30"/></g>'
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="50mm" viewBox="0 0 100 50" stroke="black">{body}</svg>')
+    return path
+
+
+def test_layers_have_their_own_figures_and_a_file_is_what_check_takes(tmp_path, monkeypatch, capsys):
+    path, out = layered(tmp_path, "two (é).svg"), tmp_path / "two.gcode"
+    said, status = command(
+        monkeypatch, capsys, path, "--board", "router_3axis", "--depth", 1, "--passes", 2, "--for", "2:feed=150,depth=0.3,passes=1", "-o", out
+    )
+    assert not status and "layer 1: tool on Z, F600, 1 mm deep in 2 passes" in said and "layer 2: tool on Z, F150, 0.3 mm" in said
+    text = out.read_text()
+    assert [float(z) for z in re.findall(r"G1 Z(\S+)", text)] == [-0.5, -1, -0.3]
+    assert re.findall(r"G1 X\S+ Y\S+ F(\S+)", text) == ["600", "600", "150"]
+    monkeypatch.setattr(sys, "argv", ["passo", "check", str(out), "--board", "router_3axis"])
+    with pytest.raises(SystemExit) as ended:
+        cli.main()
+    assert not ended.value.code and re.search(r"Z +-1.000 … +2.000 mm", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("words, message", [
+    (["--tool", "knife"], "--tool takes laser, z, m3, not 'knife'"),
+    (["--feed", 0], "feed: 0 cannot be"),
+    (["--passes", 0], "passes: 0 cannot be"),
+    (["--depth", "nan"], "depth: nan cannot be"),
+    (["--for", "2"], "--for wants LAYER:NAME=NUMBER"),
+    (["--for", "7:feed=1"], "there is no layer 7; it has 1, 2"),
+    (["--for", "2:speed=1"], "'speed=1' is no setting of a layer"),
+    (["--tool", "m3", "--power", 0], "M3 S0 leaves the tool up"),
+    (["--for", "2:feed=-1"], "feed: -1 cannot be"),
+    (["-o", "/nowhere/a.gcode"], "cannot write /nowhere/a.gcode"),
+])
+def test_figures_that_cannot_be(tmp_path, monkeypatch, capsys, words, message):
+    said, status = command(monkeypatch, capsys, layered(tmp_path), "--board", "laser_xy", "--dry-run" if words[0] != "-o" else "--center", *words)
+    assert status == 1 and message in said
+
+
+def test_a_file_is_written_for_boards_that_speak_neither(tmp_path, monkeypatch, capsys):
+    path, out = layered(tmp_path), tmp_path / "a.gcode"
+    assert command(monkeypatch, capsys, path, "--board", "lpt_router", "-o", out)[1] == 0
+    assert "G1 X40 Y40" in out.read_text() or "G1 X10 Y40" in out.read_text()
+
+
+def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys):
+    """Each line is cut once, but for the one amid which it was broken off."""
+    body = "".join(f'<path d="M10 {y} h60"/>' for y in range(10, 100, 10))
+    path = page_of(tmp_path, 100, 100, body)
+    running = Running("fast")
+    try:
+        where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--depth", 1, "--lift", 0]
+        said, status = command(monkeypatch, capsys, path, *where)
+        assert not status and "drawn in" in said and not path.with_name("page.svg.journal").exists()
+        assert running.position()[:2] == [0, 0]
+        plain = stream.Panel.cycle
+
+        def broken(panel):
+            plain(panel)
+            if panel._line >= 12:
+                raise KeyboardInterrupt
+
+        monkeypatch.setattr(stream.Panel, "cycle", broken)
+        said, status = command(monkeypatch, capsys, path, *where)
+        assert status == 1 and "aborted at line" in said and path.with_name("page.svg.journal").exists()
+        monkeypatch.setattr(stream.Panel, "cycle", plain)
+        said, status = command(monkeypatch, capsys, path, *where, "--continue")
+        assert status == 1 and "nobody can be asked" in said
+        said, status = command(monkeypatch, capsys, path, *where, "--continue", "--yes")
+        assert not status and "drawn in" in said and running.position()[:2] == [0, 0]
+        said, status = command(monkeypatch, capsys, path, *where, "--continue")
+        assert status == 1 and "nothing to continue" in said
+    finally:
+        running.close()
+
+
+def test_a_board_file_decides_the_tool():
+    tools = {name: gcode.usual(boards.load(name)).tool for name in ("laser_xy", "router_3axis", "mill_2004", "plotter_2014")}
+    assert tools == {"laser_xy": "laser", "router_3axis": "z", "mill_2004": "z", "plotter_2014": "m3"}
+    with pytest.raises(Failure):
+        gcode.Cut("z").changed("passes=two")
