@@ -13,7 +13,7 @@ import cmath
 import math
 from dataclasses import dataclass
 
-from host_tools.programs.program_errors import DOES_NOT_FIT, ProgramError
+from host_tools.programs.program_errors import DOES_NOT_FIT, ENTRY, ProgramError
 
 LEFT, RIGHT = 1, -1
 SMALL = 1e-6  # mm: less is no distance
@@ -143,6 +143,33 @@ def lead(place, corner, start, side, radius):
         return [Piece(place, start)]
     touch = corner + cmath.rect(radius, cmath.phase(away) - side * math.acos(radius / abs(away)))
     return [Piece(place, touch), Piece(touch, start, corner, side == LEFT)]
+
+
+def alongside(entry, first, path, side, radius):
+    """The way in that ends beside the end of `entry`, whose start is the tool's centre and whose end its edge, in its direction; then around the
+    corner to the start of `path`. At an inside corner `path` begins later. `first`: the contour's first piece, or None. Raises ProgramError."""
+    into = entry.direction(entry.end)
+    end = entry.end + 1j * into * side * radius
+    way = Piece(entry.start, end) if entry.centre is None else _touching(entry, end, into, radius)
+    if first is None:
+        return [way]
+    turn = side * _turn(entry, first)
+    if turn < -_SMOOTH or math.isnan(turn):
+        return [way, Piece(end, path[0][0].start, first.start, side == LEFT)]
+    if turn > _SMOOTH:
+        (way, _), beside = _meet((way, 0), path[0][0], 0)
+        path[0] = beside, path[0][1]
+    return [way]
+
+
+def _touching(entry, end, into, radius):
+    """The arc from the start of `entry` that arrives at `end` in the direction `into`."""
+    inward = into * (-1j if entry.clockwise else 1j)
+    off = entry.start - end
+    height = _dot(inward, off)
+    if height < SMALL:
+        raise ProgramError(ENTRY, "the arc's radius is {:.3f}, the tool's {:.3f}", entry.radius, radius)
+    return Piece(entry.start, end, end + inward * (_dot(off, off) / (2 * height)), entry.clockwise)
 
 
 def _misfit(first, second, detail="", *values):

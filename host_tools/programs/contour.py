@@ -1,15 +1,19 @@
 """The motions between G41 or G42 and G40: collected, moved aside as a whole, then handed to the Toolpath.
 
-The way in is the first straight motion. It ends square to the contour's start, a radius away: straight, or if that would cut into
-the contour, around its start. The way out is the first motion in X or Y behind G40, in the same way. Both are checked against the
-contour, and so is the path against the ten pieces before and behind, as controllers look ahead; what comes too near further
-away is a warning, because several passes of a pocket may overlap.
+The contour is the way of the tool's edge, from the end of the first motion to the last one before G40. The way in is the first motion.
+A straight one ends square to the contour's start, a radius away: straight, or if that would cut into the contour, around its start. An
+arc ends beside its own end, along it; so does a straight one if neither is free. The way out is the first motion in X or Y behind G40, straight, as the way in.
+
+What cuts into what the contour leaves (kept.py) is refused: lead-ins, lead-outs and edges that lead beyond the part lie in the air. A contour that
+encloses nothing has material behind each of its pieces. Its path is checked against the ten pieces before and behind, as controllers
+look ahead; what comes too near further away is a warning, because several passes of a pocket may overlap.
 """
 
 import math
 
 from host_tools.language import _
-from host_tools.programs.compensation import SMALL, TOUCH, Piece, gouges, lead, offset
+from host_tools.programs.compensation import SMALL, TOUCH, Piece, alongside, gouges, lead, offset
+from host_tools.programs.kept import Kept
 from host_tools.programs.program_errors import (
     ARC, COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, PLANE, ProgramError,
 )  # fmt: skip
@@ -35,6 +39,7 @@ class Contour:
         self._motions = []
         self._told = []  # of them, the pieces of the contour itself
         self._end = None  # of the contour
+        self._kept = {}  # by height: what the contour leaves there
 
     def word(self, code, source):
         self._motions.append(_Motion(source, code=code))
@@ -59,12 +64,12 @@ class Contour:
             raise ProgramError(PLANE, "radius compensation")
         if turns > 1:
             raise ProgramError(COMPENSATED, "arcs of several turns")
-        if not any(motion.piece for motion in self._motions):
-            raise ProgramError(ENTRY, "an arc")
         start = complex(*begin[:2])
         last = complex(*end[:2])
         if sweep > math.pi and abs(last - start) < _SHORTEST:
             piece = Piece(start, start, start + complex(*centre), clockwise, True)
+            if not any(motion.piece for motion in self._motions):
+                raise ProgramError(ENTRY, "a whole circle")
         else:
             piece = Piece(start, last, start + complex(*centre), clockwise)
             if abs(last - start) < SMALL:
@@ -83,8 +88,6 @@ class Contour:
                 self._still(motion)
             return False
         entry, told = pieces[0], pieces[1:]
-        if entry.piece.centre is not None:
-            raise ProgramError(ENTRY, place=entry.source)
         self._told = told
         contour = [motion.piece for motion in told]
         path = []
@@ -98,15 +101,27 @@ class Contour:
             raise ProgramError(DOES_NOT_FIT, "a tool of radius {:g} between lines {} and {}", self.radius, *lines, place=second) from None
         if contour and not path:
             raise ProgramError(DOES_NOT_FIT, "a hole of the tool's own radius", place=told[0].source)
-        if contour:
-            way_in = self._lead(entry.piece.start, contour[0].start, path[0][0].start, self.side, entry, ENTRY_GOUGES)
-            self._end = contour[-1].end
-        else:
-            way_in = [Piece(entry.piece.start, entry.piece.beside(entry.piece.end, self.side * self.radius))]
-            self._end = entry.piece.end
+        self._end = contour[-1].end if contour else entry.piece.end
+        way_in = self._way_in(entry, path)
         self._check(path, None, GOUGES)
         self._put(entry, way_in, path)
         return True
+
+    def _way_in(self, entry, path):
+        """The pieces of the way in; `path` may begin later for it. Raises ProgramError."""
+        first = self._told[0].piece if path else None
+        refused = None
+        if entry.piece.centre is None and path:
+            try:
+                return self._lead(entry.piece.start, first.start, path[0][0].start, self.side, entry, ENTRY_GOUGES)
+            except ProgramError as error:
+                refused = error
+        try:
+            pieces = alongside(entry.piece, first, path, self.side, self.radius)
+            self._check([(piece, None) for piece in pieces], entry, ENTRY_GOUGES)
+        except ProgramError as error:
+            raise refused or error.at(entry.source) from None
+        return pieces
 
     def _lead(self, place, corner, start, side, motion, error):
         """The pieces from `place` to `start`: a straight line if that cuts nothing, else around the contour's end. Raises ProgramError
@@ -129,15 +144,26 @@ class Contour:
         for at, against, far in gouges([piece for piece, _ in path], contour, self.radius):
             number = path[at][1]
             motion = entry or self._told[number]
-            if _above(motion, self._told[against]):
+            if _above(motion, self._told[against]) or entry and _on_top(motion, self._told[against]):
+                continue
+            kept = self._kept_under(motion)
+            if kept.known and not kept.reached(path[at][0], self.radius) and not kept.doubtful:
                 continue
             line = self._told[against].source.line
-            if entry or abs(number - against) <= LOOK_AHEAD:
+            if kept.reached(path[at][0], self.radius) if kept.known else entry or abs(number - against) <= LOOK_AHEAD:
                 raise ProgramError(error, "{:.3f} mm from line {}, with a tool of radius {:g}", far, line, self.radius, place=motion.source)
             if (motion.source, self._told[against].source) not in warned:
                 warned.add((motion.source, self._told[against].source))
                 warning = _("{}: the tool comes to {:.3f} mm from line {}, with a tool of radius {:g}", motion.source, far, line, self.radius)
                 self._path.listing.warnings.append(warning)
+
+    def _kept_under(self, motion):
+        """What the pieces leave that the motion is not above."""
+        heights = [height for height in motion.heights if height is not None]
+        level = min(heights) if len(heights) == 2 else None
+        if level not in self._kept:
+            self._kept[level] = Kept([told.piece for told in self._told if not _above(motion, told)], self.side)
+        return self._kept[level]
 
     def leave(self, begin, place, rapid, feed, source):
         """Append what comes before the straight way out from `begin` to `place`. Raises ProgramError if the way cuts into the contour."""
@@ -194,3 +220,9 @@ def _above(motion, told):
     heights = [height for height in motion.heights if height is not None]
     below = [height for height in told.heights if height is not None]
     return len(heights) == len(below) == 2 and min(heights) > max(below) + SMALL
+
+
+def _on_top(motion, told):
+    """True if the contour's piece leads down from the height of the motion or from below it."""
+    heights = [height for height in (*motion.heights, *told.heights) if height is not None]
+    return len(heights) == 4 and min(motion.heights) > max(told.heights) - SMALL and min(motion.heights) > min(told.heights) + SMALL

@@ -70,7 +70,7 @@ TEXTS = {
     ENDLESS: "the program does not end: see --bound",
     NO_BLOCK: "there is no such block number",
     TOOL: "the tool's radius or length is not known: see --tools",
-    ENTRY: "radius compensation is entered, and left, by a straight move",
+    ENTRY: "radius compensation is left by a straight move, and entered by one, or by an arc greater than the tool",
     ENTRY_GOUGES: "the contour cannot be entered: the tool would cut into it on its way",
     DOES_NOT_FIT: "the tool does not fit: an inside corner or arc is too small",
     GOUGES: "the tool would cut into another part of the contour",
