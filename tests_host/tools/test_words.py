@@ -17,7 +17,7 @@ MODULES = sorted(path.name for path in FOLDER.glob("*.js") if path.name != "torc
 TABLES = ("SIGNALS", "MORE", "STATES", "OVERRIDES", "BITS", "HOW")  # whose texts are shown by way of _()
 WHOLE_TABLES = ("LACKS",)  # all of whose values are
 # Words of the documents, and what an English text with them has to say in Portuguese.
-TERMS = {"spindle": "fuso", "step program": "programa de pulsos", "homing": "origem", "door": "porta", "speed": ("velocidade", "rotação"),
+TERMS = {"spindle": "spindle", "step program": "programa de pulsos", "homing": "origem", "door": "porta", "speed": ("velocidade", "rotação"),
          "inverter": "inversor", "gantry": "pórtico", "motor": "motor", "alarm": "alarm"}  # fmt: skip
 
 
