@@ -5,6 +5,7 @@ another machine. Tool on, run and resume from another computer want somebody at 
 """
 
 from host_tools.page.presence import starts
+from host_tools.page.queue import Queue
 from passo import errors
 from passo.protocols.page.orders import Orders, Wrong, number, text
 
@@ -28,10 +29,19 @@ class PanelOrders(Orders):
                 "job_text": self._job_text, "job_about": self._job_about, "job_part": self._job_part,
                 "job_remove": self._job_remove, "run": self._run, "teach": self._teach,
             })  # fmt: skip
+        self._queue = None
+        if hasattr(store, "tools"):  # a tab's jobs are not looked at
+            self._queue = Queue(machine, store.tools, self._run_whole)
+            self._orders["queue"] = self._queue.order
 
     def can(self):
         lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
-        return [what for what in self.machine.can if what not in lacking]
+        return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else [])
+
+    def poll(self):
+        """Some hundred times a second."""
+        if self._queue:
+            self._queue.poll()
 
     def order(self, order, proven, remote=False):
         """`remote`: it comes from another computer, and the board does not know that."""
@@ -73,6 +83,10 @@ class PanelOrders(Orders):
 
     def _job_remove(self, order):
         return self.machine.still() or self.store.remove(text(order, "name", 64))
+
+    def _run_whole(self, name):
+        lines = self.store.lines(name)
+        return lines if isinstance(lines, int) else self.machine.run(name, lines, 1, False, False)
 
     def _run(self, order):
         passes = int(number(order, "passes", 1, _PASSES, 1))

@@ -64,5 +64,5 @@ class PanelPages(Pages):
         state["t"] = "state"
         state["beat"] = self.beat
         state["pages"] = len(self.pages)
-        self.version = at_once(state)
+        self.version = at_once(state), state.get("queue"), state.get("recover")
         return json.dumps(state)

@@ -17,6 +17,8 @@ def starts(order):
         return _line_starts(str(order.get("line")).upper().replace(" ", ""))
     if name == "stored":
         return order.get("what") == "run" and not order.get("check")
+    if name == "queue":
+        return order.get("what") == "run"
     if name == "recover":
         return order.get("what") in ("begin", "down")
     return name in _STARTS and not order.get("check")

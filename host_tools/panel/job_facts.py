@@ -19,24 +19,24 @@ _PAUSE = re.compile(rb"M0*[01](?!\d)")
 
 
 def gcode(lines, settings):
-    found = {"lines": len(lines), "tools": _tools(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
+    found = {"lines": len(lines), "tools": tools(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
     if len(lines) <= MOST_LINES:
         limits = Limits.of_settings([f"${number}={value}" for number, value in settings.items()])
         found.update(_times(estimate(lines, limits)))
     return found
 
 
-def _tools(lines):
+def tools(lines):
     """The tools that are changed to, in order: T goes before M6 or beside it."""
-    tools, chosen = [], ""
+    found, chosen = [], ""
     for _, line in lines:
         line = line.upper()
         named = _TOOL.search(line)
         if named:
             chosen = "T" + named[1].decode()
-        if chosen and _CHANGE.search(line) and (not tools or tools[-1] != chosen):
-            tools.append(chosen)
-    return tools
+        if chosen and _CHANGE.search(line) and (not found or found[-1] != chosen):
+            found.append(chosen)
+    return found
 
 
 def packets_of(board):

@@ -53,6 +53,7 @@ def _grbl(write, tell, guest):
 
     def join(store):
         machine.job = RecoverableJobs(machine, tell, store)
+        machine.can = (*machine.can, "from")
 
     machine.watcher = see
     return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join, facts=job_facts.gcode)

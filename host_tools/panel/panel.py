@@ -184,6 +184,7 @@ class Panel:
             now = clock_ms()
             self._port.look()
             self.machine.poll(now)
+            self.api.poll()
             if self._guest:
                 self._watch_guest()
             if now - pushed >= PUSH_MS or now < pushed:

@@ -4,6 +4,9 @@
     machine.state["recover"]        # {"name", "line", "known", "next"}: offered; "next": what the tool does when it goes down
     machine.orders["recover"]({"do": "recover", "what": "begin"})   # tool up, over the place, outputs on; then it asks
     machine.orders["recover"]({"do": "recover", "what": "down"})    # the rest of the program; "drop": tool up, spindle and coolant off; "forget"
+    machine.orders["recover"]({"do": "recover", "what": "from", "name": "part.gcode", "line": 120})     # offered: begin at a line, as passo stream --from
+
+What will hold where a line begins is in the offer, "held" (see Replay.held), before anything moves.
 
 The journal is asked once the machine is at rest: at the start, after homing, and when a job has ended. Each job tells the board its
 number before its first line goes, for the board writes down each line under the number that it was told last. A job that does not
@@ -15,10 +18,12 @@ from host_tools.programs import replay
 from host_tools.programs.interrupted import ended, interrupted, number_of, staged
 from host_tools.programs.replayed_machine import Machine
 from passo import errors
+from passo.protocols.page import orders
 from host_tools.page.stored import StoredJobs
 from host_tools.clients.grbl_wire import LOST, PAGE
 
 _REST = ("Idle", "Alarm")
+_MOST_LINE = 100_000_000
 _HOMING, _HOMING_WAYS = 22, 23  # settings: whether it homes, and which axes at their low ends
 
 
@@ -63,9 +68,10 @@ class RecoverableJobs(StoredJobs):
 
     def _journal(self, error):
         said, self._collects = self._collects or [], None
+        offer = self._machine.state["recover"]
         if error == LOST:
             self._asked = False
-        else:
+        elif not offer or "held" not in offer:
             self._machine.state["recover"] = None if error else self._offer(said)
 
     def _offer(self, said):
@@ -87,6 +93,8 @@ class RecoverableJobs(StoredJobs):
         error = machine.refusal() or machine.still()
         if error:
             return error
+        if what == "from":
+            return self._look_at(orders.text(order, "name", 64), int(orders.number(order, "line", 1, _MOST_LINE)))
         if offer is None:
             return errors.NO_SUCH_JOB
         if what == "drop" or what == "forget":
@@ -108,9 +116,12 @@ class RecoverableJobs(StoredJobs):
         return (machine.say(b"G53G0Z0") if rises else 0) or machine.say(b"M5") or machine.say(b"M9")
 
     def _forget(self):
-        """It is offered no more; nothing moves."""
+        """It is offered no more; nothing moves. Behind a line that was chosen, the journal may have another offer."""
         offer = self._machine.state["recover"]
-        self._left = offer["name"], offer["line"]
+        if "held" in offer:
+            self._asked = False
+        else:
+            self._left = offer["name"], offer["line"]
         self._stage = ""
         self._machine.state["recover"] = None
         return 0
@@ -118,12 +129,45 @@ class RecoverableJobs(StoredJobs):
     def _begin_again(self, sure):
         if not sure:
             return errors.NOT_HOMED
+        return self._ask_board(self._told, "held" not in self._machine.state["recover"])
+
+    def _ask_board(self, told, journal):
+        """Collect what the board says of its offsets, and of its journal; then `told(error)`."""
         self._collects = []
         machine = self._machine
-        if not machine.wire.say(PAGE, b"$JR") or not machine.wire.say(PAGE, b"$#", self._told):
+        if journal and not machine.wire.say(PAGE, b"$JR") or not machine.wire.say(PAGE, b"$#", told):
             self._collects = None
             return errors.BUSY
         return 0
+
+    def _look_at(self, name, line):
+        """Offer to begin at a line: what will hold there is replayed, and nothing moves."""
+        machine = self._machine
+        if machine.state["state"] not in _REST or not machine.settings:
+            return errors.LOCKED
+        if isinstance(self._files.lines(name), int):
+            return errors.NO_SUCH_JOB
+
+        def told(error):
+            said, self._collects = self._collects or [], None
+            if error:
+                return
+            try:
+                found, _, _ = self._from_line(name, line, said)
+            except Failure as failure:
+                self._tell_all({"t": "refused", "text": failure.told()})
+                return
+            self._stage = ""
+            machine.state["recover"] = {"name": name, "line": line, "known": False, "next": "", "held": found.held}
+
+        return self._ask_board(told, False)
+
+    def _from_line(self, name, line, said):
+        """(Replay, stages, rest) of a line of a job. Raises Failure."""
+        lines = self._files.program(name)
+        settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
+        found = replay.Replay(Machine.of_answers(settings, said), lines)
+        return (found, *found.from_line(line))
 
     def _told(self, error):
         said, self._collects = self._collects or [], None
@@ -131,7 +175,7 @@ class RecoverableJobs(StoredJobs):
         if error or offer is None:
             return
         try:
-            lead, self._rest, next_ = self._plan(offer["name"], said)
+            lead, self._rest, next_ = self._plan(offer, said)
         except Failure as failure:
             self._tell_all({"t": "refused", "text": failure.told()})
             return
@@ -139,15 +183,20 @@ class RecoverableJobs(StoredJobs):
         if not StoredJobs.run(self, offer["name"], lead, 1, False):
             self._stage = "over"
 
-    def _plan(self, name, said):
+    def _plan(self, offer, said):
         """(lines up to where the operator is asked, those behind, what comes next). Raises Failure."""
-        program = [(lines, crc) for found, lines, crc in self._files.programs() if found == name]
-        if not program:
-            raise Failure("{} has gone", name)
-        lines, crc = program[0]
-        number, place, _ = interrupted(said, lines, crc)
-        settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
-        stages, rest = staged(Machine.of_answers(settings, said), lines, number, place, ended(said))
+        name = offer["name"]
+        if "held" in offer:
+            number, lines = offer["line"], self._files.program(name)
+            _, stages, rest = self._from_line(name, number, said)
+        else:
+            program = [(lines, crc) for found, lines, crc in self._files.programs() if found == name]
+            if not program:
+                raise Failure("{} has gone", name)
+            lines, crc = program[0]
+            number, place, _ = interrupted(said, lines, crc)
+            settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
+            stages, rest = staged(Machine.of_answers(settings, said), lines, number, place, ended(said))
         asks = replay.DOWN if any(what == replay.DOWN for what, _ in stages) else replay.GO
         parts, next_ = ([], []), ""
         for what, sent in stages:
@@ -159,7 +208,9 @@ class RecoverableJobs(StoredJobs):
     def _down(self):
         if self._machine.place != self._place:
             return errors.COMMANDED_ELSEWHERE  # it has been moved since
-        error = StoredJobs.run(self, self._machine.state["recover"]["name"], self._rest, 1, False)
+        offer = self._machine.state["recover"]
+        run = StoredJobs.run if "held" not in offer else RecoverableJobs.run  # a line that was chosen begins the job anew, also to the journal
+        error = run(self, offer["name"], self._rest, 1, False)
         if not error:
             self._stage = ""
             self._machine.state["recover"] = None

@@ -10,6 +10,7 @@ import re
 
 from host_tools.clients.grbl import tagged
 from host_tools.failure import Failure
+from host_tools.panel import job_facts
 from host_tools.programs import gcode_file, stored_job
 from passo import errors
 
@@ -76,6 +77,11 @@ class Store:
             return lines
         return self._facts(lines, settings) if self._facts else {}
 
+    def tools(self, name):
+        """The tools that a job changes to, in order; None: its language has none; or the number of an error."""
+        lines = self.lines(name)
+        return lines if isinstance(lines, int) else job_facts.tools(lines) if self._facts is job_facts.gcode else None
+
     def programs(self):
         """[(name, lines, CRC-32 as a stored job)] of the jobs by which a board's journal may know one: the newest, up to a bound. Lines
         are gcode_file.read()'s."""
@@ -96,6 +102,13 @@ class Store:
                 found.append((path.name, *self._programs[key]))
         self._programs = {key: value for key, value in self._programs.items() if key[0] in [path.name for path in paths]}
         return found
+
+    def program(self, name):
+        """The lines of a job of G-code, as gcode_file.read() has them. Raises Failure."""
+        path = self._path(name)
+        if isinstance(path, int):
+            raise Failure("{} has gone", name)
+        return gcode_file.read(path)
 
     @staticmethod
     def numbered(rest, lines):

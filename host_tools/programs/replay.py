@@ -56,6 +56,7 @@ class Replay:
         self._gcode.max_rpm = round(machine.max_rpm * 1000)
         self._highest = None
         self._loose = False  # where the line under way begins is not known
+        self.held = {}  # what holds where it goes on: filled by from_line() and from_place()
 
     # --- the two ways in
 
@@ -291,6 +292,7 @@ class Replay:
         """[(what, lines)] up to the state that holds now, at `place`."""
         gcode, machine = self._gcode, self._machine
         gcode.leave_batch()
+        self.held = self._holds(place)
         depth = len(place) > TOOL_AXIS and not machine.laser
         stages = [(OFFSETS, self._places())]
         if depth:
@@ -312,6 +314,16 @@ class Replay:
         laser = ["G0", *self._spindle()] if machine.laser else []
         stages.append((GO, laser + (remainder or []) + self._modes()))
         return [(what, lines) for what, lines in stages if lines]
+
+    def _holds(self, place):
+        """The state of the program as people say it, for a page: lengths in mm of the work, the feed in mm/min."""
+        gcode = self._gcode
+        work = [round(self._mm(place, axis) - self._offsets.of(gcode.system, axis) / NM, 3) for axis in range(len(place))]
+        return {
+            "place": work, "system": f"G{54 + gcode.system}", "tool": gcode.tool, "spindle": gcode.spindle, "rpm": round(gcode.rpm / 1000),
+            "coolant": gcode.coolant, "feed": round(gcode.feed * 60 / NM) if gcode.per_minute else 0, "inches": bool(gcode.inches),
+            "absolute": bool(gcode.absolute), "laser": bool(self._machine.laser),
+        }  # fmt: skip
 
     def _up(self):
         """Where the tool is clear of everything, mm."""

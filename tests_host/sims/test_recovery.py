@@ -234,3 +234,73 @@ def test_what_is_forgotten_is_offered_again_once_it_has_begun_again(tmp_path):
     job._finish("failed", errors.STOPPED)
     home(made)
     assert made.machine.state["recover"] == offer
+
+
+def begin_at(made, line, name="part.gcode"):
+    assert made.order("recover", what="from", name=name, line=line) == 0
+    made.run_ms(300)
+    return made.machine.state["recover"]
+
+
+@pytest.mark.parametrize("journal", (True, False), ids=("", "no journal"))
+def test_a_job_is_begun_at_a_line(tmp_path, journal):
+    """What will hold there is told before anything moves; then as after a crash: over the place, asked, down, and the rest of it."""
+    made = desk(tmp_path, Pages(), journal=journal)
+    assert made.store.put("part.gcode", JOB) == 0
+    home(made)
+    path = made.board.world.path = []
+    offer = begin_at(made, 9)
+    assert offer["name"] == "part.gcode" and offer["line"] == 9 and not offer["known"] and not path
+    held = offer["held"]
+    assert held["place"] == [8, 8, -4] and held["rpm"] == 5000 and held["spindle"] == 3 and held["feed"] == 3000 and held["system"] == "G54", held
+    assert made.order("recover", what="begin") == errors.NOT_HOMED, "the operator has not seen that zero is right"
+    assert made.order("recover", what="begin", unverified=True) == 0
+    made.run_ms(200)
+    made.settle()
+    assert "Z" in made.machine.state["recover"]["next"] and min(row[3] for row in path) > -3 * STEPS_Z
+    assert made.order("recover", what="down") == 0
+    made.run_ms(100)
+    made.settle()
+    job = made.machine.state["job"]
+    assert job["how"] == "done" and made.machine.state["recover"] is None and made.board.world.tool == 0, job
+    (tmp_path / "other").mkdir()
+    after = bottom(path)
+    assert after < whole(tmp_path / "other") and len(after) > 8 * STEPS - 10, "the last two of four sides"
+
+
+def test_a_job_that_was_begun_at_a_line_is_offered_after_a_cut(tmp_path):
+    """The journal knows it as that job, at the line that it had come to."""
+    made = ready(tmp_path)
+    begin_at(made, 7)
+    assert made.order("recover", what="begin", unverified=True) == 0
+    made.run_ms(200)
+    made.settle()
+    assert made.order("recover", what="down") == 0
+    while made.machine.state["w"][1] < 6 or made.machine.state["m"][2] > -3:
+        made.cycle()
+    assert made.order("abort") == 0
+    made.run_ms(2000)
+    offer = made.machine.state["recover"]
+    assert offer and offer["name"] == "part.gcode" and offer["line"] in (8, 9) and "held" not in offer, offer
+
+
+def test_a_chosen_line_that_is_left_gives_way_to_what_was_interrupted(tmp_path):
+    made = ready(tmp_path)
+    cut_amid(made)
+    offer = made.machine.state["recover"]
+    assert begin_at(made, 9)["line"] == 9
+    home(made)
+    assert made.machine.state["recover"]["line"] == 9, "homing does not lose the choice"
+    assert made.order("recover", what="forget") == 0
+    made.run_ms(500)
+    assert made.machine.state["recover"] == offer
+
+
+@pytest.mark.parametrize("line, text", ((400, "ends before"), (4, "probes"), (6, "cannot be replayed")))
+def test_a_line_that_cannot_be_begun_at_says_why(tmp_path, line, text):
+    made = ready(tmp_path)
+    assert made.store.put("strange.gcode", "G21G90\nF100\nG38.2Z-5\nG0Z-1\n$X\nG1X1\n" if line != 6 else "G21G90\nF100\nG0X1\nG0Z-1\n$X\nG1X1\n") == 0
+    assert begin_at(made, line, "strange.gcode") is None
+    assert [event for event in made.told if event["t"] == "refused" and text in event["text"]], made.told
+    assert made.order("recover", what="from", name="none.gcode", line=1) == errors.NO_SUCH_JOB
+    assert made.order("recover", what="from", name="strange.gcode", line=0) == errors.ORDER_FIELD

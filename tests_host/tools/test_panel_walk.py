@@ -18,7 +18,7 @@ CUT = "G21 G90 F400\nG1 X5 Y5\nX15\nG4 P1.5\nY12\nX5 Y5\n"
 ARC = "G91 G2 X4 Y-4 J-4 F1500"
 NAME = """
 const nameOf = (e) => e.id || e.dataset.way || e.dataset.play || e.dataset.switch || e.dataset.output || e.dataset.override || (e.type === "radio" && e.name + e.value)
-  || (/^\\$/.test(e.ariaLabel || "") && "a setting") || (e.closest("#places") && "zero an axis") || (e.form && e.form.id)
+  || (/^\\$/.test(e.ariaLabel || "") && "a setting") || (e.closest("#places") && "zero an axis") || (e.closest("#pictures") && "a job by its picture") || (e.form && e.form.id)
   || (e.tagName === "SUMMARY" && e.closest("section").id) || e.outerHTML.slice(0, 80);
 const CONTROLS = "button, input, select, summary, canvas";
 """
@@ -102,7 +102,7 @@ def walk(tmp_path_factory, driver):
             used = stranger.noted()
         with Walker(panel, driver) as page:
             homed = home(page)
-            for part in (moves, jobs, interrupted, kept_jobs, paused, tool, teach, looks):
+            for part in (moves, jobs, chosen_and_queued, interrupted, kept_jobs, paused, tool, teach, looks):
                 part(page, folder)
             page.until_state("Ready")
             page.shot("walk")
@@ -207,6 +207,32 @@ def aborted(page):
     page.click("abort")
     page.until(lambda: "Ended" in page.text("job-state"))
     page.until_state("Ready")
+
+
+def chosen_and_queued(page, folder):
+    """A line to begin at is looked at and left; jobs are chosen by their pictures, queued, put in order, run."""
+    page.type("from-line", "4")
+    page.tap("#from-form button")
+    page.until(lambda: "from line 4" in page.text("recover-text"))
+    page.click("recover-forget")
+    page.until(lambda: not page.find("recover-row").is_displayed())
+    page.tap("#pictures-row summary")
+    page.until(lambda: "square.gcode" in page.text("pictures"))
+    page.tap("#pictures button")
+    page.tap("#queue-row summary")
+    for count in (1, 2, 3):
+        page.click("queue-add")
+        page.until(lambda count=count: page.text("queue-count") == f"({count})")
+    for label, at in (("earlier", 2), ("later", 1), ("out of the queue", 2)):
+        page.tap(f"#queue li:nth-child({at}) [aria-label$='{label}']")
+    page.until(lambda: page.text("queue-count") == "(2)")
+    page.click("queue-run")
+    page.until(lambda: page.text("queue-count") == "(1)")
+    page.click("queue-clear")
+    page.until(lambda: page.text("queue-count") == "" and "Done" in page.text("job-state"))
+    page.until_state("Ready")
+    page.tap("#queue-row summary")
+    page.tap("#pictures-row summary")
 
 
 def interrupted(page, folder):

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.quick
 
 CATALOGUE = json.loads((FOLDER / "pt.json").read_text(encoding="utf-8"))
 MODULES = sorted(path.name for path in FOLDER.glob("*.js") if path.name != "torch.js")  # that one has words of its own
-TABLES = ("SIGNALS", "MORE", "STATES", "OVERRIDES", "BITS", "HOW")  # whose texts are shown by way of _()
+TABLES = ("SIGNALS", "ELSEWHERE", "MORE", "STATES", "OVERRIDES", "BITS", "HOW")  # whose texts are shown by way of _()
 WHOLE_TABLES = ("LACKS",)  # all of whose values are
 # Words of the documents, and what an English text with them has to say in Portuguese.
 TERMS = {"spindle": "spindle", "step program": "programa de pulsos", "homing": "origem", "door": "porta", "speed": ("velocidade", "rotação"),

@@ -11,6 +11,8 @@ const $ = (id) => document.getElementById(id);
 const LACKS = { place: "the position", home: "seeking the origin", zero: "a zero of the work", goto: "going to a place", jobs: "jobs", hold: "pause",
   single: "single steps", teach: "teach-in", outputs: "spindle and coolant", overrides: "overrides", signals: "input signals",
   line: "a command line", settings: "settings" };
+// What only a PC computes: shown greyed where there is none. [word of the machine, its name, languages]
+const ELSEWHERE = [["from", "Begin at a line", ["grbl"]], ["queue", "Queue", ["grbl", "plotter", "pulses"]], ["place", "Place the drawing", ["plotter"]]];
 const OWN = { keys: Keys, plotter: Plotter, pulses: PulseFile, torch: Torch };
 
 export class Cards {
@@ -31,6 +33,7 @@ export class Cards {
     this.words = message.can;
     for (const card of document.querySelectorAll("[data-can]")) card.hidden = !card.dataset.can.split(" ").some((what) => this.can(what));
     this.language = message.language;
+    this.tellElsewhere();
     $("teach-name").value = message.language === "pulses" ? "taught.txt" : "taught.gcode";
     this.own = message.language in OWN ? new OWN[message.language](this.page, message) : null;
   }
@@ -57,6 +60,13 @@ export class Cards {
     }
     this.tellLacks();
     if (this.own) this.own.show(report);
+  }
+
+  // What a PC would do is greyed, and why.
+  tellElsewhere() {
+    const names = ELSEWHERE.filter(([what, , spoken]) => spoken.includes(this.language) && !this.can(what)).map(([, name]) => name);
+    $("elsewhere").hidden = !names.length || !this.can("jobs") && !this.can("kept");
+    $("elsewhere-list").replaceChildren(...names.map((name) => Object.assign(document.createElement("button"), { type: "button", disabled: true, textContent: _(name) })));
   }
 
   // What is hidden, and why.

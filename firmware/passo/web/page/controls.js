@@ -47,15 +47,22 @@ export function showControls(report) {
   }
 }
 
-// M0 and M6: what there is to do, and the button that goes on.
-export function showWait(report, mine) {
+// M0 and M6: what there is to do, and what the button says that goes on; null: nothing.
+function paused(report) {
   const why = report.state === "Hold" && report.sub === "0" ? report.why : "";
-  $("wait-bar").hidden = !why;
-  if (!why) return;
-  const text = why === "pause" ? _("The program has paused (M0). Do what it waits for, then go on.")
-    : _("Put in tool {tool}. Keep your hands away, then go on.", { tool: why });
+  if (!why) return null;
+  if (why === "pause") return [_("The program has paused (M0). Do what it waits for, then go on."), _("Go on")];
+  return [_("Put in tool {tool}. Keep your hands away, then go on.", { tool: why }), _("Tool {tool} is in: go on", { tool: why })];
+}
+
+// What a job waits for, or else the queue.
+export function showWait(report, mine, queued) {
+  const told = paused(report) || queued;
+  $("wait-bar").hidden = !told;
+  if (!told) return;
+  $("wait-go").dataset.order = told === queued ? "queue" : "resume";
+  const [text, go] = told;
   if ($("wait-text").textContent !== text) $("wait-text").textContent = text;
-  const go = why === "pause" ? _("Go on") : _("Tool {tool} is in: go on", { tool: why });
   if ($("wait-go").textContent !== go) $("wait-go").textContent = go;
   $("wait-go").disabled = !mine;
 }

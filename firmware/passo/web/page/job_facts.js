@@ -59,8 +59,9 @@ export class JobFacts {
   show(now) {
     const runs = now && ["run", "halting"].includes(now.how) && !now.checked;
     if (!runs) {
-      this.run = null;
       if (!now || now.how !== "done") $("job-time").textContent = "";
+      else if (this.run) $("job-time").textContent = _("{time} gone", { time: clock((Date.now() - this.run.from) / 1000) });
+      this.run = null;
       return;
     }
     if (!this.run || this.run.name !== now.name || now.done < this.run.done) this.run = { name: now.name, from: Date.now(), at: now.done };

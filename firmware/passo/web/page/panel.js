@@ -11,10 +11,11 @@ import { OwnButtons } from "./own_buttons.js";
 import { makePad } from "./pad.js";
 import { Picture } from "./path.js";
 import { read } from "./gcode_path.js";
+import { Queue } from "./queue.js";
 import { Recover } from "./recover.js";
 import { Tabs } from "./tabs.js";
 import { Typed } from "./typed.js";
-import { _, choose, languages, preferred } from "./words.js";
+import { _, choose as chooseWords, languages, preferred } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const PIECE = 30000;  // characters of a job in one message
@@ -35,7 +36,8 @@ const link = new Link(told, up);
 const jog = new Jog(link, () => report, refuse, refresh);
 const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).then((answer) => { refuse(answer.error === 102 ? 0 : answer.error); return answer; }),
   ask, () => report, () => $("jobs").value, say, () => language);
-const recover = new Recover((name, fields) => order(name, fields));
+const recover = new Recover((name, fields) => order(name, fields), () => $("jobs").value);
+const queue = new Queue((name, fields) => order(name, fields), { job: () => $("jobs").value, choose, text: textOf, moves: movesOf });
 const picture = new Picture($("path"), touched);
 const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture);
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
@@ -215,7 +217,7 @@ function show() {
   $("speed-now").textContent = Math.round(report.feed || 0);
   $("rpm-now").textContent = Math.round(report.rpm || 0);
   showControls(report);
-  showWait(report, report.owner !== "guest");
+  showWait(report, report.owner !== "guest", report.state === "Idle" ? Queue.waits(report) : null);
   $("owner").textContent = report.owner === "guest" ? _("the sender beside it") : _("this page");
   showSignals();
   showJob();
@@ -264,6 +266,9 @@ function enable() {
   $("take").hidden = mine;
   $("card-log").hidden = !cards.can("log") || !$("log").children.length;
   cards.show(report);
+  $("from-form").hidden = busy || !cards.can("from");  // a running job has no use for these, and a phone little room
+  $("pictures-row").hidden = busy || !cards.can("jobs");
+  queue.show(report.queue, mine && !busy && idle);
   recover.show(report.recover, mine && !busy, idle, /[SC]/.test(report.on || ""));
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
 }
@@ -277,6 +282,7 @@ function touched(place, move) {
 
 function tellLine(line) {
   const text = line ? `${_("line {line}", { line })}: ${job.lines[line - 1] || ""}` : "";
+  if (line && report.state !== "Run") $("from-line").value = line;
   if ($("path-line").textContent !== text) $("path-line").textContent = text;
 }
 
@@ -408,8 +414,28 @@ function takeJobs(message) {
     $("jobs").replaceChildren(new Option("–", ""), ...message.jobs.map(([name, size]) => new Option(`${name} (${Math.ceil(size / 1024)} kB)`, name)));
     $("jobs").value = message.jobs.some(([name]) => name === before) ? before : "";
     if ($("jobs").value !== job.name) load();
+    queue.take(message.jobs);
   }
   return message;
+}
+
+// The text of a job, as much of it as is there.
+async function textOf(name, most, wanted = () => true) {
+  let text = "";
+  for (let size = name ? 1 : 0; text.length < Math.min(size, most) && wanted();) {
+    const piece = await link.order({ do: "job_text", name, at: text.length });
+    if (piece.error || !piece.text) break;
+    text += piece.text;
+    size = piece.size;
+  }
+  return text;
+}
+
+function movesOf(text) { return cards.read(text) || read(text); }
+
+function choose(name) {
+  $("jobs").value = name;
+  load();
 }
 
 async function load() {
@@ -420,16 +446,11 @@ async function load() {
   if (name) put("job", name);
   $("run-name").textContent = name;
   enable();
-  for (let size = name ? 1 : 0; mine.text.length < size && job === mine;) {
-    const piece = await link.order({ do: "job_text", name, at: mine.text.length });
-    if (piece.error || !piece.text) break;
-    mine.text += piece.text;
-    size = piece.size;
-  }
+  mine.text = await textOf(name, Infinity, () => job === mine);
   if (job !== mine) return;
   job.lines = job.text.split("\n");
   $("lines").dataset.line = "";
-  picture.show(cards.read(job.text) || read(job.text));
+  picture.show(movesOf(job.text));
   if (!cards.mark(null)) mark(1);
   if (name) facts.load(job);
 }
@@ -494,7 +515,7 @@ $("home").onclick = () => order("home");
 $("unlock").onclick = () => order("unlock");
 $("hold").onclick = () => order("hold");
 $("resume").onclick = () => (report.job && report.job.single && report.state === "Idle" ? order("play", { what: "run" }) : order("resume"));
-$("wait-go").onclick = () => order("resume");
+$("wait-go").onclick = () => order($("wait-go").dataset.order, { what: "run" });
 $("abort").onclick = () => order("abort");
 $("zero-all").onclick = async () => { if (await ask(_("Set the zero of all axes here?"))) order("zero", { axes }); };
 $("give").onclick = () => order("give", { to: "guest" });
@@ -576,7 +597,7 @@ function theme(name) {
 }
 
 async function speak(language) {
-  await choose(language);
+  await chooseWords(language);
   makeOverrides(order);
   const now = axes;
   axes = "";

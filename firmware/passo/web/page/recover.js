@@ -1,32 +1,65 @@
-// A job that was interrupted, and that the board's journal knows: it is offered to go on with it, and asked before the tool goes down.
+// A job that was interrupted, and that the board's journal knows, or one that is to begin at a line: what will hold there is told, and it is
+// asked before the tool goes down.
 
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
+const mm = (place, axes) => axes.map((axis) => `${"XYZ"[axis]} ${place[axis].toFixed(2)}`).join(" ");
 
 export class Recover {
-  // order(name, fields): a promise of the answer.
-  constructor(order) {
+  // order(name, fields): a promise of the answer; job(): the name of the one that is chosen.
+  constructor(order, job) {
     $("recover-begin").onclick = () => order("recover", { what: "begin", unverified: $("recover-sure").checked });
     $("recover-down").onclick = () => order("recover", { what: "down" });
     $("recover-drop").onclick = () => order("recover", { what: "drop" });
     $("recover-forget").onclick = () => order("recover", { what: "forget" });
+    $("from-form").onsubmit = (event) => {
+      event.preventDefault();
+      $("recover-sure").checked = false;
+      order("recover", { what: "from", name: job(), line: Number($("from-line").value) });
+    };
   }
 
   // `offer`: of the state; `free`: nothing runs, and this page commands; `idle`: the machine is; `turns`: its spindle does.
   show(offer, free, idle, turns) {
     $("recover-row").hidden = !offer;
+    $("from-form").querySelector("button").disabled = !free || !idle || !$("jobs").value;
     if (!offer) return;
-    let text = (turns ? _("{name} stopped in line {line}, the spindle turns.", offer) : _("{name} stopped in line {line}, spindle off.", offer)) + " ";
-    if (offer.next) text += _("The tool is over the place. Next: {next}. Is the place right, and all clear?", offer);
-    else if (offer.known) text += _("It can go on there: tool up, over the place, spindle and coolant on, then you are asked.");
-    else text += _("Where the machine stands is not known since then: home it first.");
+    const text = offer.held ? this.told(offer) : this.stopped(offer, turns), head = offer.held ? _("Begin at a line") : _("A job was interrupted");
     if ($("recover-text").textContent !== text) $("recover-text").textContent = text;
+    if ($("h-recover").textContent !== head) $("h-recover").textContent = head;
     $("recover-doubt").hidden = offer.known || Boolean(offer.next);
     $("recover-begin").hidden = Boolean(offer.next);
     $("recover-down").hidden = !offer.next;
+    $("recover-drop").hidden = Boolean(offer.held) && !offer.next;
     $("recover-begin").disabled = !free || !idle || !(offer.known || $("recover-sure").checked);
     $("recover-down").disabled = !free || !idle;
     $("recover-drop").disabled = $("recover-forget").disabled = !free;
+  }
+
+  over(offer) { return _("The tool is over the place. Next: {next}. Is the place right, and all clear?", offer); }
+
+  stopped(offer, turns) {
+    const text = turns ? _("{name} stopped in line {line}, the spindle turns.", offer) : _("{name} stopped in line {line}, spindle off.", offer);
+    if (offer.next) return `${text} ${this.over(offer)}`;
+    if (offer.known) return `${text} ${_("It can go on there: tool up, over the place, spindle and coolant on, then you are asked.")}`;
+    return `${text} ${_("Where the machine stands is not known since then: home it first.")}`;
+  }
+
+  // What is restored where a chosen line begins, in words.
+  told(offer) {
+    const { place, system, tool, spindle, rpm, coolant, feed, inches, absolute, laser } = offer.held;
+    const on = [];
+    if (tool) on.push(_("tool T{tool}", { tool }));
+    if (spindle !== 5) on.push(laser ? _("laser power S{rpm}", { rpm }) : spindle === 3 ? _("spindle {rpm} rpm", { rpm }) : _("spindle {rpm} rpm, reversed", { rpm }));
+    if (coolant & 1) on.push(_("flood"));
+    if (coolant & 2) on.push(_("mist"));
+    const words = { ...offer, system, over: mm(place, [0, 1].slice(0, place.length)), depth: place.length > 2 ? mm(place, [2]) : "", on: on.join(", ") || _("spindle and coolant off"),
+      modes: [inches ? _("inches") : "mm", absolute ? _("absolute") : _("relative"), feed ? _("feed {feed} mm/min", { feed }) : ""].filter(Boolean).join(", ") };
+    const text = _("{name}, from line {line}. Restored: {system}, {modes}.", words);
+    if (offer.next) return `${text} ${this.over(offer)}`;
+    const way = place.length > 2 ? _("Tool up, over {over} mm; {on}; then you are asked, and it goes down to {depth} mm.", words)
+      : _("Over {over} mm; {on}; then you are asked, and it goes on.", words);
+    return `${text} ${way}`;
   }
 }

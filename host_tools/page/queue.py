@@ -1,0 +1,103 @@
+"""Jobs that wait for one another.
+
+    queue = Queue(machine, store.tools, run)        # tools(name): [] or ["T1", …]; run(name): 0 or an error
+    queue.order({"do": "queue", "what": "add", "name": "part.gcode"})
+    queue.poll()                                    # begins the next one once the one before has been done
+    machine.state["queue"]          # {"jobs": [names], "on": it has been begun, "waits": "", or why somebody has to say go on, "tool": "T2"}
+
+The next job begins by itself only if no tool has to be changed in between: its first tool is the one that is in the spindle, or it names none.
+Else, and in a language without tools, somebody says so: "run". One that fails or is ended stops the queue.
+"""
+
+from passo import errors
+from passo.protocols.page.orders import Wrong, number, text
+
+_MOST = 50
+
+
+class Queue:
+    def __init__(self, machine, tools, run):
+        """`tools(name)`: the tools that a job changes to, in order; None: the language has no word for them."""
+        self._machine = machine
+        self._tools = tools
+        self._run = run
+        self._jobs = []
+        self._now = ""  # the job of the queue that runs
+        self._tool = ""  # in the spindle, as far as the queue's jobs say
+        self._tell("")
+
+    def _tell(self, waits, tool=""):
+        self._machine.state["queue"] = {"jobs": list(self._jobs), "on": bool(self._now or waits), "waits": waits, "tool": tool}
+
+    def order(self, order):
+        what = text(order, "what", 8)
+        jobs, waits = self._jobs, self._machine.state["queue"]
+        if what == "add":
+            name = text(order, "name", 64)
+            if len(jobs) >= _MOST:
+                return errors.JOB_SIZE
+            if isinstance(self._tools(name), int):
+                return errors.NO_SUCH_JOB
+            jobs.append(name)
+        elif what == "run":
+            return self._begin()
+        elif what == "clear":
+            jobs.clear()
+            waits = {"waits": "", "tool": ""}
+        elif what in ("up", "down", "remove"):
+            at = int(number(order, "at", 0, _MOST - 1))
+            if at >= len(jobs) or jobs[at] != order.get("name"):  # another page has changed it meanwhile
+                return errors.NO_SUCH_JOB
+            name = jobs.pop(at)
+            if what != "remove":
+                jobs.insert(max(0, at - 1) if what == "up" else at + 1, name)
+            waits = {"waits": "", "tool": ""}  # another one may be the next: it is asked anew
+        else:
+            raise Wrong("what")
+        self._tell(waits["waits"], waits["tool"])
+        return 0
+
+    def _begin(self):
+        machine = self._machine
+        if not self._jobs:
+            return errors.NO_SUCH_JOB
+        name = self._jobs[0]
+        error = machine.refusal() or machine.still() or self._run(name)
+        if error:
+            return error
+        self._jobs.pop(0)
+        self._now = name
+        self._tool = (self._tools(name) or [self._tool])[-1]
+        self._tell("")
+        return 0
+
+    def poll(self):
+        """Look whether the job of the queue has ended; begin the next one, or ask for it."""
+        machine = self._machine
+        if not self._now or machine.job.running() or machine.state["state"] != "Idle":
+            if self._now and not machine.state["link"]:
+                self._stop()
+            return
+        done = machine.state["job"]
+        if not done or done["name"] != self._now or done["how"] != "done":
+            self._stop()
+        elif not self._jobs:
+            self._stop()
+        else:
+            self._next()
+
+    def _stop(self):
+        self._now = ""
+        self._tell("")
+
+    def _next(self):
+        tools = self._tools(self._jobs[0])
+        self._now = ""
+        if isinstance(tools, int):
+            self._tell("gone")
+        elif tools is None or self._machine.absent():
+            self._tell("asks")
+        elif tools and tools[0] != self._tool:
+            self._tell("tool", tools[0])
+        elif self._begin():
+            self._tell("asks")
