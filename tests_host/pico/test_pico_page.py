@@ -12,7 +12,7 @@ import pytest
 from air import Air, Page, files, pico_w
 from check_jobs import stored_form
 from host_tools import boards
-from host_tools.build.pages import PAGES
+from host_tools.build.pages import PAGES, bare
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.sender import NEXT
 from host_tools.programs import stored_job
@@ -56,7 +56,8 @@ def test_the_page_while_three_axes_step(show):
                 assert answer["log"] == []
             else:
                 body, ms = air.answer(air.get(name), 4000)
-                assert gzip.decompress(body) == (PAGES / (name[1:] or "index.html")).read_bytes()
+                file = name[1:] or "index.html"
+                assert gzip.decompress(body) == bare(file, (PAGES / file).read_bytes())
             found.append(ms)
     for page in pages:
         page.look()
