@@ -11,6 +11,7 @@ from passo.protocols.page.orders import Orders, Wrong, number, text
 
 _MOST_NUMBER = 0x1FFFFFFF
 _PASSES = 100
+_MOST_PLACED = 100_000  # mm
 
 
 class PanelOrders(Orders):
@@ -33,6 +34,8 @@ class PanelOrders(Orders):
         if hasattr(store, "tools"):  # a tab's jobs are not looked at
             self._queue = Queue(machine, store.tools, self._run_whole)
             self._orders["queue"] = self._queue.order
+        if hasattr(store, "place"):
+            self._orders["job_place"] = self._job_place
 
     def can(self):
         lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
@@ -80,6 +83,12 @@ class PanelOrders(Orders):
         if not isinstance(piece, str):
             raise Wrong("text")
         return self.store.add(name, at, piece, bool(order.get("last")))
+
+    def _job_place(self, order):
+        """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
+        name = text(order, "name", 64)
+        place = [number(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
+        return self.machine.still() or self.store.place(name, place)
 
     def _job_remove(self, order):
         return self.machine.still() or self.store.remove(text(order, "name", 64))

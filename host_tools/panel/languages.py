@@ -83,7 +83,9 @@ def _plotter(board, write, tell, about):
 
     speed = board["speed"]
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
-    return Spoken(PlotterMachine(write, tell, board), None, packet_lines, about, made=drawn.job_of(board), facts=job_facts.packets_of(board))
+    machine = PlotterMachine(write, tell, board)
+    machine.can = (*machine.can, "place")
+    return Spoken(machine, None, packet_lines, about, made=drawn.job_of(board), facts=job_facts.packets_of(board))
 
 
 def _keys(board, write, tell, about):

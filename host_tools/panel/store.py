@@ -32,7 +32,8 @@ def gcode_lines(path):
 class Store:
     def __init__(self, folder, read, made=None, facts=None):
         """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it. `made(name, text)`: name
-        and text of the job that a file becomes, or the number of an error; None: a file is a job.
+        and text of the job that a file becomes, or the number of an error; None: a file is a job. A file that has become another is kept
+        beside it, for place(): `made(name, text, place)`.
         `facts(lines, settings)`: what a job will do, see job_facts.py."""
         self._made = made
         self._facts = facts
@@ -75,7 +76,8 @@ class Store:
         lines = self.lines(name)
         if isinstance(lines, int):
             return lines
-        return self._facts(lines, settings) if self._facts else {}
+        found = self._facts(lines, settings) if self._facts else {}
+        return {**found, "placed": True} if self._source(name).is_file() else found
 
     def tools(self, name):
         """The tools that a job changes to, in order; None: its language has none; or the number of an error."""
@@ -159,26 +161,48 @@ class Store:
         error = self.name_error(name) or (errors.JOB_SIZE if self._full(name, len(text)) else 0)
         if error:
             return error
-        if self._made:
-            found = self._made(name, text)
-            if isinstance(found, int):
-                return found
-            name, text = found
+        found = self._made(name, text) if self._made else (name, text)
+        if isinstance(found, int):
+            return found
+        made, job = found
+        error = self._write(made, job.encode("latin-1", "replace"))
+        source = self._source(made)
+        source.unlink(missing_ok=True)
+        return error or (self._write(source.name, text.encode()) if made != name else 0)
+
+    def _write(self, name, data):
         path = self._folder / name
         fresh = self._folder / f".{name}.new"
         try:
-            fresh.write_bytes(text.encode("latin-1", "replace"))
+            fresh.write_bytes(data)
             os.replace(fresh, path)
         except OSError:
             fresh.unlink(missing_ok=True)
             return errors.JOB_SIZE
         return 0
 
+    def _source(self, name):
+        """Where the file lies from which a job was made; no job has such a name."""
+        return self._folder / f".{name}.from"
+
+    def place(self, name, place):
+        """Make a job anew from its file, elsewhere; 0 or the number of an error."""
+        path = self._path(name)
+        if isinstance(path, int):
+            return path
+        try:
+            text = self._source(name).read_text(encoding="utf-8")
+        except OSError:
+            return errors.NO_SUCH_JOB
+        found = self._made(name.rpartition(".")[0], text, place)
+        return found if isinstance(found, int) else self._write(name, found[1].encode("latin-1", "replace"))
+
     def remove(self, name):
         path = self._path(name)
         if isinstance(path, int):
             return path
         path.unlink()
+        self._source(name).unlink(missing_ok=True)
         return 0
 
     def _full(self, name, size):

@@ -148,3 +148,37 @@ def test_several_files_are_dropped_and_what_is_no_job_is_told(browser):
 
 def test_what_the_pc_does_is_not_greyed_there(browser):
     assert not browser.find("elsewhere").is_displayed() and boards.names()
+
+
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">'
+    '<path d="M5 5 L35 5 L35 25 Z" fill="none" stroke="black"/></svg>'
+)
+
+
+@pytest.mark.slow
+def test_a_drawing_is_placed_with_a_finger(tmp_path, driver):  # noqa: F811
+    """Dropped as SVG, carried by a finger on the picture, made larger by a number, and placed: its words are others then."""
+    from selenium.webdriver import ActionChains
+
+    with PanelProcess(tmp_path, "--board", "plotter_2014") as panel, Browser(panel, driver) as page:
+        page.driver.execute_script(DROP, [["map.svg", SVG], ["not.svg", "<svg>nothing"]])
+        page.until(lambda: "Error 180" in page.text("message"))
+        page.until(lambda: "map.svg.txt" in page.text("run") and page.find("place-form").is_displayed())
+        corner = [float(page.find(f"place-{name}").get_attribute("value")) for name in ("x", "y", "width")]
+        assert corner == [5, 5, 30]
+        words = (panel.jobs / "plotter" / "map.svg.txt").read_text()
+        page.click("place-finger")
+        page.driver.execute_script(BRING, page.find("path"))
+        ActionChains(page.driver).move_to_element(page.find("path")).click_and_hold().move_by_offset(40, -30).move_by_offset(20, -10).release().perform()
+        x, y, width = [float(page.find(f"place-{name}").get_attribute("value")) for name in ("x", "y", "width")]
+        assert x > corner[0] + 3 and y > corner[1] + 2 and width == 30
+        page.shot("placing")
+        assert (panel.jobs / "plotter" / "map.svg.txt").read_text() == words, "nothing is placed yet"
+        page.fill("place-width", "60")
+        page.driver.execute_script("document.getElementById('place-width').dispatchEvent(new Event('input'))")
+        page.tap("#place-form .go")
+        page.until(lambda: (panel.jobs / "plotter" / "map.svg.txt").read_text() != words)
+        page.until(lambda: page.find("place-finger").get_attribute("aria-pressed") == "false")
+        page.until(lambda: [abs(float(page.find(f"place-{name}").get_attribute("value")) - value) < 0.2 for name, value in zip(("x", "y", "width"), (x, y, 60))] == [True] * 3)
+        page.shot("placed")

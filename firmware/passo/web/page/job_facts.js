@@ -12,8 +12,9 @@ export function clock(seconds) {
 }
 
 export class JobFacts {
-  // order(name, fields): a promise of the answer; picture: its bounds and table.
-  constructor(order, picture) {
+  // order(name, fields): a promise of the answer; picture: its bounds and table; known(about): what is known of the job is another.
+  constructor(order, picture, known) {
+    this.known = known;
     this.order = order;
     this.picture = picture;
     this.about = {};
@@ -32,6 +33,7 @@ export class JobFacts {
   forget() { this.about = {}; this.tell(); }
 
   tell() {
+    this.known(this.about);
     const { name, size, lines, seconds, tools, pauses } = this.about, box = name && this.picture.bounds();
     const facts = name ? [_("{lines} lines, {size} kB", { lines, size: Math.ceil(size / 1024) })] : [];
     if (seconds !== undefined) facts.push(_("about {time}", { time: clock(seconds) }));

@@ -11,6 +11,7 @@ import { OwnButtons } from "./own_buttons.js";
 import { makePad } from "./pad.js";
 import { Picture } from "./path.js";
 import { read } from "./gcode_path.js";
+import { Place } from "./place.js";
 import { Queue } from "./queue.js";
 import { Recover } from "./recover.js";
 import { Tabs } from "./tabs.js";
@@ -39,7 +40,8 @@ const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).the
 const recover = new Recover((name, fields) => order(name, fields), () => $("jobs").value);
 const queue = new Queue((name, fields) => order(name, fields), { job: () => $("jobs").value, choose, text: textOf, moves: movesOf });
 const picture = new Picture($("path"), touched);
-const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture);
+const place = new Place(order, picture, () => load());
+const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture, (about) => place.take(about));
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 const tabs = new Tabs(() => picture.draw());
@@ -458,7 +460,8 @@ async function load() {
 async function upload(file) {
   const text = await file.text();
   const name = file.name.replace(/[^A-Za-z0-9 ._-]/g, "_").replace(/^[^A-Za-z0-9]+/, "").slice(-60) || "job.gcode";
-  if ([...$("jobs").options].some((option) => option.value === name) && !(await ask(_("Replace {name}?", { name })))) return;
+  const there = (wanted) => Array.from($("jobs").options).some((option) => option.value === wanted);
+  if (there(name) && !(await ask(_("Replace {name}?", { name })))) return;
   for (let at = 0; at === 0 || at < text.length; at += PIECE) {
     const answer = await order("job_part", { name, at, text: text.slice(at, at + PIECE), last: at + PIECE >= text.length });
     if (answer.error) return;
@@ -466,7 +469,7 @@ async function upload(file) {
   }
   job = { name: "", text: "", lines: [] };
   await order("jobs");
-  $("jobs").value = name;
+  $("jobs").value = there(name) ? name : `${name}.txt`;  // a drawing has become a job
   await load();
 }
 

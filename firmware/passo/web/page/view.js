@@ -3,6 +3,8 @@
 const LEAST = 0.05, MOST = 400;  // pixels a millimetre
 const NEAR = 6;                  // pixels: a touch that moves less is a tap
 
+const spread = (one, other) => Math.hypot(one[0] - other[0], one[1] - other[1]) || 1;
+
 export class View {
   // canvas; changed(): draw anew; tapped(x, y): pixels of the canvas.
   constructor(canvas, changed, tapped) {
@@ -10,6 +12,7 @@ export class View {
     this.middle = [0, 0, 0];
     this.scale = 2;
     this.solid = false;
+    this.hand = null;  // { move(x, y) in mm, size(by) }: fingers carry what is shown, not the view
     this.turn(0, 0);
     this.fingers = new Map();
     canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoom(event.deltaY < 0 ? 1.2 : 1 / 1.2, ...this.inside(event)); }, { passive: false });
@@ -85,7 +88,9 @@ export class View {
     if (this.far < NEAR) return;
     this.fingers.set(event.pointerId, now);
     const other = Array.from(this.fingers).filter(([id]) => id !== event.pointerId).map(([, place]) => place)[0];
-    if (other) this.pinch(before, now, other);
+    if (this.hand && other) this.hand.size(spread(now, other) / spread(before, other));
+    else if (this.hand) this.carry(before, now);
+    else if (other) this.pinch(before, now, other);
     else if (this.solid) this.orbit(now[0] - before[0], now[1] - before[1]);
     else this.pan(before, now);
   }
@@ -95,16 +100,21 @@ export class View {
     this.move(from[0] - to[0], from[1] - to[1]);
   }
 
+  // What is under the finger goes with it.
+  carry(before, now) {
+    const from = this.place(...before), to = this.place(...now);
+    this.hand.move(to[0] - from[0], to[1] - from[1]);
+  }
+
   orbit(across, up) {
     this.turn(this.around + across / 200, this.down_ - up / 200);
     this.changed();
   }
 
   pinch(before, now, other) {
-    const size = (place) => Math.hypot(place[0] - other[0], place[1] - other[1]) || 1;
     const middle = (place) => [(place[0] + other[0]) / 2, (place[1] + other[1]) / 2];
     this.pan(middle(before), middle(now));
-    this.zoom(size(now) / size(before), ...middle(now));
+    this.zoom(spread(now, other) / spread(before, other), ...middle(now));
   }
 
   up(event) {
