@@ -58,8 +58,9 @@ def board_keys():
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
     from passo.config import device_keys, motor_keys, shift_keys
+    from passo.config.job_keys import JOBS
 
-    return shift_keys.extended(device_keys.extended(motor_keys.extended(boardfile._BOARD)))
+    return shift_keys.extended({**boardfile._BOARD, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 
 
 def keys(rules, prefix=""):

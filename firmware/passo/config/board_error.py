@@ -10,6 +10,12 @@ class BoardError(Exception):
     """The board file is wrong: one line that says where, and what would be right."""
 
 
+def want_input(board, who, name):
+    """Raise BoardError if no input has the name that `who` of the board file says."""
+    if name not in [item["name"] for item in board["inputs"]]:
+        raise BoardError("%s: there is no input %r" % (who, name))
+
+
 def check_shape(value, depth=_DEPTH):
     """Raise BoardError if a value is nested too deep, or within itself, or has a text that is too long."""
     if isinstance(value, str) and len(value) > _LONGEST:

@@ -6,7 +6,7 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.config.board_error import BoardError, check_shape
+from passo.config.board_error import BoardError, check_shape, want_input
 from passo.config.chip_pins import check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
@@ -172,11 +172,17 @@ def check(board):
     if isinstance(board, dict) and (board.get("encoders") or board.get("gantry")):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
-        rules = more.extended(rules)
+        rules = dict(rules)
+        rules.update(more.RULES)
     if isinstance(board, dict) and [key for key in DEVICES if board.get(key)]:
         from passo.config import device_keys as devices
 
-        rules = devices.extended(rules, board)
+        rules = dict(rules)
+        rules.update(devices.RULES)
+        if board.get("jobs"):
+            from passo.config.job_keys import JOBS
+
+            rules["jobs"] = JOBS
     if isinstance(board, dict) and board.get("shift") and str(board.get("chip")).startswith("esp32"):
         from passo.config import shift_keys as shift
 
@@ -375,12 +381,10 @@ def _check_homing(board):
     if homing is None:
         return
     axes = [axis["name"] for axis in board["axes"]]
-    inputs = [item["name"] for item in board["inputs"]]
     for axis, sensor in homing["sensors"].items():
         if axis not in axes:
             raise BoardError("homing.sensors: there is no axis %r" % axis)
-        if sensor not in inputs:
-            raise BoardError("homing.sensors.%s: there is no input %r" % (axis, sensor))
+        want_input(board, "homing.sensors." + axis, sensor)
     for key in ("order", "high_end"):
         for axis in homing[key].replace(" ", ""):
             if axis not in homing["sensors"]:

@@ -1,95 +1,79 @@
 """The keys `card`, `inverter`, `network`, `registers`, `tachometer`, `tool_change` and `weaving` of a board file: only boards that have one
 of them load this.
 
-    rules = extended(rules)         # those of boardfile.py, in whose notation they are
+    RULES                           # in the notation of boardfile.py
     check(board)                    # raises BoardError
 """
 
 from passo.commands import INPUTS
-from passo.config.board_error import BoardError
+from passo.config.board_error import BoardError, want_input
 from passo.config.chip_pins import check_link
 from passo.records import REGISTER_BIT
 
-INVERTER = {
-    "make": ("delta", "yl620", "h100", "nowforever"),
-    "port": (str, ..., 5, 5),
-    "tx": (int, ..., 0, 48),
-    "rx": (int, ..., 0, 48),
-    "baud": (int, 9600, 1200, 115_200),
-    "parity": ("none", "even", "odd"),
-    "stop_bits": (int, 1, 1, 2),
-    "address": (int, 1, 1, 247),
-    "poles": (int, 2, 2, 24),  # of the motor: rpm = 120 · Hz / poles
-    "timeout_ms": (int, 100, 10, 1000),
-    "at_speed_percent": (int, 5, 1, 50),
-    "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
-}
-CARD = {
-    "spi": (int, 1, 0, 2),
-    "sck": (int, ..., 0, 48),
-    "mosi": (int, ..., 0, 48),
-    "miso": (int, ..., 0, 48),
-    "cs": (int, ..., 0, 48),
-}
-TOOL_CHANGE = {
-    "at": (list, ..., 2, 2),  # machine coordinates of X and Y, mm: where tools are changed
-    "sensor": (list, ..., 2, 2),  # and where their length is found
-    "distance_mm": (int, 30, 1, 1000),  # how far down from Z's top a tool has to touch
-    "seek_mm_min": (int, 200, 1, 10_000),
-    "locate_mm_min": (int, 25, 1, 1000),
-}
-TACHOMETER = {
-    "input": (str, ..., 1, 16),  # that its pulses come on
-    "pulses": (int, 1, 1, 1000),  # a turn
-    "at_speed_percent": (int, 10, 1, 50),
-    "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
-}
-WEAVING = {"steady_mm_min": (int, 0, 0, 900_000)}  # up to so fast the path has no ramps, as with $140
 EDGES = {
     "pin": (int, ..., 0, 48),
     "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
 }
-JOURNAL = {
-    "every_ms": (int, 1000, 100, 60_000),  # so old at most is what is written while the machine moves
-    "power": (str, "", 0, 16),  # the input that is active when the power fails; "": none
+RULES = {
+    "card": {
+        "spi": (int, 1, 0, 2),
+        "sck": (int, ..., 0, 48),
+        "mosi": (int, ..., 0, 48),
+        "miso": (int, ..., 0, 48),
+        "cs": (int, ..., 0, 48),
+    },
+    "inverter": {
+        "make": ("delta", "yl620", "h100", "nowforever"),
+        "port": (str, ..., 5, 5),
+        "tx": (int, ..., 0, 48),
+        "rx": (int, ..., 0, 48),
+        "baud": (int, 9600, 1200, 115_200),
+        "parity": ("none", "even", "odd"),
+        "stop_bits": (int, 1, 1, 2),
+        "address": (int, 1, 1, 247),
+        "poles": (int, 2, 2, 24),  # of the motor: rpm = 120 · Hz / poles
+        "timeout_ms": (int, 100, 10, 1000),
+        "at_speed_percent": (int, 5, 1, 50),
+        "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
+    },
+    "journal": {
+        "every_ms": (int, 1000, 100, 60_000),  # so old at most is what is written while the machine moves
+        "power": (str, "", 0, 16),  # the input that is active when the power fails; "": none
+    },
+    "network": {
+        "host": (str, "passo", 1, 32),
+        "http_port": (int, 80, 1, 65_535),
+        "tcp_port": (int, 23, 1, 65_535),
+        "legacy_http": (bool, False, 0, 1),
+        "button": (str, "", 0, 16),
+        "presence": (str, "", 0, 16),
+        "minutes": (int, 10, 1, 60),
+    },
+    "registers": {
+        "clock": (int, ..., 0, 48),
+        "latch": (int, ..., 0, 48),
+        "in": (int, ..., 0, 48),
+        "out": (int, ..., 0, 48),
+        "inputs": (int, 1, 0, 3),  # chips: 74HC165
+        "outputs": (int, 1, 0, 3),  # and 74HC595
+        "edges": [EDGES, 0, 4],  # pins whose edges have the inputs read at once
+        "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
+    },
+    "tachometer": {
+        "input": (str, ..., 1, 16),  # that its pulses come on
+        "pulses": (int, 1, 1, 1000),  # a turn
+        "at_speed_percent": (int, 10, 1, 50),
+        "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
+    },
+    "tool_change": {
+        "at": (list, ..., 2, 2),  # machine coordinates of X and Y, mm: where tools are changed
+        "sensor": (list, ..., 2, 2),  # and where their length is found
+        "distance_mm": (int, 30, 1, 1000),  # how far down from Z's top a tool has to touch
+        "seek_mm_min": (int, 200, 1, 10_000),
+        "locate_mm_min": (int, 25, 1, 1000),
+    },
+    "weaving": {"steady_mm_min": (int, 0, 0, 900_000)},  # up to so fast the path has no ramps, as with $140
 }
-NETWORK = {
-    "host": (str, "passo", 1, 32),
-    "http_port": (int, 80, 1, 65_535),
-    "tcp_port": (int, 23, 1, 65_535),
-    "legacy_http": (bool, False, 0, 1),
-    "button": (str, "", 0, 16),
-    "presence": (str, "", 0, 16),
-    "minutes": (int, 10, 1, 60),
-}
-REGISTERS = {
-    "clock": (int, ..., 0, 48),
-    "latch": (int, ..., 0, 48),
-    "in": (int, ..., 0, 48),
-    "out": (int, ..., 0, 48),
-    "inputs": (int, 1, 0, 3),  # chips: 74HC165
-    "outputs": (int, 1, 0, 3),  # and 74HC595
-    "edges": [EDGES, 0, 4],  # pins whose edges have the inputs read at once
-    "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
-}
-
-
-def extended(rules, board=None):
-    """A copy of the rules of a board file, with those of these keys. `board`: None: any."""
-    rules = dict(rules)
-    if board is None or board.get("jobs"):
-        from passo.config.job_keys import JOBS
-
-        rules["jobs"] = JOBS
-    rules["card"] = CARD
-    rules["inverter"] = INVERTER
-    rules["journal"] = JOURNAL
-    rules["network"] = NETWORK
-    rules["registers"] = REGISTERS
-    rules["tachometer"] = TACHOMETER
-    rules["tool_change"] = TOOL_CHANGE
-    rules["weaving"] = WEAVING
-    return rules
 
 
 def check(board):
@@ -133,8 +117,8 @@ def _check_journal(board):
         raise BoardError("journal: links speak grbl, or plotter or pulses, and not both")
     if board["chip"] != "rp2040" and board["chip"] != "rp2350":
         raise BoardError("journal: raw pages of flash are for the RP2040 and RP2350")
-    if config["power"] and config["power"] not in [item["name"] for item in board["inputs"]]:
-        raise BoardError("journal.power: there is no input %r" % config["power"])
+    if config["power"]:
+        want_input(board, "journal.power", config["power"])
 
 
 def _check_tool_change(board):
@@ -143,8 +127,7 @@ def _check_tool_change(board):
         return
     if len(board["axes"]) < 3 or not board["homing"] or "z" not in board["homing"]["sensors"]:
         raise BoardError("tool_change: it wants axes x, y, z that home")
-    if "probe" not in [item["name"] for item in board["inputs"]]:
-        raise BoardError("tool_change: there is no input named probe")
+    want_input(board, "tool_change", "probe")
     for key in ("at", "sensor"):
         for axis in range(2):
             item = board["axes"][axis]
@@ -202,11 +185,10 @@ def _check_tachometer(board):
     if config is None:
         return
     name = config["input"]
-    items = [item for item in board["inputs"] if item["name"] == name]
-    if not items:
-        raise BoardError("tachometer.input: there is no input %r" % name)
+    want_input(board, "tachometer.input", name)
+    item = [item for item in board["inputs"] if item["name"] == name][0]
     named = str(board["homing"]) + str(board["interlock"])
-    if items[0]["pin"] >= REGISTER_BIT or items[0]["halt"] or name in named or name in [row[0] for row in INPUTS]:
+    if item["pin"] >= REGISTER_BIT or item["halt"] or name in named or name in [row[0] for row in INPUTS]:
         raise BoardError("tachometer.input: %s needs a pin of its own, and no other use" % name)
     if board["inverter"] or board["spindle"]["laser"]:
         raise BoardError("tachometer: the inverter says the speed itself; a laser has none")

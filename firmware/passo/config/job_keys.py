@@ -4,7 +4,7 @@
     check(board)                    # raises BoardError
 """
 
-from passo.config.board_error import BoardError
+from passo.config.board_error import BoardError, want_input
 
 NAME_LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-"
 LONGEST_NAME = 24
@@ -33,5 +33,5 @@ def check(board):
     for key in ("button", "start"):
         if config[key] and not name_fits(config[key]):
             raise BoardError("jobs.%s: capitals, digits, '.', '_' and '-', not %r" % (key, config[key]))
-    if config["button"] and "job" not in [item["name"] for item in board["inputs"]]:
-        raise BoardError("jobs.button: there is no input named job")
+    if config["button"]:
+        want_input(board, "jobs.button", "job")

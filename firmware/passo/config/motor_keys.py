@@ -1,10 +1,10 @@
 """The keys `encoders` and `gantry` of a board file: only boards that have one of them load this.
 
-    rules = extended(rules)         # those of boardfile.py, in whose notation they are
+    RULES                           # in the notation of boardfile.py
     check(board)                    # raises BoardError
 """
 
-from passo.config.board_error import BoardError
+from passo.config.board_error import BoardError, want_input
 
 GANTRY = {
     "axis": (str, ..., 1, 1),
@@ -27,14 +27,7 @@ ENCODER = {
     "index": (str, "", 0, 16),  # input of its index pulse
     "settle_ms": (int, 50, 1, 10_000),  # after which a motor at rest has come to rest
 }
-
-
-def extended(rules):
-    """A copy of the rules of a board file, with those of these keys."""
-    rules = dict(rules)
-    rules["encoders"] = [ENCODER, 0, 4]
-    rules["gantry"] = GANTRY
-    return rules
+RULES = {"encoders": [ENCODER, 0, 4], "gantry": GANTRY}
 
 
 def check(board):
@@ -53,8 +46,8 @@ def _check_gantry(board):
         raise BoardError("gantry: two motors on one axis want a step_dir drive, pins [STEP, DIR]")
     if gantry["sensor"] and not (board["homing"] and axis in board["homing"]["sensors"]):
         raise BoardError("gantry.sensor: axis %s has none of its own in homing.sensors" % axis)
-    if gantry["sensor"] and gantry["sensor"] not in [item["name"] for item in board["inputs"]]:
-        raise BoardError("gantry.sensor: there is no input %r" % gantry["sensor"])
+    if gantry["sensor"]:
+        want_input(board, "gantry.sensor", gantry["sensor"])
     if abs(gantry["offset_steps"]) > gantry["rack_steps"]:
         raise BoardError("gantry.offset_steps: no more than rack_steps")
     pair = [item for item in board["encoders"] if item["motor"] in (axis, axis + "2")]
@@ -75,8 +68,8 @@ def _check_encoders(board):
             raise BoardError("encoders: %r has to be one of %s, each once" % (motor, ", ".join(motors)))
         if board["drive"]["kind"] != "step_dir":
             raise BoardError("encoder %s: encoders want a step_dir drive" % motor)
-        if item["index"] and item["index"] not in [entry["name"] for entry in board["inputs"]]:
-            raise BoardError("encoder %s: there is no input %r" % (motor, item["index"]))
+        if item["index"]:
+            want_input(board, "encoder " + motor, item["index"])
         a, b = item["pins"]
         if board["chip"].startswith("rp2") and b != a + 1:
             raise BoardError("encoder %s: its PIO program wants B on the pin next to A, [%d, %d]" % (motor, a, a + 1))

@@ -1,6 +1,6 @@
 """The check of a board file's `network`, and of links over it: only boards that have it load this."""
 
-from passo.config.board_error import BoardError
+from passo.config.board_error import BoardError, want_input
 from passo.records import NETWORK_PORTS as PORTS
 
 
@@ -11,8 +11,8 @@ def check(board):
         if letter not in "abcdefghijklmnopqrstuvwxyz0123456789-":
             raise BoardError("network.host: small letters, digits and - only, not %r" % config["host"])
     for key in ("button", "presence"):
-        if config[key] and config[key] not in [item["name"] for item in board["inputs"]]:
-            raise BoardError("network.%s: there is no input %r" % (key, config[key]))
+        if config[key]:
+            want_input(board, "network." + key, config[key])
     ports = [link["port"] for link in board["links"] if link["port"] in PORTS]
     if len(set(ports)) != len(ports):
         raise BoardError("network: one link on http, one on page, and one on tcp, at most")
