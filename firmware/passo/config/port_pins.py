@@ -33,14 +33,14 @@ def applied(board):
     axes = board["axes"] = [dict(axis) for axis in board["axes"]]
     count = len(axes)
     masks = {"inverted": 0, "muted": 0}
-    places = [(0, 2 * count)]  # (bit of the port, bit of a word)
+    positions = [(0, 2 * count)]  # (bit of the port, bit of a word)
     for axis in range(count):
         pulse = 2 + 2 * axis
         axes[axis]["pins"] = [pin_of[pulse], pin_of[pulse - 1]]
-        places += [(pulse, axis), (pulse - 1, count + axis)]
-    for bit, place in places:
-        masks["inverted"] |= (invert >> bit & 1) << place
-        masks["muted"] |= muted[bit] << place
+        positions += [(pulse, axis), (pulse - 1, count + axis)]
+    for bit, position in positions:
+        masks["inverted"] |= (invert >> bit & 1) << position
+        masks["muted"] |= muted[bit] << position
     board["tool"] = dict(board["tool"])
     board["tool"]["pin"] = pin_of[0]
     board["outputs"] = [

@@ -85,7 +85,7 @@ class Encoders:
             self.table[at + FOLLOW_NEGATIVE] = 1 if entry["reversed"] else 0
             self.table[at + FOLLOW_LIMIT] = entry["limit_steps"] * self.table[at + FOLLOW_NUM]
         self.counts = array("i", [0] * len(entries))
-        self._place = array("i", [0] * self._axes)
+        self._position = array("i", [0] * self._axes)
         self._after = array("i", [0] * self._axes)
         self._zeros = array("i", [0] * len(entries))  # totals that are shown as 0
         self._first = self._second = self._lag = 0  # of a gantry's motors: where in the table they are, and the largest lag
@@ -130,17 +130,17 @@ class Encoders:
         if self._player is None:
             return
         follower = self._follower
-        place = self._place
+        position = self._position
         after = self._after
         before = self._player.played()
         self.read(self.counts)
         played = self._player.played()
-        follower.find(before, place)
+        follower.find(before, position)
         for axis in range(self._axes):
-            after[axis] = place[axis]
+            after[axis] = position[axis]
         follower.add(before, played, after)
         self.checks = (self.checks + 1) & COUNT_MASK
-        beyond = follow(self.table, len(self.counts), self.counts, place, after)
+        beyond = follow(self.table, len(self.counts), self.counts, position, after)
         lagging = False
         if self._lag:
             lag = self.table[self._second + FOLLOW_ERROR] - self.table[self._first + FOLLOW_ERROR]

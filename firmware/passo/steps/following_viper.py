@@ -1,8 +1,8 @@
 """Following error: what encoders have counted against what the player has stepped.
 
-    beyond = follow(table, encoders, counts, place, after)      # mask of the encoders whose error is beyond its limit
+    beyond = follow(table, encoders, counts, position, after)      # mask of the encoders whose error is beyond its limit
 
-`counts` were read between two looks at the player, when the axes stood at `place` and at `after`: an error counts as beyond
+`counts` were read between two looks at the player, when the axes stood at `position` and at `after`: an error counts as beyond
 only if it is so for both. Each check adds what has changed since the one before, so nothing is rounded and nothing adds up; the
 counts between two checks have to stay below 2²⁸. Takes about 3 µs an encoder on an RP2040, and allocates nothing.
 
@@ -39,7 +39,7 @@ def signed(count: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def follow(table: ptr32, encoders: int, counts: ptr32, place: ptr32, after: ptr32) -> int:  # ISR: no allocation
+def follow(table: ptr32, encoders: int, counts: ptr32, position: ptr32, after: ptr32) -> int:  # ISR: no allocation
     beyond = 0
     number = 0
     at = 0
@@ -50,9 +50,9 @@ def follow(table: ptr32, encoders: int, counts: ptr32, place: ptr32, after: ptr3
         table[at + FOLLOW_COUNT] = counts[number]
         table[at + FOLLOW_TOTAL] += count
         axis = table[at + FOLLOW_AXIS]
-        steps = int(signed(place[axis] - table[at + FOLLOW_PLACE]))
-        table[at + FOLLOW_PLACE] = place[axis]
-        meanwhile = int(signed(after[axis] - place[axis]))
+        steps = int(signed(position[axis] - table[at + FOLLOW_PLACE]))
+        table[at + FOLLOW_PLACE] = position[axis]
+        meanwhile = int(signed(after[axis] - position[axis]))
         if table[at + FOLLOW_OFF]:
             steps = 0
             meanwhile = 0
@@ -87,16 +87,16 @@ class Follower:
         self._drive = feeder.drive
 
     @micropython.native
-    def find(self, played, place):  # ISR: no allocation
-        """`place`: the position when `played` words have appeared on the pins."""
-        word = self._marks[find(self._state, self._marks, played, place) + MARK_WORD]
+    def find(self, played, position):  # ISR: no allocation
+        """`position`: the position when `played` words have appeared on the pins."""
+        word = self._marks[find(self._state, self._marks, played, position) + MARK_WORD]
         if (played - word) & COUNT_MASK < COUNT_HALF:
-            self.add(word, played, place)
+            self.add(word, played, position)
 
     @micropython.native
-    def add(self, word, until, place):  # ISR: no allocation
-        """Add to `place` what the words from count `word` to `until` step."""
+    def add(self, word, until, position):  # ISR: no allocation
+        """Add to `position` what the words from count `word` to `until` step."""
         if self._drive is None:
-            tally(self._words, self._mask, word, until, self._axes, place)
+            tally(self._words, self._mask, word, until, self._axes, position)
         else:
-            self._drive.tally(self._words, self._mask, word, until, place)
+            self._drive.tally(self._words, self._mask, word, until, position)

@@ -1,7 +1,7 @@
 """How often one page is told the state: as it asks, or only of changes.
 
     pace = Pace()
-    answer = pace.look({"do": "look", "every": 500})        # milliseconds; 0: only when more changes than places
+    answer = pace.look({"do": "look", "every": 500})        # milliseconds; 0: only when more changes than positions
     pace.due(version, now_ms)
 
 A jog wants reports that are fresh (lease.py): a page that has them rarely asks for more of them before it moves the machine.
@@ -32,7 +32,7 @@ class Pace:
         return {"t": "answer", "do": "look", "error": 0 if good else errors.ORDER_FIELD}
 
     def due(self, version, now_ms):
-        """Whether the page is told now. `version`: another one if more than places have changed: that is told at once."""
+        """Whether the page is told now. `version`: another one if more than positions have changed: that is told at once."""
         if version == self._told and (not self._every_ms or since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
             return False
         self._told = version

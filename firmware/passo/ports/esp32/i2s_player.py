@@ -75,9 +75,9 @@ class I2sPlayer:
         self._starts = array("i", [0] * ring.size)
         self._table = array("i", [0] * 256)
         for bit in range(len(outputs)):
-            half, place = divmod(bit, 7)
+            half, index = divmod(bit, 7)
             for levels in range(128):
-                if levels >> place & 1:
+                if levels >> index & 1:
                     self._table[128 * half + levels] |= frame_of(outputs[bit])
         state = self._state = array("i", [0] * frames_viper.FIELDS)
         state[frames_viper.MASK] = ring.mask

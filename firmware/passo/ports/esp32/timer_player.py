@@ -42,9 +42,9 @@ class Bank:
             self.invert |= pin if invert >> bit & 1 else 0
             self.pulses |= pin if layout.pulse_mask >> bit & 1 else 0
             self.tool |= pin if layout.tool_mask >> bit & 1 else 0
-            half, place = divmod(bit, 7)
+            half, index = divmod(bit, 7)
             for levels in range(128):
-                if levels >> place & 1:
+                if levels >> index & 1:
                     self.table[128 * half + levels] |= pin
 
     @micropython.native

@@ -5,8 +5,8 @@
     console.taken(value)        # of each byte read, until it is
 
 They lie in a ring buffer of the interpreter, whose record (address, size, where the next byte is read, and written) is found
-in memory by its look. It counts only after _PROOFS bytes have been read at that place, one after the other; after the first that
-was not it never counts. The place where the next byte is read is then moved on here, as the interpreter does; what writes there moves
+in memory by its look. It counts only after _PROOFS bytes have been read at that address, one after the other; after the first that
+was not it never counts. The address where the next byte is read is then moved on here, as the interpreter does; what writes there moves
 the other.
 """
 

@@ -209,9 +209,9 @@ class FlashCode:
         """Let texts among a module's constants lie in its file; those that are names already stay. Returns how many do."""
         count = 0
         for at in range(self._functions, len(self._rows), TEXT_BYTES):
-            place, block, number = unpack_from(_TEXT, self._rows, at)
+            offset, block, number = unpack_from(_TEXT, self._rows, at)
             text = mem32[constants + 4 * number]
-            target = self._addresses[block] + place
+            target = self._addresses[block] + offset
             if not text & 3 and _equal(mem32[text + _DATA], target, mem32[text + _LENGTH]):
                 mem32[text + _DATA] = target
                 count += 1
@@ -219,15 +219,15 @@ class FlashCode:
 
     def _code(self):
         """The address of the next function's code as the interpreter wants it: of a raw code, or of bytecode itself."""
-        place, length, prelude, block, kind, children, generator = unpack_from(_ROW, self._rows, self._at)
+        offset, length, prelude, block, kind, children, generator = unpack_from(_ROW, self._rows, self._at)
         self._at += ROW_BYTES
         if block == _MEMORY:
             copy = bytearray(length)
-            self._file.seek(place)
+            self._file.seek(offset)
             self._file.readinto(copy)
             address = addressof(copy)
         else:
-            address = self._addresses[block] + place
+            address = self._addresses[block] + offset
             self.functions += 1
             self.bytes += length
             if kind == _BYTECODE and not children:
@@ -282,7 +282,7 @@ class FlashCode:
     def _find(self, address):
         """The row of the function whose code stands at an address; 0: there is none."""
         for at in range(ROW_BYTES, self._functions, ROW_BYTES):
-            place, length, _, block, *_ = unpack_from(_ROW, self._rows, at)
-            if block != _MEMORY and _equal(address, self._addresses[block] + place, length):
+            offset, length, _, block, *_ = unpack_from(_ROW, self._rows, at)
+            if block != _MEMORY and _equal(address, self._addresses[block] + offset, length):
                 return at
         return 0

@@ -56,7 +56,7 @@ class Blocks:
 
     def table(self, file):
         """Read the table that ends an .mpy (host_tools/build/mpy.py). Returns (bytes of the file, bytes before its functions, number and
-        place of its names, bytes of the functions' rows, the rows of functions and texts, the code of a call, the file's last block), or
+        offset of its names, bytes of the functions' rows, the rows of functions and texts, the code of a call, the file's last block), or
         None if there is no such table. With 0 bytes before the functions the interpreter has to load the file."""
         self.last = -1
         size = file.seek(0, 2)

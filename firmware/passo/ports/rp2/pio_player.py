@@ -310,10 +310,10 @@ def _next_run(state: ptr32) -> int:  # ISR: no allocation
 def _rests(state: ptr32, after: int) -> int:  # ISR: no allocation
     """1 if the chain has read the end mark in front of `after` just before it was replaced: then C stands behind it and A rests."""
     c = ptr32(state[PIO_C])
-    place = c[CHANNEL_READ]
+    address = c[CHANNEL_READ]
     active = ptr32(state[PIO_A])[CHANNEL_CTRL_TRIG] | ptr32(state[PIO_D])[CHANNEL_CTRL_TRIG]
     active = (active | ptr32(state[PIO_B])[CHANNEL_CTRL_TRIG] | c[CHANNEL_CTRL_TRIG]) & state[PIO_BUSY]
-    return 1 if ((place - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after and active == 0 and c[CHANNEL_READ] == place else 0
+    return 1 if ((address - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after and active == 0 and c[CHANNEL_READ] == address else 0
 
 
 @micropython.viper

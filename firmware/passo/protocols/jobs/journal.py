@@ -32,4 +32,4 @@ def understand(line):
 
 def told(value):
     job, line, flags, position = value
-    return "[JOURNAL:%08x|%d|%d|%s]\r\n" % (job, line, flags, ",".join([str(place) for place in position]))
+    return "[JOURNAL:%08x|%d|%d|%s]\r\n" % (job, line, flags, ",".join([str(steps) for steps in position]))

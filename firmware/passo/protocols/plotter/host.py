@@ -48,7 +48,7 @@ def status_from(data):
     """The fields of a STATUS answer of 12 bytes. Raises ValueError where it is none."""
     if len(data) != STATUS_LENGTH or data[0] != COMMANDS["STATUS"] or sum(data[:-1]) & 255 != data[-1]:
         raise ValueError("not a STATUS answer")
-    x, y, drawn, free = [data[place] << 8 | data[place + 1] for place in (3, 5, 7, 9)]
+    x, y, drawn, free = [data[index] << 8 | data[index + 1] for index in (3, 5, 7, 9)]
     return {
         "state": STATES[data[1]],
         "error": data[2],

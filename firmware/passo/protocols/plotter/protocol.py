@@ -62,16 +62,16 @@ def judge(data: ptr8, first: int, before: int, spare: int) -> int:
     """The six bytes from data[first] on: 0 a packet; 1 none, or more than one; 2 a packet in which a byte repeats its neighbour."""
     doubt = 0
     total = 0
-    place = first
-    while place < first + 6:
-        byte = int(data[place])
+    index = first
+    while index < first + 6:
+        byte = int(data[index])
         if byte == before:
             doubt = 2
             if byte == spare:
                 return 1
         before = byte
         total += byte
-        place += 1
+        index += 1
     return 1 if (total - 2 * int(data[first + 5])) & 255 else doubt
 
 
@@ -99,20 +99,20 @@ def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, ro
             return found + 1
         if what and last and quiet == 0:
             return found + 2
-        place = first + 1
+        index = first + 1
         first += 6
         if room == 0 or code < LINE or code > MOVE:
             return found + 3
-        if int(data[place]) << 8 | int(data[place + 1]) > most_x:
+        if int(data[index]) << 8 | int(data[index + 1]) > most_x:
             return found + 3
-        if int(data[place + 2]) << 8 | int(data[place + 3]) > most_y:
+        if int(data[index + 2]) << 8 | int(data[index + 3]) > most_y:
             return found + 3
         out[at] = MOVE - code
         at += 1
-        while place < first - 1:
-            out[at] = data[place]
+        while index < first - 1:
+            out[at] = data[index]
             at += 1
-            place += 1
+            index += 1
         room -= 1
         found += 4
     return found
@@ -269,8 +269,8 @@ _SHOWN_AS = {"door": "hold", "check": "idle", "sleep": "alarm"}  # states that t
 
 def status_bytes(report):
     """STATUS's answer: `?` state error X Y drawn free checksum; X, Y and the counts of two bytes, high byte first,
-    a place left of the origin as 0."""
-    fields = [max(0, min(65535, place)) for place in report["position"][:2]]
+    a position left of the origin as 0."""
+    fields = [max(0, min(65535, steps)) for steps in report["position"][:2]]
     fields += [report["drawn"], min(report["free"], 65535)]
     state = _SHOWN_AS.get(report["state"], report["state"])
     body = bytearray((ASK, STATES.index(state), report["error"]))

@@ -61,11 +61,11 @@ def _jog(words, axes):
     target = [0] * len(axes)
     if len(words) < 3 or len(words) % 2 == 0:
         return None
-    for place in range(1, len(words), 2):
-        axis = axes.find(words[place])
-        steps = words[place + 1]
+    for index in range(1, len(words), 2):
+        axis = axes.find(words[index])
+        steps = words[index + 1]
         digits = steps[1:] if steps[0] in "+-" else steps
-        if axis < 0 or len(words[place]) != 1 or not digits.isdigit() or len(digits) > 6:
+        if axis < 0 or len(words[index]) != 1 or not digits.isdigit() or len(digits) > 6:
             return None
         target[axis] += int(steps)
     return Command(STEP_PROGRAM, target, STEPS_JOG)

@@ -5,7 +5,7 @@ A request is a byte that the answer begins with, a byte of flags (REQUEST_PROVEN
 
 Each request becomes the frame of the same name, so that both links do the same. `code` is the frame's code, `state` what the
 machine does: stopped, running, finished, alarm … COMMAND and CONFIG repeat their numbers. INFO and HALT tell `x` and `y`, the
-signed steps since the last move or jog as the frames do, and `px` and `py`, the place in steps from the origin. What is refused
+signed steps since the last move or jog as the frames do, and `px` and `py`, the position in steps from the origin. What is refused
 moves nothing: `error` is its number. ON takes the command too if nothing moves, because the program of 2020 has no word for that.
 """
 
@@ -149,8 +149,8 @@ class Forms(Torch):
         return bytes((number,)) + _text(told, as_json).encode()
 
     def _places(self, report):
-        made, place = report["made"], self._machine.queue.found()
-        return [("x", made[0]), ("y", made[1]), ("px", place[0]), ("py", place[1])]
+        made, position = report["made"], self._machine.queue.found()
+        return [("x", made[0]), ("y", made[1]), ("px", position[0]), ("py", position[1])]
 
     def _more(self, report):
         x, y = self._steps_per_m

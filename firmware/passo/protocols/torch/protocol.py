@@ -114,10 +114,10 @@ def answer(name, x, y):
 
 
 def status_bytes(report, error, dropped):
-    """PASSO STATUS's answer: `77` state error motors-are-ours X Y dropped `FF`; X and Y are signed places."""
-    place = report["position"]
+    """PASSO STATUS's answer: `77` state error motors-are-ours X Y dropped `FF`; X and Y are signed positions."""
+    position = report["position"]
     body = bytes((STATES.index(report["state"]), error, 1 if report["ours"] else 0))
-    return frame("PASSO", body + integers(place[0], place[1], dropped))
+    return frame("PASSO", body + integers(position[0], position[1], dropped))
 
 
 def log_bytes(entries, back):
