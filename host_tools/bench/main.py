@@ -73,7 +73,7 @@ def lines():
         rows.append(row)
     means = ["mean", "", ""]
     for result in results.values():
-        driven_us, integer_us, float_us = (round(fmean(row[place] for row in result.values())) for place in (2, 3, 4))
+        driven_us, integer_us, float_us = (round(fmean(row[index] for row in result.values())) for index in (2, 3, 4))
         means += [float_us, integer_us, _better(float_us, integer_us), driven_us]
     return header, [*rows, means]
 
@@ -119,8 +119,8 @@ def motion():
     count = int(os.environ.get("PASSO_SOAK_PROGRAMMES", 10_000))
     rows = []
     programs = list(_interpreters().items())
-    for place, (name, program) in enumerate(programs):
-        bounds = range(count * place // len(programs), count * (place + 1) // len(programs), 250)
+    for index, (name, program) in enumerate(programs):
+        bounds = range(count * index // len(programs), count * (index + 1) // len(programs), 250)
         chunks = [(program, "soak_motion.py", first, min(first + 250, bounds.stop)) for first in bounds]
         rows.append([name, *_soak(chunks, 3)])
     return ["interpreter", "programmes", "blocks", "segments", "change of speed", "steps over", "time", "failed"], rows
@@ -141,9 +141,9 @@ def _soak(chunks, sums):
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         rows = [line.split() for line in pool.map(_run_soak, chunks)]
     totals = []
-    for place in range(len(rows[0])):
-        column = [row[place] for row in rows]
-        added = place < sums or place == len(rows[0]) - 1
+    for index in range(len(rows[0])):
+        column = [row[index] for row in rows]
+        added = index < sums or index == len(rows[0]) - 1
         totals.append(sum(map(int, column)) if added else max(column, key=float))
     return totals
 
@@ -197,13 +197,13 @@ def beside(free, charged):
     (header, rows), (_, others) = free, charged
     header = list(header)
     assert len(rows) == len(others)
-    differ = [place for place in range(len(header)) if any(a[place] != b[place] for a, b in zip(rows, others))]
+    differ = [index for index in range(len(header)) if any(a[index] != b[index] for a, b in zip(rows, others))]
     if not differ:
         return header, rows
     if len(differ) <= COLUMNS_BESIDE:
 
         def both(row, other):
-            return [cell for place, pair in enumerate(zip(row, other)) for cell in pair[: 1 + (place in differ)]]
+            return [cell for index, pair in enumerate(zip(row, other)) for cell in pair[: 1 + (index in differ)]]
 
         return both(header, [f"{name}, flash cache" for name in header]), [both(*pair) for pair in zip(rows, others)]
     first = differ[0]
@@ -248,7 +248,7 @@ def show(title, header, rows):
     from rich.console import Console
     from rich.table import Column, Table
 
-    table = Table(*[Column(head, justify="right" if place else "left") for place, head in enumerate(header)],
+    table = Table(*[Column(head, justify="right" if index else "left") for index, head in enumerate(header)],
                   title=title)
     for row in rows:
         table.add_row(*(str(cell) for cell in row))

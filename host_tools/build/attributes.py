@@ -108,21 +108,21 @@ def _families(modules):
 
 def _renamed(module, attributes, own):
     lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
-    places = []  # (line, column where the old name begins, old name, new name)
+    indices = []  # (line, column where the old name begins, old name, new name)
     for node in module.nodes:
         if _is_of_self(node):
-            places.append((node.end_lineno, node.end_col_offset - len(node.attr), node.attr, attributes.get(node.attr)))
+            indices.append((node.end_lineno, node.end_col_offset - len(node.attr), node.attr, attributes.get(node.attr)))
         elif isinstance(node, ast.Name):
-            places.append((node.lineno, node.col_offset, node.id, own.get(node.id)))
+            indices.append((node.lineno, node.col_offset, node.id, own.get(node.id)))
         elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             begin = node.col_offset + len("def " if isinstance(node, ast.FunctionDef) else "class ")
-            places.append((node.lineno, begin, node.name, (attributes if node in module.methods else own).get(node.name)))
+            indices.append((node.lineno, begin, node.name, (attributes if node in module.methods else own).get(node.name)))
         elif isinstance(node, ast.Global):
             line, at = lines[node.lineno - 1], node.col_offset
             for name in node.names:
                 at = line.index(name.encode(), at)
-                places.append((node.lineno, at, name, own.get(name)))
-    for number, at, old, new in sorted((place for place in places if place[3]), reverse=True):
+                indices.append((node.lineno, at, name, own.get(name)))
+    for number, at, old, new in sorted((index for index in indices if index[3]), reverse=True):
         line = lines[number - 1]
         assert line[at : at + len(old)] == old.encode()
         lines[number - 1] = line[:at] + new.encode() + line[at + len(old) :]

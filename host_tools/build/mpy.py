@@ -7,13 +7,13 @@ within one block can run from flash (firmware/passo/ports/rp2/flash_code.py). `i
 block, and native code that is not aligned, by inserting 0x80 bytes before the number that begins them, which do not change its
 value. It appends a table of all functions, which the interpreter does not read:
 
-    each function, in the file's order: place u16, length u16, prelude u16, block u8, kind u8, children u8, 1 if a generator u8
-    each text among the constants: place u16, block u8, its number u8
+    each function, in the file's order: start u16, length u16, prelude u16, block u8, kind u8, children u8, 1 if a generator u8
+    each text among the constants: start u16, block u8, its number u8
     a function in bytecode that calls _load()(), a name that is added to the file's
     bytes before the first function u16, names among them u16 (0: in more than a block), where these begin u8, bytes of that call
     u8, number of functions u16, of texts u16, 0x5043
 
-`place` is in the block of that number; of block 255 in the file: the function is copied into memory, because it crosses a block, or
+`start` is in the block of that number; of block 255 in the file: the function is copied into memory, because it crosses a block, or
 is machine code. Without functions there: the interpreter loads the file.
 
 Format: MicroPython's py/persistentcode.c, .mpy version 6.
@@ -180,16 +180,16 @@ def in_place(data, native=False):
         copied = function.offset
         if len(out) >= 1 << 16 or function.children > 255:
             raise ValueError("more than 64 kB, or than 255 functions in one")
-        block, place = _place(len(out), function.length) if not stays else (_MEMORY, len(out))
-        table += struct.pack(_ROW, place, function.length, function.prelude, block, function.kind, function.children, function.generator)
+        block, start = _location(len(out), function.length) if not stays else (_MEMORY, len(out))
+        table += struct.pack(_ROW, start, function.length, function.prelude, block, function.kind, function.children, function.generator)
     out += data[copied:end]
     behind = len(head) - (found[0].begin - names)
-    places = [(number, *_place(behind + at, length + 1)) for number, at, length in texts if number < 256 and length]
-    places = [struct.pack(_TEXT, place, block, number) for number, block, place in places if block != _MEMORY]
+    texts_at = [(number, *_location(behind + at, length + 1)) for number, at, length in texts if number < 256 and length]
+    texts_at = [struct.pack(_TEXT, start, block, number) for number, block, start in texts_at if block != _MEMORY]
     call = _call(count - 1)
     count = count if len(head) <= BLOCK_BYTES else 0
-    table += b"".join(places)
-    return bytes(out + table + call + struct.pack(_END, len(head), count, first, len(call), len(found), len(places), MARK))
+    table += b"".join(texts_at)
+    return bytes(out + table + call + struct.pack(_END, len(head), count, first, len(call), len(found), len(texts_at), MARK))
 
 
 def _head(data, names, begin):
@@ -217,9 +217,9 @@ def _call(name):
     return _number(len(code) << 3) + code
 
 
-def _place(offset, length):
+def _location(offset, length):
     """The block in which code at an offset of the file lies, and where in it; _MEMORY and the offset if it crosses one."""
     starts, pointers = block_starts(offset)
     block = max(number for number, start in enumerate(starts) if start <= offset)
-    place = offset - starts[block] + pointers[block]
-    return (block, place) if place + length <= BLOCK_BYTES else (_MEMORY, offset)
+    start = offset - starts[block] + pointers[block]
+    return (block, start) if start + length <= BLOCK_BYTES else (_MEMORY, offset)

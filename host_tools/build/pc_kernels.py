@@ -260,41 +260,41 @@ class Library:
             raised, self._raised = self._raised, None
             raise raised
 
-    def _value(self, place):
-        return self._known[Object.from_address(place).number][0]
+    def _value(self, pointer):
+        return self._known[Object.from_address(pointer).number][0]
 
     def _failed(self, error):
         """C cannot be left in the middle: it goes on with nothing, and the call raises at its end."""
         self._raised = self._raised or error
         return ctypes.addressof(self._nothing)
 
-    def _attribute(self, place, name):
+    def _attribute(self, pointer, name):
         try:
-            return self._given(getattr(self._value(place), self._names[name]))
+            return self._given(getattr(self._value(pointer), self._names[name]))
         except Exception as error:
             return self._failed(error)
 
-    def _call(self, place, name, count, arguments):
+    def _call(self, pointer, name, count, arguments):
         try:
-            function = self._value(place) if name < 0 else getattr(self._value(place), self._names[name])
+            function = self._value(pointer) if name < 0 else getattr(self._value(pointer), self._names[name])
             return self._given(function(*[self._value(arguments[number]) for number in range(count)]))
         except Exception as error:
             return self._failed(error)
 
-    def _array(self, place):
+    def _array(self, pointer):
         """The array of the call that lies there, for a function of Python."""
-        found = [value for value, made in self._known.values() if made.numbers == place]
+        found = [value for value, made in self._known.values() if made.numbers == pointer]
         return self._given(found[0]) if found else self._failed(ValueError("no array lies there"))
 
-    def _to_int(self, place):
+    def _to_int(self, pointer):
         try:
-            return self._value(place)
+            return self._value(pointer)
         except Exception as error:
             return self._failed(error) & 0
 
-    def _numbers(self, place):
+    def _numbers(self, pointer):
         try:
-            return address(self._value(place))
+            return address(self._value(pointer))
         except Exception as error:
             self._failed(error)
             return ctypes.addressof(self._scratch)

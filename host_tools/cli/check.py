@@ -14,7 +14,7 @@ from host_tools.language import _
 
 _MOST_SHOWN = 20  # errors
 _TELL_S = 0.2
-_PIECE = 4000  # places drawn as one line
+_PIECE = 4000  # positions drawn as one line
 
 
 def check(
@@ -94,7 +94,7 @@ def _run(job, program):
 
 
 def _zero(text):
-    """The places of `--at`, or None. Raises Failure."""
+    """The positions of `--at`, or None. Raises Failure."""
     if text is None:
         return None
     try:
@@ -116,10 +116,10 @@ def _machine(port, baud):
             raise Failure("the machine is in alarm, so its position is not known: home it first")
         kept = backup(client)
     inches = "$13=1" in kept
-    places = [float(place) * (25.4 if inches else 1.0) for place in status["MPos"].split(",")]
+    positions = [float(position) * (25.4 if inches else 1.0) for position in status["MPos"].split(",")]
     changes = ["G20" if inches else "G21"]
     changes += [line for line in kept if line.startswith("G10") or line.startswith("$") and _bears_on_motion(line)]
-    return changes, places
+    return changes, positions
 
 
 def _bears_on_motion(line):
@@ -134,7 +134,7 @@ def _excess(number, job):
     axis = job.board["axes"][number]
     travel = axis["travel_steps"] / job.steps_per_mm[number]
     length = job.high[number] - job.low[number]
-    # Travel and place are whole steps, each rounded once.
+    # Travel and position are whole steps, each rounded once.
     if length <= travel + 1 / job.steps_per_mm[number]:
         return ""
     return _("{} goes {:.1f} of {:.1f} mm", axis["name"].upper(), length, travel)
@@ -221,9 +221,9 @@ def _show_table(axes, job):
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7, frameon=False)
 
 
-def _parts(places):
+def _parts(positions):
     """A long stroke in pieces: matplotlib needs memory for all the pixels of one."""
-    return [places[begun : begun + _PIECE + 1] for begun in range(0, max(1, len(places) - 1), _PIECE)]
+    return [positions[begun : begun + _PIECE + 1] for begun in range(0, max(1, len(positions) - 1), _PIECE)]
 
 
 def picture(path, job, title):
@@ -244,7 +244,7 @@ def picture(path, job, title):
     )
     above, speed, acceleration = parts["above"], parts["speed"], parts["acceleration"]
     for lowered, color, width in ((False, "#9cc3e6", 0.6), (True, "#1a1a2e", 0.9)):
-        lines = [part for kind, places in job.track.strokes if kind == lowered for part in _parts(places[:, :2])]
+        lines = [part for kind, positions in job.track.strokes if kind == lowered for part in _parts(positions[:, :2])]
         labels = (_("above Z0"), _("below Z0")) if job.track.by_height else (_("tool off"), _("tool on"))
         label = labels[lowered]
         above.add_collection(LineCollection(lines, colors=color, linewidths=width, label=label))

@@ -1,4 +1,4 @@
-"""`passo resume` of a pulse file: the tool off, over the place by hand, then the rest as a stream, forward or backward."""
+"""`passo resume` of a pulse file: the tool off, over the position by hand, then the rest as a stream, forward or backward."""
 
 import time
 
@@ -72,7 +72,7 @@ def _asked(client, line):
 
 
 def _settle(client, status):
-    """Bring to a stand what still plays, and end it: the tool is off, and the journal has the place."""
+    """Bring to a stand what still plays, and end it: the tool is off, and the journal has the position."""
     if status["state"] in ("run", "hold"):
         client.command("pause")
         with Panel(client) as panel:
@@ -95,25 +95,25 @@ def where(record, source):
     return number, 1 if backward else times, backward
 
 
-def _go(client, source, number, place, yes):
-    """The tool off, up, over the place, then down to it, if the operator agrees."""
+def _go(client, source, number, position, yes):
+    """The tool off, up, over the position, then down to it, if the operator agrees."""
     here = _place(client)
     axes = len(here)
-    place = place[:axes]
+    position = position[:axes]
     top = here[-1]
     if axes == 3:
-        top = max(top, place[2] - source.seek(number).place[2] + source.highest(), place[2])
+        top = max(top, position[2] - source.seek(number).place[2] + source.highest(), position[2])
         go_by(client, (0, 0, top - here[2]))
-    across = [to - at for to, at in zip(place, here)]
+    across = [to - at for to, at in zip(position, here)]
     if axes == 3:
         across[2] = 0
     go_by(client, across)
-    if not yes and not agreed(_("next is command {}, at {} steps", number, ", ".join(map(str, place)))):
+    if not yes and not agreed(_("next is command {}, at {} steps", number, ", ".join(map(str, position)))):
         raise Failure("not gone on: the tool is off")
     if axes == 3:
-        go_by(client, (0, 0, place[2] - top))
-    if _place(client) != place:
-        raise Failure("the machine is not at the place: {}, not {}", _place(client), place)
+        go_by(client, (0, 0, position[2] - top))
+    if _place(client) != position:
+        raise Failure("the machine is not at the place: {}, not {}", _place(client), position)
 
 
 def _place(client):

@@ -1,4 +1,4 @@
-"""`passo status`: how a board is now: state, places, inputs, encoders, what it has logged."""
+"""`passo status`: how a board is now: state, positions, inputs, encoders, what it has logged."""
 
 from typing import Annotated, Optional
 
@@ -95,11 +95,11 @@ def grbl_rows(fields, encoders, log):
     rows = [(N_("state"), fields["state"])]
     offset = _numbers(fields.get("WCO", ""))
     for name, key, other, sign in ((N_("machine"), "MPos", "WPos", 1), (N_("work"), "WPos", "MPos", -1)):
-        place = _numbers(fields.get(key, ""))
-        if not place and key not in fields and offset and other in fields:
-            place = [at + sign * by for at, by in zip(_numbers(fields[other]), offset)]
-        if place:
-            rows.append((name, "  ".join(f"{axis} {at:.3f}" for axis, at in zip("XYZA", place))))
+        position = _numbers(fields.get(key, ""))
+        if not position and key not in fields and offset and other in fields:
+            position = [at + sign * by for at, by in zip(_numbers(fields[other]), offset)]
+        if position:
+            rows.append((name, "  ".join(f"{axis} {at:.3f}" for axis, at in zip("XYZA", position))))
     feed, rpm = (*fields.get("FS", "0,0").split(","), "0")[:2]
     on = [_(_ACCESSORIES[letter]) for letter in fields.get("A", "") if letter in _ACCESSORIES]
     rows.append((N_("moves"), ", ".join([f"{feed} mm/min", f"S {rpm}", *on])))

@@ -75,7 +75,7 @@ def _client(protocol, port, baud):
 
 
 def _grbl(client, known):
-    """(rows, place) of a grbl link. `known`: fields of earlier reports; some are told only now and then."""
+    """(rows, position) of a grbl link. `known`: fields of earlier reports; some are told only now and then."""
     from host_tools.cli.status import grbl_rows
 
     fresh = client.ask_status()
@@ -84,8 +84,8 @@ def _grbl(client, known):
     known.update(fresh)
     rows = [row for row in grbl_rows(known, [], []) if row[0]]
     rows.insert(1, (N_("line"), known.get("Ln", "-")))
-    places = [float(part) for part in (known.get("MPos") or known.get("WPos") or "0,0").split(",")]
-    return rows, tuple((*places, 0.0)[:2])
+    positions = [float(part) for part in (known.get("MPos") or known.get("WPos") or "0,0").split(",")]
+    return rows, tuple((*positions, 0.0)[:2])
 
 
 def _others(client, known):
@@ -95,10 +95,10 @@ def _others(client, known):
         raise Failure("the board does not answer")
     rows = [(name, str(value)) for name, value in fields.items()]
     if "place" in fields:
-        places = [float(part) for part in str(fields["place"]).split(",")]
+        positions = [float(part) for part in str(fields["place"]).split(",")]
     else:
-        places = [float(fields.get("x", 0)), float(fields.get("y", 0))]
-    return rows, tuple((*places, 0.0)[:2])
+        positions = [float(fields.get("x", 0)), float(fields.get("y", 0))]
+    return rows, tuple((*positions, 0.0)[:2])
 
 
 _LOOKS = {"grbl": _grbl, "torch": _others, "pulses": _others, "plotter": _others}
@@ -110,14 +110,14 @@ class View:
     def __init__(self, title):
         self._title = title
         self._rows = []
-        self.places = []
+        self.positions = []
 
-    def take(self, rows, place):
+    def take(self, rows, position):
         self._rows = rows
-        if not self.places or self.places[-1] != place:
-            self.places.append(place)
-        if len(self.places) > _MOST_PLACES:
-            self.places = self.places[::2]
+        if not self.positions or self.positions[-1] != position:
+            self.positions.append(position)
+        if len(self.positions) > _MOST_PLACES:
+            self.positions = self.positions[::2]
 
     def shown(self):
         from rich.columns import Columns
@@ -129,13 +129,13 @@ class View:
         for name, text in self._rows:
             color = _STATE_COLORS.get(text.partition(":")[0].lower(), "") if name == "state" else ""
             table.add_row(Text(_(name), "dim"), Text(text, f"bold {color}".strip() if name == "state" else ""))
-        return Panel(Columns([table, Text(braille(self.places, *_MAP))], padding=(0, 4)), title=self._title)
+        return Panel(Columns([table, Text(braille(self.positions, *_MAP))], padding=(0, 4)), title=self._title)
 
 
-def braille(places, width, height):
-    """A map of places in `width` by `height` characters of braille, which have 2 by 4 dots each; the last place is a full one."""
+def braille(positions, width, height):
+    """A map of positions in `width` by `height` characters of braille, which have 2 by 4 dots each; the last position is a full one."""
     wide, high = 2 * width, 4 * height
-    xs, ys = [place[0] for place in places], [place[1] for place in places]
+    xs, ys = [position[0] for position in positions], [position[1] for position in positions]
     low_x, low_y = min(xs), min(ys)
     zoom = min((wide - 1) / max(max(xs) - low_x, 1e-9), (high - 1) / max(max(ys) - low_y, 1e-9))
     cells = [[0] * width for _ in range(height)]
@@ -145,10 +145,10 @@ def braille(places, width, height):
         cells[row // 4][column // 2] |= _DOTS[row % 4][column % 2]
         return row // 4, column // 2
 
-    for (x, y), (to_x, to_y) in zip(places, places[1:]):
+    for (x, y), (to_x, to_y) in zip(positions, positions[1:]):
         count = max(1, min(400, int(max(abs(to_x - x), abs(to_y - y)) * zoom)))
         for part in range(count):
             dot(x + (to_x - x) * part / count, y + (to_y - y) * part / count)
-    row, column = dot(*places[-1])
+    row, column = dot(*positions[-1])
     cells[row][column] = 0xFF
     return "\n".join("".join(chr(0x2800 + cell) for cell in line) for line in cells)

@@ -23,8 +23,8 @@ class Ends:
         self._cells = {}
         self._left = set(range(len(lines)))
         self._first = 0  # none before it is left
-        for end, place in enumerate(self._places):
-            self._cells.setdefault(self._key(place), []).append(end)
+        for end, position in enumerate(self._places):
+            self._cells.setdefault(self._key(position), []).append(end)
 
     def __len__(self):
         return len(self._left)
@@ -36,18 +36,18 @@ class Ends:
         self._take(self._first)
         return self._first
 
-    def nearest(self, place, within=math.inf):
-        """Take the end nearest to `place`: (line, turned round), or None if none is `within`. Of two as near it takes the one that
+    def nearest(self, position, within=math.inf):
+        """Take the end nearest to `position`: (line, turned round), or None if none is `within`. Of two as near it takes the one that
         begins there, and of these the first."""
-        found = self._around(place, within)
+        found = self._around(position, within)
         if found is None:
             return None
         number, turned = divmod(found, 2)
         self._take(number)
         return number, bool(turned)
 
-    def _key(self, place):
-        return math.floor(place.real / self._cell), math.floor(place.imag / self._cell)
+    def _key(self, position):
+        return math.floor(position.real / self._cell), math.floor(position.imag / self._cell)
 
     def _take(self, number):
         self._left.remove(number)
@@ -58,23 +58,23 @@ class Ends:
                 del self._cells[key]
             self._places[end] = complex(math.inf, 0)
 
-    def _around(self, place, within):
+    def _around(self, position, within):
         """The nearest end. An end in ring r + 1 of cells is farther than r cells."""
         if not self._left:
             return None
-        x, y = self._key(place)
+        x, y = self._key(position)
         best = None
         for ring in range(_RINGS):
             for key in _ring(x, y, ring):
                 for end in self._cells.get(key, ()):
-                    candidate = abs(self._places[end] - place), end & 1, end
+                    candidate = abs(self._places[end] - position), end & 1, end
                     if best is None or candidate < best:
                         best = candidate
             reach = ring * self._cell
             if best is not None and best[0] <= reach or reach > within:
                 break
         else:
-            distances = abs(self._places - place)
+            distances = abs(self._places - position)
             least = distances.min()
             best = min((least, end & 1, int(end)) for end in numpy.nonzero(distances == least)[0])
         return best[2] if best is not None and best[0] <= within else None
@@ -157,7 +157,7 @@ def _forwards(trail):
 
 
 def _nodes(lines, radius):
-    """The place of each end, by number; two for a line."""
+    """The position of each end, by number; two for a line."""
     cells = {}
     nodes = []
     centres = []
@@ -215,8 +215,8 @@ def _circuit(start, edges, around):
     return circuit
 
 
-def sorted_from(lines, place):
-    """The lines in drawing order from `place`, each time the one with the nearest end; unchanged if that is shorter."""
+def sorted_from(lines, position):
+    """The lines in drawing order from `position`, each time the one with the nearest end; unchanged if that is shorter."""
     lines = list(lines)
     if not lines:
         return []
@@ -225,19 +225,19 @@ def sorted_from(lines, place):
     height = max(end.imag for end in every) - min(end.imag for end in every)
     ends = Ends(lines, max(math.sqrt(width * height / len(lines)), max(width, height) / len(lines), 1e-9))
     result = []
-    at = place
+    at = position
     while len(ends):
         number, turned = ends.nearest(at)
         line = lines[number][::-1] if turned else lines[number]
         result.append(line)
         at = line[-1]
-    return result if travel(result, place) <= travel(lines, place) else lines
+    return result if travel(result, position) <= travel(lines, position) else lines
 
 
-def travel(lines, place):
-    """How far a pen goes from `place` and between the lines."""
+def travel(lines, position):
+    """How far a pen goes from `position` and between the lines."""
     way = 0.0
     for line in lines:
-        way += float(abs(line[0] - place))
-        place = line[-1]
+        way += float(abs(line[0] - position))
+        position = line[-1]
     return way

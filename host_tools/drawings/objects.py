@@ -42,9 +42,9 @@ def text():
     letter_s = [_arc(2, 5.25, 2, 1.75, 30, 270, 10) + _arc(2, 1.75, 2, 1.75, 90, -150, 11)[1:]]
     letter_o = [_arc(2, 3.5, 2, 3.5, 90, 450, 18)]
     points = []
-    for place, strokes in enumerate((letter_p, letter_a, letter_s, letter_s, letter_o)):
+    for position, strokes in enumerate((letter_p, letter_a, letter_s, letter_s, letter_o)):
         for stroke in strokes:
-            points += _polyline([(200 + 30 * (x + 5.4 * place), 150 + 30 * y) for x, y in stroke])
+            points += _polyline([(200 + 30 * (x + 5.4 * position), 150 + 30 * y) for x, y in stroke])
     return points
 
 
@@ -58,5 +58,5 @@ def _polar(x, y, radius, angle):
     return x + radius * math.cos(angle), y + radius * math.sin(angle)
 
 
-def _polyline(places):
-    return [(index > 0, round(x), round(y)) for index, (x, y) in enumerate(places)]
+def _polyline(positions):
+    return [(index > 0, round(x), round(y)) for index, (x, y) in enumerate(positions)]

@@ -25,11 +25,11 @@ def strokes_of_trace(rows, steps_per_mm):
     """[(pen_down, [(x, y), ...] in mm), ...] of a trace's rows; a tool other than 0 is down."""
     strokes = []
     for row in rows:
-        place = (row.x / steps_per_mm[0], row.y / steps_per_mm[1])
+        position = (row.x / steps_per_mm[0], row.y / steps_per_mm[1])
         if strokes and strokes[-1][0] == bool(row.tool):
-            strokes[-1][1].append(place)
+            strokes[-1][1].append(position)
         else:
-            strokes.append((bool(row.tool), [strokes[-1][1][-1], place] if strokes else [place]))
+            strokes.append((bool(row.tool), [strokes[-1][1][-1], position] if strokes else [position]))
     return strokes
 
 
@@ -38,9 +38,9 @@ def strokes_of_lines(lines, steps_per_mm):
     strokes = []
     pen = (0.0, 0.0)
     for line in lines:
-        places = [(x / steps_per_mm[0], y / steps_per_mm[1]) for x, y in line]
-        strokes += [(False, [pen, places[0]]), (True, places)]
-        pen = places[-1]
+        positions = [(x / steps_per_mm[0], y / steps_per_mm[1]) for x, y in line]
+        strokes += [(False, [pen, positions[0]]), (True, positions)]
+        pen = positions[-1]
     return strokes
 
 
@@ -66,7 +66,7 @@ def save(path, strokes, title, table=None, page=None, order=False):
         raise Failure("an empty path has no picture")
     figure, axes = plt.subplots(figsize=(9, 8), layout="constrained")
     for pen_down, color, width in ((False, _UP, 0.6), (True, _DOWN, 0.9)):
-        lines = [places for down, places in strokes if down == pen_down]
+        lines = [positions for down, positions in strokes if down == pen_down]
         if not lines:
             continue
         colors = plt.get_cmap("turbo")([i / len(lines) for i in range(len(lines))]) if order and pen_down else color

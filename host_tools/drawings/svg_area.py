@@ -29,8 +29,8 @@ def filled(rings, rule):
     faces = shapely.get_parts(shapely.polygonize([drawn]))
     inside = []
     for face in faces:
-        place = shapely.point_on_surface(face)
-        turns = sum(_winding(ring, complex(place.x, place.y)) for ring in closed)
+        position = shapely.point_on_surface(face)
+        turns = sum(_winding(ring, complex(position.x, position.y)) for ring in closed)
         if turns % 2 if rule == "evenodd" else turns:
             inside.append(face)
     return shapely.unary_union(inside) if inside else shapely.Polygon()
@@ -42,7 +42,7 @@ def grown(area, by):
 
 
 def clipped(lines, area):
-    """The parts of `lines` inside `area`, in their order and direction. A dot is a line of the same place twice."""
+    """The parts of `lines` inside `area`, in their order and direction. A dot is a line of the same position twice."""
     shapely.prepare(area)
     left, top, right, bottom = area.bounds if not area.is_empty else (0.0, 0.0, -1.0, -1.0)
     box_is_area = not area.is_empty and area.area >= (right - left) * (bottom - top) * (1 - 1e-12)
@@ -86,11 +86,11 @@ def _append(runs, a, b):
 
 
 def _pieces(geometry, start):
-    """The lines of what is left of a segment, as pairs of places in its direction."""
+    """The lines of what is left of a segment, as pairs of positions in its direction."""
     found = []
     for part in shapely.get_parts(geometry):
         if part.geom_type == "LineString" and not part.is_empty:
-            ends = sorted((complex(*part.coords[0]), complex(*part.coords[-1])), key=lambda place: abs(place - start))
+            ends = sorted((complex(*part.coords[0]), complex(*part.coords[-1])), key=lambda position: abs(position - start))
             found.append(tuple(ends))
     return sorted(found, key=lambda ends: abs(ends[0] - start))
 
@@ -103,7 +103,7 @@ def _pairs(line):
     return numpy.column_stack((line.real, line.imag))
 
 
-def _winding(ring, place):
-    """How often a closed ring goes round `place`, which is not on it."""
-    turned = numpy.angle((ring[1:] - place) / (ring[:-1] - place)).sum()
+def _winding(ring, position):
+    """How often a closed ring goes round `position`, which is not on it."""
+    turned = numpy.angle((ring[1:] - position) / (ring[:-1] - position)).sum()
     return round(turned / (2 * numpy.pi))

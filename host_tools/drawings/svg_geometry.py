@@ -101,9 +101,9 @@ def box_matrix(lines, matrix):
     back = inverse(matrix)
     if back is None:
         return IDENTITY
-    places = numpy.concatenate(placed(lines, back))
-    left, top = places.real.min(), places.imag.min()
-    return (places.real.max() - left, 0.0, 0.0, places.imag.max() - top, left, top)
+    positions = numpy.concatenate(placed(lines, back))
+    left, top = positions.real.min(), positions.imag.min()
+    return (positions.real.max() - left, 0.0, 0.0, positions.imag.max() - top, left, top)
 
 
 def stretch(of):
@@ -139,10 +139,10 @@ def shape_path(tag, lengths, points):
     if tag == "line":
         return _data("M", lengths("x1", "x"), lengths("y1", "y"), "L", lengths("x2", "x"), lengths("y2", "y"))
     if tag in ("polyline", "polygon"):
-        places = numbers(points)
-        if len(places) < 4:
+        positions = numbers(points)
+        if len(positions) < 4:
             return None
-        return _data("M", *places[: len(places) // 2 * 2]) + ("Z" if tag == "polygon" else "")
+        return _data("M", *positions[: len(positions) // 2 * 2]) + ("Z" if tag == "polygon" else "")
     if tag == "rect":
         return _rect(lengths)
     x, y = lengths("cx", "x"), lengths("cy", "y")
@@ -189,7 +189,7 @@ def path_segments(data):
 
 def flattened(segments, deviation):
     """Polylines of a path's segments, one a subpath, no chord further than `deviation` from its curve. A subpath without
-    length is its place twice; a move that nothing follows is nothing."""
+    length is its position twice; a move that nothing follows is nothing."""
     import svgelements
 
     lines, line = [], []
@@ -226,7 +226,7 @@ def flattened(segments, deviation):
 
 
 def cubic(a, b, c, d, deviation):
-    """Places of a Bézier curve behind `a`, its end included, no chord further than `deviation` from it."""
+    """Positions of a Bézier curve behind `a`, its end included, no chord further than `deviation` from it."""
     # A chord over the n-th part of a curve is at most max |B''| / 8n² off; B'' runs between 6 (a - 2b + c) and the next.
     bend = max(abs(a - 2 * b + c), abs(b - 2 * c + d))
     count = max(1, math.ceil(math.sqrt(0.75 * bend / deviation)))
@@ -254,8 +254,8 @@ def _arc(segment, end, deviation):
         return [end]
     step = 2 * math.acos(max(0.0, 1 - min(deviation, radius) / radius))
     count = max(2, math.ceil(sweep / step))
-    places = numpy.asarray(segment.npoint(numpy.linspace(0, 1, count + 1)[1:-1]), dtype=float).reshape(-1, 2)
-    return [*(places[:, 0] + 1j * places[:, 1]), end]
+    positions = numpy.asarray(segment.npoint(numpy.linspace(0, 1, count + 1)[1:-1]), dtype=float).reshape(-1, 2)
+    return [*(positions[:, 0] + 1j * positions[:, 1]), end]
 
 
 def dashed(lines, pattern, offset):

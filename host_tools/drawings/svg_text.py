@@ -1,6 +1,6 @@
 """Text of an SVG file as the outlines of its letters, in the fonts of this computer.
 
-    pieces = collect(element, style_of, lengths)    # letters with their places and fonts
+    pieces = collect(element, style_of, lengths)    # letters with their positions and fonts
     lines = outlines(pieces, deviation, left_out)   # polylines, in the element's own coordinates
 
 A font that is not installed is replaced by the one that matplotlib takes for it, and `left_out` is told so. Letters follow
@@ -105,10 +105,10 @@ def _collect(element, style, style_of, viewport, left_out, letters, keep_space, 
     if element.get("rotate") not in (None, "0"):
         left_out[N_("the turning of single letters")] += 1
     for name, whole in (("x", viewport[0]), ("y", viewport[1]), ("dx", viewport[0]), ("dy", viewport[1])):
-        places = [svg_geometry.length(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
-        for letter, place in zip(_collapsed(letters[first:]) if places else (), places):
+        positions = [svg_geometry.length(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
+        for letter, position in zip(_collapsed(letters[first:]) if positions else (), positions):
             if getattr(letter, name) in (None, 0.0):  # what a <tspan> inside says goes before
-                setattr(letter, name, place)
+                setattr(letter, name, position)
 
 
 def _spell(text, style, size, keep_space, letters):
@@ -174,22 +174,22 @@ def _drawn(run, x, y, deviation, left_out):
     y += _baseline(run.style.get("dominant-baseline"), run.size)
     lines = []
     for vertex, code in Path(vertices, codes).iter_segments(curves=True, simplify=False) if len(vertices) else ():
-        places = (vertex[0::2] * scale + x) - 1j * (vertex[1::2] * scale - y)
+        positions = (vertex[0::2] * scale + x) - 1j * (vertex[1::2] * scale - y)
         if code == Path.MOVETO:
-            lines.append([places[0]])
+            lines.append([positions[0]])
         elif code == Path.CLOSEPOLY:
             lines[-1].append(lines[-1][0])
         elif code == Path.CURVE3:
-            lines[-1] += svg_geometry.quadratic(lines[-1][-1], *places, deviation)
+            lines[-1] += svg_geometry.quadratic(lines[-1][-1], *positions, deviation)
         elif code == Path.CURVE4:
-            lines[-1] += svg_geometry.cubic(lines[-1][-1], *places, deviation)
+            lines[-1] += svg_geometry.cubic(lines[-1][-1], *positions, deviation)
         else:
-            lines[-1].append(places[0])
+            lines[-1].append(positions[0])
     return [numpy.array(line) for line in lines if len(line) > 1]
 
 
 def _baseline(name, size):
-    """How far below its place a line of text stands, by a dominant-baseline; as most fonts are made."""
+    """How far below its position a line of text stands, by a dominant-baseline; as most fonts are made."""
     shares = {"middle": 0.26, "central": 0.35, "hanging": 0.73, "text-before-edge": 0.9, "text-after-edge": -0.21}
     return shares.get(name, 0.0) * size
 

@@ -24,16 +24,16 @@ class Kernels:
         self._words = struct.unpack(f"<{len(self._ram) // 4}I", self._ram)
         self._pools = self._find_pools(next(symbols.objects[name] for name in _POOLS if name in symbols.objects))
         found = {}
-        for place, address, code, context in self._functions({symbols.objects.get(name): name for name in _TYPES}):
-            names = self._names(_RAM + 4 * place)
+        for index, address, code, context in self._functions({symbols.objects.get(name): name for name in _TYPES}):
+            names = self._names(_RAM + 4 * index)
             module = self._module(context) if context else ""
             found[code] = ".".join(filter(None, (module, max(names, key=len) if names else "?")))
         self.starts = sorted(found.items())
         self._addresses = [address for address, _ in self.starts]
 
     def name(self, address):
-        place = bisect.bisect_right(self._addresses, address) - 1
-        return self.starts[place][1] if place >= 0 else None
+        index = bisect.bisect_right(self._addresses, address) - 1
+        return self.starts[index][1] if index >= 0 else None
 
     def _bytes(self, address, count):
         memory, start = (self._ram, _RAM) if address >= _RAM else (self._flash, _FLASH)
@@ -48,20 +48,20 @@ class Kernels:
     def _functions(self, types):
         """(index of its word, address, of its code, of its module's context or 0)"""
         types.pop(None, None)
-        for place in range(0, len(self._words) - 4, 4):  # blocks of the heap are 16 bytes
-            kind = types.get(self._words[place])
+        for index in range(0, len(self._words) - 4, 4):  # blocks of the heap are 16 bytes
+            kind = types.get(self._words[index])
             if kind:
                 assembly = kind == "mp_type_fun_asm"
-                code = self._words[place + (2 if assembly else 3)]
+                code = self._words[index + (2 if assembly else 3)]
                 if _RAM <= code < _RAM + len(self._ram):
-                    yield place, _RAM + 4 * place, code & ~1, 0 if assembly else self._words[place + 1]
+                    yield index, _RAM + 4 * index, code & ~1, 0 if assembly else self._words[index + 1]
 
     def _names(self, function):
         if not hasattr(self, "_by_value"):
             self._by_value = {}
-            for place in range(len(self._words) - 1):
-                if self._words[place] & _QSTR_TAG == _QSTR and self._words[place + 1] >= _RAM:
-                    self._by_value.setdefault(self._words[place + 1], []).append(self._words[place] >> 3)
+            for index in range(len(self._words) - 1):
+                if self._words[index] & _QSTR_TAG == _QSTR and self._words[index + 1] >= _RAM:
+                    self._by_value.setdefault(self._words[index + 1], []).append(self._words[index] >> 3)
         names = (self._string(number) for number in self._by_value.get(function, ()))
         return [name for name in names if name]
 
@@ -85,9 +85,9 @@ class Kernels:
         while True:
             first, count, _ = self._pool(last)
             following = [
-                _RAM + 4 * place
-                for place in range(len(self._words) - 1)
-                if self._words[place] == last and self._words[place + 1] & _LENGTH_BITS == first + count
+                _RAM + 4 * index
+                for index in range(len(self._words) - 1)
+                if self._words[index] == last and self._words[index + 1] & _LENGTH_BITS == first + count
             ]
             if not following:
                 return pools
@@ -100,7 +100,7 @@ class Kernels:
     def _string(self, number):
         for first, count, pool in self._pools:
             if first <= number < first + count:
-                place = number - first
-                length = self._bytes(self._word(pool + 20) + place, 1)[0]
-                return self._bytes(self._word(pool + 24 + 4 * place), length).decode(errors="replace")
+                index = number - first
+                length = self._bytes(self._word(pool + 20) + index, 1)[0]
+                return self._bytes(self._word(pool + 24 + 4 * index), length).decode(errors="replace")
         return ""

@@ -78,8 +78,8 @@ class Profile:
         if self._loop is None:
             raise Unavailable("a profile needs a C compiler")
         self._counts = [(ctypes.c_uint64 * (2 * _SLOTS))() for _ in range(2)]
-        for place, counts in enumerate(self._counts):
-            self._state.profile[place] = ctypes.addressof(counts)
+        for index, counts in enumerate(self._counts):
+            self._state.profile[index] = ctypes.addressof(counts)
         self._loop.spent = self._spent
 
     def _spent(self, pc, handler, cycles):
@@ -181,9 +181,9 @@ class Symbols:
         self._starts, self._ends, self._names = map(list, zip(*sorted(functions)))
 
     def name(self, address):
-        place = bisect.bisect_right(self._starts, address) - 1
-        if place >= 0 and address < self._ends[place]:
-            return self._names[place]
+        index = bisect.bisect_right(self._starts, address) - 1
+        if index >= 0 and address < self._ends[index]:
+            return self._names[index]
         if address < 0x4000:
             return ROM
         if address < _RAM:
@@ -199,7 +199,7 @@ def read_symbols(path):
         raise Failure("{} is no 32-bit ELF file", path)
     offset, = struct.unpack_from("<I", data, 32)
     size, count = struct.unpack_from("<HH", data, 46)
-    sections = [struct.unpack_from("<10I", data, offset + place * size) for place in range(count)]
+    sections = [struct.unpack_from("<10I", data, offset + index * size) for index in range(count)]
     found, objects = [], {}
     for _, kind, _, _, start, length, link, _, _, each in sections:
         if kind != 2:  # SHT_SYMTAB

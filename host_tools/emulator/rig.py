@@ -180,16 +180,16 @@ class Rig:
     def counted(self):
         """Steps of each axis since the last clear(), signed, as a STEP/DIR driver would count them: edges alone."""
         invert = self._inverted()
-        places = []
+        positions = []
         for axis, (steps, turns) in enumerate(zip(self.step_edges, self.dir_edges)):
             rise, back = 1 - (invert >> axis & 1), invert >> self.axes + axis & 1
-            place = 0
+            position = 0
             for cycle, state in steps:
                 if state == rise:
                     direction = [level for at, level in turns if at <= cycle][-1:] or [back]
-                    place += 1 if direction[0] != back else -1
-            places.append(place)
-        return places
+                    position += 1 if direction[0] != back else -1
+            positions.append(position)
+        return positions
 
     def play(self, lines, loop="pass", limit_us=3_000_000, meanwhile=None):
         """`lines`: [(deltas, steps a second of the dominant axis)]; `meanwhile()` is called before each slice."""

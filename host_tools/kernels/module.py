@@ -139,11 +139,11 @@ def best(text, march, command, options):
         for _round in range(ROUNDS):
             code, elf = _linked(shifted(text, moved | more), [*command, *option.split()])
             moved |= more
-            places = pointers(code, march)
-            if not places:
+            positions = pointers(code, march)
+            if not positions:
                 return code
-            found.append((len(code) + KEEPS * len(places), code))
-            more = functions_at(elf, 0, places) - moved
+            found.append((len(code) + KEEPS * len(positions), code))
+            more = functions_at(elf, 0, positions) - moved
             if not more:
                 break
     return min(found)[1]
@@ -180,11 +180,11 @@ def _run(command, folder):
 def loaded(elf, base):
     """The bytes of an ELF that are loaded from `base` on. Raises Failure if there is data that can be written."""
     found = b""
-    for kind, flags, address, place, length, _ in sections(elf):
+    for kind, flags, address, position, length, _ in sections(elf):
         if flags & 2 and length:
             if flags & 1 or kind == 8:
                 raise Failure("the machine code of kernels has data that is written")
-            found = found.ljust(address - base, b"\0") + elf[place : place + length]
+            found = found.ljust(address - base, b"\0") + elf[position : position + length]
     return found
 
 

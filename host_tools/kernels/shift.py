@@ -17,17 +17,17 @@ def shifted(text, names):
     return text
 
 
-def functions_at(elf, base, places):
+def functions_at(elf, base, offsets):
     """Names of the functions of an ELF whose code has any of these bytes, counted from `base`."""
     found = set()
     for name, begin, length in _functions(elf):
-        if any(begin - base <= place < begin - base + length for place in places):
+        if any(begin - base <= offset < begin - base + length for offset in offsets):
             found.add(name)
     return found
 
 
 def sections(elf):
-    """[(kind, flags, address, place in the file, length, link)] of an ELF's sections."""
+    """[(kind, flags, address, offset in the file, length, link)] of an ELF's sections."""
     wide = elf[4] == 2
     (offset,) = struct.unpack_from("<Q" if wide else "<I", elf, 40 if wide else 32)
     size, count = struct.unpack_from("<HH", elf, 58 if wide else 46)
@@ -38,10 +38,10 @@ def sections(elf):
 def _functions(elf):
     """(name, address, length) of each function of an ELF of 32 bits."""
     found = sections(elf)
-    for kind, _, _, place, length, link in found:
+    for kind, _, _, offset, length, link in found:
         if kind == _SYMBOLS:
             names = found[link][3]
-            for at in range(place, place + length, 16):
+            for at in range(offset, offset + length, 16):
                 name, address, extent, info = struct.unpack_from("<IIIB", elf, at)
                 if info & 15 == _FUNCTION:
                     text = elf[names + name : elf.index(b"\0", names + name)].decode()

@@ -5,15 +5,15 @@
     teach.see(state)            # with each report
     text = teach.text()         # G-code
 
-A manual move of the page is straight, from rest to rest: so the places where it rests are its path. Moves that go on in one line are
-one line of the program. `recognise(points, ways)` may do better: it gives the lines of G-code for a list of places, with the places
+A manual move of the page is straight, from rest to rest: so the positions where it rests are its path. Moves that go on in one line are
+one line of the program. `recognise(points, ways)` may do better: it gives the lines of G-code for a list of positions, with the positions
 seen on the way to each but the first. A PC's finds arcs (host_tools/panel/taught.py).
 """
 
 from passo import errors
 
 _NEAR_MM = 0.0015  # off the straight line: what three decimals may round
-_MOST = 5000  # places
+_MOST = 5000  # positions
 _MOST_SEEN = 100_000  # on the way: an hour of motion
 
 
@@ -27,7 +27,7 @@ class Teach:
         self._lines = []
 
     def places(self):
-        """How many places have been recorded; −1: it does not record."""
+        """How many positions have been recorded; −1: it does not record."""
         return -1 if self._points is None else self._count
 
     def begin(self):
@@ -46,26 +46,26 @@ class Teach:
         return 0
 
     def see(self, state):
-        """A report of the machine; what it says at rest is a place."""
+        """A report of the machine; what it says at rest is a position."""
         if self._points is None:
             return
         self._feed = max(self._feed, state.get("feed", 0))
-        place = list(state["w"])
+        position = list(state["w"])
         points = self._points
         if state["state"] != "Idle":
             if self._recognise and points:
-                self._way.append(place)
+                self._way.append(position)
             return
         way, self._way = self._way, []
         if not points:
             self._on = state.get("on", "")
-            points.append(place)
+            points.append(position)
             self._count = max(self._count, 1)
-        elif [other for other in way + [place] if not same(other, points[-1])]:
+        elif [other for other in way + [position] if not same(other, points[-1])]:
             self._seen += len(way)
             self._full = self._full or len(points) >= _MOST or self._seen > _MOST_SEEN
             if not self._full:
-                points.append(place)
+                points.append(position)
                 self._ways.append(way)
                 self._count += 1
         if state.get("on", "") != self._on:
@@ -92,7 +92,7 @@ class Teach:
 
 
 def same(one, other):
-    """True if two places are one, as far as reports tell."""
+    """True if two positions are one, as far as reports tell."""
     return max([abs(one[axis] - other[axis]) for axis in range(len(one))]) <= 0.0005
 
 

@@ -1,9 +1,9 @@
 """What has been moved by hand, as straight lines and arcs of G-code that stay within a step of it.
 
-    lines = program([(0, 0), (10, 0)], [[(5, 0)]], (320, 320))      # places in mm, what was seen on the way to each, steps/mm
+    lines = program([(0, 0), (10, 0)], [[(5, 0)]], (320, 320))      # positions in mm, what was seen on the way to each, steps/mm
     # ["G1 X10.000"]
 
-A way whose places lie on its chord is straight; all others go where they were seen. From each place on, the line or arc that leads
+A way whose positions lie on its chord is straight; all others go where they were seen. From each position on, the line or arc that leads
 farthest is taken. An arc's third axis goes along with its angle, as in a helix. Where axes differ in scale, a step is the longer one.
 """
 
@@ -11,8 +11,8 @@ import math
 
 from host_tools.page.teach import line_to
 
-_OFF = 1.0  # steps that a place may lie off its line or arc
-_LEAST_ARC = 4  # places
+_OFF = 1.0  # steps that a position may lie off its line or arc
+_LEAST_ARC = 4  # positions
 _SAGITTA = 2.0  # steps; flatter than that is straight
 _PLANES = ((0, 1, 17, "IJ"), (2, 0, 18, "KI"), (1, 2, 19, "JK"))
 
@@ -40,28 +40,28 @@ def program(points, ways, scales):
 
 
 class _Path:
-    """Places in steps, from the first rest to the last: rests, what was seen on the way, and the middles of straight ways."""
+    """Positions in steps, from the first rest to the last: rests, what was seen on the way, and the middles of straight ways."""
 
     def __init__(self, points, ways, scales):
         self._scales = scales[: len(points[0])]
-        self._places = [points[0]]
+        self._positions = [points[0]]
         self._rests = {0}  # positions in it at which the machine stood
         for at, way in enumerate(ways):
             before, after = points[at], points[at + 1]
-            if self._straight([self._of(place) for place in (before, *way, after)]):
+            if self._straight([self._of(position) for position in (before, *way, after)]):
                 way = [[(a + b) / 2 for a, b in zip(before, after)]]
-            self._places += [*way, after]
-            self._rests.add(len(self._places) - 1)
-        self.steps = [self._of(place) for place in self._places]
+            self._positions += [*way, after]
+            self._rests.add(len(self._positions) - 1)
+        self.steps = [self._of(position) for position in self._positions]
 
     def mm(self, at):
-        return self._places[at]
+        return self._positions[at]
 
-    def _of(self, place):
-        return [value * scale for value, scale in zip(place, self._scales)]
+    def _of(self, position):
+        return [value * scale for value, scale in zip(position, self._scales)]
 
     def _farthest(self, first, fits):
-        """The last place up to which fits(end) holds, from `first` on, which is taken to fit: by doubling, then halving. A place at
+        """The last position up to which fits(end) holds, from `first` on, which is taken to fit: by doubling, then halving. A position at
         which the machine stood, if it comes by one: what goes on behind it is another move."""
         last = len(self.steps) - 1
         good, step = first, 1
@@ -79,16 +79,16 @@ class _Path:
         return self._farthest(at + 1, lambda end: self._straight(self.steps[at : end + 1]))
 
     @staticmethod
-    def _straight(places):
-        """Whether places lie on the way from the first to the last, one behind the other."""
-        first, last = places[0], places[-1]
+    def _straight(positions):
+        """Whether positions lie on the way from the first to the last, one behind the other."""
+        first, last = positions[0], positions[-1]
         way = [b - a for a, b in zip(first, last)]
         length = math.hypot(*way)
         if length == 0:
-            return all(math.dist(place, first) <= _OFF for place in places)
+            return all(math.dist(position, first) <= _OFF for position in positions)
         before = 0.0
-        for place in places[1:]:
-            part = [b - a for a, b in zip(first, place)]
+        for position in positions[1:]:
+            part = [b - a for a, b in zip(first, position)]
             along = sum(a * b for a, b in zip(part, way)) / length
             off = max(abs(a - along * b / length) for a, b in zip(part, way))
             if off > _OFF or along < before - _OFF or along > length + _OFF:
@@ -124,13 +124,13 @@ class _Path:
         return (end, *self._fitted(at, end, plane)[:2])
 
     def _fitted(self, at, end, plane):
-        """(centre in mm from the start, clockwise, sagitta in steps) of the arc on which the places lie, or None."""
+        """(centre in mm from the start, clockwise, sagitta in steps) of the arc on which the positions lie, or None."""
         import numpy as np
 
         from host_tools.programs.recognition import circle, near
 
         fine, coarse = [pick([self._scales[axis] for axis in plane]) for pick in (max, min)]
-        flat = np.array(self._places[at : end + 1])[:, list(plane)] * fine
+        flat = np.array(self._positions[at : end + 1])[:, list(plane)] * fine
         flat -= flat[0]
         most = _OFF * fine / coarse
         found = circle(flat)
@@ -148,17 +148,17 @@ class _Path:
         turned = -turned if clockwise else turned
         if (np.diff(turned) < -slack).any() or turned[-1] > 2 * math.pi + 1e-7:  # beyond a whole turn G-code would turn by the excess
             return None
-        places = np.array(self.steps[at : end + 1])
-        for axis in range(places.shape[1]):
+        positions = np.array(self.steps[at : end + 1])
+        for axis in range(positions.shape[1]):
             if axis not in plane:
-                along = places[0, axis] + (places[-1, axis] - places[0, axis]) * turned / turned[-1]
-                if np.abs(places[:, axis] - along).max() > _OFF:
+                along = positions[0, axis] + (positions[-1, axis] - positions[0, axis]) * turned / turned[-1]
+                if np.abs(positions[:, axis] - along).max() > _OFF:
                     return None
         return [by / fine for by in centre], clockwise, radius * (1 - math.cos(min(turned[-1], math.pi) / 2))
 
 
 def _off(flat, centre):
-    """How far the farthest place lies off the circle through 0;0 about `centre`."""
+    """How far the farthest position lies off the circle through 0;0 about `centre`."""
     import numpy as np
 
     return float(np.abs(np.hypot(*(flat - np.array(centre)).T) - np.hypot(*centre)).max())

@@ -208,14 +208,14 @@ def pattern(axis, lengths, count, feed, spacing=4.0):
     other = "Y" if axis == "x" else "X"
     axis = axis.upper()
     lines = ["G21 G90 G94", "M5"]
-    place = 0.0
+    position = 0.0
     for length in lengths:
-        lines += [f"G0 {axis}0 {other}{place:g}", "M3 S1000", "G4 P0.5", f"(strokes of {length:g} mm)"]
+        lines += [f"G0 {axis}0 {other}{position:g}", "M3 S1000", "G4 P0.5", f"(strokes of {length:g} mm)"]
         for stroke in range(count):
             lines.append(f"G1 {axis}{length if stroke % 2 == 0 else 0:g} F{feed:g}")
             if stroke < count - 1:
-                place += spacing
-                lines.append(f"G1 {other}{place:g}")
+                position += spacing
+                lines.append(f"G1 {other}{position:g}")
         lines += ["M5", "G4 P0.5"]
-        place += 3 * spacing
+        position += 3 * spacing
     return [*lines, "G0 X0 Y0", "M2"]

@@ -19,12 +19,12 @@ _REPEATED = 20  # points that a noisy line may have stored twice: the board has 
 
 
 class Spot(NamedTuple):
-    """`number`: of the object; `drawn`: points of it; `done`: of all; `place`: amid the line that is to be gone on with, or None."""
+    """`number`: of the object; `drawn`: points of it; `done`: of all; `position`: amid the line that is to be gone on with, or None."""
 
     number: int
     drawn: int
     done: int = 0
-    place: Optional[tuple] = None
+    position: Optional[tuple] = None
 
     def start(self, objects):
         """Where the pen is when it goes on: x, y. Only if anything is done."""
@@ -79,10 +79,10 @@ def numbers_of_stored(objects, speed):
 
 
 def spot_of(record, objects):
-    """Where a drawing goes on, by what the board's journal says of it. Raises Failure if it is done, or the place is not on its lines."""
+    """Where a drawing goes on, by what the board's journal says of it. Raises Failure if it is done, or the position is not on its lines."""
     points = [point for each in objects for point in each]
-    line, place = record.line, tuple(record.place[:2])
-    if record.done and line >= len(points) and (not points or points[-1][1:] == place):
+    line, position = record.line, tuple(record.place[:2])
+    if record.done and line >= len(points) and (not points or points[-1][1:] == position):
         raise Failure("the drawing was done to its end")
     if not line or not record.done and line == 1:
         return _spot(objects, 0, None)
@@ -91,10 +91,10 @@ def spot_of(record, objects):
             continue
         down, *end = points[done - 1]
         if record.done:
-            if tuple(end) == place:
+            if tuple(end) == position:
                 return _spot(objects, done, None)
-        elif done > 1 and _on(points[done - 2][1:], end, place):
-            return _spot(objects, done - 1, place if down else None)
+        elif done > 1 and _on(points[done - 2][1:], end, position):
+            return _spot(objects, done - 1, position if down else None)
     raise Failure("the journal's place is not on the drawing's lines: passo draw --continue draws the line again")
 
 
@@ -103,19 +103,19 @@ def spot_at(objects, number, drawn):
     return Spot(number, drawn, sum(len(points) for points in objects[:number]) + drawn)
 
 
-def _spot(objects, done, place):
+def _spot(objects, done, position):
     left = done
     for number, points in enumerate(objects):
         if left < len(points) or number + 1 == len(objects):
-            return Spot(number, left, done, place)
+            return Spot(number, left, done, position)
         left -= len(points)
     return Spot(0, 0)
 
 
-def _on(start, end, place):
-    """True if a place is on a line, to a step."""
+def _on(start, end, position):
+    """True if a position is on a line, to a step."""
     length = [to - at for at, to in zip(start, end)]
-    way = [to - at for at, to in zip(start, place)]
+    way = [to - at for at, to in zip(start, position)]
     if any(part * whole < 0 or abs(part) > abs(whole) for part, whole in zip(way, length)):
         return False
     return abs(way[0] * length[1] - way[1] * length[0]) <= max(abs(length[0]), abs(length[1]))

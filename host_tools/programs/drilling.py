@@ -1,7 +1,7 @@
 """Canned cycles, drawn out into plain motions: what all dialects, by their numbers of RS274/NGC, mean by them.
 
     cycle = Cycle(83, above=2.0, bottom=-10.0, feed=100.0, peck=3.0)
-    cycle.hole(path, [5.0, 5.0])        # the tool is above that place, at `above` or higher; ends at `back`
+    cycle.hole(path, [5.0, 5.0])        # the tool is above that position, at `above` or higher; ends at `back`
 """
 
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ class Cycle:
     back: float | None = None
     spindle: str = ""  # M3 or M4, what it turns by
 
-    def hole(self, path, place):
+    def hole(self, path, position):
         """One hole at X, Y."""
-        self._rapid(path, place)
+        self._rapid(path, position)
         self._z(path, self.above, True)
         if self.code in (73, 83):
             self._pecks(path)
@@ -64,8 +64,8 @@ class Cycle:
                 self._z(path, min(self.above, reached + BACK_OFF_MM), True)
         self._z(path, self.bottom, False)
 
-    def _rapid(self, path, place):
-        path.move([*place, None], True)
+    def _rapid(self, path, position):
+        path.move([*position, None], True)
 
     def _z(self, path, height, rapid):
         path.move([None, None, height], rapid, 0.0 if rapid else self.feed)

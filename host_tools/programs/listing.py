@@ -23,7 +23,7 @@ class Source(NamedTuple):
 
 
 class Stroke(NamedTuple):
-    """The path of one line of the listing: `points` are (x, y, z) in mm of the program; unknown places are 0."""
+    """The path of one line of the listing: `points` are (x, y, z) in mm of the program; unknown positions are 0."""
 
     source: Source
     rapid: bool

@@ -14,7 +14,7 @@ What `sink` has to have:
 
     words(number, tick, words)          step words that begin at `tick`, one behind the other; `number`: the line under way
     note(kind, number, code, text)      a NOTE_… about that line: its text, and the number of an error
-    begin(tick, place)                  the job begins: everything before only led there; `place` in steps
+    begin(tick, position)                  the job begins: everything before only led there; `position` in steps
 
 Words are played by `BulkPlayer`, which knows when they are due and has no pins: nothing reacts to them.
 """
@@ -62,7 +62,7 @@ def copy_due(words: ptr32, mask: int, bits: int, first: int, count: int, ticks: 
 
 
 class BulkPlayer:
-    """Plays a ring's words by handing them out in great numbers. In the place of passo.ports.virtual_player.Player."""
+    """Plays a ring's words by handing them out in great numbers. In the position of passo.ports.virtual_player.Player."""
 
     def __init__(self, port, ring, layout, pulse_ticks, min_word_ticks, invert):
         self.min_word_ticks = min_word_ticks
@@ -231,10 +231,10 @@ class Runner:
             self._do(["G53G21G90G0" + self._words(start)] if any(start) else [])
         self._player.hand_out(sink, due)
         queue = self._app.controller.queue
-        sink.begin(port.now, [int(place) for place in queue.target] if start is not None else [0] * len(board["axes"]))
+        sink.begin(port.now, [int(position) for position in queue.target] if start is not None else [0] * len(board["axes"]))
 
-    def _words(self, places):
-        return "".join([axis["name"].upper() + "%.4f" % place for axis, place in zip(self.board["axes"], places)])
+    def _words(self, positions):
+        return "".join([axis["name"].upper() + "%.4f" % position for axis, position in zip(self.board["axes"], positions)])
 
     def _do(self, lines):
         """Carry out lines, to the end of their motion."""
@@ -257,11 +257,11 @@ class Runner:
             raise Failed("{} does not home: it has no soft limits", board["name"])
         if len(zero) != len(names):
             raise Failed("the machine has {} axes, {}, and {} places are given", len(names), ", ".join(names), len(zero))
-        for number, place in enumerate(zero):
+        for number, position in enumerate(zero):
             scale = board["axes"][number]["steps_per_m"] / 1000
             low, high = [end / scale for end in self._app.controller.queue.reach(number)]
-            if not low <= place <= high:
-                raise Failed("{}{:g} is not on the machine, which goes from {:g} to {:g} mm", names[number], place, low, high)
+            if not low <= position <= high:
+                raise Failed("{}{:g} is not on the machine, which goes from {:g} to {:g} mm", names[number], position, low, high)
         self._app.controller.machine.homed = True
         self._do(["$20=1", "G21G10L2P1" + self._words(zero)])
 
@@ -353,8 +353,8 @@ class Frames:
     def note(self, kind, number, code, text):
         self._write(kind, number, len(text), code, text)
 
-    def begin(self, tick, place):
-        self._write(BEGIN, 0, 4 * len(place), tick, array("i", place))
+    def begin(self, tick, position):
+        self._write(BEGIN, 0, 4 * len(position), tick, array("i", position))
 
     def _write(self, kind, number, size, value, data):
         self._out.write(struct.pack(HEADER, kind, number, size, value))

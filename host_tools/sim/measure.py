@@ -57,10 +57,10 @@ def _row(path, line, fields):
 def measure(rows, points, start=(0, 0)):
     """Compare the end of a trace with the object [(pen_down, x, y), ...] drawn from `start`."""
     legs = []
-    place = start
+    position = start
     for pen_down, x, y in points:
-        legs.append((place, (x, y), pen_down))
-        place = (x, y)
+        legs.append((position, (x, y), pen_down))
+        position = (x, y)
     steps = sum(_dominant(a, b) for a, b, _ in legs)
     walk = [index for index in range(1, len(rows)) if _place(rows[index]) != _place(rows[index - 1])]
     if len(walk) < steps:
@@ -73,8 +73,8 @@ def measure(rows, points, start=(0, 0)):
         if before != start:
             result.faults.append(_("begins at {}, not at {}", before, start))
         result.time_s = (rows[-1].t_us - rows[walk[0]].t_us) / 1e6
-    if _place(rows[-1]) != place:
-        result.faults.append(_("ends at {}, not at {}", _place(rows[-1]), place))
+    if _place(rows[-1]) != position:
+        result.faults.append(_("ends at {}, not at {}", _place(rows[-1]), position))
     if rows[-1].tool:
         result.faults.append(_("ends with the pen down"))
     done = 0

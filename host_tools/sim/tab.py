@@ -22,7 +22,7 @@ from passo.web.pace import Pace
 
 PUSH_MS = 50  # between two reports of the state
 _SHOW_MS = 30  # between two pictures of the machine
-_SPACING_TICKS = 2 * TICKS_PER_MS  # between two places of the path drawn
+_SPACING_TICKS = 2 * TICKS_PER_MS  # between two positions of the path drawn
 _REST_MS = 5  # the worker's pause while nothing moves
 _MOST_PLACES = 2000  # of one message
 _START = (30, 80, 55)  # percent of each axis' travel where the machine of a page stands at first
@@ -44,7 +44,7 @@ class Trail:
     """Where the machine has been since it was last asked: what the plant tells as its trace."""
 
     def __init__(self):
-        self.places = []  # flat: each axis in steps, and the tool, 0 … 1000
+        self.positions = []  # flat: each axis in steps, and the tool, 0 … 1000
         self._next = 0
         self._tool = 0
 
@@ -53,14 +53,14 @@ class Trail:
             return
         self._next = tick + _SPACING_TICKS
         self._tool = tool
-        if len(self.places) < _MOST_PLACES:
-            self.places += position
-            self.places.append(tool)
+        if len(self.positions) < _MOST_PLACES:
+            self.positions += position
+            self.positions.append(tool)
 
     def take(self):
-        places = self.places
-        self.places = []
-        return places
+        positions = self.positions
+        self.positions = []
+        return positions
 
 
 class Tab:

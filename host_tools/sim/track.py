@@ -13,7 +13,7 @@ import numpy as np
 
 TICKS_PER_S = 12_500_000
 SPEED_TICKS = TICKS_PER_S // 50  # speeds are measured over 20 ms
-SPACING_MM = 0.1  # between two places of the path drawn
+SPACING_MM = 0.1  # between two positions of the path drawn
 MOST_PLACES = 1 << 16
 MOST_SAMPLES = 1 << 14
 
@@ -64,21 +64,21 @@ class Track:
         self._apart = [max(1, int(np.ceil(SPACING_MM * scale - 1e-9))) for scale in steps_per_mm]
         self.begin(0, [0] * layout.axes)
 
-    def begin(self, tick, place):
-        """The job begins at `tick` and `place`, in steps."""
+    def begin(self, tick, position):
+        """The job begins at `tick` and `position`, in steps."""
         self._zero = tick
         self.last_tick = tick
-        self.place = np.array(place, np.int64)
-        self._low, self._high = self.place.copy(), self.place.copy()
+        self.position = np.array(position, np.int64)
+        self._low, self._high = self.position.copy(), self.position.copy()
         self._measured = Rows(1 + self._axes, np.int64, MOST_SAMPLES)
-        self._latest = np.array([0, *place])  # the last row that was measured
+        self._latest = np.array([0, *position])  # the last row that was measured
         self._measured.add(self._latest[None])
         self._window = tick
         self._windows = 0
-        self._path = Rows(2 + self._axes, np.int32, MOST_PLACES)  # begins, lowered, place
-        self._path.add(np.array([[1, 0, *place]]))
+        self._path = Rows(2 + self._axes, np.int32, MOST_PLACES)  # begins, lowered, position
+        self._path.add(np.array([[1, 0, *position]]))
         self._lowered = False
-        self._last = list(place)
+        self._last = list(position)
         self._leap = 0  # steps that cannot be drawn
 
     @property
@@ -88,11 +88,11 @@ class Track:
     @property
     def low(self):
         """Lowest position of each axis in mm."""
-        return [float(place) for place in self._low / self._scale]
+        return [float(position) for position in self._low / self._scale]
 
     @property
     def high(self):
-        return [float(place) for place in self._high / self._scale]
+        return [float(position) for position in self._high / self._scale]
 
     # --- the words
 
@@ -106,19 +106,19 @@ class Track:
         if not len(steps):
             return
         ticks = tick + np.cumsum(lasts)[steps] - lasts[steps]
-        places = self.place + np.cumsum(moves[steps], axis=0, dtype=np.int64)
+        positions = self.position + np.cumsum(moves[steps], axis=0, dtype=np.int64)
         self.steps += len(steps)
-        self.place = places[-1]
+        self.position = positions[-1]
         self.last_tick = int(ticks[-1])
-        self._low = np.minimum(self._low, places.min(axis=0))
-        self._high = np.maximum(self._high, places.max(axis=0))
+        self._low = np.minimum(self._low, positions.min(axis=0))
+        self._high = np.maximum(self._high, positions.max(axis=0))
         if self._drawn:
             if self.by_height:
-                lowered = places[:, 2] / self._scale[2] < self.surface
+                lowered = positions[:, 2] / self._scale[2] < self.surface
             else:
                 lowered = (levels[steps] & layout.tool_mask) != 0
-            self._draw(places, lowered)
-        self._measure(ticks, places)
+            self._draw(positions, lowered)
+        self._measure(ticks, positions)
 
     def _moves(self, levels):
         """−1, 0 or 1 of each axis in each word."""
@@ -140,9 +140,9 @@ class Track:
 
     # --- the path, each tenth of a millimetre
 
-    def _draw(self, places, lowered):
-        ends = [*(np.flatnonzero(lowered[1:] != lowered[:-1]) + 1).tolist(), len(places)]
-        columns = [memoryview(np.ascontiguousarray(places[:, axis])) for axis in range(self._axes)]  # quicker than arrays, one by one
+    def _draw(self, positions, lowered):
+        ends = [*(np.flatnonzero(lowered[1:] != lowered[:-1]) + 1).tolist(), len(positions)]
+        columns = [memoryview(np.ascontiguousarray(positions[:, axis])) for axis in range(self._axes)]  # quicker than arrays, one by one
         found = []
         begun = 0
         for end in ends:
@@ -154,13 +154,13 @@ class Track:
                 self._leap = begun + min(self._apart)
             self._along(columns, end, kind, found)
             begun = end
-        self._leap -= len(places)
+        self._leap -= len(positions)
         if found and self._path.add(np.array(found)):
             self._thin_path()
 
     def _along(self, columns, end, kind, found):
-        """Append the places of a run that ends before the index `end`. A step moves an axis by one at most, so as many as are
-        missing to the next place need not be looked at."""
+        """Append the positions of a run that ends before the index `end`. A step moves an axis by one at most, so as many as are
+        missing to the next position need not be looked at."""
         at = self._leap
         last = self._last
         apart = self._apart
@@ -178,7 +178,7 @@ class Track:
         self._leap = at
 
     def _thin_path(self):
-        """Drop every second place but the ends of strokes."""
+        """Drop every second position but the ends of strokes."""
         rows = self._path.all()
         keep = np.arange(len(rows)) % 2 == 0
         keep[rows[:, 0] == 1] = True
@@ -189,15 +189,15 @@ class Track:
 
     @property
     def strokes(self):
-        """[(cut, places in mm)]: the path, in its order."""
+        """[(cut, positions in mm)]: the path, in its order."""
         rows = self._path.all()
         begins = [*np.flatnonzero(rows[:, 0]).tolist(), len(rows)]
-        places = rows[:, 2:] / self._scale
-        return [(bool(rows[begun, 1]), places[begun:end]) for begun, end in zip(begins, begins[1:])]
+        positions = rows[:, 2:] / self._scale
+        return [(bool(rows[begun, 1]), positions[begun:end]) for begun, end in zip(begins, begins[1:])]
 
     # --- speeds
 
-    def _measure(self, ticks, places):
+    def _measure(self, ticks, positions):
         """Where the machine was, each 20 ms or, while it stood, more."""
         found = []
         at = int(np.searchsorted(ticks, self._window + SPEED_TICKS))
@@ -207,7 +207,7 @@ class Track:
             at = int(np.searchsorted(ticks, self._window + SPEED_TICKS))
         if not found:
             return
-        rows = np.column_stack([ticks[found] - self._zero, places[found]])
+        rows = np.column_stack([ticks[found] - self._zero, positions[found]])
         ways = np.diff(rows, axis=0, prepend=[self._latest])
         speeds = np.abs(ways[:, 1:] / self._scale) / (ways[:, :1] / TICKS_PER_S / 60)
         self.fastest = [float(fastest) for fastest in np.maximum(self.fastest, speeds.max(axis=0))]

@@ -116,7 +116,7 @@ def test_watch_shows_a_running_machine():
         assert {"Run", "Idle"} <= {rows["state"] for rows in seen}
         assert {"12", "13"} & {rows["line"] for rows in seen} and seen[-1]["line"] == "-"
         assert max(float(rows["moves"].split()[0]) for rows in seen) > 600 and seen[-1]["machine"].startswith("X 4.000  Y 4.000")
-        assert view.places[0][0] < 4 and view.places[-1] == (4.0, 4.0)
+        assert view.positions[0][0] < 4 and view.positions[-1] == (4.0, 4.0)
         assert "X 4.000  Y 4.000" in text_of(view) and "⣿" in text_of(view)
     finally:
         running.close()
@@ -132,4 +132,4 @@ def test_the_map_shows_the_way():
     view = watch.View("x")
     for number in range(20_000):
         view.take([], (number, number % 7))
-    assert len(view.places) <= watch._MOST_PLACES and view.places[-1] == (19_999, 19_999 % 7)
+    assert len(view.positions) <= watch._MOST_PLACES and view.positions[-1] == (19_999, 19_999 % 7)

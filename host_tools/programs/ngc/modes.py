@@ -121,9 +121,9 @@ class Modes:
         elif code in (280, 300):
             self._go_home(code // 10)
         elif code == 920:
-            places = self._axes()
-            self.path.word("G92 " + self._text(places))
-            for axis, value in places.items():
+            positions = self._axes()
+            self.path.word("G92 " + self._text(positions))
+            for axis, value in positions.items():
                 self.path.now_at(axis, value)
         else:
             self.path.word("G92.1")
@@ -137,8 +137,8 @@ class Modes:
         return found
 
     @staticmethod
-    def _text(places):
-        return " ".join(AXES[axis] + number(value) for axis, value in places.items())
+    def _text(positions):
+        return " ".join(AXES[axis] + number(value) for axis, value in positions.items())
 
     def _go_home(self, code):
         if not any(letter in self.words for letter in "xyz"):
@@ -162,10 +162,10 @@ class Modes:
         system = self.whole("p", 0, 6)
         if self.words.pop("r", 0.0):
             raise ProgramError(NOT_ON_BOARD, "G10 R: a turned coordinate system")
-        places = self._axes()
-        self.path.word(f"G10 L{table} P{system} {self._text(places)}")
+        positions = self._axes()
+        self.path.word(f"G10 L{table} P{system} {self._text(positions)}")
         if system in (0, self.system):
-            for axis, value in places.items():
+            for axis, value in positions.items():
                 if table == 20:
                     self.path.now_at(axis, value)
                 else:

@@ -18,22 +18,22 @@ class Motions(Modes):
     """The part of Interpreter that moves."""
 
     def target(self):
-        """The place that the axis words name: mm of X, Y, Z; None where there is no word. Takes the words."""
-        place = []
+        """The position that the axis words name: mm of X, Y, Z; None where there is no word. Takes the words."""
+        position = []
         for axis, name in enumerate("xyz"):
             value = self.words.pop(name, None)
             if value is not None:
                 value *= self.scale
                 if not self.absolute:
                     value += self.path.known(axis)
-            place.append(value)
+            position.append(value)
         if "@" in self.words or "^" in self.words:
-            self._polar(place)
-        return place
+            self._polar(position)
+        return position
 
-    def _polar(self, place):
-        """@ and ^: distance from the program's zero, or with G91 from the circle through the place, and angle."""
-        if place[0] is not None or place[1] is not None:
+    def _polar(self, position):
+        """@ and ^: distance from the program's zero, or with G91 from the circle through the position, and angle."""
+        if position[0] is not None or position[1] is not None:
             raise ProgramError(RANGE, "@ and ^ in place of X and Y")
         distance, angle = (self.words.pop(letter, None) for letter in "@^")
         x, y = self.path.known(0) if None in (distance, angle) or not self.absolute else 0.0, 0.0
@@ -46,7 +46,7 @@ class Motions(Modes):
         else:
             radius = before[0] + (distance or 0.0) * self.scale
             turned = before[1] + (angle or 0.0)
-        place[0], place[1] = radius * math.cos(math.radians(turned)), radius * math.sin(math.radians(turned))
+        position[0], position[1] = radius * math.cos(math.radians(turned)), radius * math.sin(math.radians(turned))
 
     def move(self, motion, of_machine):
         """One line's motion; `of_machine`: G53."""
@@ -91,12 +91,12 @@ class Motions(Modes):
         self.not_compensated("G53")
         if not self.absolute:
             raise ProgramError(RANGE, "G53 with G91")
-        places = self._axes()
+        positions = self._axes()
         if motion == 10 and self.feed_mode != 940:
             raise ProgramError(NO_FEED, "G53 G1 wants G94")
         feed = "" if motion == 0 else f" F{number(self._feed_of(None), 3)}"
-        self.path.word(f"G53 G{motion // 10} {self._text(places)}{feed}")
-        self.path.forget(places)
+        self.path.word(f"G53 G{motion // 10} {self._text(positions)}{feed}")
+        self.path.forget(positions)
 
     def _probe(self, code):
         self.not_compensated("G38")
@@ -104,8 +104,8 @@ class Motions(Modes):
         axes = [axis for axis, value in enumerate(target) if value is not None]
         if not axes:
             raise ProgramError(MISSING, "X, Y or Z")
-        places = " ".join(AXES[axis] + number(target[axis]) for axis in axes)
-        self.path.word(f"G{code / 10:g} {places} F{number(self._feed_of(None), 3)}")
+        positions = " ".join(AXES[axis] + number(target[axis]) for axis in axes)
+        self.path.word(f"G{code / 10:g} {positions} F{number(self._feed_of(None), 3)}")
         self.path.forget(axes)
 
     # --- arcs
@@ -173,7 +173,7 @@ class Motions(Modes):
         cycle = Cycle(code // 10, above, bottom, self._feed_of(None), kept.get("p", 0.0), kept.get("q", 0.0))
         cycle.spindle = self.spindle
         cycle.back = height if self.initial and height > above else None
-        place = [self.path.place[0], self.path.place[1]]
+        position = [self.path.place[0], self.path.place[1]]
         for axis, letter in enumerate("xy"):
             if letter not in words:
                 self.path.known(axis)
@@ -183,5 +183,5 @@ class Motions(Modes):
         for turn in range(times):
             for axis, value in enumerate(way):
                 if value is not None:
-                    place[axis] = value * self.scale + (0.0 if self.absolute else self.path.known(axis))
-            cycle.hole(self.path, place)
+                    position[axis] = value * self.scale + (0.0 if self.absolute else self.path.known(axis))
+            cycle.hole(self.path, position)

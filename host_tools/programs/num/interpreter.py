@@ -2,7 +2,7 @@
 
     compile_program("part.num", text, listing, tools={})
 
-Places are those of the program plus the offset of G59. Arcs have their centre, I and J, as a place with G90 and from the start with
+Positions are those of the program plus the offset of G59. Arcs have their centre, I and J, as a position with G90 and from the start with
 G91, or a radius.
 """
 
@@ -220,28 +220,28 @@ class Interpreter:
 
     def _move(self, g):
         words = self._words
-        places = any(name in words for name in AXES)
+        positions = any(name in words for name in AXES)
         if g & {45, 81}:
             self._not_compensated(_("a cycle"))
             self._cycle = (min(g & {45, 81}), {})
-        if self._cycle and (places or g & {45, 81}):
+        if self._cycle and (positions or g & {45, 81}):
             self._carry_out_cycle(2 in g)
-        elif self._motion in (2, 3) and (places or "I" in words or "J" in words or "K" in words):
+        elif self._motion in (2, 3) and (positions or "I" in words or "J" in words or "K" in words):
             self._arc(self._motion == 2)
-        elif places:
+        elif positions:
             if self._motion and not self._feed:
                 raise ProgramError(NO_FEED)
             self.path.move(self._target(), not self._motion, self._feed if self._motion else 0.0)
 
     def _target(self):
-        """The place that the axis words name, mm; None where there is no word. Takes the words."""
-        place = []
+        """The position that the axis words name, mm; None where there is no word. Takes the words."""
+        position = []
         for axis, name in enumerate(AXES):
             value = self._words.pop(name, None)
             if value is not None:
                 value = value * self._scale + (self._offset[axis] if self._absolute else self.path.known(axis))
-            place.append(value)
-        return place
+            position.append(value)
+        return position
 
     def _arc(self, clockwise):
         if not self._feed:
@@ -290,7 +290,7 @@ class Interpreter:
         if "bottom" not in kept:
             raise ProgramError(MISSING, "Z")
         target = self._target()
-        place = [self.path.known(axis) if target[axis] is None else target[axis] for axis in (0, 1)]
+        position = [self.path.known(axis) if target[axis] is None else target[axis] for axis in (0, 1)]
         if kept["bottom"] >= above:
             raise ProgramError(RANGE, "Z{} is above ER{}", number(kept["bottom"]), number(above))
         if self.path.place[2] is not None and self.path.place[2] < above:
@@ -298,13 +298,13 @@ class Interpreter:
         if code == 81:
             if not self._feed:
                 raise ProgramError(NO_FEED)
-            Cycle(81, above, kept["bottom"], self._feed).hole(self.path, place)
+            Cycle(81, above, kept["bottom"], self._feed).hole(self.path, position)
         else:
             if clockwise:
                 kept["clockwise"] = True
-            self._pocket(kept, place, above)
+            self._pocket(kept, position, above)
 
-    def _pocket(self, kept, place, above):
+    def _pocket(self, kept, position, above):
         length, width, corner = (kept.get(name) for name in ("EX", "EY", "EB"))
         radius = self._radius()
         if any(value is not None and value <= 0 for value in (length, width, corner)):
@@ -323,6 +323,6 @@ class Interpreter:
             raise ProgramError(NO_FEED, "EP and EQ, or F")
         depth = kept.get("P", math.inf)
         Pocket(
-            tuple(place), half, corner, above, kept["bottom"], depth, kept.get("Q", radius), kept.get("I", 0.0), kept.get("J", 0.0),
+            tuple(position), half, corner, above, kept["bottom"], depth, kept.get("Q", radius), kept.get("I", 0.0), kept.get("J", 0.0),
             kept.get("clockwise", False), tuple(feeds),
         ).cut(self.path, radius)
