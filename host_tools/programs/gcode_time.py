@@ -3,8 +3,8 @@
     limits = Limits.of_settings(["$110=5000.000", …])
     seconds = estimate(lines, limits)       # [(number, bytes)] → one figure a line
 
-A line takes its length at its feed rate, bounded by the axes' highest speeds and accelerations. If the path turns by more than
-a few degrees, a line starts and ends at rest. Offsets, probing, homing and pauses are ignored: the measured pace corrects for
+A line takes its length at its feed rate, bounded by the axes' highest speeds and accelerations. Where the path turns by more than
+a few degrees, the machine is taken to stand; between two stands it speeds up and slows down over as many lines as it takes. Offsets, probing, homing and pauses are ignored: the measured pace corrects for
 them (see `Remaining`).
 """
 
@@ -56,30 +56,41 @@ def estimate(lines, limits):
     """Seconds that each of [(number, bytes)] takes."""
     state = _State()
     seconds = []
-    before = None  # direction at the end of the previous line, and the time added because it was taken for a stop
+    run = []  # (index, length, speed, acceleration) of lines between two stands
+    before = None  # direction at the end of the previous line
     for index, (_, line) in enumerate(lines):
         dwell, move = _read(line.upper(), state)
-        taken = dwell
-        if move:
-            length, deltas, into, out, rapid, per_min = move
-            if length:
-                speed, acceleration = _bounds(deltas, length, limits)
-                if per_min:
-                    speed = min(speed, length * per_min / 60)
-                elif not rapid and state.feed:
-                    speed = min(speed, state.feed / 60)
-                ramp_s = speed / acceleration / 2  # extra time of a start from rest, or an end at rest
-                if length < speed * speed / acceleration:
-                    ramp_s = math.sqrt(length / acceleration) - length / speed / 2
-                taken += length / speed + 2 * ramp_s
-                if before and sum(a * b for a, b in zip(before[0], into)) > _STRAIGHT:
-                    taken -= min(ramp_s, before[1])
-                    seconds[before[2]] -= min(ramp_s, before[1])
-                before = out, ramp_s, index
+        seconds.append(dwell)
         if dwell:
             before = None
-        seconds.append(taken)
-    return [max(0.0, taken) for taken in seconds]
+        if move and move[0]:
+            length, deltas, into, out, rapid, per_min = move
+            speed, acceleration = _bounds(deltas, length, limits)
+            if per_min:
+                speed = min(speed, length * per_min / 60)
+            elif not rapid and state.feed:
+                speed = min(speed, state.feed / 60)
+            if not before or sum(a * b for a, b in zip(before, into)) <= _STRAIGHT:
+                _add_run(seconds, run)
+                run = []
+            run.append((index, length, speed, acceleration))
+            before = out
+    _add_run(seconds, run)
+    return seconds
+
+
+def _add_run(seconds, run):
+    """Add the times of lines that are passed from one stand to the next: speeds at their ends from both sides, then a ramp up, an even
+    stretch and a ramp down each."""
+    ends = [0.0, *(min(one[2], next_[2]) for one, next_ in zip(run, run[1:])), 0.0]
+    for at in range(len(run) - 1, 0, -1):
+        ends[at] = min(ends[at], math.sqrt(ends[at + 1] ** 2 + 2 * run[at][3] * run[at][1]))
+    for at, (index, length, speed, acceleration) in enumerate(run):
+        begin = ends[at]
+        end = ends[at + 1] = min(ends[at + 1], math.sqrt(begin**2 + 2 * acceleration * length))
+        peak = min(speed, math.sqrt((begin**2 + end**2) / 2 + acceleration * length))
+        ramps = (2 * peak**2 - begin**2 - end**2) / (2 * acceleration)
+        seconds[index] += (2 * peak - begin - end) / acceleration + max(0.0, length - ramps) / peak
 
 
 def _bounds(deltas, length, limits):

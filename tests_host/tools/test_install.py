@@ -236,12 +236,26 @@ class Session:
         process.stderr.close()
 
 
+def pictures(folder):
+    """The photo that the laser's guide engraves, two dark rows of it, and that of the burnt card."""
+    Image = pytest.importorskip("PIL.Image")
+    photo = Image.new("L", (600, 400), 255)
+    photo.paste(0, (100, 200, 500, 202))
+    photo.save(folder / "photo.jpg")
+    card = Image.new("L", (1100, 200), 255)
+    for patch in range(11):
+        card.paste(255 - 20 * patch, (100 * patch, 0, 100 * patch + 100, 100))
+    card.save(folder / "card.jpg")
+
+
 @pytest.mark.parametrize("page", [
     pytest.param(page, id=page.stem, marks=[] if page.stem == "kit" else pytest.mark.slow) for page in GUIDES
 ])  # fmt: skip
 def test_every_command_of_a_guide(passo, page, tmp_path):
     """In the order in which it shows them: a virtual board stands for the real one, and `flash` only says what it would copy."""
     shutil.copytree(ROOT / "docs", passo.folder / "docs", dirs_exist_ok=True)
+    if page.stem == "laser":
+        pictures(passo.folder)
     board = board_of(page)
     count = 0
     for section, commands in sessions(page):

@@ -1,0 +1,201 @@
+"""`passo engrave`: a picture, burnt by a laser."""
+
+import contextlib
+import re
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.cli.stream import make_ready, send
+from host_tools.failure import Failure
+from host_tools.language import _, line_text
+
+EXAMPLES = """Engrave a picture with a laser: to its size, in rows of dots, as G-code that is sent or kept.
+
+Examples:
+
+    passo engrave photo.jpg --width 60 --preview photo.png
+
+    passo engrave photo.jpg --width 60 --power 35 --speed 6000 --port /dev/ttyACM0 --unlock
+
+    passo engrave photo.jpg --width 60 --shade grey --curve card.jpg -o photo.gcode
+
+    passo engrave --card --power 60 -o card.gcode
+
+The lower left corner of the picture lies at the program's zero, or at --origin. The head needs way on both sides to gain its speed
+and lose it; it is told, and is dark. --frame runs around everything at a low power first, and waits: r goes on.
+
+--card burns patches of 0 to 100 % of the power. Photograph the burnt card, cut the picture to its frame, and give it as --curve: grey
+tones then come out as they are in the picture. A text with lines of POWER DARKNESS in % does as well.
+
+Wear glasses for the laser's wavelength. Never leave it alone while it burns.
+"""
+
+
+def engrave(
+    file: Annotated[Optional[Path], typer.Argument(help="The picture: JPEG, PNG, and what else pillow reads.")] = None,
+    card: Annotated[bool, typer.Option("--card", help="Burn the test card instead of a picture.")] = False,
+    width: Annotated[Optional[float], typer.Option(min=0.1, help="Width in mm; the height follows.")] = None,
+    height: Annotated[Optional[float], typer.Option(min=0.1, help="Height in mm; the width follows.")] = None,
+    dots: Annotated[float, typer.Option(min=0.5, max=50, help="Dots a millimetre, along the rows and across: 10 are 254 dpi.")] = 10.0,
+    shade: Annotated[str, typer.Option(help="jarvis, floyd: dots, dense where it is dark; threshold: black and white; grey: the power varies.")] = "jarvis",
+    threshold: Annotated[float, typer.Option(min=1, max=100, help="With threshold: darkness in % from which a dot burns.")] = 50.0,
+    greys: Annotated[int, typer.Option(min=2, max=1000, help="With grey: how many powers. Fewer make shorter files.")] = 64,
+    black: Annotated[float, typer.Option(min=0, max=100, help="Brightness in % that counts as black.")] = 0.0,
+    white: Annotated[float, typer.Option(min=0, max=100, help="Brightness in % that counts as white.")] = 100.0,
+    gamma: Annotated[float, typer.Option(min=0.1, max=10, help="Above 1: middle tones get lighter.")] = 1.0,
+    invert: Annotated[bool, typer.Option("--invert", help="Burn what is light: for slate, mirrors, painted metal.")] = False,
+    curve: Annotated[Optional[Path], typer.Option(help="Darkness by power: a picture of the burnt card, or a text.")] = None,
+    power: Annotated[float, typer.Option(min=0, max=100, help="Power of the darkest dots, in % of full power.")] = 20.0,
+    least: Annotated[float, typer.Option(min=0, max=100, help="Power of the lightest dots that burn.")] = 0.0,
+    speed: Annotated[float, typer.Option(min=1, help="Speed along the rows, in mm/min.")] = 3000.0,
+    one_way: Annotated[bool, typer.Option("--one-way", help="All rows from left to right: slower, in register on any machine.")] = False,
+    offset: Annotated[float, typer.Option(min=-5, max=5, help="Move the rows from right to left by so many mm.")] = 0.0,
+    overscan: Annotated[Optional[float], typer.Option(min=0, help="Way before and behind a row, in mm; default: what speed and acceleration want.")] = None,
+    origin: Annotated[str, typer.Option(metavar="X,Y", help="Position of the lower left corner, in mm.")] = "0,0",
+    passes: Annotated[int, typer.Option(min=1, max=100, help="Burn everything so many times.")] = 1,
+    constant: Annotated[bool, typer.Option("--constant", help="M3: the power does not follow the speed. Default M4.")] = False,
+    air: Annotated[bool, typer.Option("--air", help="Air assist by M8.")] = False,
+    frame: Annotated[Optional[float], typer.Option(min=0, max=10, help="Run around everything at so many % of full power first, and wait.")] = None,
+    board: Annotated[str, typer.Option(help="Board by name, or the path of a board file: its speeds and full power.")] = "laser_xy",
+    out: Annotated[Optional[Path], typer.Option("-o", "--out", help="Write the G-code to this file.")] = None,
+    preview: Annotated[Optional[Path], typer.Option(metavar="PNG", help="A picture of what will burn, and in which order.")] = None,
+    port: Annotated[Optional[str], typer.Option(help="Send it to the machine at this port; its settings count instead of the board's.")] = None,
+    baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
+    home: Annotated[bool, typer.Option("--home", help="Home the machine first.")] = False,
+    unlock: Annotated[bool, typer.Option("--unlock", help="Leave an alarm without homing first.")] = False,
+):  # fmt: skip
+    from host_tools.drawings import engraving
+
+    if (file is None) != card:
+        raise Failure("give a picture, or --card")
+    if shade not in engraving.SHADES:
+        raise Failure("--shade is one of {}, not {!r}", ", ".join(engraving.SHADES), shade)
+    options = engraving.Options(
+        width, height, dots, shade, threshold / 100, greys, black / 100, white / 100, gamma, invert,
+        engraving.read_curve(curve) if curve else (), power / 100, min(least, power) / 100, speed, one_way, offset, overscan, _corner(origin),
+        passes, constant, air, None if frame is None else frame / 100,
+    )  # fmt: skip
+    with contextlib.ExitStack() as ends:
+        client = _client(ends, port, baud, home, unlock) if port else None
+        _carry_out(file, options, board, client, out, preview)
+
+
+engrave.__doc__ = EXAMPLES
+
+
+def _carry_out(file, options, board, client, out, preview):
+    """Shade, describe, and write or send; the test card if there is no file. Raises Failure."""
+    from rich.console import Console
+
+    from host_tools import boards
+    from host_tools.drawings import engraving
+    from host_tools.programs import gcode_file, gcode_time
+
+    console = Console()
+    machine = of_settings(client.command("$$")) if client else engraving.Machine.of_board(boards.load(board), board)
+    options.speed = _bounded(console, options.speed, machine)
+    picture = engraving.open_picture(file) if file else engraving.card(options)
+    with console.status(_("shading")) as status:
+        powers = engraving.powers_of(picture, options, lambda share: status.update(_("shading: {:.0%}", share)))
+    rows = engraving.rows_of(powers, options)
+    lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode(rows, options, machine), 1)]
+    limits = gcode_time.Limits([machine.rapid / 60] * 4, [machine.acceleration] * 4)
+    seconds = sum(gcode_time.estimate(lines, limits))
+    _describe(console, powers, rows, options, machine, len(lines), seconds)
+    if preview:
+        save_preview(preview, powers, rows, options, machine, seconds)
+        console.print(str(preview))
+    if out:
+        out.write_bytes(b"".join(line + b"\n" for _number, line in lines))
+        console.print(_("{}: {} lines", out, len(lines)))
+    if client:
+        name = file.name if file else "card"
+        seconds, count = send(client, lines, name, True, None, False, line_text)
+        console.print(_("{}: {} lines in {}", name, count, gcode_file.clock(seconds)))
+
+
+def _corner(text):
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise Failure("--origin wants two lengths in mm, as in 30,40, not {!r}", text) from None
+    return x, y
+
+
+def _client(ends, port, baud, home, unlock):
+    from host_tools.clients.grbl import GrblClient
+
+    client = ends.enter_context(GrblClient(port, baud))
+    make_ready(client, home, unlock)
+    return client
+
+
+def of_settings(answer):
+    """The Machine of the answer to $$. Raises Failure if it is no laser."""
+    from host_tools.drawings.engraving import Machine
+
+    found = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(answer))}
+    if not found.get(32):
+        raise Failure("the machine is not in laser mode ($32=0): it would stand at each dot, the beam on")
+    return Machine(found[110], min(found[110], found[111]), found[120], found[30])
+
+
+def _bounded(console, speed, machine):
+    if speed > machine.feed:
+        console.print(_("  [yellow]{:g} mm/min is more than the machine goes: {:g}[/yellow]", speed, machine.feed))
+    return min(speed, machine.feed)
+
+
+def _describe(console, powers, rows, options, machine, lines, seconds):
+    from host_tools.drawings import engraving
+    from host_tools.programs.gcode_file import clock
+
+    height, width = powers.shape
+    left, bottom, right, top = engraving.bounds(rows, options, machine)
+    console.print(
+        _("  {:g} × {:g} mm, {} × {} dots, {} rows that burn, {} lines of G-code, {}", width / options.dots_mm, height / options.dots_mm,
+          width, height, len(rows), lines, clock(seconds))
+    )  # fmt: skip
+    console.print(
+        _("  the head goes from X{:.1f} to X{:.1f} and from Y{:.1f} to Y{:.1f}: {:.1f} mm beside the dots, to gain speed",
+          left, right, bottom, top, engraving.overscan(options, machine))
+    )  # fmt: skip
+    rate = max(len(row.runs) / max(1e-9, abs(row.runs[-1][1] - row.runs[0][0])) for row in rows) * options.speed / 60
+    if rate > engraving.LINES_S:
+        slower = options.speed * engraving.LINES_S / rate
+        console.print(
+            _("  [yellow]the densest row wants {:.0f} lines a second, and a link carries some {}: the machine slows down there. At {:.0f} mm/min it "
+              "would not.[/yellow]", rate, engraving.LINES_S, slower)
+        )  # fmt: skip
+
+
+def save_preview(path, powers, rows, options, machine, seconds):
+    """What will burn, in grey, and the ways of the head at both sides in the order of rows. Raises Failure if it cannot be written."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import LineCollection
+
+    from host_tools.drawings import engraving
+    from host_tools.drawings.plot import finish, write
+    from host_tools.programs.gcode_file import clock
+
+    height, width = powers.shape
+    x, y = options.origin
+    figure, axes = plt.subplots(figsize=(10, 8), layout="constrained")
+    most = max(options.power, 1e-9)
+    axes.imshow(1 - powers / most, cmap="gray", vmin=0, vmax=1, origin="lower", interpolation="antialiased",
+                extent=(x, x + width / options.dots_mm, y, y + height / options.dots_mm), zorder=1)  # fmt: skip
+    over = engraving.overscan(options, machine)
+    ways = []
+    for row in rows:
+        side = -over if row.backward else over
+        begin, end = row.runs[0][0], row.runs[-1][1]
+        ways += [[(begin - side, row.y), (begin, row.y)], [(end, row.y), (end + side, row.y)]]
+    colors = plt.get_cmap("turbo")([at / max(1, len(ways) - 1) for at in range(len(ways))])
+    axes.add_collection(LineCollection(ways, colors=colors, linewidths=0.6, label=_("speed is gained and lost, dark; the first row is blue")))
+    finish(figure, axes, _("{:g} × {:g} mm at {:g} mm/min, {}", width / options.dots_mm, height / options.dots_mm, options.speed, clock(seconds)))
+    write(figure, path)

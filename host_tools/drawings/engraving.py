@@ -1,0 +1,340 @@
+"""Pictures to rows of laser power, and rows to G-code.
+
+    options = Options(width_mm=60, dots_mm=10, shade="jarvis")
+    powers = powers_of(open_picture("photo.jpg"), options)      # numpy, 0 to 1, the lowest row first
+    lines = gcode(rows_of(powers, options, machine), options, machine)
+
+A row runs along X at one speed. The head reaches that speed before the first dot and slows down behind the last one: the way for it,
+the overscan, is computed from speed and acceleration. Dots of one power side by side are one line. Blank rows are left out, and long
+blank stretches of a row are passed at rapid.
+
+Error diffusion: R. W. Floyd and L. Steinberg, "An adaptive algorithm for spatial grey scale", 1976; J. F. Jarvis, C. N. Judice and
+W. H. Ninke, "A survey of techniques for the display of continuous tone pictures on bilevel displays", 1976.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont, ImageOps, UnidentifiedImageError
+
+from host_tools.failure import Failure, reason
+
+SHADES = ("jarvis", "floyd", "threshold", "grey")
+MOST_DOTS = 40_000_000
+# How a dot's error is shared, in parts of the first number: (dx, dy, parts)
+_FLOYD = 16, ((1, 0, 7), (-1, 1, 3), (0, 1, 5), (1, 1, 1))
+_JARVIS = 48, (
+    (1, 0, 7), (2, 0, 5), (-2, 1, 3), (-1, 1, 5), (0, 1, 7), (1, 1, 5), (2, 1, 3), (-2, 2, 1), (-1, 2, 3), (0, 2, 5), (1, 2, 3), (2, 2, 1),
+)  # fmt: skip
+_SAVED_S = 0.01  # a rapid move amid a row saves at least so much
+LINES_S = 1400  # dots a second over USB, if the PC answers after 1 ms: docs/benchmarks.md
+CARD_PATCHES = 11  # 0, 10 … 100 % of the power
+
+
+@dataclass
+class Options:
+    """How a picture is burnt. Lengths in mm."""
+
+    width_mm: float | None = None  # of the picture; the other side follows
+    height_mm: float | None = None
+    dots_mm: float = 10.0  # along the rows and across them
+    shade: str = "jarvis"
+    threshold: float = 0.5  # darkness from which a dot burns, for shade threshold
+    greys: int = 64  # powers told apart, for shade grey
+    black: float = 0.0  # brightness, 0 to 1, that counts as black
+    white: float = 1.0
+    gamma: float = 1.0  # above 1: middle tones get lighter
+    invert: bool = False
+    curve: tuple = ()  # (power, darkness), each 0 to 1, of a test card
+    power: float = 0.2  # of the darkest dots, part of full power
+    least: float = 0.0  # of the lightest dots that burn
+    speed: float = 3000.0  # mm/min
+    one_way: bool = False
+    offset_mm: float = 0.0  # rows from right to left are moved by so much
+    overscan_mm: float | None = None
+    origin: tuple[float, float] = (0.0, 0.0)  # of the lower left corner
+    passes: int = 1
+    constant: bool = False  # M3 instead of M4
+    air: bool = False
+    frame: float | None = None  # power of a frame around everything, before it burns
+
+
+@dataclass
+class Machine:
+    """What a board file says of a laser: mm/min, mm/s², and S of full power."""
+
+    feed: float
+    rapid: float
+    acceleration: float
+    full: float
+
+    @classmethod
+    def of_board(cls, board, name):
+        """From a board file's dict. Raises Failure if it is no laser's."""
+        spindle = board.get("spindle") or {}
+        if not spindle.get("laser"):
+            raise Failure("{} is no laser: passo engrave wants a board file with \"laser\": True, as laser_xy has", name)
+        x = board["axes"][0]
+        return cls(x["max_mm_min"], x["max_mm_min"], x["accel_mm_s2"], spindle["max_rpm"])
+
+
+@dataclass
+class Row:
+    """A row's height, and its runs in the order in which they are burnt: (begin, end, power 0 to 1) in mm."""
+
+    y: float
+    backward: bool
+    runs: list
+
+
+def open_picture(path):
+    """The picture in grey, transparent parts white, turned as its camera says. Raises Failure."""
+    try:
+        with Image.open(path) as picture:
+            picture = ImageOps.exif_transpose(picture)
+            if picture.mode in ("I", "I;16", "I;16B", "F"):
+                values = np.asarray(picture, np.float64)
+                span = max(1e-9, float(values.max() - values.min()))
+                return Image.fromarray(((values - values.min()) / span * 255).astype(np.uint8))
+            clear = picture.convert("RGBA")
+            return Image.alpha_composite(Image.new("RGBA", clear.size, "white"), clear).convert("L")
+    except FileNotFoundError:
+        raise Failure("there is no file {}", path) from None
+    except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
+        raise Failure("{} cannot be read as a picture: {}", path, reason(error)) from None
+
+
+def size_of(picture, options):
+    """Dots across and up. Raises Failure."""
+    across, up = picture.size
+    if options.width_mm is None and options.height_mm is None:
+        raise Failure("how large? give --width or --height in mm")
+    if options.width_mm is not None and options.height_mm is not None:
+        width, height = options.width_mm, options.height_mm
+    elif options.width_mm is not None:
+        width, height = options.width_mm, options.width_mm * up / across
+    else:
+        width, height = options.height_mm * across / up, options.height_mm
+    dots = max(1, round(width * options.dots_mm)), max(1, round(height * options.dots_mm))
+    if dots[0] * dots[1] > MOST_DOTS:
+        raise Failure("{} × {} dots are too many: at most {} in all; give a smaller size or fewer --dots", *dots, MOST_DOTS)
+    return dots
+
+
+def powers_of(picture, options, progress=None):
+    """Power of each dot, 0 to 1 of the laser's full power, as an array of rows, the lowest first. Raises Failure."""
+    small = picture.resize(size_of(picture, options), Image.Resampling.LANCZOS)
+    light = np.asarray(small, np.float64)[::-1] / 255
+    if options.white <= options.black:
+        raise Failure("--black is darker than --white: black {:g}, white {:g}", options.black, options.white)
+    light = np.clip((light - options.black) / (options.white - options.black), 0, 1) ** (1 / options.gamma)
+    dark = light if options.invert else 1 - light
+    if options.shade == "threshold":
+        dark = (dark >= options.threshold).astype(np.float64)
+    elif options.shade == "floyd":
+        dark = diffused(dark, *_FLOYD, progress)
+    elif options.shade == "jarvis":
+        dark = diffused(dark, *_JARVIS, progress)
+    else:
+        dark = np.round(dark * options.greys) / options.greys
+    return powers_of_darkness(dark, options)
+
+
+def powers_of_darkness(dark, options):
+    """Darkness 0 to 1 as power: by the curve of a test card if there is one. What is white stays dark."""
+    wanted = dark
+    if options.curve:
+        powers, found = (np.array(column) for column in zip(*sorted(options.curve)))
+        found = np.maximum.accumulate(found)
+        wanted = np.interp(dark * found[-1], found, powers)
+    return np.where(dark > 0, options.least + wanted * (options.power - options.least), 0.0)
+
+
+def diffused(dark, parts, shares, progress=None):
+    """Dots, 1 or 0, whose mean is that of `dark` everywhere: each dot's error goes to those that follow. Rows in turn from the left and
+    from the right, so that no pattern leans."""
+    height, width = dark.shape
+    reach, down = max(abs(dx) for dx, _, _ in shares), max(dy for _, dy, _ in shares)
+    left = [[0.0] * (width + 2 * reach) for _ in range(down + 1)]
+    out = np.zeros((height, width))
+    for y in range(height):
+        row = left[0]
+        wanted = dark[y].tolist()
+        step = 1 if y % 2 == 0 else -1
+        given = [(step * dx, left[dy], part / parts) for dx, dy, part in shares]
+        for x in range(width) if step > 0 else range(width - 1, -1, -1):
+            value = wanted[x] + row[x + reach]
+            error = value
+            if value >= 0.5:
+                out[y, x] = 1.0
+                error -= 1.0
+            for dx, target, share in given:
+                target[x + reach + dx] += error * share
+        left = [*left[1:], [0.0] * (width + 2 * reach)]
+        if progress:
+            progress((y + 1) / height)
+    return out
+
+
+def overscan(options, machine):
+    """mm before and behind a row in which the head gains its speed and loses it: v² / 2a, and a tenth."""
+    if options.overscan_mm is not None:
+        return options.overscan_mm
+    return 1.1 * (options.speed / 60) ** 2 / (2 * machine.acceleration)
+
+
+def rows_of(powers, options):
+    """The rows that burn, from below, with runs of equal power. Rows in turn to the right and to the left, unless `one_way`."""
+    pitch = 1 / options.dots_mm
+    left, bottom = options.origin
+    rows = []
+    for number, row in enumerate(powers):
+        burning = np.flatnonzero(row)
+        if not len(burning):
+            continue
+        first, last = int(burning[0]), int(burning[-1]) + 1
+        cuts = [first, *(first + 1 + np.flatnonzero(np.diff(row[first:last]))).tolist(), last]
+        backward = not options.one_way and len(rows) % 2 == 1
+        shift = left + (options.offset_mm if backward else 0)
+        runs = [(shift + begin * pitch, shift + end * pitch, float(row[begin])) for begin, end in zip(cuts, cuts[1:])]
+        if backward:
+            runs = [(end, begin, power) for begin, end, power in reversed(runs)]
+        rows.append(Row(bottom + (number + 0.5) * pitch, backward, runs))
+    return rows
+
+
+def bounds(rows, options, machine):
+    """Left, bottom, right, top that the head reaches, overscan included. Raises Failure if nothing burns."""
+    if not rows:
+        raise Failure("nothing burns: the picture is white by --white, --threshold or --invert")
+    over = overscan(options, machine)
+    ends = [x for row in rows for x in (row.runs[0][0], row.runs[-1][1])]
+    return min(ends) - over, rows[0].y, max(ends) + over, rows[-1].y
+
+
+def gcode(rows, options, machine):
+    """Lines of G-code, as text. S0 in all that is no dot: the laser is dark in ramps, turns and at the end."""
+    left, bottom, right, top = bounds(rows, options, machine)
+    yield "G21 G90 G17 G94"
+    yield "M5 S0"
+    if options.air:
+        yield "M8"
+    if options.frame is not None:
+        over = overscan(options, machine)
+        corners = (left + over, bottom), (right - over, bottom), (right - over, top), (left + over, top), (left + over, bottom)
+        yield f"G0 X{number(corners[0][0])} Y{number(corners[0][1])}"
+        yield f"M3 S{number(options.frame * machine.full)}"
+        yield f"G1 F{number(options.speed)}"
+        for x, y in corners[1:]:
+            yield f"G1 X{number(x)} Y{number(y)}"
+        yield "M5 S0"
+        yield "M0"
+    yield f"{'M3' if options.constant else 'M4'} S0"
+    yield f"G1 F{number(options.speed)}"
+    for _ in range(options.passes):
+        for row in rows:
+            yield from row_lines(row, options, machine)
+    yield "M5 S0"
+    if options.air:
+        yield "M9"
+    yield "M2"
+
+
+def row_lines(row, options, machine):
+    """The lines of one row."""
+    over = overscan(options, machine) * (-1 if row.backward else 1)
+    yield f"G0X{number(row.runs[0][0] - over)}Y{number(row.y)}"
+    yield f"G1X{number(row.runs[0][0])}S0"
+    rapid = False
+    for begin, end, power in row.runs:
+        if power == 0 and is_rapid(abs(end - begin), options, machine):
+            yield f"G0X{number(end)}"
+            rapid = True
+            continue
+        yield f"{'G1' if rapid else ''}X{number(end)}S{level(power, machine)}"
+        rapid = False
+    yield f"X{number(row.runs[-1][1] + over)}S0"
+
+
+def is_rapid(length, options, machine):
+    """True if a blank stretch of `length` mm amid a row is passed sooner at rapid, the head being at its speed at both ends."""
+    speed, rapid = options.speed / 60, machine.rapid / 60
+    if rapid <= speed:
+        return False
+    peak = min(rapid, math.sqrt(speed**2 + machine.acceleration * length))
+    ramps = (peak**2 - speed**2) / machine.acceleration
+    return length / speed - (2 * (peak - speed) / machine.acceleration + max(0.0, length - ramps) / peak) > _SAVED_S
+
+
+def level(power, machine):
+    """The S of a power, 0 to 1 of full power: whole numbers, unless full power is a small one."""
+    value = min(power, 1.0) * machine.full
+    return str(round(value)) if machine.full >= 100 else number(value)
+
+
+def number(value):
+    text = f"{value:.3f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+# --- the test card
+
+
+def card(options):
+    """A picture of patches of 0 to 100 % of the power, with their figures: (picture, options for it). The frame is the card's edge."""
+    width = options.width_mm or 90.0
+    options.width_mm, options.height_mm = width, width / CARD_PATCHES * 2
+    options.shade, options.greys, options.curve, options.invert = "grey", 100, (), False
+    options.black, options.white, options.gamma = 0.0, 1.0, 1.0
+    dots = size_of(Image.new("L", (CARD_PATCHES, 2)), options)
+    picture = Image.new("L", dots, 255)
+    draw = ImageDraw.Draw(picture)
+    side = dots[0] / CARD_PATCHES
+    font = ImageFont.load_default(max(8, side * 0.4))
+    for patch in range(CARD_PATCHES):
+        share = patch / (CARD_PATCHES - 1)
+        box = round(patch * side), 0, round((patch + 1) * side) - 1, dots[1] // 2
+        draw.rectangle(box, fill=round(255 * (1 - share)))
+        draw.text(((patch + 0.5) * side, dots[1] * 0.75), f"{100 * share:.0f}", fill=127, font=font, anchor="mm")
+    draw.rectangle((0, 0, dots[0] - 1, dots[1] - 1), outline=127, width=max(1, round(0.2 * options.dots_mm)))
+    return picture
+
+
+def read_curve(path):
+    """(power, darkness) of each patch, 0 to 1: from a text of `POWER DARKNESS` in % a line, or from a picture of a burnt card that is cut
+    to the card's frame. Raises Failure."""
+    if str(path).lower().endswith((".txt", ".csv")):
+        return _typed(path)
+    picture = open_picture(path)
+    if not CARD_PATCHES / 2 * 0.9 < picture.width / picture.height < CARD_PATCHES / 2 * 1.1:
+        raise Failure("{}: {} × {} dots are not the card's shape; cut the picture to the card's frame", path, *picture.size)
+    light = np.asarray(picture, np.float64)
+    side, half = picture.width / CARD_PATCHES, picture.height / 2
+    rows = slice(int(half * 0.3), int(half * 0.75))
+    found = [float(np.median(light[rows, int((n + 0.3) * side) : int((n + 0.7) * side)])) for n in range(CARD_PATCHES)]
+    if found[0] - min(found) < 5:
+        raise Failure("{}: no patch is darker than the first, which is blank", path)
+    return tuple((n / (CARD_PATCHES - 1), max(0.0, (found[0] - value) / 255)) for n, value in enumerate(found))
+
+
+def _typed(path):
+    curve = []
+    try:
+        text = open(path, encoding="utf-8").read()
+    except UnicodeDecodeError:
+        raise Failure("{} is no text", path) from None
+    for line, content in enumerate(text.splitlines(), 1):
+        parts = content.partition("#")[0].replace(",", " ").replace("%", " ").split()
+        if not parts:
+            continue
+        try:
+            power, darkness = (float(part) / 100 for part in parts)
+        except ValueError:
+            raise Failure("{}, line {}: POWER DARKNESS in %, as in 40 65, not {!r}", path, line, content) from None
+        if not (0 <= power <= 1 and 0 <= darkness <= 1):
+            raise Failure("{}, line {}: 0 to 100 % are wanted, not {!r}", path, line, content)
+        curve.append((power, darkness))
+    if len(curve) < 2 or max(darkness for _, darkness in curve) == 0:
+        raise Failure("{} has no curve: two lines at least of POWER DARKNESS in %, one of them dark", path)
+    return tuple(curve)

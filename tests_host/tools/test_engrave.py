@@ -1,0 +1,220 @@
+"""`passo engrave`: pictures to rows, rows to G-code, and what the virtual laser burns of them."""
+
+import re
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+from typer.testing import CliRunner
+
+from digest import Sink, board_named, checked
+from host_tools.cli.main import app
+from host_tools.drawings import engraving
+from host_tools.drawings.engraving import Machine, Options
+from host_tools.failure import Failure
+from passo.app import App
+from passo.steps.word import COUNT_MASK
+
+LASER = Machine(12000, 12000, 1500, 1000)
+WORD = re.compile(r"([A-Z])(-?\d*\.?\d+)")
+pytestmark = pytest.mark.unmeasured
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, ["--lang", "en", "engrave", *map(str, arguments)])
+
+
+def said(result):
+    return " ".join(f"{result.output} {result.exception or ''}".split())
+
+
+def moves(lines):
+    """(x before, x, y, S, rapid) of each line that moves along X, by the words of G-code alone."""
+    x = y = power = 0.0
+    rapid = False
+    for line in lines:
+        words = dict(WORD.findall(line))
+        if "G" in words and words["G"] in "01":
+            rapid = words["G"] == "0"
+        power = float(words.get("S", power))
+        before, x, y = x, float(words.get("X", x)), float(words.get("Y", y))
+        if "X" in words and before != x:
+            yield before, x, y, power, rapid
+
+
+@st.composite
+def pictures(draw):
+    """Powers of dots: some blank, some equal side by side."""
+    width, height = draw(st.integers(1, 40)), draw(st.integers(1, 6))
+    values = st.sampled_from((0.0, 0.0, 0.0, 0.1, 0.25, 1.0))
+    return np.array(draw(st.lists(st.lists(values, min_size=width, max_size=width), min_size=height, max_size=height)))
+
+
+@settings(max_examples=60)
+@given(pictures(), st.booleans(), st.sampled_from((0.0, 0.07, -0.2)), st.sampled_from((3000, 9000)), st.sampled_from((10, 4)))
+def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, dots):
+    options = Options(dots_mm=dots, one_way=one_way, offset_mm=offset, speed=speed, origin=(3.0, 5.0))
+    rows = engraving.rows_of(powers, options)
+    if not rows:
+        with pytest.raises(Failure, match="nothing burns"):
+            list(engraving.gcode(rows, options, LASER))
+        return
+    found = np.zeros_like(powers)
+    for before, x, y, power, rapid in moves(engraving.gcode(rows, options, LASER)):
+        if rapid or power == 0:
+            continue
+        backward = x < before
+        shift = 3.0 + (offset if backward else 0)
+        ends = [round((end - shift) * dots, 1) for end in sorted((before, x))]
+        begin, end = map(int, ends)
+        assert [begin, end] == ends and not (backward and one_way)
+        row = (y - 5.0) * dots - 0.5
+        assert abs(row - round(row)) < 0.03
+        found[round(row), begin:end] += power / 1000
+    assert np.array_equal(found, powers)
+
+
+@settings(max_examples=30)
+@given(st.floats(0, 1), st.sampled_from((engraving._FLOYD, engraving._JARVIS)))
+def test_diffused_dots_are_as_dark_as_the_picture(darkness, way):
+    dots = engraving.diffused(np.full((40, 60), darkness), *way)
+    assert set(np.unique(dots)) <= {0.0, 1.0}
+    assert abs(dots.mean() - darkness) < 0.04
+
+
+def test_the_head_has_its_speed_at_the_first_dot():
+    over = engraving.overscan(Options(speed=9000), LASER)
+    assert over >= 150**2 / (2 * 1500)
+    first = next(moves(engraving.gcode(engraving.rows_of(np.ones((1, 20)), Options(speed=9000)), Options(speed=9000), LASER)))
+    assert first[1] == pytest.approx(-over, abs=0.001)
+
+
+class Burnt(Sink):
+    """A board whose beam burns: duty × ticks at each step of X, and rows by Y. `plate[y, x]` in steps; `outside`: beyond it."""
+
+    def __init__(self, height, width, zero):
+        super().__init__(counts=False)
+        self.plate = np.zeros((height, width))
+        self.outside = 0.0
+        self._place = -np.array(zero)
+        self.clock = 0
+
+    def start(self):
+        ring, layout = self._ring, self._layout
+        while self._played != ring.head:
+            at = self._played & ring.mask
+            count = min((ring.head - self._played) & COUNT_MASK, ring.size - at)
+            mark = ring.power.next()
+            if mark >= 0:
+                until = (mark - self._played) & COUNT_MASK
+                if until == 0:
+                    ring.power.play((mark + 1) & COUNT_MASK)
+                    continue
+                count = min(count, until)
+            self._burn(np.array(ring.words[at : at + count], np.uint32), layout, ring.power.level)
+            self._played = (self._played + count) & COUNT_MASK
+
+    def _burn(self, words, layout, power):
+        lasts = (words >> layout.bits).astype(np.int64)
+        moved = [((words >> axis) & 1).astype(np.int64) * (2 * ((words >> (layout.motors + axis)) & 1).astype(np.int64) - 1) for axis in (0, 1)]
+        x, y = (self._place[axis] + np.cumsum(moved[axis]) for axis in (0, 1))
+        self._place = np.array([x[-1], y[-1]])
+        self.clock += int(lasts.sum())
+        energy = lasts * power * ((words & layout.tool_mask) != 0)
+        x = x - (moved[0] > 0)  # the step's way lies below the position it ends at, or above
+        inside = (x >= 0) & (x < self.plate.shape[1]) & (y >= 0) & (y < self.plate.shape[0])
+        np.add.at(self.plate, (y[inside], x[inside]), energy[inside])
+        self.outside += float(energy[~inside].sum())
+
+
+def burn(lines, height, width, zero=(0, 0)):
+    """The plate that the laser of boards/laser_xy.py leaves behind, in steps."""
+    port = Burnt(height, width, zero)
+    machine = App(checked(board_named("laser_xy")), port)
+    for line in ("$X", *lines):
+        if line == "M2":
+            continue
+        port.incoming += line.encode() + b"\n"
+        port.outgoing = b""
+        while b"ok" not in port.outgoing:
+            assert b"error" not in port.outgoing, (line, port.outgoing)
+            machine.cycle()
+    still = 0
+    while still < 40:
+        machine.cycle()
+        still = 0 if machine.controller.busy() else still + 1
+    return port
+
+
+def test_what_is_burnt_is_the_picture():
+    """From the words and the duty: each dot's energy is in proportion to its power, both directions in register to a step."""
+    powers = np.array([[0.1, 0.2, 0.5, 0, 0, 1, 0.4, 0.4, 0, 0.1], [0.3, 0, 0.9, 0.1, 0.1, 0, 0, 0.7, 1, 1]] * 3)
+    options = Options(dots_mm=10, speed=3000, power=1.0)
+    port = burn(engraving.gcode(engraving.rows_of(powers, options), options, LASER), 48, 80)
+    rows = np.array([round(8 * (n + 0.5)) for n in range(6)])
+    assert port.outside == 0 and np.count_nonzero(port.plate.any(axis=1)) == 6
+    steps = port.plate[rows]
+    expected = np.repeat(powers, 8, axis=1)
+    assert np.array_equal(steps > 0, expected > 0)  # to a step
+    scale = steps[expected == 1].mean()
+    dots = steps.reshape(6, 10, 8).sum(axis=2) / (8 * scale)
+    assert np.abs(dots - powers)[powers > 0].max() <= 0.01 * powers[powers > 0].max(), np.round(dots, 3)
+
+
+def test_a_picture_is_written_shown_and_taken_by_the_machine(tmp_path):
+    picture = Image.radial_gradient("L").resize((64, 48))
+    picture.save(tmp_path / "ball.png")
+    done = run(tmp_path / "ball.png", "--width", 6, "--shade", "grey", "-o", tmp_path / "ball.gcode", "--preview", tmp_path / "p.png", "--frame", 1, "--air")
+    assert done.exit_code == 0, said(done)
+    assert "6 × 4.5 mm, 60 × 45 dots" in said(done)
+    assert Image.open(tmp_path / "p.png").width > 500
+    lines = (tmp_path / "ball.gcode").read_text().splitlines()
+    assert lines[-1] == "M2" and "M0" in lines and "M3 S10" in lines and "M9" in lines
+    checked_ = CliRunner().invoke(app, ["--lang", "en", "check", str(tmp_path / "ball.gcode"), "--board", "laser_xy"])
+    assert checked_.exit_code == 0, said(checked_)
+
+
+def test_the_card_comes_back_as_a_curve(tmp_path):
+    """A wood that burns by the square of the power: after the curve, grey is grey."""
+    options = Options(power=0.5)
+    picture = engraving.card(options)
+    burnt = Image.fromarray((255 - 200 * (1 - np.asarray(picture, np.float64) / 255) ** 2).astype(np.uint8))
+    burnt.save(tmp_path / "card.png")
+    curve = engraving.read_curve(tmp_path / "card.png")
+    dark = np.linspace(0, 1, 21)
+    powers = engraving.powers_of_darkness(dark, Options(power=0.5, curve=curve))
+    assert powers[0] == 0 and np.abs((powers / 0.5) ** 2 - dark).max() < 0.02
+    (tmp_path / "card.txt").write_text("".join(f"{100 * power:g} {100 * found:g}\n" for power, found in curve))
+    assert np.allclose(engraving.read_curve(tmp_path / "card.txt"), curve, atol=1e-5)
+
+
+@pytest.mark.parametrize("text, arguments, error", [
+    (None, ["none.png", "--width", "5"], "no file"),
+    (b"no picture", ["a.png", "--width", "5"], "cannot be read as a picture"),
+    (b"", ["a.png", "--width", "5"], "cannot be read as a picture"),
+    ("white", ["a.png", "--width", "5"], "nothing burns"),
+    ("grey", ["a.png"], "give --width or --height"),
+    ("grey", ["a.png", "--width", "50000"], "too many"),
+    ("grey", ["a.png", "--width", "5", "--shade", "fine"], "--shade is one of"),
+    ("grey", ["a.png", "--width", "5", "--origin", "3"], "--origin wants two lengths"),
+    ("grey", ["a.png", "--width", "5", "--board", "router_3axis"], "is no laser"),
+    ("grey", ["a.png", "--width", "5", "--black", "60", "--white", "50"], "--black is darker"),
+    ("grey", ["a.png", "--card"], "give a picture, or --card"),
+])  # fmt: skip
+def test_what_cannot_be_engraved_is_said(tmp_path, monkeypatch, text, arguments, error):
+    monkeypatch.chdir(tmp_path)
+    if isinstance(text, bytes):
+        (tmp_path / "a.png").write_bytes(text)
+    elif text:
+        Image.new("L", (8, 8), text).save(tmp_path / "a.png")
+    done = run(*arguments)
+    assert done.exit_code == 1 and error in said(done), said(done)
+
+
+@pytest.mark.parametrize("text, error", [("40\n", "line 1"), ("40 sixty\n", "line 1"), ("10 20\n40 160\n", "line 2"), ("# nothing\n", "no curve"), ("0 0\n10 0\n", "no curve")])
+def test_a_curve_that_is_none_is_said(tmp_path, text, error):
+    (tmp_path / "c.txt").write_text(text)
+    with pytest.raises(Failure, match=error):
+        engraving.read_curve(tmp_path / "c.txt")
