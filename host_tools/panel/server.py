@@ -19,6 +19,7 @@ from ipaddress import ip_address
 
 from host_tools.build.pages import error_list
 from host_tools.page.pages import PanelPages
+from host_tools.site import offline
 from microdot import Microdot, Request, Response
 from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
 from passo import errors
@@ -41,6 +42,7 @@ _TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=ut
           "svg": "image/svg+xml", "json": "application/json"}  # fmt: skip
 _HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self';"
+    " manifest-src 'self'; worker-src 'self';"
     " base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "X-Frame-Options": "DENY",
@@ -148,11 +150,8 @@ class Server:
         self.api = api
         self._names = {name.encode() for name in names}
         self._about = about or {}
-        self._folder = folder
-        self._files = {}
-        for name in os.listdir(folder):
-            if name.split(".")[-1] in _TYPES:
-                self._files[name] = folder + "/" + name
+        self._files = {name: folder + "/" + name for name in os.listdir(folder) if name.split(".")[-1] in _TYPES}
+        self._offline = {}
         self.app = App()
         Request.max_content_length = Request.max_body_length = _BODY_BYTES
         Request.max_readline = _HEAD_BYTES // 4
@@ -200,11 +199,24 @@ class Server:
         return known(host, origin, self._names, request.path == "/ws")
 
     def _file(self, name):
+        data = self._data(name)
+        if data is None:
+            return "not here", 404
+        return Response(data, 200, {"Content-Type": _TYPES[name.split(".")[-1]]})
+
+    def _data(self, name):
+        """The bytes of a file, as they are now; None: there is no such file."""
+        if name in offline.NAMES:
+            if not self._offline:
+                served = {each: self._data(each) for each in self._files}
+                self._offline = offline.files({**served, "errors.json": json.dumps(error_list()).encode()}, "network")
+            return self._offline[name]
         path = self._files.get(name)
         if path is None:
-            return "not here", 404
+            return None
         with open(path, "rb") as file:
-            return Response(file.read(), 200, {"Content-Type": _TYPES[name.split(".")[-1]]})
+            data = file.read()
+        return offline.page(data.decode()).encode() if name == "index.html" else data
 
     # --- a page
 

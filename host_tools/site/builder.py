@@ -22,6 +22,7 @@ from host_tools.drawings.objects import objects
 from host_tools.drawings.packets import packet_words
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, HOST_TOOLS
+from host_tools.site import offline
 from host_tools.site.npm import Package
 
 MICROPYTHON = Package(
@@ -99,7 +100,7 @@ def page(text):
         if text.count(mark) != 1:
             raise Failure("{} has no {} to put the machine behind", PAGE / "index.html", mark.strip())
         text = text.replace(mark, made)
-    return text
+    return offline.page(text)
 
 
 def build(out, files):
@@ -125,6 +126,9 @@ def build(out, files):
     _write(out, "firmware.json", texts())
     _write(out, "site.json", {"boards": jobs(), "rules": setting_names.rules(_MOST_AXES)})
     _write(out, "errors.json", error_list())
+    served = {path.name: path.read_bytes() for path in out.iterdir() if path.name not in offline.NAMES}
+    for name, data in offline.files(served, "cache").items():
+        (out / name).write_bytes(data)
     return sum(path.stat().st_size for path in out.iterdir())
 
 

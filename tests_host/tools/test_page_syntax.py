@@ -12,11 +12,14 @@ import pytest
 
 from host_tools.failure import Failure
 from host_tools.panel.panel import FOLDER
+from host_tools.site import offline
 from host_tools.site.npm import Package
+from host_tools.site.offline import OWN
 
 ACORN = Package("acorn", "acorn", "8.14.0", "cl669nCJTZBsL97OF4kUQm5g5hC2uihk0NxY3WENAC0TYdILVkAyHymAntgxGkl7K+t0cXIrH5siy5S4XkFycA==")
 NODE = shutil.which("node")
 SCRIPTS = sorted(path.name for path in FOLDER.glob("*.js"))
+OFFLINE = [OWN / name for name in offline.NAMES if name.endswith(".js")]
 OF_2018 = 2019  # ECMAScript 2018, and catch without a name, which both have
 # What came later, and is not in old.js.
 LATER = (r"\.replaceAll\(", r"\.at\(-", r"\.matchAll\(", r"Promise\.(any|allSettled)", r"structuredClone", r"ResizeObserver", r"\.flat\(\)", r"\.toggleAttribute\(",
@@ -46,7 +49,7 @@ def parsed(files, tmp_path):
 
 
 def test_browsers_of_2018_read_it(tmp_path):
-    assert not parsed([FOLDER / name for name in SCRIPTS], tmp_path)
+    assert not parsed([*(FOLDER / name for name in SCRIPTS), *OFFLINE], tmp_path)
 
 
 @pytest.mark.parametrize("text", ["a?.b", "a ?? b", "await x;", "class A { #b = 1; }", "a ||= b"])
@@ -56,9 +59,9 @@ def test_what_came_later_is_found(tmp_path, text):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("name", SCRIPTS)
-def test_it_calls_nothing_that_they_lack(name):
-    source = (FOLDER / name).read_text(encoding="utf-8")
+@pytest.mark.parametrize("path", [*(FOLDER / name for name in SCRIPTS), *OFFLINE], ids=lambda path: path.name)
+def test_it_calls_nothing_that_they_lack(path):
+    source = path.read_text(encoding="utf-8")
     assert not [word for word in LATER if re.search(word, source)]
 
 

@@ -182,3 +182,16 @@ def test_a_drawing_is_placed_with_a_finger(tmp_path, driver):  # noqa: F811
         page.until(lambda: page.find("place-finger").get_attribute("aria-pressed") == "false")
         page.until(lambda: [abs(float(page.find(f"place-{name}").get_attribute("value")) - value) < 0.2 for name, value in zip(("x", "y", "width"), (x, y, 60))] == [True] * 3)
         page.shot("placed")
+
+
+def test_the_page_is_installed_and_loads_without_its_server(tmp_path, driver):  # noqa: F811
+    """At 127.0.0.1 a service worker keeps the files; without the panel the page loads, and says that the link is lost."""
+    with PanelProcess(tmp_path) as panel, Browser(panel, driver) as page:
+        manifest = page.driver.execute_script("return fetch('manifest.json').then((found) => found.json())")
+        assert manifest["start_url"] == "./" and manifest["icons"][0]["src"] == "icon.svg"
+        page.driver.execute_script("window.ready = false; navigator.serviceWorker.ready.then(() => { window.ready = true; })")
+        page.until(lambda: page.driver.execute_script("return window.ready && Boolean(navigator.serviceWorker.controller)"))
+        address = panel.address
+    driver.get(address + "?lang=pt")
+    page.until(lambda: page.text("state") == "Sem ligação" and "caiu" in page.text("message"))
+    driver.get("about:blank")

@@ -1,6 +1,7 @@
 """The firmware in MicroPython as WebAssembly: the same words as everywhere, in node."""
 
 import json
+import re
 import shutil
 import subprocess
 
@@ -110,7 +111,11 @@ def test_a_site_is_written_over_an_older_one(tmp_path):
         (out / "stale.js").write_text("")
     site.build(out, {})
     assert size > 100_000 and not (out / "stale.js").exists()
-    assert "machine.js" in (out / "index.html").read_text(encoding="utf-8")
+    index = (out / "index.html").read_text(encoding="utf-8")
+    assert "machine.js" in index and 'rel="manifest"' in index
+    kept = (out / "sw.js").read_text(encoding="utf-8")
+    assert not [path.name for path in out.iterdir() if path.name not in ("index.html", "manifest.json", "offline.js", "sw.js") and f'"{path.name}"' not in kept]
+    assert '"./"' in kept and not re.search(r"HASH|NAMES|WHICH", kept)
     assert not [text for text in json.loads((out / "firmware.json").read_text(encoding="utf-8")).values() if "@micropython.viper" in text]
 
 

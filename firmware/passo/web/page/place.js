@@ -41,6 +41,7 @@ export class Place {
       move: (x, y) => this.set([this.box[0] + x, this.box[1] + y, this.box[2]]),
       size: (by) => this.set([this.box[0], this.box[1], this.box[2] * by]),
     } : null;
+    if (on && this.picture.table) this.picture.view.fit(this.picture.table.box);
   }
 
   typed() {
