@@ -1,0 +1,220 @@
+"""What somebody wants of the page, from nothing to the end, with the taps counted: in Chromium and Firefox, on a phone and a desktop, in
+English and Portuguese. A tap is a press of a control; swiping down to it is none.
+
+Firefox is driven by its own port (marionette.py); without it its walks skip. PASSO_SHOTS=FOLDER keeps pictures.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from marionette import FIREFOX, firefox
+from test_panel_page import CHROMIUM, DRIVER, Browser, chromium
+
+from host_tools import boards
+from panel_process import PanelProcess
+
+pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, pytest.mark.xdist_group("panel")]
+REST_S = 120  # homing a plotter of 2014
+SIZES = {"phone": (360, 640), "desktop": (1366, 768)}
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">'
+    '<path d="M5 5 L55 5 L55 35 L5 35 Z M15 12 C25 2 35 32 45 12" fill="none" stroke="black"/></svg>'
+)
+ENGRAVING = "G21 G90 G54\nM4 S0\nG1 F6000\n" + "".join(
+    f"G0 X{2 if row % 2 else 12} Y{row / 2}\nG1 X{12 if row % 2 else 2} S{200 + 40 * row}\nS0\n" for row in range(12)) + "M5\nG0 X0 Y0\nM2\n"
+POCKET = "G21 G90 G54\nF6000\nM3 S5000\nG0 Z0\nG0 X2 Y2\nG1 Z-2\n" + "".join(f"X20\nY{2.5 + row / 2}\nX2\nY{3 + row / 2}\n" for row in range(0, 40, 2)) + "G0 Z0\nM5\nM30\n"
+ERRORS = "window.wrong = []; addEventListener('error', (event) => window.wrong.push(event.message));"
+
+
+class Hand(Browser):
+    """Whoever taps: a control behind a tab or in a folded card takes one more."""
+
+    def __init__(self, panel, driver, size, language):
+        self.taps = 0
+        super().__init__(panel, driver, size, query=f"lang={language}&theme=light")
+        self.driver.execute_script(ERRORS)
+
+    def _press(self, element):
+        self.taps += 1
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
+        element.click()
+
+    def reach(self, element):
+        """The control is on the page's part that is shown."""
+        folded, tab = self.driver.execute_script(
+            "const at = arguments[0], card = at.closest('details:not([open])'), pane = at.closest('.pane[hidden]');"
+            "return [card && at.tagName !== 'SUMMARY' ? card.querySelector('summary') : null,"
+            " pane ? document.querySelector(`[data-tab=${pane.id.slice(5)}]`) : null]", element)
+        for each in (tab, folded):
+            if each:
+                self._press(each)
+        return element
+
+    def touch(self, name):
+        element = self.find(name) if name.isidentifier() or "-" in name and " " not in name and name[0] not in "#[" else self.css(name)
+        self.reach(element)
+        self.until(element.is_enabled)
+        self._press(element)
+
+    def put(self, path):
+        """A file: the button of the page, and the file in the list of the device."""
+        element = self.find("upload")
+        self.reach(element)
+        self.taps += 2
+        element.send_keys(str(path))
+        self.until(lambda: self.driver.execute_script("return document.getElementById('jobs').value") in (path.name, path.name + ".txt"))
+
+    def state(self):
+        return self.driver.execute_script("return document.getElementById('state').dataset.state")
+
+    def place_of(self, axis):
+        return float(self.driver.execute_script("return document.getElementById(arguments[0]).textContent", f"w-{axis}"))
+
+    def rest(self):
+        deadline = time.monotonic() + REST_S
+        while self.state() != "Idle":
+            assert time.monotonic() < deadline, (self.state(), self.text("message"))
+            time.sleep(0.1)
+
+    def show(self, name):
+        """A picture, if they are kept; and nothing is wider than the screen, nothing has failed."""
+        assert self.driver.execute_script("return document.documentElement.scrollWidth <= innerWidth"), "wider than the screen"
+        assert not self.driver.execute_script("return window.wrong")
+        self.shot(name)
+
+
+BROWSERS = {"chromium": bool(CHROMIUM and DRIVER), "firefox": bool(FIREFOX)}
+
+
+@pytest.fixture(scope="module", params=BROWSERS)
+def driver(request, tmp_path_factory):
+    if not BROWSERS[request.param]:
+        pytest.skip(f"NO {request.param.upper()}: apt-get install chromium chromium-driver firefox-esr, to test the page")
+    opened = chromium() if request.param == "chromium" else firefox(tmp_path_factory.mktemp("firefox"))
+    opened.named = request.param
+    yield opened
+    opened.quit()
+
+
+@pytest.fixture(params=[(size, language) for size in SIZES for language in ("en", "pt")], ids=lambda found: "-".join(found))
+def hand(request, driver):
+    """hand(panel): a page of that size and language."""
+    size, language = request.param
+
+    def opened(panel):
+        made = Hand(panel, driver, SIZES[size], language)
+        made.name = f"{driver.named}-{size}-{language}"
+        made.small = size == "phone"
+        return made
+
+    return opened
+
+
+def done(panel, page):
+    """Until the job has been done, which the panel tells in no language."""
+    panel.page().until(lambda state: state["job"] and state["job"]["how"] == "done")
+    page.rest()
+
+
+def test_from_nothing_to_a_drawing(hand, tmp_path, show):
+    (tmp_path / "map.svg").write_text(SVG)
+    with PanelProcess(tmp_path, "--board", "plotter_2014") as panel:
+        page = hand(panel)
+        page.rest()
+        page.touch("home")
+        page.until(lambda: page.state() == "Home")
+        page.rest()
+        page.put(tmp_path / "map.svg")
+        page.show(f"plotter-placed-{page.name}")
+        page.touch("run")
+        page.until(lambda: page.state() == "Run")
+        page.show(f"plotter-draws-{page.name}")
+        done(panel, page)
+        page.show(f"plotter-done-{page.name}")
+        words = (panel.jobs / "plotter" / "map.svg.txt").read_text()
+        show("taps", f"a drawing, {page.name}: {page.taps}")
+        assert page.taps <= (5 if page.small else 4)
+    points = {tuple(map(int, row.split()[1:])) for row in words.splitlines() if row.startswith("LINE")}
+    passed = {(row[1] + by[0], row[2] + by[1]) for row in panel.trace() for by in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1))}  # axes share no tick
+    assert len(points) > 20 and points <= passed
+
+
+def test_an_engraving(hand, tmp_path, show):
+    """The zero is set where the work lies; lines of rising power, the beam off between them."""
+    (tmp_path / "lines.gcode").write_text(ENGRAVING)
+    board = boards.load("laser_xy")
+    with PanelProcess(tmp_path, "--board", "laser_xy") as panel:
+        page = hand(panel)
+        if page.state() == "Alarm":
+            page.touch("unlock")
+        page.rest()
+        page.touch("zero-all")
+        page.touch("ask-yes")
+        page.put(tmp_path / "lines.gcode")
+        page.touch("run")
+        page.until(lambda: page.state() == "Run")
+        page.show(f"engraving-{page.name}")
+        done(panel, page)
+        page.show(f"engraved-{page.name}")
+        show("taps", f"an engraving, {page.name}: {page.taps}")
+        assert page.taps <= (8 if page.small else 6)
+    scale = board["axes"][0]["steps_per_m"] / 1000
+    rows = panel.trace()
+    start = rows[0][1:3]
+    ends = {(round(start[0] + x * scale), round(start[1] + row / 2 * scale)) for row in range(12) for x in (2, 12)}
+    assert len(ends - {row[1:3] for row in rows}) == 0
+
+
+def test_a_crash_and_its_recovery(hand, tmp_path, show):
+    """The PC's program is killed amid the job: the board comes to its stand; a new page offers it, asks, and goes on."""
+    (tmp_path / "pocket.gcode").write_text(POCKET)
+    board = {**boards.load("router_3axis"), "journal": {"every_ms": 500}}
+    (tmp_path / "board.py").write_text(f'"""A router with a journal."""\n\nBOARD = {board!r}\n')
+    words = [sys.executable, "-m", "host_tools.cli", "board", "--board", str(tmp_path / "board.py"), "--link", str(tmp_path / "machine"), "--trace", str(tmp_path / "steps.csv")]
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    try:
+        process.stdout.readline()
+        port = ("--port", str(tmp_path / "machine"))
+        first = PanelProcess(tmp_path, *port)
+        page = hand(first)
+        page.until(lambda: page.state() in ("Alarm", "Idle"))
+        if page.state() == "Alarm":
+            page.touch("unlock")
+        page.rest()
+        page.touch("zero-all")
+        page.touch("ask-yes")
+        page.put(tmp_path / "pocket.gcode")
+        page.touch("run")
+        page.until(lambda: page.place_of("y") > 4)
+        before = page.taps
+        first._process.send_signal(signal.SIGKILL)
+        first._process.wait()
+        first._process.stdout.close()
+        time.sleep(4)  # the board gives its host up after three seconds, and comes to its stand
+        with PanelProcess(tmp_path, *port) as panel:
+            page = hand(panel)
+            page.until(lambda: page.state() in ("Alarm", "Idle"))
+            page.until(lambda: page.driver.execute_script("return !document.getElementById('recover-row').hidden"))
+            if page.state() == "Alarm":
+                page.touch("unlock")
+            if page.driver.execute_script("return !document.getElementById('recover-doubt').hidden"):
+                page.touch("recover-sure")
+            page.show(f"crash-{page.name}")
+            page.touch("recover-begin")
+            page.until(lambda: not page.driver.execute_script("return document.getElementById('recover-down').hidden"))
+            page.rest()
+            page.show(f"crash-over-{page.name}")
+            page.touch("recover-down")
+            page.until(lambda: page.driver.execute_script("return document.getElementById('recover-row').hidden"))
+            done(panel, page)
+            show("taps", f"a crash, {page.name}: {before} to the crash, {page.taps} from there")
+            assert page.taps <= (5 if page.small else 4)
+            assert [page.place_of(axis) for axis in "xyz"] == [2, 22, 0]
+    finally:
+        os.kill(process.pid, signal.SIGTERM)
+        process.wait(30)
+        process.stdout.close()
