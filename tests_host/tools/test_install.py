@@ -269,6 +269,66 @@ def test_every_command_of_a_guide(passo, page, tmp_path):
     assert count >= 3
 
 
+@pytest.mark.slow
+def test_the_readme_with_a_board(passo, tmp_path):
+    """The commands of README's quick start and of everyday that want a port, each at a virtual board: a plotter for `draw`, else a router."""
+    import serial
+
+    shutil.copytree(ROOT / "docs", passo.folder / "docs", dirs_exist_ok=True)
+    (passo.folder / "out").mkdir(exist_ok=True)
+    (passo.folder / "out" / "contours.svg").write_text(SVG)
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    parts = [part for part in re.split(r"^## ", text, flags=re.MULTILINE) if part.startswith(("Quick start", "Everyday"))]
+    shown = [words for part in parts for words in shown_commands(part, "passo", mentioned=False) if "--port" in words]
+    assert len(parts) == 2 and {words[0] for words in shown} >= {"flash", "draw", "stream", "settings"}
+    for words in shown:
+        session = Session(passo, "plotter_2014" if words[0] == "draw" else "router_3axis", tmp_path / "port")
+        try:
+            if words[0] == "stream":  # "once homed, and zero set at the workpiece"
+                session._start(["board", "--board", "router_3axis", "--link", str(tmp_path / "port"), "--time", "fast"])
+                with serial.Serial(str(tmp_path / "port"), 115200, timeout=60) as port:
+                    for line in (b"$H", b"G53 G0 X100 Y100 Z-20", b"G10 L20 P1 X0 Y0 Z0"):
+                        port.write(line + b"\n")
+                        assert port.read_until(b"ok\r\n").endswith(b"ok\r\n"), line
+            session.run(words)
+        finally:
+            session.end()
+    assert "$0" in (passo.folder / "router.txt").read_text()
+
+
+@pytest.mark.slow
+def test_the_first_motion_of_the_readme(passo, tmp_path):
+    """What is typed into the terminal of the quick start: the state, unlock, a jog; the board answers as it says."""
+    import serial
+
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    terminal = re.search(r"pyserial-miniterm -e --eol LF (\S+) (\d+)\n\n +`(.)` shows the state, `(\S+)` unlocks, `([^`]+)` jogs a millimetre", text)
+    assert terminal, "the quick start says something else"
+    process = passo("board", "--board", "router_3axis", "--link", str(tmp_path / "port"), "--time", "fast", start=True)
+    try:
+        assert process.stdout.readline().startswith("port: ")
+        with serial.Serial(str(tmp_path / "port"), int(terminal[2]), timeout=20) as port:
+
+            def said(text, until):
+                port.write(text.encode())
+                heard = port.read_until(until)
+                assert heard.endswith(until), heard
+                return heard
+
+            where = re.search(rb"MPos:([-\d.]+)", said(terminal[3], b">"))
+            said(terminal[4] + "\n", b"ok\r\n")
+            said(terminal[5] + "\n", b"ok\r\n")
+            report = b""
+            while b"Idle" not in report:
+                report = said(terminal[3], b">")
+            assert float(re.search(rb"MPos:([-\d.]+)", report)[1]) - float(where[1]) == pytest.approx(1, abs=0.01)
+    finally:
+        process.send_signal(signal.SIGTERM)
+        process.wait(timeout=30)
+        process.stdout.close()
+        process.stderr.close()
+
+
 def test_a_panel_and_its_page(passo):
     """What `passo panel` imports is installed with the command, and its page lies in the wheel."""
     process = passo("panel", "--demo", "--http", "0", start=True)
