@@ -37,7 +37,8 @@ export class JobFacts {
     const { name, size, lines, seconds, tools, pauses } = this.about, box = name && this.picture.bounds();
     const facts = name ? [_("{lines} lines, {size} kB", { lines, size: Math.ceil(size / 1024) })] : [];
     if (seconds !== undefined) facts.push(_("about {time}", { time: clock(seconds) }));
-    if (box) facts.push(box.map(([low, high], axis) => `${"XYZ"[axis]} ${low.toFixed(1)} … ${high.toFixed(1)}`).join(", ") + " mm");
+    const told = (ends, axis) => (axis < 2 || ends.some(Boolean) ? [`${"XYZ"[axis]} ${ends[0].toFixed(1)} … ${ends[1].toFixed(1)}`] : []);  // a plotter has no Z
+    if (box) facts.push([].concat(...box.map(told)).join(", ") + " mm");
     if (tools && tools.length) facts.push(_("tools {tools}", { tools: tools.join(", ") }));
     if (pauses) facts.push(_("pauses: {pauses}", { pauses }));
     if ($("job-facts").textContent !== facts.join(" · ")) $("job-facts").textContent = facts.join(" · ");

@@ -52,8 +52,8 @@ export class Recover {
     const on = [];
     if (tool) on.push(_("tool T{tool}", { tool }));
     if (spindle !== 5) on.push(laser ? _("laser power S{rpm}", { rpm }) : spindle === 3 ? _("spindle {rpm} rpm", { rpm }) : _("spindle {rpm} rpm, reversed", { rpm }));
-    if (coolant & 1) on.push(_("flood"));
-    if (coolant & 2) on.push(_("mist"));
+    if (coolant & 1) on.push(_("flood coolant"));
+    if (coolant & 2) on.push(_("mist coolant"));
     const words = { ...offer, system, over: mm(place, [0, 1].slice(0, place.length)), depth: place.length > 2 ? mm(place, [2]) : "", on: on.join(", ") || _("spindle and coolant off"),
       modes: [inches ? _("inches") : "mm", absolute ? _("absolute") : _("relative"), feed ? _("feed {feed} mm/min", { feed }) : ""].filter(Boolean).join(", ") };
     const text = _("{name}, from line {line}. Restored: {system}, {modes}.", words);
