@@ -82,6 +82,7 @@ def _globals(module, taken):
             own.add(node.name)
         else:
             own |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
+            own |= {each.asname for each in ast.walk(node) if isinstance(each, ast.alias) and each.asname}
     inner = {method.name for method in module.methods}
     names = sorted(name for name in own if _private(name) and name not in taken and name not in inner)
     return {name: f"_{_FIRST_OF_MODULE + number}" for number, name in enumerate(names)}
@@ -117,6 +118,8 @@ def _renamed(module, attributes, own):
         elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             begin = node.col_offset + len("def " if isinstance(node, ast.FunctionDef) else "class ")
             indices.append((node.lineno, begin, node.name, (attributes if node in module.methods else own).get(node.name)))
+        elif isinstance(node, ast.alias) and node.asname:
+            indices.append((node.end_lineno, node.end_col_offset - len(node.asname), node.asname, own.get(node.asname)))
         elif isinstance(node, ast.Global):
             line, at = lines[node.lineno - 1], node.col_offset
             for name in node.names:

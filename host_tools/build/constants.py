@@ -245,13 +245,18 @@ def folded(texts):
     short names.
 
     Raises Failure for what is not Python."""
-    return numbered(shortened(whole(texts)))
+    return short(whole(texts))
+
+
+def short(texts):
+    """{path: text} with short names for private attributes and arguments."""
+    return numbered(shortened(texts))
 
 
 def forms(texts):
-    """(numbered_only(texts), folded(texts)), which is less work than each by itself."""
+    """(numbered_only(texts), whole(texts)), which is less work than each by itself."""
     modules = _modules(texts)
-    return _numbered_only(modules), numbered(shortened(_whole(modules)))
+    return _numbered_only(modules), _whole(modules)
 
 
 def whole(texts):

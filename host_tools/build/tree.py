@@ -25,7 +25,7 @@ from pathlib import Path
 
 from host_tools import boards
 from host_tools.build import mpy, pages
-from host_tools.build.constants import forms, numbered_only
+from host_tools.build.constants import forms, numbered_only, short
 from host_tools.build.kept import kept
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
@@ -366,7 +366,7 @@ def _made(sources, board, march):
 
     def make():
         compiled = kernels.compiled(*forms(sources), board, march, left)
-        return inline.inlined(compiled.texts, bounds=bounds), compiled._replace(texts={})
+        return inline.inlined(short(compiled.texts), bounds=bounds), compiled._replace(texts={})
 
     return kept((sorted(sources.items()), kernels.accelerates(board), march, left, bounds, modules.origin(march)), make)
 

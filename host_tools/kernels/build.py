@@ -1,6 +1,6 @@
 """The kernels of one board's build: which go together into a module, and the texts without them.
 
-    made = compiled(numbered, texts, board, march)
+    made = compiled(*forms(texts), board, march)      # of build/constants.py: private names are still as they are
     made.texts, made.modules, made.by       # {path: text}; {path of .mpy: bytes}; what compiled them: [] is viper
     made.pointers                           # words of machine code that the collector takes for pointers
 """
@@ -84,8 +84,9 @@ def _thin(program, path, text, imports, gone):
     if module not in program.imported:
         return text
     lines = text.splitlines(keepends=True)
-    for node in ast.parse(text).body:
-        full = f"{module}.{getattr(node, 'name', '')}"
+    nodes = {f"{module}.{getattr(node, 'name', '')}": node for node in ast.parse(text).body}
+    assert {full for full in imports if full.rpartition(".")[0] == module} <= nodes.keys(), f"{path} has other names than its kernels"
+    for full, node in nodes.items():
         if isinstance(node, ast.FunctionDef) and (full in imports or full in gone):
             first = min(each.lineno for each in node.decorator_list)
             lines[first - 1 : node.end_lineno] = [imports.get(full, "\n")] + ["\n"] * (node.end_lineno - first)

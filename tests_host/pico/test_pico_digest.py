@@ -8,7 +8,7 @@ from emulated import uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.build import mpy
-from host_tools.build.constants import folded, numbered_only
+from host_tools.build.constants import forms, short
 from host_tools.build.tree import COLD, compile_module, selected
 from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
@@ -27,10 +27,10 @@ IN_FLASH = "from passo.ports.rp2 import flash_code\nflash_code.begin()\n"
 def compiled(sources, board="router_3axis"):
     """{path.mpy: bytes} of {path: source file}, compiled for the RP2040 as `passo build` does it."""
     texts = {path: source.read_text() for path, source in sources.items()}
-    made = kernels.compiled(numbered_only(texts), folded(texts), boards.load(board), "armv6m", COLD)
+    made = kernels.compiled(*forms(texts), boards.load(board), "armv6m", COLD)
     files = {path: mpy.in_place(data) for path, data in made.modules.items()}
     with tempfile.TemporaryDirectory() as folder:
-        for path, text in inlined(made.texts, bounds=TIGHT).items():
+        for path, text in inlined(short(made.texts), bounds=TIGHT).items():
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))

@@ -23,6 +23,7 @@ from host_tools.kernels import module, translate
 from host_tools.kernels.build import RUNTIME, compiled
 from host_tools.kernels.program import Program
 from host_tools.kernels.unit import Unit
+from passo.config.boardfile import check
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
 EXPRESSIONS = expressions()
@@ -265,6 +266,18 @@ def test_a_text_without_its_kernels_keeps_its_lines(monkeypatch):
     monkeypatch.setenv("PASSO_KERNELS", "viper")
     assert compiled(texts, texts, {"axes": []}, "armv6m") == (texts, {}, [], 0)
     assert compiled(texts, texts, {"axes": []}, "xtensawin") == (texts, {}, [], 0)
+
+
+@pytest.mark.skipif("armv6m" not in MARCHES, reason="there is no compiler of kernels for armv6m")
+@pytest.mark.parametrize("player", ["pio", "timer"])
+def test_all_kernels_of_a_build_are_c(player):
+    """Private ones, too, which have other names in a build; but those that are left to viper, and what only these call."""
+    board = check({**boards.load("router_3axis"), "player": player})
+    sources = {path.as_posix(): (tree.FIRMWARE / path).read_text(encoding="utf-8") for path in tree.selected(board)}
+    program = Program(tree._made(sources, board, "armv6m")[0])
+    left = {full for full, kernel in program.kernels.items() if kernel.path in tree._left(board)}
+    called = {full for kernel in left for full in program.imported[kernel.rpartition(".")[0]].values()}
+    assert left and {full for full, (_, others) in program.uses().items() if others} <= left | called
 
 
 @pytest.mark.skipif("armv6m" not in MARCHES, reason="there is no compiler of kernels for armv6m")
