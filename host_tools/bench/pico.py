@@ -62,8 +62,8 @@ def _pulses(axes, hz):
     }
 
 
-TIMER_KHZ = (10, 20, 25, 31, 36, 42, 50)
-LATENESS_US = (0, 1, 2, 3, 5, 10)  # where its classes begin
+TIMER_KHZ = (10, 25, 36, 50, 80, 120)
+LATENESS_US = (0, 1, 2, 3, 5)  # where its classes begin
 
 
 def timer():

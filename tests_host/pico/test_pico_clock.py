@@ -102,7 +102,7 @@ def test_the_timer_player(timer_rig, mhz):
     run = timer_rig.play([((600, 400, -300), 20_000)], COLLECT)
     jitter_us = [cycles / CYCLES_PER_US for cycles in run.lateness]
     assert run.late == 0 and run.position == timer_rig.counted() == [600, 400, -300]
-    assert max(jitter_us) - min(jitter_us) < 10 and abs(run.span_off) / CYCLES_PER_US < 10
+    assert max(jitter_us) - min(jitter_us) < 3.2 and abs(run.span_off) / CYCLES_PER_US < 3.2
     assert min(run.widths) >= CYCLES_PER_US, "a pulse is never shorter than it has to be"
 
 

@@ -18,7 +18,7 @@ pytestmark = pytest.mark.quick
 
 RP2 = FIRMWARE / "passo" / "ports" / "rp2"
 CHIPS = "rp2040", "rp2350"
-# Name in chip.py: macros whose sum it is, and the values on either chip.
+# Name in chip.py or vectors.py: macros whose sum it is, and the values on either chip.
 DIFFERENT = {
     "IO_BANK0": (("IO_BANK0_BASE",), 0x40014000, 0x40028000),
     "PWM": (("PWM_BASE",), 0x40050000, 0x400A8000),
@@ -30,12 +30,21 @@ DIFFERENT = {
     "UART0": (("UART0_BASE", "UART_UARTDR_OFFSET"), 0x40034000, 0x40070000),
     "UART1": (("UART1_BASE", "UART_UARTDR_OFFSET"), 0x40038000, 0x40078000),
     "UART0_REQUEST": (("DREQ_UART0_RX",), 21, 29),
+    "PIO_IRQ_1": (("PIO0_IRQ_1",), 8, 16),
+    "IRQ1_INTE": (("PIO_IRQ1_INTE_OFFSET",), 0x138, 0x17C),
     "_OUT_OVER": (("IO_BANK0_GPIO0_CTRL_OUTOVER_LSB",), 8, 12),
 }
 ONLY_RP2040 = {
     ("VREG_AND_CHIP_RESET_BASE", "VREG_AND_CHIP_RESET_VREG_OFFSET"): 0x40064000,
     ("VREG_AND_CHIP_RESET_VREG_VSEL_BITS",): 0xF0,
     ("VREG_AND_CHIP_RESET_VREG_ROK_BITS",): 1 << 12,
+}
+PROCESSOR = {  # name in vectors.py: macros of either chip, from PPB_BASE
+    "_SYSTICK": ("M0PLUS_SYST_CSR_OFFSET", "M33_SYST_CSR_OFFSET", 0xE000E010),
+    "_ENABLE": ("M0PLUS_NVIC_ISER_OFFSET", "M33_NVIC_ISER0_OFFSET", 0xE000E100),
+    "_DISABLE": ("M0PLUS_NVIC_ICER_OFFSET", "M33_NVIC_ICER0_OFFSET", 0xE000E180),
+    "_PRIORITY": ("M0PLUS_NVIC_IPR0_OFFSET", "M33_NVIC_IPR0_OFFSET", 0xE000E400),
+    "_VTOR": ("M0PLUS_VTOR_OFFSET", "M33_VTOR_OFFSET", 0xE000ED08),
 }
 COUNTER = {  # of the frequency counter: from its first register
     "CLOCKS_FC0_MIN_KHZ_OFFSET": 4,
@@ -74,6 +83,7 @@ SAME = {
     ("PIO_FLEVEL_OFFSET",): 4 * 3,
     ("PIO_TXF0_OFFSET",): 0x10,
     ("PIO_IRQ_OFFSET",): 4 * 12,
+    ("PIO_IRQ0_INTE_SM0_LSB",): 8,
     ("PIO_SM0_CLKDIV_OFFSET",): 0xC8,
     ("PIO_SM1_CLKDIV_OFFSET",): 0xC8 + 0x18,
     ("PIO_SM0_EXECCTRL_OFFSET",): 0xC8 + 4,
@@ -94,8 +104,8 @@ SAME = {
     ("DREQ_PIO0_TX0",): 0,
     ("DREQ_PIO1_TX0",): 8,
 }
-# In ports/rp2, beside chip.py: DMA, PIO block 0, its CTRL's clearing alias, GPIO_IN, GPIO_OUT.
-ELSEWHERE = {0x50000000, 0x50200000, 0x50203000, 0x50300000, 0xD0000004, 0xD0000010}
+# In ports/rp2, beside chip.py and vectors.py: SysTick, DMA, PIO block 0, its CTRL's clearing alias, GPIO_IN, GPIO_OUT.
+ELSEWHERE = {0xE000E010, 0x50000000, 0x50200000, 0x50203000, 0x50300000, 0xD0000004, 0xD0000010}
 
 
 @pytest.mark.parametrize("number", [0, 1])
@@ -105,15 +115,21 @@ def test_what_differs(number, monkeypatch):
     monkeypatch.setattr(sys.implementation, "_machine", "Raspberry Pi Pico with " + CHIPS[number].upper(), raising=False)
     chip = {"__name__": "chip"}
     exec((RP2 / "chip.py").read_text(encoding="utf-8"), chip)
+    vectors = {"__name__": "vectors"}
+    monkeypatch.setitem(sys.modules, "uctypes", types.SimpleNamespace())
+    monkeypatch.setitem(sys.modules, "passo.ports.rp2.chip", types.SimpleNamespace(RP2350=chip["RP2350"]))
+    exec((RP2 / "vectors.py").read_text(encoding="utf-8"), vectors)
     for name, (_, *values) in DIFFERENT.items():
-        assert chip[name] == values[number], name
+        assert {**vectors, **chip}[name] == values[number], name
+    for name, (*_, value) in PROCESSOR.items():
+        assert vectors[name] == value, name
     assert chip["REGULATOR"] == 0x40064000
 
 
 def test_no_other_address_is_written_out():
     found = set()
     for path in RP2.glob("*.py"):
-        if path.name != "chip.py":
+        if path.name not in ("chip.py", "vectors.py"):
             nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
             found |= {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, int)}
     assert {value for value in found if value >= 0x40000000 and value != 0xFFFFFFFF} == ELSEWHERE
@@ -125,7 +141,7 @@ def test_as_the_headers_have_them():
         pytest.skip("PICO_SDK_PATH names no pico-sdk")
     for number, chip in enumerate(CHIPS):
         folder = Path(sdk) / "src" / chip / "hardware_regs" / "include" / "hardware" / "regs"
-        names = ["addressmap", "clocks", "dma", "dreq", "io_bank0", "pio", "pwm", "sio", "uart", "watchdog"]
+        names = ["addressmap", "clocks", "dma", "dreq", "intctrl", "io_bank0", "pio", "pwm", "sio", "uart", "watchdog", ("m0plus", "m33")[number]]
         names += ["vreg_and_chip_reset"] * (chip == "rp2040")
         text = "".join((folder / (name + ".h")).read_text() for name in names)
         defined = {name: int(value, 0) for name, value in
@@ -133,5 +149,7 @@ def test_as_the_headers_have_them():
         wanted = {macros: values[number] for macros, *values in DIFFERENT.values()}
         for macros, value in {**wanted, **SAME, **(ONLY_RP2040 if chip == "rp2040" else {})}.items():
             assert sum(defined[macro] for macro in macros) == value, (chip, macros)
+        for *macros, value in PROCESSOR.values():
+            assert defined["PPB_BASE"] + defined[macros[number]] == value, (chip, macros)
         for macro, value in COUNTER.items():
             assert defined[macro] - defined["CLOCKS_FC0_REF_KHZ_OFFSET"] == value, (chip, macro)

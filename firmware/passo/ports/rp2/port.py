@@ -187,5 +187,7 @@ class Port(ChipPort):
     def close(self):
         """Stop all interrupts and the watchdog; the outputs stay as they are."""
         ChipPort.close(self)
+        if hasattr(self._player, "close"):  # the timer player's interrupt is none of MicroPython's, which would end it
+            self._player.close()
         if self._watchdog is not None:
             chip.stop_watchdog()

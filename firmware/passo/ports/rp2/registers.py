@@ -28,3 +28,5 @@ CHANNEL_READ = const(0)  # address that it reads next
 CHANNEL_CTRL_TRIG = const(3)
 CHANNEL_CTRL = const(4)  # AL1_CTRL: without setting it going
 CHANNEL_READ_TRIG = const(15)  # AL3_READ_ADDR_TRIG: written, it is set going
+
+SYSTICK_NOW = const(2)  # of SysTick: cycles that it still counts

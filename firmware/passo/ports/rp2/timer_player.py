@@ -2,8 +2,9 @@
 
 The state machine takes words from its FIFO, raises its interrupt as each begins and waits for its ticks: it is a timer
 of varying period that does not drift. The interrupt plays every word that has begun, and refills the FIFO, six words
-ahead. Edges come some microseconds after their time, and totals are exact. Measured with three axes and garbage
-collected without pause: to 36 kHz the lateness varies by 3.2 µs; at 42 kHz the processor no longer keeps up.
+ahead. It comes straight from the chip's vectors to machine code in memory, before all other interrupts; MicroPython's own
+way, through flash and behind USB, takes 5 µs and up to 13 more. Edges come a microsecond or two after their time, and totals
+are exact.
 """
 # Shared with interrupts: state
 
@@ -12,10 +13,10 @@ from array import array
 import micropython
 import rp2
 import uctypes
-from machine import Pin
+from machine import Pin, mem32
 from micropython import const
 
-from passo.ports.rp2 import chip, programs
+from passo.ports.rp2 import chip, programs, vectors
 from passo.ports.rp2.fields import *
 from passo.ports.rp2.registers import *
 from passo.records import COUNT_MASK
@@ -53,49 +54,22 @@ class TimerPlayer:
             (TIMER_BLOCK, pio), (TIMER_MACHINE, pio + 0xC8 + 0x18 * number), (TIMER_NUMBER, number),
             (TIMER_WORDS, uctypes.addressof(ring.words)), (TIMER_MASK, ring.mask), (TIMER_BITS, layout.bits),
             (TIMER_TABLES, uctypes.addressof(self._tables)), (TIMER_ALL, 0), (TIMER_STEPS, pulses),
-            (TIMER_TOOL, 1 << pins[-1]), (TIMER_INVERT, inverted), (TIMER_SPIN, pulse_ticks * cycles // 16), (TIMER_TOGGLE, chip.TOGGLE),
+            (TIMER_TOOL, 1 << pins[-1]), (TIMER_INVERT, inverted), (TIMER_CYCLES, pulse_ticks * cycles), (TIMER_TOGGLE, chip.TOGGLE),
         ):  # fmt: skip
             self._state[index] = value
         for bit in range(layout.bits):
             self._state[TIMER_ALL] |= 1 << pins[bit]
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
         _set_up(self._state)
-        self._machine.irq(self._begun, hard=True)
+        vectors.count_cycles()
+        self._irq = vectors.PIO_IRQ_1 + 2 * block
+        self._entry = vectors.enter(self._irq, _begun, self._state)
+        mem32[pio + vectors.IRQ1_INTE] = 256 << number
 
-    # A word's pins are set within 3.2 µs; 36 000 words a second are the most, 25 000 allowed (make bench ARGS=timer).
-    @micropython.viper
-    def _begun(self, machine):  # ISR: no allocation
-        state = ptr32(self._state)
-        head = int(self._ring.head)
-        if state[TIMER_PLAYING] != 1:
-            return
-        words = ptr32(state[TIMER_WORDS])
-        table = ptr32(state[TIMER_TABLES])
-        pins = ptr32(0xD0000010)
-        toggle = ptr32(state[TIMER_TOGGLE])
-        pio = ptr32(state[TIMER_BLOCK])
-        shift = state[TIMER_NUMBER] << 3
-        mask = state[TIMER_MASK]
-        played = state[TIMER_PLAYED]
-        given = state[TIMER_GIVEN]
-        level = (pio[BLOCK_FLEVEL] >> shift) & 15
-        while (given - level - played) & COUNT_MASK:  # usually one word; more where the interrupt came late
-            word = words[played & mask]
-            want = (table[word & 127] | table[128 + ((word >> 7) & 127)]) ^ state[TIMER_INVERT]
-            toggle[0] = (pins[0] ^ want) & state[TIMER_ALL]
-            played = (played + 1) & COUNT_MASK
-            state[TIMER_PLAYED] = played
-            if state[TIMER_STEPS]:
-                spin = state[TIMER_SPIN]
-                while spin > 0:
-                    spin -= 1
-                toggle[0] = (pins[0] ^ state[TIMER_INVERT]) & state[TIMER_STEPS]
-            level = (pio[BLOCK_FLEVEL] >> shift) & 15
-        while given != head and level < _DEEP:
-            pio[BLOCK_TXF + state[TIMER_NUMBER]] = words[given & mask]
-            given = (given + 1) & COUNT_MASK
-            level += 1
-        state[TIMER_GIVEN] = given
+    def close(self):
+        """The interrupt comes no more."""
+        vectors.leave(self._irq)
+        mem32[self._state[TIMER_BLOCK] + vectors.IRQ1_INTE] = 0
 
     def start(self):  # ISR: no allocation
         """Play from the ring what is published there; call it again when there is more."""
@@ -132,6 +106,36 @@ def _set_up(state: ptr32):
     state[TIMER_FIRST] = (sm[MACHINE_EXECCTRL] >> 7) & 31
 
 
+# A word's pins are set within 2 µs (make bench ARGS=timer).
+@micropython.viper
+def _begun(state: ptr32):  # ISR: no allocation
+    """Play the words that have begun, and refill the FIFO."""
+    number = state[TIMER_NUMBER]
+    shift = number << 3
+    pio = ptr32(state[TIMER_BLOCK])
+    pio[BLOCK_IRQ] = 1 << number  # the next word raises it again
+    if state[TIMER_PLAYING] != 1:
+        return
+    words = ptr32(state[TIMER_WORDS])
+    mask = state[TIMER_MASK]
+    played = state[TIMER_PLAYED]
+    given = state[TIMER_GIVEN]
+    level = (pio[BLOCK_FLEVEL] >> shift) & 15
+    while (given - level - played) & COUNT_MASK:  # usually one word; more if the interrupt came late
+        _show(state, words[played & mask])
+        played = (played + 1) & COUNT_MASK
+        state[TIMER_PLAYED] = played
+        if state[TIMER_STEPS]:
+            _wait(state[TIMER_CYCLES])
+            _drop(state, state[TIMER_STEPS])
+        level = (pio[BLOCK_FLEVEL] >> shift) & 15
+    while given != state[TIMER_HEAD] and level < _DEEP:
+        pio[BLOCK_TXF + number] = words[given & mask]
+        given = (given + 1) & COUNT_MASK
+        level += 1
+    state[TIMER_GIVEN] = given
+
+
 @micropython.viper
 def _show(state: ptr32, levels: int):
     """Put the levels of a word on the pins: those that change, all at once."""
@@ -140,6 +144,26 @@ def _show(state: ptr32, levels: int):
     toggle = ptr32(state[TIMER_TOGGLE])
     want = (table[levels & 127] | table[128 + ((levels >> 7) & 127)]) ^ state[TIMER_INVERT]
     toggle[0] = (pins[0] ^ want) & state[TIMER_ALL]
+
+
+@micropython.viper
+def _wait(cycles: int):
+    """So many cycles of the processor, less than 2²⁴, by SysTick, which counts down."""
+    clock = ptr32(0xE000E010)
+    begun = clock[SYSTICK_NOW]
+    tries = cycles  # each look takes a cycle at least: if SysTick stands still, the wait ends all the same
+    while ((begun - clock[SYSTICK_NOW]) & 0xFFFFFF) < cycles:
+        tries -= 1
+        if tries == 0:
+            return
+
+
+@micropython.viper
+def _drop(state: ptr32, pulses: int):
+    """These pins, pulses' and the tool's, to rest."""
+    pins = ptr32(0xD0000010)
+    toggle = ptr32(state[TIMER_TOGGLE])
+    toggle[0] = (pins[0] ^ state[TIMER_INVERT]) & pulses
 
 
 @micropython.viper
@@ -154,6 +178,7 @@ def _start(state: ptr32, head: int):
         ptr32(state[TIMER_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = 1 << number
     if state[TIMER_PLAYING] == 2:
         state[TIMER_GIVEN] = state[TIMER_PLAYED]
+    state[TIMER_HEAD] = head
     state[TIMER_PLAYING] = 1
     given = state[TIMER_GIVEN]
     if given == state[TIMER_PLAYED] and given != head and state[TIMER_HELD] == 0:
@@ -186,9 +211,7 @@ def _empty(state: ptr32):
 def _halt(state: ptr32):
     ptr32(state[TIMER_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = 1 << state[TIMER_NUMBER]
     state[TIMER_PLAYING] = 0
-    pins = ptr32(0xD0000010)
-    toggle = ptr32(state[TIMER_TOGGLE])
-    toggle[0] = (pins[0] ^ state[TIMER_INVERT]) & (state[TIMER_STEPS] | state[TIMER_TOOL])
+    _drop(state, state[TIMER_STEPS] | state[TIMER_TOOL])
 
 
 @micropython.viper
