@@ -50,6 +50,35 @@ def what_it_can(language):
     assert travels[0] == travels[1] or language == "grbl" and travels[0] is None, travels  # by cable the settings say it
 
 
+# Orders that no machine takes as they are.
+WRONG = (
+    ("nothing", {}), ("step", {"by": {"q": 1}, "speed": SPEED}), ("step", {"by": {"x": "1"}, "speed": SPEED}), ("step", {"by": {"x": 1}}),
+    ("step", {"by": {"x": 1}, "speed": 0}), ("step", {"by": {}, "speed": SPEED}), ("goto", {"to": [1, 2], "speed": SPEED}), ("zero", {"axes": "q"}),
+    ("jog", {"lease": 0, "beat": 1, "way": {"x": 1}, "speed": SPEED}), ("jog", {"lease": 1, "beat": 1, "way": {"x": 0}, "speed": SPEED}),
+    ("override", {"what": "feed", "to": 7}), ("output", {"name": 5}), ("set", {"number": "1", "value": 1}), ("line", {"line": "\x07"}),
+)  # fmt: skip
+
+
+def what_orders_do(language):
+    """Wrong orders are answered alike and move nothing; the same order moves the machine as far, and its state has the same fields."""
+    order, fields = moves(language)
+    seen = []
+    for served in BOTH:
+        desk, page = ready(served, language)
+        before = desk.place()
+        answers = [page.order(name, **more)["error"] for name, more in WRONG]
+        desk.run_ms(300)
+        assert desk.place() == before, served
+        assert page.order(order, **fields)["error"] == 0
+        desk.run_ms(1500)
+        page.until(lambda state: state["state"] in ("Idle", "Stopped", "Run"))
+        seen.append((answers, [one - other for one, other in zip(desk.place(), before)], set(page.state)))
+    of_board, of_pc = seen
+    assert of_board[0] == of_pc[0] and 0 not in of_board[0], (of_board[0], of_pc[0])
+    assert of_board[1] == of_pc[1] != [0] * len(of_pc[1]) or language == "keys", (of_board[1], of_pc[1])  # its motor goes on
+    assert of_pc[2] - of_board[2] <= {"stored", "teaching"} and of_board[2] <= of_pc[2], of_pc[2] ^ of_board[2]  # a PC has jobs and teach-in
+
+
 def only_who_proves_the_key(language):
     order, fields = moves(language)
     for served in BOTH:
@@ -188,6 +217,11 @@ def a_jog_ends_with_its_page(language):
 def check_what_it_can():
     for language in MACHINES:
         what_it_can(language)
+
+
+def check_what_orders_do():
+    for language in MACHINES:
+        what_orders_do(language)
 
 
 def check_only_who_proves_the_key():
