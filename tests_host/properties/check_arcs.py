@@ -6,26 +6,14 @@ circle within three times √½ of the true one. With two, or a radius above 2²
 ½ for the line that is walked, on such a circle; a step is one of the coarser axis.
 """
 
-from array import array
 from math import cos, pi, sin, sqrt
 
-from check_gcode import Memory
 from draws import Random
-from passo import commands
-from passo.control import arcs
-from passo.control.program import Program
-from passo.control.stream_queue import StreamQueue
-from passo.motion.line import MAX_RUN
-from passo.motion.limits import Limits
-from passo.protocols.gcode.parser import GCode
-from passo.protocols.gcode.offsets import Offsets
-from passo.records import QUEUE_RETIRED
-from rig import Rig
+from gcode_walk import NM_MM, Bench
 from true_path import Arc, centre_by_radius
 
 BOUND = 0.51 + 3 * sqrt(0.5)
 CHORD_BOUND = 0.25 + sqrt(0.5) + 0.5 + 3 * sqrt(0.5)
-NM_MM = 1_000_000
 LONGEST = 6000  # steps of an arc, so that it does not take long
 PLANES = ((0, 1), (2, 0), (1, 2))
 CASES = {
@@ -35,85 +23,6 @@ CASES = {
     "check_unequal_axes": (("seed", "seed"), ("way", 0, 3), ("form", "choice", "centre", "radius", "sweep")),
 }
 RUNS = {"check_any_arc": 150, "check_tiny_arcs": 200, "check_nearly_whole_turns": 100, "check_unequal_axes": 60}
-OUT = array("I", bytearray(4 * MAX_RUN))
-
-
-class Settings:
-    version = 1
-
-    def value(self, which):
-        return 1000
-
-
-class Bench:
-    """The reader of G-code, the queue and the planner, without the feeder: what is queued is walked at once."""
-
-    def __init__(self, steps_per_m):
-        rig = Rig(axes=3)
-        self.steps_per_m = list(steps_per_m)
-        board = {
-            "axes": [{"name": "xyz"[i], "steps_per_m": per_m} for i, per_m in enumerate(steps_per_m)],
-            "spindle": {"pwm": False},
-            "tool": {"on_ms": 0, "off_ms": 0},
-        }
-        self.planner = rig.planner
-        self.planner.limits(Limits(steps_per_m, [50 * NM_MM] * 3, [1000 * NM_MM] * 3, 10_000))
-        self.queue = StreamQueue(board, self.planner, rig.feeder, None, None)
-        self.arcs = arcs
-        self.settings = Settings()
-        self.weave = None
-        self.gcode = GCode("xyz", Offsets(3, Memory()), self)
-        self.program = Program(board, self, self.queue)
-        self.program._limits_of = Settings.version
-        self.place = [0, 0, 0]
-        self.path = []
-
-    @property
-    def target(self):
-        return self.queue.target
-
-    def do(self, text):
-        """The places after every word of one line, and before the first."""
-        path = self.attempt(text)
-        assert path, text
-        return path
-
-    def attempt(self, text):
-        """The same; None where the line is refused."""
-        if self.gcode.interpret(text.encode()):
-            return None
-        self.path = [tuple(self.place)]
-        for command in self.gcode.commands:
-            if command.kind in (commands.LINE, commands.ARC):
-                assert self.program._queue_motion(command) == 0, text
-                self.play()
-                assert self.place == command.target == list(self.queue.target), text
-        return self.path
-
-    def play(self):
-        planner = self.planner
-        self.queue.feed()
-        self.queue.flush()
-        while not self.queue.empty():
-            block = planner.next()
-            while block is None:
-                self.queue.feed()
-                self.queue.flush()
-                block = planner.next()
-            self._walk(block.walker)
-            planner.indices[QUEUE_RETIRED] += 1
-
-    def _walk(self, walker):
-        place = self.place
-        while walker.left:
-            count = min(walker.left, MAX_RUN)
-            negative = walker.negative
-            walker.walk(OUT, 0, count)
-            for word in range(count):
-                for axis in range(3):
-                    if OUT[word] >> axis & 1:
-                        place[axis] += -1 if negative >> axis & 1 else 1
-                self.path.append(tuple(place))
 
 
 def words_of(letters, values):

@@ -161,7 +161,7 @@ def farthest(path, move, per_mm):
 
 def compare(lines, steps_per_m):
     """(lines that move, words with a step, the farthest in steps, its line) of [(number, text)]."""
-    from check_arcs import Bench
+    from gcode_walk import Bench
 
     bench = Bench(steps_per_m)
     reader = Reader()
