@@ -8,7 +8,6 @@ Unchanged files are not copied again. The package, main.py and board.py are repl
 import os
 import shlex
 import subprocess
-import sys
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Optional

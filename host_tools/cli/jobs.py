@@ -9,6 +9,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import AnyBaud, Port
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo import errors
@@ -24,8 +25,6 @@ _RUNNING = re.compile(r"\[JOB:([^|]*)\|(\d+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
 _UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
 
-Port = Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")]
-Baud = Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")]
 Protocol = Annotated[str, typer.Option(help="What the link of --port speaks: grbl, pulses or plotter.")]
 
 
@@ -80,7 +79,7 @@ def _listed(client):
 
 
 @app.command("list")
-def list_(port: Port = None, baud: Baud = None, protocol: Protocol = "grbl"):
+def list_(port: Port = None, baud: AnyBaud = None, protocol: Protocol = "grbl"):
     """List the jobs of a board: bytes, bytes in flash, language.
 
     Example:
@@ -102,7 +101,7 @@ def store(
     card: Annotated[Optional[Path], typer.Option(help="Write it on a memory card in this PC: the folder where the card is.")] = None,
     check: Annotated[bool, typer.Option(help="Check each line: here before it is sent, and by the board, in its check mode, once it is stored.")] = True,
     port: Port = None,
-    baud: Baud = None,
+    baud: AnyBaud = None,
     protocol: Protocol = "grbl",
 ):
     """Store a file on the board. It counts once it is there whole: until then, and if anything goes wrong, an older one of
@@ -183,7 +182,7 @@ def _check(client, name):
 
 
 @app.command("check")
-def check_(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = None, protocol: Protocol = "grbl"):
+def check_(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: AnyBaud = None, protocol: Protocol = "grbl"):
     """Have the board check every line of a stored job, without moving.
 
     Example:
@@ -197,7 +196,7 @@ def check_(name: Annotated[str, typer.Argument(help="The job.")], port: Port = N
 
 
 @app.command()
-def delete(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = None, protocol: Protocol = "grbl"):
+def delete(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: AnyBaud = None, protocol: Protocol = "grbl"):
     """Delete a stored job.
 
     Example:
@@ -214,7 +213,7 @@ def run(
     home: Annotated[bool, typer.Option(help="Home the machine first.")] = False,
     wait: Annotated[bool, typer.Option(help="Show progress until the job has ended; otherwise return at once.")] = True,
     port: Port = None,
-    baud: Baud = None,
+    baud: AnyBaud = None,
     protocol: Protocol = "grbl",
 ):
     """Run a stored job. It needs no PC: Ctrl-C ends the watching, not the job. `passo send`, `!` and Ctrl-X of any sender stop it.

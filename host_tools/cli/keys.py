@@ -8,6 +8,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import Baud, Port
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 
@@ -19,10 +20,8 @@ def keys(
     send: Annotated[
         Optional[str], typer.Option(metavar="KEYS", help="Send these keys and end: \"A5 C 2s J\".")
     ] = None,
-    port: Annotated[
-        Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")
-    ] = None,
-    baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 9600,
+    port: Port = None,
+    baud: Baud = 9600,
 ):
     """Drive the two-motor kit: send keys as they are pressed, and show the state of the motors.
 

@@ -4,6 +4,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import AnyBaud, Port
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
 
@@ -16,10 +17,8 @@ def link(
         Optional[int], typer.Argument(min=0, max=4, help="The link that may command from now on; 0: the one of --port.")
     ] = None,
     protocol: Annotated[str, typer.Option(help="What the link of --port speaks: plotter, grbl, torch or pulses.")] = ...,
-    port: Annotated[
-        Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")
-    ] = None,
-    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
+    port: Port = None,
+    baud: AnyBaud = None,
 ):
     """Hand the command over the machine to another link of the board, or take it.
 

@@ -2,10 +2,9 @@
 
 import contextlib
 import time
-from typing import Optional
 
-import typer
 
+from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
 from passo.protocols.plotter.host import COMMANDS, STATUS_LENGTH, packet
@@ -17,11 +16,9 @@ BAUD = {"grbl": 115_200, "torch": 115_200, "pulses": 115_200, "plotter": 57_600}
 
 
 def log(
-    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
-    baud: Optional[int] = typer.Option(None, help="Bits per second of a serial port."),
-    protocol: Optional[str] = typer.Option(
-        None, help="Language of the link of --port: grbl, torch, pulses or plotter. Default: found by asking."
-    ),
+    port: Port = None,
+    baud: AnyBaud = None,
+    protocol: Protocol = None,
 ):
     """Show the last errors and alarms of all links; grbl also says how many of each there were since the start.
 

@@ -6,6 +6,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import Baud, Port
 from host_tools.cli.pulses_files import BOARD, BoardName, PulseFile, check, convert, example, image, ramps
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -25,8 +26,6 @@ app = typer.Typer(
 )
 _NUMBERS = {"ignore_unknown_options": True}  # so that -5 is a number
 
-Port = Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")]
-Baud = Annotated[int, typer.Option(help="Bits per second of a serial port.")]
 Log = Annotated[Optional[Path], typer.Option(help="Save what is said on the wire to this file.")]
 Back = Annotated[bool, typer.Option("--back", help="And then backward.")]
 Wait = Annotated[bool, typer.Option("--wait/--no-wait", help="Show position and state until the machine stands.")]

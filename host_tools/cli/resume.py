@@ -8,6 +8,7 @@ import typer
 
 from host_tools.cli.lead_in import prepared
 from host_tools.cli.link import BAUD
+from host_tools.cli.options import AnyBaud, Port
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -24,8 +25,8 @@ _LANGUAGES = {".txt": "pulses", ".svg": "plotter", ".packets": "plotter"}
 
 def resume(
     file: Annotated[Path, typer.Argument(help="What was interrupted: G-code, a pulse file, a drawing.")],
-    port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")] = None,
-    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
+    port: Port = None,
+    baud: AnyBaud = None,
     protocol: Protocol = None,
     home: Annotated[bool, typer.Option(help="Home the machine first: wanted after a power cut.")] = False,
     unverified: Annotated[bool, typer.Option("--unverified", help="Nothing can home: the operator has seen that zero is right.")] = False,

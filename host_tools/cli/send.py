@@ -9,6 +9,7 @@ from typing import Optional
 
 import typer
 
+from host_tools.cli.options import Baud, Port
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
 
@@ -18,8 +19,8 @@ _HEX = re.compile(r"[0-9a-fA-F]{2}$")
 
 def send(
     words: Optional[list[str]] = typer.Argument(None, help="Packets by name with their numbers, or bytes in hex."),
-    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
-    baud: int = typer.Option(57600, help="Bits per second of a serial port."),
+    port: Port = None,
+    baud: Baud = 57600,
     log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
     timeout: float = typer.Option(3.0, min=0.1, help="Seconds an answer may take."),
 ):

@@ -11,6 +11,7 @@ from typing import Optional
 
 import typer
 
+from host_tools.cli.options import Baud, Port
 from host_tools.clients.grbl import Refused
 from host_tools.failure import Failure, reason
 from host_tools.language import _
@@ -24,8 +25,8 @@ _KEPT_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
 def settings(
     action: str = typer.Argument("show", help="show, backup or restore."),
     file: Optional[Path] = typer.Argument(None, help="The file of backup and restore."),
-    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
-    baud: int = typer.Option(115200, help="Bits per second of a serial port."),
+    port: Port = None,
+    baud: Baud = 115200,
 ):
     """Show a controller's settings with names, units and bounds, save them to a file, or restore them.
 

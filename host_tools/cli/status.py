@@ -1,10 +1,9 @@
 """`passo status`: how a board is now: state, positions, inputs, encoders, what it has logged."""
 
-from typing import Annotated, Optional
 
-import typer
 
 from host_tools.cli.log import BAUD, shown, spoken
+from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import N_, _
 from passo.commands import STATUS_WORDS
@@ -20,11 +19,9 @@ _ACCESSORIES = {"S": N_("spindle clockwise"), "C": N_("spindle counter-clockwise
 
 
 def status(
-    port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")] = None,
-    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
-    protocol: Annotated[
-        Optional[str], typer.Option(help="Language of the link of --port: grbl, torch, pulses or plotter. Default: found by asking.")
-    ] = None,
+    port: Port = None,
+    baud: AnyBaud = None,
+    protocol: Protocol = None,
 ):
     """Show state, position, inputs, encoders and the last errors and alarms. Nothing moves, and nothing is changed, but that a
     plotter forgets its error once it is asked.

@@ -1,11 +1,11 @@
 """`passo torch`: the welding-torch manipulator from a terminal, in millimetres."""
 
 import sys
-from pathlib import Path
 from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import Baud, BoardName, Log, Port
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
 
@@ -25,11 +25,7 @@ app = typer.Typer(
 _NUMBERS = {"ignore_unknown_options": True}  # so that -5 is a number
 JOGS = ("x+", "x-", "y+", "y-")
 
-Port = Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")]
-Baud = Annotated[int, typer.Option(help="Bits per second of a serial port.")]
-BoardName = Annotated[str, typer.Option("--board", help="Board file with the steps/mm: a name, or the path of a .py file.")]
 Steps = Annotated[bool, typer.Option("--steps", help="Numbers are steps and steps/s.")]
-Log = Annotated[Optional[Path], typer.Option(help="Save the bytes on the wire to this file.")]
 Wait = Annotated[bool, typer.Option("--wait/--no-wait", help="Show the position until the machine stands.")]
 Speed = Annotated[float, typer.Option(min=0.001, help="Of both axes.")]
 AxisSpeed = Annotated[Optional[float], typer.Option(min=0.001, help="Of this axis alone.")]
@@ -167,8 +163,6 @@ def jog(
 
         passo torch jog y- --times 10
     """
-    from passo.protocols.torch import protocol as torch
-
     if direction.lower() not in JOGS:
         raise Failure("jog {} or {}, not {!r}", ", ".join(JOGS[:3]), JOGS[3], direction)
     units = Units(board, steps)

@@ -1,11 +1,12 @@
 """`passo watch`: the machine live in a terminal."""
 
 import time
-from typing import Annotated, Optional
+from typing import Annotated
 
 import typer
 
 from host_tools.cli.log import BAUD, spoken
+from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import N_, _
 
@@ -16,11 +17,9 @@ _STATE_COLORS = {"idle": "green", "run": "cyan", "jog": "cyan", "home": "cyan", 
 
 
 def watch(
-    port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")] = None,
-    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
-    protocol: Annotated[
-        Optional[str], typer.Option(help="Language of the link: grbl, torch, pulses or plotter. Default: found by asking.")
-    ] = None,
+    port: Port = None,
+    baud: AnyBaud = None,
+    protocol: Protocol = None,
     interval: Annotated[float, typer.Option(min=0.05, max=60, help="Seconds between two looks.")] = 0.2,
     once: Annotated[bool, typer.Option("--once", help="Show it once, and end.")] = False,
 ):
