@@ -3,7 +3,6 @@
 import contextlib
 import time
 
-
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
@@ -29,15 +28,20 @@ def log(
 
     Example: passo log --port /dev/ttyUSB0 --protocol pulses
     """
+    protocol, port, baud = link(port, baud, protocol)
+    for line in {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud):
+        print(line)
+
+
+def link(port, baud, protocol):
+    """(language, port, baud) of a link that is asked, of the options: what they leave out is found."""
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
-        raise Failure("--protocol {}: it has no word for the log; ask on a link that speaks {}", protocol, ", ".join(BAUD))
+        raise Failure("--protocol {}: it has no word for the status and the log; ask on a link that speaks {}", protocol, ", ".join(BAUD))
     port = port or ports.only()
     baud = baud or BAUD[protocol or "grbl"]
-    protocol = protocol or spoken(port, baud)
-    for line in {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud):
-        print(line)
+    return protocol or spoken(port, baud), port, baud
 
 
 def spoken(port, baud):

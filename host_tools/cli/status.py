@@ -2,7 +2,7 @@
 
 
 
-from host_tools.cli.log import BAUD, shown, spoken
+from host_tools.cli.log import BAUD, link, shown
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import N_, _
@@ -33,13 +33,7 @@ def status(
 
     Example: passo status --port /dev/ttyUSB0 --protocol plotter
     """
-    from host_tools.cli import ports
-
-    if protocol not in (None, *BAUD):
-        raise Failure("--protocol {}: it has no word for the status; ask on a link that speaks {}", protocol, ", ".join(BAUD))
-    port = port or ports.only()
-    baud = baud or BAUD[protocol or "grbl"]
-    protocol = protocol or spoken(port, baud)
+    protocol, port, baud = link(port, baud, protocol)
     rows = {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud)
     width = max(len(_(row[0])) for row in rows)
     for name, text in rows:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from host_tools.cli.log import BAUD, spoken
+from host_tools.cli.log import link
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import N_, _
@@ -37,13 +37,7 @@ def watch(
     from rich.console import Console
     from rich.live import Live
 
-    from host_tools.cli import ports
-
-    if protocol not in (None, *BAUD):
-        raise Failure("--protocol {}: it has no word for the status; ask on a link that speaks {}", protocol, ", ".join(BAUD))
-    port = port or ports.only()
-    baud = baud or BAUD[protocol or "grbl"]
-    protocol = protocol or spoken(port, baud)
+    protocol, port, baud = link(port, baud, protocol)
     with _client(protocol, port, baud) as client:
         view = View(f"{port}, {protocol}")
         look = _LOOKS[protocol]

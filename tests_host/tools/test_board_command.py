@@ -245,7 +245,7 @@ def test_the_log_of_other_languages(board, protocol, refused):
             client.write(torch.frame("INFO") if protocol == "torch" else b"{?}")
             said = client.read(1000)
             assert said == torch.answer("INFO", 0, 0) if protocol == "torch" else b"idle" in said.lower(), said
-        assert "it has no word for the log" in passo("log", "--port", board.port, "--protocol", "keys").stderr
+        assert "it has no word for the status and the log" in passo("log", "--port", board.port, "--protocol", "keys").stderr
         assert board.end()[0] == 0
 
 
