@@ -7,7 +7,7 @@ from passo.app import App
 from passo.commands import BAD, FOREVER, REST, RUN
 from passo.config.boardfile import BoardError, check
 from passo.control.motors import RELEASED
-from passo.ports.virtual import VirtualPort
+from passo.ports.virtual import Nothing, VirtualPort
 from passo.protocols.keys import protocol as keys
 from passo.protocols.keys.protocol import Keys
 
@@ -52,7 +52,7 @@ class Motor:
         return True
 
 
-class Kit:
+class Kit(Nothing):
     """The board of the kit, its motors and its line."""
 
     def __init__(self, board=None):
@@ -87,18 +87,6 @@ class Kit:
     def edges(self, tick, levels, changed):
         for motor in self.motors:
             motor.edges(tick, levels)
-
-    def output(self, tick, name, level):
-        pass
-
-    def input(self, tick, name):
-        return 0
-
-    def run(self, tick):
-        pass
-
-    def next_event(self):
-        return None
 
 
 def pressed(key, speed):

@@ -3,7 +3,7 @@
 from passo.app import App
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
-from passo.ports.virtual import VirtualPort
+from passo.ports.virtual import Nothing, VirtualPort
 from passo.protocols.pulses.report import port_byte
 from passo.steps.wiring import word_pins
 from boards.lpt_router import BOARD
@@ -16,7 +16,7 @@ RUNS = {"check_lines_show_the_image": 40}
 EXAMPLES = {"check_lines_show_the_image": ((0, 0), (1, 0xFF), (3, 0x80), (8, 0x5A))}
 
 
-class Lines:
+class Lines(Nothing):
     """A world that sees the eight lines by their GPIOs. `steps`: their byte whenever a pulse begins."""
 
     def __init__(self, board):
@@ -53,15 +53,6 @@ class Lines:
         if name == "enable":
             self.levels[self.enable] = level
             self.shown.append(self.byte())
-
-    def input(self, tick, name):
-        return 0
-
-    def run(self, tick):
-        pass
-
-    def next_event(self):
-        return None
 
 
 def board_of(bits, invert, **more):

@@ -3,7 +3,7 @@
 from boards.laser_xy import BOARD
 from passo.app import App
 from passo.config.boardfile import check
-from passo.ports.virtual import VirtualPort
+from passo.ports.virtual import Nothing, VirtualPort
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 CASES = {
@@ -26,7 +26,7 @@ FEED_TICKS = 2 * TICKS_PER_MS  # between two calls of the interrupt that makes w
 LEAD_TICKS = 12 * TICKS_PER_MS
 
 
-class Steps:
+class Steps(Nothing):
     """A world that keeps the ticks of all steps."""
 
     def __init__(self):
@@ -38,18 +38,6 @@ class Steps:
     def edges(self, tick, levels, changed):
         if changed & levels & self._step:
             self.ticks.append(tick)
-
-    def output(self, tick, name, level):
-        pass
-
-    def input(self, tick, name):
-        return 0
-
-    def run(self, tick):
-        pass
-
-    def next_event(self):
-        return None
 
 
 class Chip(VirtualPort):

@@ -12,7 +12,7 @@ from passo.app import App
 from passo.commands import AT_REST, RUN, STOP, Command, Run
 from passo.config.boardfile import check
 from passo.machine_builder import make_drive
-from passo.ports.virtual import VirtualPort
+from passo.ports.virtual import Nothing, VirtualPort
 
 
 def board(kind="step_dir", **changes):
@@ -38,7 +38,7 @@ def board(kind="step_dir", **changes):
     return data
 
 
-class Axes:
+class Axes(Nothing):
     """The world: what the drivers or rotors do, from the pins alone."""
 
     def __init__(self, data):
@@ -48,9 +48,6 @@ class Axes:
         self.shortest_setup = None
         self.outputs = []
         self._before = self.drive.levels() if self.drive else 0
-
-    def attach(self, tick, names, levels):
-        pass
 
     def edges(self, tick, levels, changed):
         axes = self.layout.axes
@@ -72,15 +69,6 @@ class Axes:
 
     def output(self, tick, name, level):
         self.outputs.append((tick, name, level))
-
-    def input(self, tick, name):
-        return 0
-
-    def run(self, tick):
-        pass
-
-    def next_event(self):
-        return None
 
 
 class FreeMachine:

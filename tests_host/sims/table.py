@@ -10,13 +10,13 @@ from boards.plotter_2014 import BOARD
 from passo.app import App
 from passo.config.boardfile import check
 from passo.machine_builder import make_drive
-from passo.ports.virtual import VirtualPort
+from passo.ports.virtual import Nothing, VirtualPort
 from passo.protocols.plotter.host import COMMANDS, packet, status_from
 
 EDGE = 30  # steps from the table's end at which a barrier is interrupted
 
 
-class Table:
+class Table(Nothing):
     def __init__(self, start=(100, 80), fault=None, noise=0):
         """`fault`: {barrier: level it always reads}; `noise`: of so many moments that are read at, one is wrong (0: none), whoever reads."""
         self.place = list(start)
@@ -53,9 +53,6 @@ class Table:
             if self.path is not None:
                 self.path.append((self.place[0], self.place[1], self.pen))
 
-    def output(self, tick, name, level):
-        pass
-
     def input(self, tick, name):
         if name in self.fault:
             return self.fault[name]
@@ -67,12 +64,6 @@ class Table:
             if self._count % self.noise == 0:
                 return 1 - level
         return level
-
-    def run(self, tick):
-        pass
-
-    def next_event(self):
-        return None
 
 
 class Machine:
