@@ -12,7 +12,7 @@ import pytest
 import serial
 from emulated import make_machine, uf2  # noqa: F401
 from patience import patience
-from test_board_command import ROOT, environment
+from test_board_command import ROOT, Board, environment
 
 from host_tools.emulator.binary import Unavailable, find_uf2
 from passo.protocols.plotter.host import COMMANDS, packet
@@ -20,7 +20,7 @@ from passo.protocols.plotter.host import COMMANDS, packet
 COMMAND = [sys.executable, "-m", "host_tools.cli", "emulate"]
 
 
-class Emulator:
+class Emulator(Board):
     """A running `passo emulate`; `ports` maps "port" and "usb" to what it printed."""
 
     def __init__(self, uf2, *options):
@@ -41,21 +41,6 @@ class Emulator:
         """What mpremote printed. Raises CalledProcessError."""
         command = [sys.executable, "-m", "mpremote", "connect", self.ports["usb"], *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True, timeout=timeout).stdout
-
-    def end(self, number=signal.SIGTERM):
-        """(exit status, seconds it took, stderr)"""
-        started = time.monotonic()
-        self.process.send_signal(number)
-        _, errors = self.process.communicate(timeout=60)
-        return self.process.returncode, time.monotonic() - started, errors
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        if self.process.poll() is None:
-            self.process.kill()
-        self.process.communicate()
 
 
 BLINK = """
