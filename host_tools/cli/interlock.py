@@ -60,9 +60,7 @@ class Row:
         self.names = sorted({each for product in products for each in product})
 
     def value(self, states):
-        from passo.config.interlock_table import evaluate
-
-        return evaluate(self.products, states)
+        return any(all(states[name] == wanted for name, wanted in product.items()) for product in self.products)
 
     def text(self):
         return " | ".join(

@@ -4,6 +4,7 @@ One table for the rooms, one for MicroPython's built-ins. A rule that stands in 
 """
 
 import ast
+import functools
 import re
 from pathlib import Path
 
@@ -83,6 +84,7 @@ def room_of(path):
     return parts[1] if parts[0] == "passo" else parts[0]
 
 
+@functools.cache
 def tree(source):
     return ast.parse(source)
 
@@ -281,6 +283,7 @@ def attributes(tree):
     return found
 
 
+@functools.cache
 def attributes_of_rooms():
     rooms = {}
     for path in FILES:

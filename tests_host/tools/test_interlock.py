@@ -10,7 +10,7 @@ import pytest
 from mill_equations import EQUATIONS, allowed
 
 from host_tools import boards
-from host_tools.cli.interlock import Table, draw, truth_table
+from host_tools.cli.interlock import Row, Table, draw, truth_table
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 from host_tools.sim.machine import VirtualMachine
@@ -330,8 +330,8 @@ def test_truth_table_and_picture(tmp_path):
         Table(boards.load("router_3axis"))
 
 
-def test_evaluate_reads_what_parse_made():
-    products = interlock_table.parse("a & !b | c")
-    assert [interlock_table.evaluate(products, dict(zip("abc", levels))) for levels in product((False, True), repeat=3)] == [
+def test_a_row_reads_what_parse_made():
+    row = Row("x", interlock_table.parse("a & !b | c"))
+    assert [row.value(dict(zip("abc", levels))) for levels in product((False, True), repeat=3)] == [
         False, True, False, True, True, True, False, True
     ]  # fmt: skip

@@ -40,14 +40,6 @@ def parse(text, where="row"):
     return products
 
 
-def evaluate(products, states):
-    """What a row says. `states`: {name: bool}."""
-    for product in products:
-        if all([states[name] == product[name] for name in product]):
-            return True
-    return False
-
-
 def gates(board):
     """{name: bit} of all that may be gated: x+ x- …, tool, outputs."""
     bits = {}
