@@ -52,6 +52,12 @@ class Running:
             assert time.monotonic() < deadline, self.app.controller.state
             time.sleep(0.01)
 
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
     def close(self):
         self._stop = True
         self._thread.join()

@@ -86,8 +86,7 @@ def test_a_garbled_line_behind_an_accepted_one_hangs_up_on_nobody():
 @pytest.mark.parametrize("request_", REQUESTS[:1] + [b"x\n" * 7 + BODY])
 def test_a_machine_does_not_move(request_):
     """And a sender that comes then is served."""
-    running = Running(line=TcpLine(0))
-    try:
+    with Running(line=TcpLine(0)) as running:
         address = ("127.0.0.1", int(running.line.name.rsplit(":", 1)[1]))
         with socket.create_connection(address, 10) as client:
             client.settimeout(10)
@@ -110,5 +109,3 @@ def test_a_machine_does_not_move(request_):
         assert running.app.controller.state == "alarm" and running.world.place == place, "not unlocked, not moved"
         time.sleep(0.05)
         assert running.world.place == place
-    finally:
-        running.close()

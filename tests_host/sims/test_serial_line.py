@@ -198,8 +198,7 @@ def test_a_client_that_does_not_read_is_told_of(line, capfd, monkeypatch):
 @pytest.mark.parametrize("kind", ["pty", "tcp"])
 def test_lines_sent_without_waiting_are_answered(kind):
     """4,200 bytes at once: an answer a line, in order: what was answered by ok was done, and nothing else."""
-    running = Running("fast", PtyLine() if kind == "pty" else TcpLine(0))
-    try:
+    with Running("fast", PtyLine() if kind == "pty" else TcpLine(0)) as running:
         with serial.serial_for_url(running.line.name, 115200, timeout=10) as client:
             client.write(b"$X\nG91\n")
             while client.readline().strip() != b"ok" or client.readline().strip() != b"ok":
@@ -211,5 +210,3 @@ def test_lines_sent_without_waiting_are_answered(kind):
             client.write(b"G4P0\n")
             assert client.readline().strip() == b"ok"
             assert running.position()[0] == 32 * sum(tenth for tenth, answer in zip(tenths, said) if answer == b"ok")
-    finally:
-        running.close()

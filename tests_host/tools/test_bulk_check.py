@@ -248,8 +248,7 @@ def test_check_as_stream_will_meet_the_machine(tmp_path, capsys):
     """With the machine's own travel, offsets and place: what goes well at one place of the work piece is refused at another."""
     file = tmp_path / "job.gcode"
     file.write_bytes(b"G21G90\nG1X100F5000\nX0\n")
-    running = Running("fast")
-    try:
+    with Running("fast") as running:
         with GrblClient(running.line.name) as client:
             client.connect()
             client.command("$H", 60)
@@ -264,8 +263,6 @@ def test_check_as_stream_will_meet_the_machine(tmp_path, capsys):
             check.check(file, "router_3axis", None, None, running.line.name)
         with pytest.raises(Failure, match="give one of them"):
             check.check(file, "router_3axis", None, "1,2,3", running.line.name)
-    finally:
-        running.close()
 
 
 MEASURE = """

@@ -57,8 +57,7 @@ def test_the_board_goes_where_the_listing_goes(name, tmp_path):
 
 def test_tool_lengths():
     """G43 H1 Z15 goes to 15 mm above zero with that tool's length; a table survives a reset, and an unknown tool is refused."""
-    running = Running("fast")
-    try:
+    with Running("fast") as running:
         with GrblClient(running.line.name) as client:
             client.connect()
             client.command("$X")
@@ -79,14 +78,11 @@ def test_tool_lengths():
             assert "[T1:12.500]" in said and "[TLO:0.000]" in said
             client.command("G49 G0 Z1")
             running.until(lambda: running.position()[2] == STEPS_MM[2])
-    finally:
-        running.close()
 
 
 def test_a_cycle_is_held_and_goes_on():
     """Between two pecks too: nothing of the hole is lost."""
-    running = Running("real")
-    try:
+    with Running("real") as running:
         with GrblClient(running.line.name) as client:
             client.connect()
             client.command("$X")
@@ -99,13 +95,10 @@ def test_a_cycle_is_held_and_goes_on():
             running.until(lambda: running.position() == [320, 0, 400] and running.app.controller.state == "idle")
             client.command("G0 X1")
             running.until(lambda: running.position() == [640, 0, 400])
-    finally:
-        running.close()
 
 
 def test_a_cycle_beyond_the_travel_does_not_begin():
-    running = Running("fast")
-    try:
+    with Running("fast") as running:
         with GrblClient(running.line.name) as client:
             client.connect()
             client.command("$H", 60)
@@ -114,5 +107,3 @@ def test_a_cycle_beyond_the_travel_does_not_begin():
             with pytest.raises(Refused, match="alarm 2"):
                 client.command("G91 G99 G83 X100 Z-10 R-2 Q1 F100 L9")
             assert running.position() == start
-    finally:
-        running.close()

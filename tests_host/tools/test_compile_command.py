@@ -133,8 +133,7 @@ def test_detection_of_both(tmp_path):
 
 def test_stream_compiles(part, tmp_path, capsys):
     """The program's own lines in progress and errors; the machine ends where the program does."""
-    running = Running("fast")
-    try:
+    with Running("fast") as running:
         stream.stream(part, running.line.name, 115200, "count", False, True, None, 5.0, tools=tmp_path / "tools.tbl")
         assert running.position() == [-10 * 320, 5 * 320, 5 * 400]
         assert "compiled as ngc, because line 2 has #" in capsys.readouterr().err
@@ -145,8 +144,6 @@ def test_stream_compiles(part, tmp_path, capsys):
         with GrblClient(running.line.name) as client, stream.Panel(client, list(program.rows()), None, program.origin) as panel:
             panel.done(2)
             assert "part.ngc" in panel.text()
-    finally:
-        running.close()
 
 
 def test_check_compiles(part, tmp_path):

@@ -168,8 +168,7 @@ def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys):
     """Each line is cut once, but for the one amid which it was broken off."""
     body = "".join(f'<path d="M10 {y} h60"/>' for y in range(10, 100, 10))
     path = page_of(tmp_path, 100, 100, body)
-    running = Running("fast")
-    try:
+    with Running("fast") as running:
         where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--depth", 1, "--lift", 0]
         said, status = command(monkeypatch, capsys, path, *where)
         assert not status and "drawn in" in said and not path.with_name("page.svg.journal").exists()
@@ -191,8 +190,6 @@ def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys):
         assert not status and "drawn in" in said and running.position()[:2] == [0, 0]
         said, status = command(monkeypatch, capsys, path, *where, "--continue")
         assert status == 1 and "nothing to continue" in said
-    finally:
-        running.close()
 
 
 def test_a_board_file_decides_the_tool():

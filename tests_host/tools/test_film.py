@@ -100,8 +100,7 @@ def text_of(view):
 
 
 def test_watch_shows_a_running_machine():
-    running = Running("real")
-    try:
+    with Running("real") as running:
         with GrblClient(running.line.name) as client:
             client.connect()
             client.command("$X")
@@ -118,8 +117,6 @@ def test_watch_shows_a_running_machine():
         assert max(float(rows["moves"].split()[0]) for rows in seen) > 600 and seen[-1]["machine"].startswith("X 4.000  Y 4.000")
         assert view.positions[0][0] < 4 and view.positions[-1] == (4.0, 4.0)
         assert "X 4.000  Y 4.000" in text_of(view) and "⣿" in text_of(view)
-    finally:
-        running.close()
 
 
 def test_the_map_shows_the_way():

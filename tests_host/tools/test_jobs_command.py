@@ -131,13 +131,10 @@ def test_a_job_is_written_on_a_card_and_runs_there(tmp_path, part, capsys):
     with pytest.raises(Failure, match="no job's name"):
         jobs.store(part, "A B", "grbl", card=tmp_path)
     card = {"spi": 0, "sck": 22, "mosi": 19, "miso": 20, "cs": 21}
-    running = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "jobs")}, card=card)
-    try:
+    with Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "jobs")}, card=card) as running:
         jobs.run("P", True, True, running.line.name, 115200)
         jobs.list_(running.line.name, 115200)
         assert "P " in capsys.readouterr().out
-    finally:
-        running.close()
 
 
 def test_while_a_job_runs(tmp_path, part):
@@ -157,9 +154,6 @@ def test_while_a_job_runs(tmp_path, part):
 
 
 def test_a_board_without_jobs_says_so():
-    running = Running("fast")
-    try:
+    with Running("fast") as running:
         with pytest.raises(Failure, match="no key `jobs`"):
             jobs.list_(running.line.name, 115200)
-    finally:
-        running.close()

@@ -199,16 +199,13 @@ def test_a_moving_machine_stays_as_it_is():
     from host_tools.clients.grbl import GrblClient
     from running_router import Running
 
-    running = Running("real")
-    try:
+    with Running("real") as running:
         with GrblClient(running.line.name) as client:
             client.connect()
             client.command("$X")
             client.command("G1X200F600")
         with pytest.raises(Failure, match="not at rest: Run"):
             machine._at_rest(running.line.name)
-    finally:
-        running.close()
 
 
 def test_what_becomes_another_machine_and_what_fails(folder, board, small):  # noqa: F811

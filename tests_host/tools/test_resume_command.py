@@ -95,15 +95,12 @@ def test_an_alarm_that_only_a_reset_ends(board, part):
 
 
 def test_a_stored_job_has_a_journal_too(part, tmp_path, capsys):
-    running = Running("fast", journal={"every_ms": 100}, jobs={"language": "grbl", "folder": str(tmp_path / "jobs")})
-    try:
+    with Running("fast", journal={"every_ms": 100}, jobs={"language": "grbl", "folder": str(tmp_path / "jobs")}) as running:
         port = running.line.name
         jobs.store(part, None, "grbl", check=False, port=port)
         jobs.run("PART.NC", True, True, port, 115200)
         resume.resume(part, port, 115200, yes=True)
         assert "interrupted before line 6" in capsys.readouterr().out
-    finally:
-        running.close()
 
 
 def test_what_the_journal_says(part):
@@ -117,9 +114,6 @@ def test_what_the_journal_says(part):
 
 
 def test_a_board_without_a_journal(part):
-    running = Running("fast", journal=None)
-    try:
+    with Running("fast", journal=None) as running:
         with pytest.raises(Failure, match="no journal"):
             resume.resume(part, running.line.name, 115200)
-    finally:
-        running.close()
