@@ -120,7 +120,7 @@ def by_edges(name, lines):
 
 def assert_same(job, world, begun):
     track = job.track
-    assert (track.steps, track.place.tolist()) == (world.steps, world.place)
+    assert (track.steps, track.position.tolist()) == (world.steps, world.place)
     assert job.seconds == pytest.approx((world.last - begun) / TICKS_PER_S, abs=0.02)
     assert [round(a * b) for a, b in zip(job.low, world.scale)] == world.low
     assert [round(a * b) for a, b in zip(job.high, world.scale)] == world.high
