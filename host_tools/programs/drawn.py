@@ -29,10 +29,10 @@ class Spot(NamedTuple):
     def start(self, objects):
         """Where the pen is when it goes on: x, y. Only if anything is done."""
         before = objects[self.number][self.drawn - 1] if self.drawn else objects[self.number - 1][-1]
-        return self.place or before[1:]
+        return self.position or before[1:]
 
     def __str__(self):
-        return _("in the line to point {}", self.done + 1) if self.place else _("before point {}", self.done + 1)
+        return _("in the line to point {}", self.done + 1) if self.position else _("before point {}", self.done + 1)
 
 
 def packets_of(objects, home=False, speed=None):
@@ -123,7 +123,7 @@ def _on(start, end, position):
 
 def announce(client, objects, spot):
     """Tell a board with a journal that the rest of the drawing begins; a point to come leads to `spot.start`, if anything is done."""
-    line = f"$JR={number_of(objects):08x},{spot.done + 1 if spot.place else spot.done},{0 if spot.place else DONE},{1 if spot.done else 0}"
+    line = f"$JR={number_of(objects):08x},{spot.done + 1 if spot.position else spot.done},{0 if spot.position else DONE},{1 if spot.done else 0}"
     if spot.done:
         line += ",%d,%d" % tuple(spot.start(objects))
     try:
