@@ -1,6 +1,8 @@
 """`passo board` as a program: its ports, its time, its files, and how it ends."""
 
+import contextlib
 import csv
+import io
 import os
 import re
 import select
@@ -9,10 +11,12 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from unittest import mock
 
 import pytest
 import serial
 
+from host_tools.cli.main import main
 from passo.protocols.torch import protocol as torch
 from patience import patience
 from test_virtual_machine import LOG_2014
@@ -198,8 +202,14 @@ def test_two_links(tmp_path):
 
 
 def passo(*arguments):
-    command = [sys.executable, "-m", "host_tools.cli", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=environment())
+    """As a process of its own would have it, in this one: quicker."""
+    out, errors, status = io.StringIO(), io.StringIO(), 0
+    with mock.patch.object(sys, "argv", ["passo", *map(str, arguments)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(errors):
+        try:
+            main()
+        except SystemExit as end:
+            status = end.code or 0
+    return subprocess.CompletedProcess(arguments, status, out.getvalue(), errors.getvalue())
 
 
 def test_the_command_is_handed_over_from_both_links(tmp_path):
