@@ -12,7 +12,7 @@ import micropython
 from micropython import const
 
 from passo import errors
-from passo.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
+from passo.commands import ACCEPTED, ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS, Event
 from passo.config.journal import Journal, MemorySlots
 from passo.config.setting_numbers import ENABLE_INVERT
 from passo.config.settings import Settings
@@ -255,8 +255,14 @@ class App:
         """Make words for the player, if there is something to play and the motors are ready."""
         feeder = self.feeder
         indices = self.planner.indices
-        feeder.open = indices[QUEUE_ADDED] != indices[QUEUE_RETIRED] and self.controller.may_feed()
-        if not feeder.open:
+        opens = indices[QUEUE_ADDED] != indices[QUEUE_RETIRED]
+        if opens:
+            for ready in self.controller.readies:
+                if not ready():
+                    opens = False
+                    break
+        feeder.open = opens
+        if not opens:
             return
         live = bool(self.controller.lives) and self.controller.live()
         if self.interrupt:
@@ -291,8 +297,6 @@ class App:
             link.heard = True
         if link.batch and (link.keeps or not link.waiting):
             data = self._in_batches(link, data)
-            if link.keeps and not data and not link.protocol.pending():
-                return ()
         return link.protocol.feed(data, self._now_ms)
 
     def _carry_out(self, commands, link):
@@ -307,8 +311,10 @@ class App:
                 self._begin(command)
 
     def _tell_status(self, command, link):
-        """Answer a question for the status directly: as an event the answer would take six calls more."""
-        answer = link.protocol.reply(self.controller.status(command))
+        """Answer a question for the status directly: as an event the answer would take three calls more."""
+        answer = command.accepted or Event(ACCEPTED, command)
+        answer.value = self.controller.machine.report(True)
+        answer = link.protocol.reply(answer)
         if answer:
             link.serial.write(answer)
         for asked in self.controller.asks:
@@ -363,30 +369,27 @@ class App:
         self._feed()
 
     def _answer(self):
-        events = self.controller.take_events()
-        while events:  # a push may bring about more of them
-            self._tell(events)
-            events = self.controller.take_events()
-
-    def _tell(self, events):
-        for event in events:
+        """Tell the links what has happened; a push may bring about more of it."""
+        events = self.controller.machine.events
+        while events:
+            event = events.pop(0)
             if event.command is None:
                 self._push(event)
                 continue
             link = event.command.link
             if link:
-                self._say(link, link.protocol.reply(event))
+                said = link.protocol.reply(event)
+                if said:
+                    link.serial.write(said)
 
     def _push(self, event):
         """What the machine says unasked, to every link."""
         if event.kind in (ALARM, DROPPED, RESTARTED):
             self._drop(event)
         for link in self.links:
-            self._say(link, link.protocol.push(event))
-
-    def _say(self, link, said):
-        if said:
-            link.serial.write(said)
+            said = link.protocol.push(event)
+            if said:
+                link.serial.write(said)
 
     # --- what was sent before a stop, a reset, an alarm or a hand-over moves nothing after it
 
@@ -416,7 +419,9 @@ class App:
             if waiting:
                 self.controller.refuse(waiting.pop(0), number, *waiting)
             if link is not cause:
-                self._say(link, link.protocol.drop(event))
+                said = link.protocol.drop(event)
+                if said:
+                    link.serial.write(said)
 
     def stop(self):
         """Halt, tool off, motors without current."""

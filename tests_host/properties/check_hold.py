@@ -136,7 +136,7 @@ def check_cancel(seed, kind, part):
         rig.feeder.hold = turns >= held
     feeder = rig.feeder
     feeder.open = False
-    place, _, _ = feeder.cancel(rig.played)
+    place = feeder.cancel(rig.played)
     rig.planner.clear()
     assert list(place) == end_of(words)
     feeder.hold = False

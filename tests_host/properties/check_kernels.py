@@ -9,7 +9,7 @@ from passo.motion import line, line_viper, speed_viper
 from passo.motion.block import WAIT
 from passo.records import (
     PACE_CARRY, PACE_FIELDS, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_STEPS, ROW_TAG, ROW_TOP,
-    SEEN_FIELDS, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW,
+    SEEN_FASTEST, SEEN_FIELDS, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW, SEEN_SHIFT,
 )  # fmt: skip
 from passo.steps import pace_viper, position_viper
 from plain import plain
@@ -156,9 +156,10 @@ def check_along(seed):
     seen = array("i", [7] * SEEN_FIELDS)
     seen[SEEN_ROW], seen[SEEN_PACE] = at, pace
     rows[at + ROW_TAG] = 5
-    for which, line, told in ((whole, 5, speed), (0, 5, 0)):
-        speed_viper.progress(rows, seen, which)
-        assert (seen[SEEN_LINE], 1_000_000 * seen[SEEN_MM_S] + seen[SEEN_NM_S]) == (line, told)
+    for fastest, shift, line, told in ((whole, 0, 5, speed), (0, 0, 5, 0), (whole, random.between(1, 6), 5, speed)):
+        seen[SEEN_FASTEST], seen[SEEN_SHIFT] = fastest, shift
+        speed_viper.progress(rows, seen)
+        assert (seen[SEEN_LINE], 1_000_000 * seen[SEEN_MM_S] + seen[SEEN_NM_S]) == (line, told << shift)
     rows[at + ROW_KIND] = WAIT
-    speed_viper.progress(rows, seen, whole)
+    speed_viper.progress(rows, seen)
     assert not seen[SEEN_LINE] and not seen[SEEN_MM_S] and not seen[SEEN_NM_S]

@@ -53,6 +53,7 @@ class Settings:
         self.dirty = False
         self.failed = False  # it could not be saved, and nothing has changed since
         self.version = 0  # goes up with each change of a number
+        self.steps_per_m = [0] * len(board["axes"])  # of each axis: one list
         self._load(journal.read() or "")
         self.damaged = journal.damaged
         self._apply()
@@ -222,7 +223,7 @@ class Settings:
         """Hand the values that the board file also has to the board dict."""
         axes = self._board["axes"]
         for number in range(len(axes)):
-            axes[number]["steps_per_m"] = self.value(STEPS + number)
+            axes[number]["steps_per_m"] = self.steps_per_m[number] = self.value(STEPS + number)
             turned = bool(self.turned(DIRECTION_INVERT) >> number & 1)
             axes[number]["reversed"] = self._board_reversed[number] != turned
             axes[number]["step_inverted"] = bool(self.turned(STEP_INVERT) >> number & 1)

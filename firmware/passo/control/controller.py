@@ -2,7 +2,7 @@
 
     result = controller.accept(command)    # 0: done or begun; LATER: ask again; a number of errors: refused
     controller.poll()                      # once a cycle of the main loop
-    for event in controller.take_events(): …
+    controller.machine.events.pop(0) …      # what has come of it
 
 Positions are steps from machine position zero, which is where the head stands after homing (before it: where it was
 switched on). Whatever it is and does stands in `machine`, the record of state.py; `queue` hands motion to the planner; the
@@ -10,7 +10,7 @@ rest is the features', which the board file and the languages of its links have 
 """
 
 from passo import commands, errors
-from passo.commands import ACCEPTED, DROPPED, REFUSED, Event
+from passo.commands import DROPPED, REFUSED, Event
 from passo.control.feature import overriding
 from passo.control.links import OF_ANY_LINK
 from passo.records import COUNT_MASK, REST_MS
@@ -47,15 +47,13 @@ class Controller:
         self._holds = overriding(features, "poll_hold")
         self._ends = overriding(features, "poll_end")
         self.lives = overriding(features, "live")
-        self._readies = overriding(features, "ready")
+        self.readies = overriding(features, "ready") + (machine.motors.ready,)  # all have to say so before words are played
         self._busies = overriding(features, "busy")
         self._stops = overriding(features, "stopped")
         self.asks = overriding(features, "asked")
         self._batches = {}  # (open, accept, close) by their kind
         for feature in features:
             self._batches.update(feature.batches() or {})
-        self._taken = []  # this and the machine's events change places: none has to be made
-        self._report = {"position": queue.here, "seen": queue.seen, "log": machine.log}  # one for all: used up before the next
         self._late = 0
         self._version = -1  # of the settings, as poll() has found it
         self._stood_ms = -1  # since when; −1: it does not
@@ -97,26 +95,26 @@ class Controller:
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
         if command.kind == commands.STATUS:
-            self.machine.tell(self.status(command))
+            self.machine.accepted(command, self.machine.report(True))
             for asked in self.asks:
                 asked(command.link)
             return 0
         self.machine.awake = True
-        handler = self.machine.handlers.get(command.kind)
-        result = self._refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
+        link = command.link
+        if link is None or link.number == self.machine.commander or command.kind in OF_ANY_LINK or self._may(command):
+            handler = self.machine.handlers.get(command.kind)
+            result = handler(command) if handler else errors.UNKNOWN_COMMAND
+        else:
+            result = errors.COMMANDED_ELSEWHERE
         if result > 0:
             self.refuse(command, result)
         return result
 
-    def _refusal(self, command):
-        """0, or why the command's link may not say this now."""
-        link = command.link
-        kind = command.kind
-        if link is None or link.number == self.machine.commander or kind in OF_ANY_LINK:
-            return 0
-        if link.number == self.machine.lender and kind in _OF_LENDER or kind == commands.JOURNAL and command.target is None:
-            return 0
-        return errors.COMMANDED_ELSEWHERE
+    def _may(self, command):
+        """True if a link that does not command may say this: it has started a stored job, or asks for the journal."""
+        if command.link.number == self.machine.lender and command.kind in _OF_LENDER:
+            return True
+        return command.kind == commands.JOURNAL and command.target is None
 
     # --- batches: by the same rules as commands
 
@@ -136,15 +134,6 @@ class Controller:
         machine.note(number, command.link.name)
         for refused in (command,) + more:
             machine.tell(Event(REFUSED, refused, number))
-
-    def take_events(self):
-        """What has happened since; good until it is asked for again."""
-        events = self.machine.events
-        if events:
-            self._taken.clear()
-            self.machine.events = self._taken
-            self._taken = events
-        return events
 
     def poll(self):
         """One cycle: features look at what comes from outside, and if the machine is awake, they go on with their work."""
@@ -185,7 +174,7 @@ class Controller:
         machine = self.machine
         machine.jogging = False
         if machine.busy_with(commands.STOP):
-            machine.finish(machine.report({}))
+            machine.finish(machine.report())
         settings = machine.settings
         if self._stood_ms < 0:
             self._stood_ms = now_ms
@@ -200,13 +189,6 @@ class Controller:
     def begin(self):
         """Nothing more is coming for now: what waits sets out. A moving machine fetches on its own."""
         self.queue.begin()
-
-    def may_feed(self):
-        """True if the motors are ready for the words of what is queued."""
-        for ready in self._readies:
-            if not ready():
-                return False
-        return self._motors.ready(self._port.machine_ms())
 
     def raise_alarm(self, number, who=None):
         self.machine.raise_alarm(number, who)
@@ -236,24 +218,10 @@ class Controller:
     def _home(self, command):
         return errors.NO_HOMING
 
-    def status(self, command):
-        """The event that answers STATUS, which is never refused. The caller calls all of `asks` when it has answered."""
-        machine = self.machine
-        report = self._report
-        log = machine.log
-        report["state"] = machine.state
-        report["slows"] = machine.dropping or machine.retracts
-        report["error"] = machine.alarm or log.last
-        log.last = 0
-        machine.report(report)
-        event = command.accepted or Event(ACCEPTED, command)
-        event.value = report
-        return event
-
     def _stop(self, command):
         machine = self.machine
         if machine.busy_with(commands.STOP):
-            machine.finish(machine.report({}))
+            machine.finish(machine.report())
         elif machine.command is not None:
             machine.tell(Event(REFUSED, machine.command, errors.STOPPED))
         if machine.busy_with(commands.HOME):

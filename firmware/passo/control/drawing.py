@@ -178,7 +178,7 @@ class Drawing(Feature):
             self.drawn = self._taken
             self._job.counted += self._taken
             machine.drawing = False
-            machine.finish(machine.report({}))
+            machine.finish(machine.report())
 
     def report(self, report):
         """What the status report says of what is stored and drawn."""

@@ -29,9 +29,8 @@ class HostWatch(Feature):
         self._lines = {}  # what hears, by the numbers of their links; stored jobs come by another, and need no host
         self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
         self._works = False  # something is under way
-        self._begun_ms = 0  # when it began
         self._asks = False  # the host of the link that commands has asked
-        self._asked_ms = 0  # when it did so last
+        self._asked_ms = 0  # when it did so last, or when the work began
         self._doubt = 0  # how many questions in time it owes, because it has let lost_ms pass without one
         self._number = -1  # the link that commands
         homing = board["homing"]
@@ -66,14 +65,15 @@ class HostWatch(Feature):
         machine.awake = True
         now_ms = machine.port.link_ms()
         if not worked:
-            self._begun_ms = now_ms
+            self._asked_ms = now_ms
             self._doubt = 0
         if line.was_heard() or not worked:
             self._since_ms = now_ms
             return
         link = self._links[number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
-            if link["protocol"] != _MAY_BE_SILENT or self._asks and not self._doubt and self._in_time(self._since_ms):
+            in_time = (self._since_ms - self._asked_ms) & COUNT_MASK < link["lost_ms"]
+            if link["protocol"] != _MAY_BE_SILENT or self._asks and not self._doubt and in_time:
                 self._lost(link)
             self._since_ms = now_ms
 
@@ -82,18 +82,12 @@ class HostWatch(Feature):
         if link is None or link.number != self._number or link.number not in self._lines:
             return
         now_ms = self._machine.port.link_ms()
-        if not self._in_time(now_ms):
+        if (now_ms - self._asked_ms) & COUNT_MASK >= self._links[self._number]["lost_ms"]:
             self._doubt = _SURE
         elif self._doubt:
             self._doubt -= 1
         self._asks = True
         self._asked_ms = now_ms
-
-    def _in_time(self, now_ms):
-        """Whether less than lost_ms before `now_ms` it asked, or what is under way began."""
-        lost_ms = self._links[self._number]["lost_ms"]
-        asked = self._asks and (now_ms - self._asked_ms) & COUNT_MASK < lost_ms
-        return asked or (now_ms - self._begun_ms) & COUNT_MASK < lost_ms
 
     def _lost(self, link):
         machine = self._machine
@@ -120,7 +114,7 @@ class HostWatch(Feature):
             self._up = True
             target[_Z] = 0
             queue.tool = queue.lit()
-            queue.set_power(self._power, False)
+            queue.planner.set_power(self._power, False)
             queue.go(target, 0, 0, queue.tool, 0)
             queue.flush()
         else:

@@ -49,13 +49,13 @@ class Motors:
             self._set(RELEASED)
         return self.state == RUNNING or self.state == HOLDING and release_ms > 0
 
-    def ready(self, now_ms):
+    def ready(self):
         """True when motion may begin. Drivers with STEP and DIR know no current to hold with."""
         if self._without:
             return True
         if self.state == HOLDING:
             return self._drive is None
-        return self.state == RUNNING and (now_ms - self._ready_ms) & COUNT_MASK < COUNT_HALF
+        return self.state == RUNNING and (self._port.machine_ms() - self._ready_ms) & COUNT_MASK < COUNT_HALF
 
     def unpowered(self, mask):
         """The axes of `mask` are without current while the others run; 0: none. Drivers with STEP and DIR share one

@@ -24,20 +24,6 @@ class Pauses(Feature):
             commands.PAUSE: self._pause,
         }
 
-    def report(self, report):
-        """grbl's number behind Hold: (0 at a stand, 1 on the way there) and Door: (0 ready, 1 open, 2 on the way to its
-        stand, 3 resuming)."""
-        machine = self._machine
-        if not machine.hold:
-            return
-        door = machine.hold == "door"
-        if machine.resuming:
-            report["substate"] = 3 if door else 1
-        elif not machine.stood:
-            report["substate"] = 2 if door else 1
-        else:
-            report["substate"] = 1 if door and machine.inputs.door_open() else 0
-
     # --- commands
 
     def _hold(self, command):

@@ -12,13 +12,9 @@ from passo.config import setting_numbers as table
 from passo.control.arc_bounds import farthest
 from passo.control.line_batches import LineBatches
 from passo.errors import LATER
-from passo.motion.block import WAIT
 from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
-from passo.motion.speed_viper import progress
-from passo.records import (
-    LIMIT_WHOLE, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TOP, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW,
-)  # fmt: skip
+from passo.records import SEEN_FASTEST, SEEN_SHIFT
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
@@ -34,8 +30,7 @@ def minute_ticks(command):
 class Program(LineBatches):
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
-        self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
-        self._whole = 0  # their LIMIT_WHOLE
+        self._limits_of = None  # the settings' version whose limits the planner knows
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         LineBatches.__init__(self, board, machine, queue)
@@ -196,7 +191,7 @@ class Program(LineBatches):
         power = thousandths(command.power)
         changes = power != planner.power or command.tool != self._queue.tool
         if changes or command.dynamic != planner.dynamic:
-            self._queue.set_power(power, command.dynamic)
+            planner.set_power(power, command.dynamic)
             if changes and not command.dynamic:
                 if not any(self._queue.deltas(command.target)) and not self._circles(command):
                     self._queue.set_tool(command.tool, command.number)  # no step carries the laser's change
@@ -235,7 +230,7 @@ class Program(LineBatches):
         self._limits_of = settings.version
         jerk = settings.value(table.JERK)
         axes = range(len(self._axes))
-        self._limits = Limits(
+        limits = Limits(
             [settings.value(table.STEPS + axis) for axis in axes],
             [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
@@ -243,8 +238,12 @@ class Program(LineBatches):
             max(settings.value(table.START), self._machine.steady_mm_min * 1000) * 50 // 3,
             jerk * 1000,
         )
-        self._planner.limits(self._limits)
-        self._whole = self._limits.fields[LIMIT_WHOLE]
+        self._planner.limits(limits)
+        shift = 0
+        while limits.fastest >> shift >= 1 << 30:
+            shift += 1
+        seen = self._queue.seen
+        seen[SEEN_FASTEST], seen[SEEN_SHIFT] = limits.fastest >> shift, shift
 
     # --- probing
 
@@ -342,24 +341,3 @@ class Program(LineBatches):
         machine.active = machine.active and not still
         if queue.streams or queue.waiting:
             machine.awake = True
-
-    def report(self, report):
-        """What the status report says of motion."""
-        seen = self._queue.seen
-        progress(self._planner.rows, seen, self._whole)
-        if not self._machine.active:
-            seen[SEEN_LINE] = 0
-        if seen[SEEN_PACE] and not self._whole and self._limits:
-            self._tell_fast(seen)
-
-    def _tell_fast(self, seen):
-        """The speed of a machine of more than a metre a second: large integers."""
-        rows = self._planner.rows
-        at = seen[SEEN_ROW]
-        if at < 0 or rows[at + ROW_KIND] == WAIT:
-            return
-        speed = self._limits.speed(rows[at + ROW_SPEED])
-        if rows[at + ROW_GAIN]:
-            speed = speed * seen[SEEN_PACE] // rows[at + ROW_TOP]
-        seen[SEEN_MM_S] = speed // 1_000_000
-        seen[SEEN_NM_S] = speed % 1_000_000

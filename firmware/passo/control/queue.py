@@ -8,7 +8,7 @@ from array import array
 import micropython
 
 from passo.motion.row_viper import room
-from passo.records import QUEUE_ADDED, QUEUE_RETIRED, SEEN_FIELDS, SEEN_LIT, SEEN_ROOM
+from passo.records import QUEUE_ADDED, QUEUE_RETIRED, ROW_DYNAMIC, SEEN_FIELDS, SEEN_LIT, SEEN_ROOM
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 
@@ -254,7 +254,7 @@ class Queue:
 
     def drop(self):
         """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
-        position, _, _ = self._feeder.cancel(self._player.played())
+        position = self._feeder.cancel(self._player.played())
         self._planner.clear()
         self.chords = None
         if self._walker is not None:
@@ -267,8 +267,9 @@ class Queue:
 
     def dynamic(self):
         """True if the power of the block under way, or of the last one, follows the speed."""
-        block = self._planner.playing()
-        return self._planner.dynamic if block is None else block.dynamic
+        planner = self._planner
+        at = planner.row()
+        return planner.dynamic if at < 0 else planner.rows[at + ROW_DYNAMIC] > 0
 
     def power(self, level):
         """Show a power, 0 … 1000, at once, if the board has an output for it."""

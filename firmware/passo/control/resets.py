@@ -18,7 +18,7 @@ class Resets(Feature):
         alarm = 0
         if machine.busy_with(commands.HOME):
             alarm = errors.ALARM_HOMING_RESET
-        elif not (self._queue.still() or machine.standing() or self._waits()):
+        elif not (self._queue.still() or machine.hold and machine.stood or self._waits()):
             alarm = errors.ALARM_RESET
         elif machine.sleeping or machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED

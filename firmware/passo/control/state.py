@@ -15,6 +15,7 @@ from passo.control.feature import overriding
 from passo.control.inputs import Inputs
 from passo.control.log import Log
 from passo.errors import LATER
+from passo.records import SEEN_LINE
 
 
 class MachineState:
@@ -59,12 +60,14 @@ class MachineState:
         self.commander = self.links.index(board["commands"] or self.links[0])  # the link that may command
         self.lender = -1  # the link that commanded when a stored job began to run; -1: none runs
         self.guarded = guarded
-        self.events = []
+        self.events = []  # to be told: the app takes them
+        self._report = {"position": queue.here, "seen": queue.seen, "log": self.log}  # one for all: used up before the next
+        self.target = queue.target  # where the queue ends, steps of each axis: one array
         self.arcs = queue.arcs
         self.handlers = {}  # of all features, by the kind of command
         self._features = ()
         self._active = self._held = self._reports = ()
-        self._axes = board["axes"]
+        self.steps_per_m = settings.steps_per_m
         homing = board["homing"]
         self._homing_first = bool(homing and homing["required"])
         self.guard()
@@ -102,18 +105,9 @@ class MachineState:
         return "run" if command or self.drawing or self.active or self._active and self.occupied() else "idle"
 
     @property
-    def target(self):
-        """Where the queue ends, steps of each axis: an array that is the machine's own."""
-        return self.queue.target
-
-    @property
     def blocks(self):
         """How many blocks can be queued now."""
         return self.queue.room()
-
-    @property
-    def steps_per_m(self):
-        return [axis["steps_per_m"] for axis in self._axes]
 
     def busy_with(self, kind):
         return self.command is not None and self.command.kind == kind
@@ -122,10 +116,6 @@ class MachineState:
         """True while inputs decide where the machine stops: cycles of the main loop should be short."""
         command = self.command
         return command is not None and (command.kind == commands.HOME or command.kind == commands.PROBE)
-
-    def standing(self):
-        """True in a hold that has come to its stand."""
-        return bool(self.hold) and self.stood
 
     def occupied(self):
         """True while a feature has the axes to itself."""
@@ -170,12 +160,33 @@ class MachineState:
         self.queue.flush()
         return False
 
-    def report(self, report):
-        """Have every feature add to `report`, a dict, after a look at the queue, see Queue.look()."""
+    def report(self, answers=False):
+        """What there is to say of the machine: a dict, the same each time, after a look at the queue (Queue.look()) and with what every
+        feature adds. `answers` STATUS: the number that was logged last has been told then."""
+        report = self._report
         self.queue.look()
+        if not self.active:
+            self.queue.seen[SEEN_LINE] = 0
+        report["state"] = self.state
+        report["slows"] = self.dropping or self.retracts
+        if self.hold:
+            report["substate"] = self.substate()
         for add in self._reports:
             add(report)
+        report["error"] = self.alarm or self.log.last
+        if answers:
+            self.log.last = 0
         return report
+
+    def substate(self):
+        """grbl's number behind Hold: (0 at a stand, 1 on the way there) and Door: (0 ready, 1 open, 2 on the way to its
+        stand, 3 resuming)."""
+        door = self.hold == "door"
+        if self.resuming:
+            return 3 if door else 1
+        if not self.stood:
+            return 2 if door else 1
+        return 1 if door and self.inputs.door_open() else 0
 
     # --- what is told
 
@@ -272,13 +283,13 @@ class MachineState:
 
     def shut_down(self):
         """Stop at once, forget all work, outputs safe. The position is no longer known."""
+        self._make_safe()
+        self.motors.release()
+
+    def _make_safe(self):
         self.abort()
         self.forget()
         self.lose_place()
-        self._release()
-        self.motors.release()
-
-    def _release(self):
         for feature in self._features:
             feature.release()
 
@@ -291,10 +302,7 @@ class MachineState:
             self.forget()
         elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
             errors.ALARM_GANTRY):
-            self.abort()
-            self.forget()
-            self.lose_place()
-            self._release()
+            self._make_safe()
             self.switch_off()
         else:
             self.shut_down()

@@ -108,14 +108,14 @@ class StreamQueue(Queue):
             self.feed()
         elif changes:
             planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, True, over_half)
-        self._reach(deltas)
+        self._arrive(target)
 
     def weave(self, woven, command):
         """Go to the end of a seam (motion/weave.py), the way that it takes."""
         self._change_tool(command.tool, command.number)
         self.chords = woven
         self.feed()
-        self._reach(self.deltas(command.target))
+        self._arrive(command.target)
 
     def _cut(self, deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations):
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
@@ -123,10 +123,6 @@ class StreamQueue(Queue):
         if ticks:
             nm_s = ellipse.length_nm * TICKS_PER_S // ticks
         return self._make_chords(ellipse, nm_s, tool, tag, steps_per_m, accelerations, self._planner.slowest())
-
-    def _reach(self, deltas):
-        self.lead([at + by for at, by in zip(self.target, deltas)])
-        self.waiting = True
 
     def deltas(self, target):
         deltas = [0] * len(self._axes)
@@ -137,10 +133,6 @@ class StreamQueue(Queue):
     def ticks_at(self, deltas, nm_s):
         """How long a line lasts at a speed along the path."""
         return length_nm(deltas, [axis["steps_per_m"] for axis in self._axes]) * TICKS_PER_S // nm_s
-
-    def set_power(self, power, dynamic):
-        """Analogue power, 0 … 1000, of all that is added from now on; `dynamic`: in proportion to the speed."""
-        self._planner.set_power(power, dynamic)
 
     def slow_tool(self):
         """True if a change of the tool takes time."""

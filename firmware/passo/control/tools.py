@@ -32,7 +32,7 @@ class Tools(Feature):
         machine.overrides = [100, 100, 100]  # feed, rapid, spindle
         machine.spindle = SPINDLE_OFF
         machine.power = 0
-        self._queue.set_power(0, False)
+        self._planner.set_power(0, False)
         machine.coolant = self._cools = 0  # as it should be, and as it is
         self._override_all()
 
@@ -56,8 +56,10 @@ class Tools(Feature):
         """Switch off a laser whose power follows the speed while nothing moves (`still`)."""
         machine = self._machine
         own = machine.jogging or machine.command is not None and machine.fine()
-        if own != self._own or self._settings_of != machine.settings.version:
+        if own != self._own:
             self._own = own
+            self._override_motion()
+        if self._settings_of != machine.settings.version:
             self._settings_of = machine.settings.version
             self._lasing = self.laser()
             self._override_all()
@@ -99,7 +101,7 @@ class Tools(Feature):
             machine.spindle = command.value
             machine.power = command.power if command.value != SPINDLE_OFF else 0
             machine.at_speed = not machine.waits_for_speed or command.value == SPINDLE_OFF
-            self._queue.set_power(0 if laser and not command.tool else thousandths(machine.power), False)
+            self._planner.set_power(0 if laser and not command.tool else thousandths(machine.power), False)
             self._put("reverse", command.value == 4)
             still = self._queue.still()
             lit = self._queue.lit() if still else self._queue.tool
@@ -156,15 +158,15 @@ class Tools(Feature):
         self._override_all()
         return self._machine.accepted(command)
 
+    def _override_motion(self):
+        feed, rapid, _ = (100, 100, 0) if self._own else self._machine.overrides
+        self._planner.override(feed, rapid)
+
     def _override_all(self):
-        overrides = self._machine.overrides
-        if self._own:
-            self._planner.override(100, 100)
-        else:
-            self._planner.override(overrides[0], overrides[1])
+        self._override_motion()
         settings = self._machine.settings
         least = settings.value(table.MIN_RPM) * 1000 // settings.value(table.MAX_RPM)
-        self._queue.analogue.adjust(overrides[2], min(least, 999))
+        self._queue.analogue.adjust(self._machine.overrides[2], min(least, 999))
         if self._queue.lit():
             self._queue.restore_power()
 

@@ -4,7 +4,7 @@
     speed = root_of(q, near)                # units, with 7 fraction bits
     ticks = path_ticks(path, span, speed)   # how long a path lasts
     nm_s = along(rows, at, pace, whole)     # the pace of a segment (RAMP_PACE) as a speed
-    progress(rows, seen, whole)             # line and speed of what is under way, for a status report
+    progress(rows, seen)                    # line and speed of what is under way, for a status report
 
 A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py says what that asks of integers. None reaches 2³⁰.
 """
@@ -86,8 +86,8 @@ def gained(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def along(rows: ptr32, at: int, pace: int, whole: int) -> int:
-    """The speed along the path, nm/s, at `pace`, which counts in units of the block at rows[at]. ROW_SPEED is a fraction, of 2²⁸, of
-    `whole`, the machine's fastest speed in nm/s (LIMIT_WHOLE, below 2³⁰). The product is formed from halves of 14 and 15 bits: no sum
+    """The speed along the path at `pace`, which counts in units of the block at rows[at]. ROW_SPEED is a fraction, of 2²⁸, of `whole`, the
+    machine's fastest speed (below 2³⁰, in nm/s or a multiple of it). The product is formed from halves of 14 and 15 bits: no sum
     reaches 2³¹."""
     part = rows[at + ROW_SPEED]
     high = part >> 14
@@ -101,16 +101,16 @@ def along(rows: ptr32, at: int, pace: int, whole: int) -> int:
 
 
 @micropython.viper
-def progress(rows: ptr32, seen: ptr32, whole: int):
-    """SEEN_LINE and the speed of the block at SEEN_ROW, by SEEN_PACE; no speed if `whole` is 0: the machine has no limits, or its
-    fastest speed does not fit in LIMIT_WHOLE."""
+def progress(rows: ptr32, seen: ptr32):
+    """SEEN_LINE and the speed of the block at SEEN_ROW, by SEEN_PACE and SEEN_FASTEST; no speed if the machine has no limits."""
     seen[SEEN_LINE] = 0
     speed = 0
     at = int(signed(seen[SEEN_ROW]))
     if at >= 0 and rows[at + ROW_KIND] != WAIT:
         seen[SEEN_LINE] = rows[at + ROW_TAG]
         pace = seen[SEEN_PACE]
-        if pace and whole:
-            speed = int(along(rows, at, pace, whole))
-    seen[SEEN_MM_S] = speed // 1_000_000
-    seen[SEEN_NM_S] = speed % 1_000_000
+        if pace and seen[SEEN_FASTEST]:
+            speed = int(along(rows, at, pace, seen[SEEN_FASTEST]))
+    shift = seen[SEEN_SHIFT]
+    seen[SEEN_MM_S] = speed // (1_000_000 >> shift)
+    seen[SEEN_NM_S] = speed % (1_000_000 >> shift) << shift

@@ -184,16 +184,10 @@ class Feeder(Position):
     # --- stopping: main loop only; asking is in position.py
 
     def cancel(self, played):
-        """After the player has halted, and with `open` cleared: drop all words not played, take their place as truth.
-
-        Returns (position, block, index): the block that was under way, if any, and how many of its dominant steps
-        have been made (of a step program: the place), so that it can be taken up again. The planner keeps its blocks.
-        """
+        """After the player has halted, and with `open` cleared: drop all words not played, take where they led to as truth. Returns
+        that position. The planner keeps its blocks."""
         self.retire(played)
-        at = self._walk(played)
-        position = list(self._found)
-        block = self.planner.playing()
-        index = self._along(block, at, self._stepping)
+        position = list(self.found(played))
         self.ring.head = played
         self.ring.power.clear()
         for axis in range(self.layout.axes):
@@ -207,4 +201,4 @@ class Feeder(Position):
                 levels = self.drive.directions(levels)
         self.state[FEED_LEVELS] = levels & self.layout.levels_mask & ~(self.layout.step_mask | self.layout.tool_mask)
         self._reset(played)
-        return position, block, index
+        return position

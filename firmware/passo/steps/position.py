@@ -23,7 +23,7 @@ class Position:
         self._stride = MARK_FIELDS + axes
         self.marks = zeros(MARKS * self._stride)
         self.state = array("i", [0] * (FEED_PLACE + axes))
-        self._seen_of = self.state, self.marks, ring.words, planner.indices
+        self._seen_of = self.state, self.marks, ring.words, planner.rows, planner.indices
 
     def position(self, played):
         """Steps of each axis since power-up when `played` words have appeared on the pins: exact. Where an interrupt
@@ -37,11 +37,11 @@ class Position:
 
     def look(self, played, origin, position, seen):
         """The position, less `origin`, to the array `position`, and SEEN_… to `seen`."""
-        state, marks, words, indices = self._seen_of
+        state, marks, words, rows, indices = self._seen_of
         if self.drive is None:
-            look(state, marks, words, indices, played, origin, position, seen)
+            look(state, marks, words, rows, indices, played, origin, position, seen)
             return
-        see(state, marks, words, indices, played, self._walk(played), seen)
+        see(state, marks, words, rows, indices, played, self._walk(played), seen)
         found = self._found
         for axis in range(len(found)):
             position[axis] = found[axis] - origin[axis]

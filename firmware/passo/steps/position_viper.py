@@ -2,7 +2,7 @@
 
     at = find(state, marks, played, position)
     stepping = tally(words, mask, word, until, axes, position)
-    look(state, marks, words, indices, played, origin, position, seen)    # all that a status report wants, of one moment
+    look(state, marks, words, rows, indices, played, origin, position, seen)  # all that a status report wants, of one moment
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
 
@@ -14,6 +14,7 @@ is counted. So each axis has a byte in which its steps are counted, for up to 25
 import micropython
 
 from passo.motion.row_viper import room
+from passo.motion.speed_viper import progress
 from passo.records import *
 
 
@@ -64,7 +65,9 @@ def tally(words: ptr32, mask: int, word: int, until: int, axes: int, position: p
 
 
 @micropython.viper
-def look(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, origin: ptr32, position: ptr32, seen: ptr32):
+def look(
+    state: ptr32, marks: ptr32, words: ptr32, rows: ptr32, indices: ptr32, played: int, origin: ptr32, position: ptr32, seen: ptr32
+):
     """What the main loop sees when `played` words have appeared: the position, less `origin`, goes to `position`, SEEN_… to `seen`. If an
     interrupt goes on meanwhile it is the position a moment later. Of words of the step form."""
     at = -1
@@ -82,12 +85,12 @@ def look(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, 
             played = state[FEED_PLAYED]
     for axis in range(state[FEED_AXES]):
         position[axis] -= origin[axis]
-    see(state, marks, words, indices, played, at, seen)
+    see(state, marks, words, rows, indices, played, at, seen)
 
 
 @micropython.viper
-def see(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, at: int, seen: ptr32):
-    """SEEN_… when `played` words have appeared, and the last checkpoint played stands at `at` in `marks`."""
+def see(state: ptr32, marks: ptr32, words: ptr32, rows: ptr32, indices: ptr32, played: int, at: int, seen: ptr32):
+    """All of SEEN_… when `played` words have appeared, and the last checkpoint played stands at `at` in `marks`."""
     axes = state[FEED_AXES]
     number = at // (MARK_FIELDS + axes)
     pace = 0
@@ -99,3 +102,4 @@ def see(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, a
     seen[SEEN_PACE] = pace
     levels = words[(played - 1) & state[FEED_MASK]] & ((1 << state[FEED_BITS]) - 1)
     seen[SEEN_LIT] = 1 if levels & state[FEED_TOOL] else 0
+    progress(rows, seen)

@@ -127,12 +127,6 @@ class Lines:
         """Bytes that can be kept."""
         return LINES_BYTES - self.fields[LINES_END] + self.fields[LINES_AT]
 
-    def room(self):
-        """Of the bytes that a sender may have under way, those that are not kept."""
-        fields = self.fields
-        room = RX_BYTES - fields[LINES_END] + fields[LINES_AT]
-        return room if room > 0 else 0
-
     def take(self, data):
         """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
         if not data:

@@ -31,7 +31,7 @@ from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare, rounded
-from passo.protocols.grbl.lines import LEFT, LONG, REAL_TIME, SLOWLY, Lines, plain_text
+from passo.protocols.grbl.lines import LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, plain_text
 from passo.protocols.grbl.real_time import real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
@@ -45,6 +45,8 @@ except MemoryError:  # a board that has too little, or not in one piece: feed() 
 
 _SEVERAL = const(2)
 _ASKS = const(0x3F)  # ?
+_BY_ITSELF = b"\x18!"  # a read of no more than this has no line in it, as a rule
+_HIGHEST = const(0x7D)  # and what is above it
 _FIRST, _LAST = const(0), const(-1)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
@@ -65,7 +67,9 @@ class Grbl:
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
         self._taker = self._arrays = None  # the batch's, and what take_lines() takes
-        self._asked = None  # made when first asked
+        asked = Command(commands.STATUS)  # what `?` says, used again and again
+        asked.accepted = Event(ACCEPTED, asked)
+        self._asked = (asked,)
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
         self._configure()
@@ -118,8 +122,8 @@ class Grbl:
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
-        if data == b"!":
-            return False  # by itself: it need not wait for the machine's yes
+        if data and (data[_LAST] > _HIGHEST or data[_LAST] in _BY_ITSELF):
+            return False  # it need not wait for the machine's yes
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
             or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
@@ -159,14 +163,17 @@ class Grbl:
         """Keep `data`; commands of the real-time bytes among it, as feed(). Lines wait for take() and feed()."""
         if not self._lines.take(data):
             return self._commands(data)
-        return self._ask() if self._lines.fields[LINES_ASKED] else ()
+        asked = self._lines.fields[LINES_ASKED]
+        self._lines.fields[LINES_ASKED] = 0
+        return self._asked if asked else ()
 
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
         if not data:
             fields = self._lines.fields
             if fields[LINES_ASKED]:
-                return self._ask()
+                fields[LINES_ASKED] = 0
+                return self._asked
             if self._under_way is not None or fields[LINES_WAITS]:
                 return ()
             if fields[LINES_AT] == fields[LINES_WHOLE] and not (self._rest or self._start_lines or self._lines.lost):
@@ -196,22 +203,14 @@ class Grbl:
         """Bytes that feed() and take() can keep."""
         return self._lines.free()
 
-    def _ask(self):
-        """The command of `?`: one, used again and again."""
-        self._lines.fields[LINES_ASKED] = 0
-        if self._asked is None:
-            command = Command(commands.STATUS)
-            command.accepted = Event(ACCEPTED, command)
-            self._asked = (command,)
-        return self._asked
-
     def _commands(self, data):
         if not self._lines.take(data):
             for command in self._peel(data):
                 yield command
             return  # the lines come with the next cycle, in a batch or not
         if self._lines.fields[LINES_ASKED]:
-            yield self._ask()[0]
+            self._lines.fields[LINES_ASKED] = 0
+            yield self._asked[0]
         most = self._most
         while self._under_way is None and most:
             most -= 1
@@ -231,7 +230,8 @@ class Grbl:
             if byte == 0x3F:
                 if not asked:
                     asked = True
-                    yield self._ask()[0]
+                    self._lines.fields[LINES_ASKED] = 0
+                    yield self._asked[0]
                 continue
             command = real_time(byte) if byte > 0x7D or byte < 0x40 else None
             if command is None:
@@ -287,7 +287,9 @@ class Grbl:
         """The bytes that tell the sender of `event`."""
         command = event.command
         if command.kind == commands.STATUS:
-            return self._status.text(event.value, self._lines.room())
+            fields = self._lines.fields
+            room = RX_BYTES - fields[LINES_END] + fields[LINES_AT]
+            return self._status.text(event.value, room if room > 0 else 0)
         if command is not self._under_way or command.kind in (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE):
             self._status.overrides = 0  # a report shows it at once
         if command is not self._under_way:
