@@ -27,9 +27,9 @@ class _Batch:
         self.begun = False  # open() has said yes, and close() has not been called since
         self.room = 0  # the controller's, as what follows: for so many rows
 
-    def join(self, open, accept, close):
+    def join(self, open, accept, close, arc=None):
         """What Controller.batches() gives."""
-        self.open, self.accept, self.close = open, accept, close
+        self.open, self.accept, self.close, self.arc = open, accept, close, arc
 
 
 class Lines(_Batch):

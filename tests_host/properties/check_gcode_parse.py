@@ -7,10 +7,11 @@ from draws import Random
 from passo import commands
 from passo.batch import Lines as Batch
 from passo.batch import thousandths
-from passo.protocols.grbl.lines import Lines
+from passo.protocols.grbl.lines import ARC, Lines
 from passo.protocols.grbl.take_viper import take_lines
 from passo.protocols.gcode.parse_records import (
-    LINES_WAITS, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW, PARSE_RELATIVE,
+    LINES_AT, LINES_TAKEN, LINES_WAITS, PARSE_ARC, PARSE_ARCS, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW,
+    PARSE_RELATIVE,
 )  # fmt: skip
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
@@ -20,9 +21,9 @@ from plain import plain
 
 CASES = {
     "check_same_as_in_full": (("seed", "seed"),), "check_several_at_once": (("seed", "seed"),),
-    "check_machine_code": (("seed", "seed"),),
+    "check_machine_code": (("seed", "seed"),), "check_arcs": (("seed", "seed"),),
 }  # fmt: skip
-RUNS = {"check_same_as_in_full": 150, "check_several_at_once": 40, "check_machine_code": 60}
+RUNS = {"check_same_as_in_full": 150, "check_several_at_once": 40, "check_machine_code": 60, "check_arcs": 100}
 BEFORE = (
     b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"M3", b"M4", b"S300", b"S0", b"M4 S.0004", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55",
     b"F200", b"F64000", b"F45000.5", b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9",
@@ -57,11 +58,25 @@ def draw_line(random):
         words += "F" + random.choice((number(random).strip("-"), "%d.%03d" % (random.between(0, 64_000), random.between(0, 999))))
     if random.between(0, 2) == 0:
         words += random.choice((" S", "S")) + power(random)
+    if random.between(0, 9) == 0:
+        words += "I" + number(random) + random.choice(("", "J" + number(random), "I1"))
     line = bytearray(words.encode())
     if random.between(0, 3) == 0 and line:
         at = random.between(0, len(line))
         line = line[:at] + bytes((random.choice(ALPHABET),)) + line[at:]
     return bytes(line)
+
+
+def draw_arc(random):
+    """A quarter, half or three quarters of a turn in relative places, or a whole one; now and then about something else."""
+    i, j = random.between(-9000, 9000), random.between(-9000, 9000)
+    x, y = random.choice(((2 * i, 2 * j), (i + j, j - i), (i - j, i + j), (0, 0)))
+    if random.between(0, 9) == 0:
+        x += random.between(-9, 9)
+    words = random.choice(("G2", "G3", "G02", "N5G3", "")) + "X%.3fY%.3f" % (x / 1000, y / 1000)
+    words += random.choice(("", "", "Z-1.5", "F300", "S200", "F0", "P2", "H90", "R1", "M8", "G17", "K0"))
+    words += random.choice(("I%.3fJ%.3f", "I%.3f J%.3f", "J%.3fI%.3f")) % (i / 1000, j / 1000)
+    return words.encode()
 
 
 class Straight(Machine):
@@ -76,6 +91,8 @@ class Straight(Machine):
         self.dynamic = False
         self.batch = Batch(0, array("i", [0] * (BATCH_FIELDS * BATCH_ROWS)), BATCH_ROWS, False)
         self.travel_fields = array("i", [0] * TRACE_FIELDS)
+        self.batch.join(None, None, None, self.arc)
+        self.refuses = False  # arcs
         self.took = []  # as facts()
 
     def open(self):
@@ -100,6 +117,14 @@ class Straight(Machine):
         self.travel_fields[TRACE_ROOM] = self.blocks - 1
         self.travel_fields[TRACE_TAKEN] = count
 
+    def arc(self, batch, command, power):
+        if self.refuses:
+            return False
+        self.tool, self.power, self.dynamic = command.tool, power, command.dynamic
+        self.took.append((list(command.target), command.feed, arc_of(command), command.number) + self.light())
+        self.blocks -= 1
+        return True
+
     def follow(self, gcode, lines, most):
         """Have `gcode` fill batches of `lines`, `most` lines at most, and take them: how many it were."""
         batch = self.batch
@@ -109,6 +134,11 @@ class Straight(Machine):
             return 0
         travel = self.travel_fields
         count = take_lines(b"", 0, lines.text, lines.fields, gcode.place, batch.rows, most, travel, self.accept, travel, travel, travel, travel, travel)
+        if count == ARC:
+            count = lines.fields[LINES_TAKEN]
+            if gcode.take_arc(batch):
+                lines.fields[LINES_AT] = gcode.place[PARSE_ARC]
+                count += 1
         if count:
             self.target = list(self.took[-1][0])
         return count
@@ -140,10 +170,14 @@ def waits(lines):
     return lines.fields[LINES_WAITS]
 
 
+def arc_of(command):
+    return command.per_min, command.first, command.second, command.clockwise, tuple(command.centre), command.turns, bool(command.over_half)
+
+
 def facts(command):
     return (
-        list(command.target), command.feed, command.per_min, command.number, command.tool, thousandths(command.power),
-        command.dynamic,
+        list(command.target), command.feed, arc_of(command) if command.kind == commands.ARC else command.per_min, command.number,
+        command.tool, thousandths(command.power), command.dynamic,
     )  # fmt: skip
 
 
@@ -176,17 +210,17 @@ def check_same_as_in_full(seed):
         taken = short.machine.take_of(short.gcode, lines, random.between(1, 4))
         error = full.gcode.interpret(line)
         following = made_of(full.gcode)
-        made = [facts(command) for command in following if command.kind == commands.LINE]
+        made = [facts(command) for command in following if command.kind in (commands.LINE, commands.ARC)]
         whole = not taken
         if taken:
             dealt += 1
-            assert error == 0 and not lines.waiting() and waits(lines), (line, error)
+            assert error == 0 and not lines.waiting() and waits(lines) == (type(taken[0][2]) is int), (line, error)
             for axis in range(3):
                 at = taken[0][0][axis]
                 assert not travel or at == before[axis] or travel[0][axis] <= at <= travel[1][axis], line
         else:
             assert short.machine.target == before and short.gcode.interpret(line) == error, line
-            taken = [facts(command) for command in made_of(short.gcode) if command.kind == commands.LINE]
+            taken = [facts(command) for command in made_of(short.gcode) if command.kind in (commands.LINE, commands.ARC)]
         assert taken == made, line
         for shop in (short, full):
             if error:
@@ -207,6 +241,42 @@ def check_same_as_in_full(seed):
                 shop.machine.target = [at + 7 for at in full.machine.target]
     short.gcode.leave_batch()
     assert dealt or short.state() == full.state()
+
+
+def check_arcs(seed):
+    """Arcs, several of them and lines in a batch, with spindle or laser; a machine that refuses one gets it as a command."""
+    random = Random(seed)
+    short, full = shops(2, bool(seed & 1), 1_000_000)
+    before = random.choice((b"M5", b"M3 S500", b"M4 S900")), b"G91 G1 X1 Y.25 F600"
+    for shop in (short, full):
+        for line in before:
+            shop.do(line)
+            shop.machine.obey(shop.made, shop.gcode.laser)
+    dealt = 0
+    for _ in range(20):
+        texts = [random.choice((draw_arc, draw_arc, lambda _: b"G1X.1", lambda _: b"X1Y2"))(random) for _ in range(random.between(1, 3))]
+        made = []
+        for line in texts:
+            if full.gcode.interpret(line) == 0:
+                made += [facts(command) for command in full.gcode.commands if command.target]
+                full.machine.obey(full.gcode.commands, full.gcode.laser)
+        lines = Lines()
+        lines.take(b"\n".join(texts) + b"\n")
+        short.machine.refuses = random.between(0, 4) == 0
+        taken = []
+        while lines.waiting():
+            some = short.machine.take_of(short.gcode, lines, random.between(1, 4))
+            dealt += len(some)
+            taken += some
+            if not some:
+                error = short.gcode.interpret(lines.next())
+                taken += [facts(command) for command in short.gcode.commands if command.target]
+                if error == 0:
+                    short.machine.obey(short.gcode.commands, short.gcode.laser)
+        assert taken == made, texts
+        assert short.machine.light() == full.machine.light()
+    short.gcode.leave_batch()
+    assert dealt and short.state() == full.state()
 
 
 def check_several_at_once(seed):
@@ -247,7 +317,7 @@ def check_machine_code(seed):
     batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))
     sides = ((place, batch), (place[:], batch[:]))
     for _ in range(50):
-        text = b"G1\n" + b"\n".join([draw_line(random) for _ in range(random.between(1, 3))])
+        text = b"G1\n" + b"\n".join([random.choice((draw_line, draw_arc))(random) for _ in range(random.between(1, 3))])
         text += random.choice((b"", b"\n", b"\nX1"))
         relative, inches = random.between(0, 1), random.between(0, 1)
         full = random.choice((0, 1, 255_000, 1_000_000, 100_000_000))
@@ -259,6 +329,7 @@ def check_machine_code(seed):
             numbers[PARSE_RELATIVE] = relative
             numbers[PARSE_INCHES] = inches
             numbers[PARSE_FULL] = full
+            numbers[PARSE_ARCS] = relative
         done = [read(text, 3, len(text), *side, most) for read, side in zip((parse, module.parse), sides)]
         assert done[0] == done[1] and sides[0] == sides[1], text
 
@@ -273,6 +344,26 @@ def check_the_frequent_line_is_dealt_with():
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not waits(lines), line
+
+
+def check_a_plain_arc_is_dealt_with():
+    shop = Shop(Straight())
+    shop.do(b"G91 G1 X1 F600")
+    for line in (b"G2 X2 I1", b"X1Y1J1", b"N3 G3 X0 Y0 I5 J-2 Z-1 F300", b"g03x-1y1i-1", b"G20", b"G2 X.2 I.1"):
+        lines = Lines()
+        lines.take(line + b"\n")
+        if line == b"G20":
+            shop.do(line)
+        else:
+            assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), line
+    for line in (b"G2 X1 I1", b"G2 I1", b"G2 X1 R1", b"G3 X2 I1 P2", b"G2 Z1 I1", b"X1", b"G1 X1 I1", b"G2 X2 I1 I1", b"G2 X2 I1 K1", b"G2 I1 H90"):
+        lines = Lines()
+        lines.take(line + b"\n")
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not waits(lines), line
+    shop.do(b"G18")
+    lines = Lines()
+    lines.take(b"G2 X2 I1\n")
+    assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting(), "another plane"
 
 
 def check_fast_lines_are_dealt_with():

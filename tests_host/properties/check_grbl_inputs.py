@@ -163,7 +163,7 @@ def check_a_batch_that_leads_out_of_the_travel():
     machine = home(Machine())
     controller = machine.controller
     batch = machine.app.links[0].batch
-    begin, accept, close = controller.batches(batch)
+    begin, accept, close, _ = controller.batches(batch)
     for line, out in ((2, (-1, 0, 0)), (0, (0, 64_001, 0)), (3, (0, 0, 1))):
         for row in range(4):
             at = row * BATCH_FIELDS

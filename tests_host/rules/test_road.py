@@ -38,7 +38,6 @@ ASKED = {
     "control/line_batches.py LineBatches.open",
     "control/program.py Program.reach",
     "control/queue.py Queue.room",
-    "control/state.py MachineState.occupied",
     "motion/row_viper.py room",
     "protocols/gcode/parser.py GCode.opens",
     "protocols/grbl/protocol.py Grbl._open",

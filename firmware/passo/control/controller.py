@@ -125,6 +125,7 @@ class Controller:
                 have to come as commands, to wait or to be refused. close() is to follow before anything else is done
         accept  carries out the rows, while it is open. How many: all, but if one leads out of the travel, which is an alarm
         close   no more rows come for now
+        arc     (batch, command, power): of LINES, an arc that comes behind the rows, `power` in thousandths. False: it has to come as a command
         """
         return self._batches[batch.kind]
 

@@ -66,7 +66,7 @@ class LineBatches(Feature):
         self._arrays = self._taker = None  # the planner's, and what a batch gets with them
 
     def batches(self):
-        return {LINES: (self.open, self.accept, self.close)}
+        return {LINES: (self.open, self.accept, self.close, self.arc)}
 
     @property
     def rows(self):
@@ -81,7 +81,7 @@ class LineBatches(Feature):
         machine = self._machine
         if (
             machine.commander != batch.link or machine.command is not None or machine.alarm or machine.sleeping or machine.checking
-            or machine.detached or machine.jogging or machine.drawing or machine.dropping or machine.occupied()
+            or machine.detached or machine.jogging or machine.drawing or machine.dropping or machine.actives and machine.occupied()
             or not self._planner.ready or machine.interlock is not None and machine.interlock.denied
         ):  # fmt: skip
             return False
@@ -128,6 +128,26 @@ class LineBatches(Feature):
             self.close(batch)
             self._machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
         return count
+
+    def arc(self, batch, command, power):
+        """Queue an arc behind the rows that have been taken; see Controller.batches()."""
+        self.close(batch)
+        batch.begun = True
+        machine = self._machine
+        queue = self._queue
+        planner = self._planner
+        reach = self.reach()
+        if machine.weave is not None or reach is not None and not self._reachable(command):
+            return False
+        if planner.power != power or planner.dynamic != command.dynamic:
+            planner.set_power(power, command.dynamic)
+        try:
+            queue.arc(command, 0)
+        except ValueError:
+            return False
+        machine.active = machine.fresh = machine.awake = True
+        self._trace[TRACE_ROOM] = (0 if queue.chords else room(planner.indices)) - 1
+        return True
 
     @micropython.native
     def close(self, batch):

@@ -201,7 +201,7 @@ class Program(LineBatches):
             if weave is not None and command.feed and not ticks and command.kind in (commands.LINE, commands.ARC):
                 self._queue.weave(weave.woven(command), command)
             elif command.kind == commands.ARC:
-                self._queue_arc(command, ticks)
+                self._queue.arc(command, ticks)
             else:
                 self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
         except ValueError:
@@ -211,16 +211,6 @@ class Program(LineBatches):
     def _circles(self, command):
         """True for an arc that comes back to its start."""
         return command.kind == commands.ARC and any(command.centre) and (command.over_half or command.turns > 1)
-
-    def _queue_arc(self, command, ticks):
-        plane = command.first, command.second, 3 - command.first - command.second
-        if plane[2] >= len(self._axes):
-            plane = plane[0], plane[1], -1
-        accelerations = [self._machine.settings.value(table.ACCELERATION + axis) * 1000 for axis in plane[:2]]
-        self._queue.arc(
-            command.target, plane, command.centre, command.clockwise, command.turns - 1, command.over_half,
-            command.feed, ticks, command.tool, command.number, accelerations,
-        )
 
     def _set_limits(self):
         """Give the planner the limits of the settings. It takes them only while it is empty."""

@@ -66,7 +66,7 @@ class MachineState:
         self.arcs = queue.arcs
         self.handlers = {}  # of all features, by the kind of command
         self._features = ()
-        self._active = self._held = self._reports = ()
+        self.actives = self._held = self._reports = ()
         self.steps_per_m = settings.steps_per_m
         homing = board["homing"]
         self._homing_first = bool(homing and homing["required"])
@@ -75,7 +75,7 @@ class MachineState:
     def join(self, features):
         """`features`: all there are. Called once, by the controller."""
         self._features = features
-        self._active = overriding(features, "active")
+        self.actives = overriding(features, "active")
         self._held = overriding(features, "held")
         self._reports = overriding(features, "report")
         for feature in features:
@@ -102,7 +102,7 @@ class MachineState:
         for held in self._held:
             if held():
                 return "hold"
-        return "run" if command or self.drawing or self.active or self._active and self.occupied() else "idle"
+        return "run" if command or self.drawing or self.active or self.actives and self.occupied() else "idle"
 
     @property
     def blocks(self):
@@ -118,8 +118,8 @@ class MachineState:
         return command is not None and (command.kind == commands.HOME or command.kind == commands.PROBE)
 
     def occupied(self):
-        """True while a feature has the axes to itself."""
-        for active in self._active:
+        """True while a feature has the axes to itself; ask only if there are `actives`, that may."""
+        for active in self.actives:
             if active():
                 return True
         return False

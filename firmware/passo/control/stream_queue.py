@@ -90,25 +90,32 @@ class StreamQueue(Queue):
         """How long a line lasts without limits."""
         return ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
 
-    def arc(self, target, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations):
-        """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
-        are not 0, v²/R within `accelerations` (nm/s²) of the plane's axes. Raises ValueError where neither the planner nor
-        chords can."""
+    def arc(self, command, ticks):
+        """An ARC: at its feed, or in `ticks` if they are not 0. Raises ValueError if neither the planner nor chords can."""
+        target, tool = command.target, command.tool
         deltas = self.deltas(target)
         planner = self._planner
+        third = 3 - command.first - command.second
+        plane = command.first, command.second, third if third < len(deltas) else -1
         changes = tool != self.tool and self.tool_ms(tool) > 0
+        turns, tag = command.turns - 1, command.number
         chords = None
         try:
-            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, not changes, over_half)
+            planner.arc(
+                deltas, plane, command.centre, tool, command.clockwise, turns, command.feed, ticks, tag, not changes, command.over_half
+            )
         except ValueError:  # no circle in steps, or too steep a helix
-            chords = self._cut(deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations)
-        self._change_tool(tool, tag)
+            chords = self._cut(command, deltas, plane, ticks)
+        if changes:
+            self._change_tool(tool, tag)
+        self.tool = tool
         if chords:
             self.chords = chords
             self.feed()
         elif changes:
-            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, True, over_half)
-        self._arrive(target)
+            planner.arc(deltas, plane, command.centre, tool, command.clockwise, turns, command.feed, ticks, tag, True, command.over_half)
+        self.lead(target)
+        self.waiting = True
 
     def weave(self, woven, command):
         """Go to the end of a seam (motion/weave.py), the way that it takes."""
@@ -117,12 +124,13 @@ class StreamQueue(Queue):
         self.feed()
         self._arrive(command.target)
 
-    def _cut(self, deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations):
+    def _cut(self, command, deltas, plane, ticks):
+        """Chords along an arc, v²/R within the accelerations of the plane's axes."""
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
-        ellipse = self._make_ellipse(deltas, plane, centre, steps_per_m, clockwise, turns, over_half)
-        if ticks:
-            nm_s = ellipse.length_nm * TICKS_PER_S // ticks
-        return self._make_chords(ellipse, nm_s, tool, tag, steps_per_m, accelerations, self._planner.slowest())
+        ellipse = self._make_ellipse(deltas, plane, command.centre, steps_per_m, command.clockwise, command.turns - 1, command.over_half)
+        nm_s = ellipse.length_nm * TICKS_PER_S // ticks if ticks else command.feed
+        slowest, accelerations = self._planner.slowest(plane[:2])
+        return self._make_chords(ellipse, nm_s, command.tool, command.number, steps_per_m, accelerations, slowest)
 
     def deltas(self, target):
         deltas = [0] * len(self._axes)

@@ -61,11 +61,6 @@ def region_of(x, y, leaving):
     raise ValueError("a radius of 0")
 
 
-def point_of(region, u, w):
-    """The point (x, y) that region_of() takes apart."""
-    return ((w, u), (-u, w), (-w, -u), (u, -w))[region]
-
-
 def nearest(square, u):
     """The w whose u² + w² is nearest to `square`."""
     w = isqrt(max(square - u * u, 0))
@@ -147,12 +142,16 @@ def _measure(into, square, end, quarters, z):
     for a while may have no room for both in one piece."""
     u, inside, across, steps = into[ARC_U], into[ARC_INSIDE], into[ARC_ACROSS], into[ARC_STEPS]
     swept = _rise(square, end[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
-    shift = _shift(square)
+    shift = 0  # fraction bits that bring the radius to 2²⁸ … 2²⁹
+    while square << 2 * (shift + 1) < 1 << 58:
+        shift += 1
     radius = isqrt(square << 2 * shift)
     corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
     turned = path = arc_length(radius, swept)  # ARC_SHIFT fraction bits
     extra = max(abs(into[ARC_TAIL_A]), abs(into[ARC_TAIL_B])) << shift
-    tail_z = _share(z, extra, turned)
+    tail_z = z  # whole steps on the last line, `extra` long behind `turned` along the circle: it does not stand
+    if turned:
+        tail_z = abs(z) * extra // (turned + extra) * (-1 if z < 0 else 1)
     z -= tail_z
     ratio = (abs(z) << (30 + shift)) // turned if turned else 0
     if steps and ratio >> 15 < LEADS:  # a word's time passes after its step: the last one's too
@@ -187,21 +186,7 @@ def _steps(square, inside, across, u, w, end_u, quarters):
 
 
 def _tail(region, end, end_x, end_y):
-    x, y = point_of(region, end[0], end[1])
+    """From `end`, (u, w) in a region as of region_of(), to the end."""
+    u, w = end
+    x, y = ((w, u), (-u, w), (-w, -u), (u, -w))[region]
     return end_x - x, end_y - y
-
-
-def _share(z, extra, turned):
-    """The third axis's whole steps on the last line, `extra` long behind `turned` along the circle: it does not stand."""
-    if not turned:
-        return z
-    share = abs(z) * extra // (turned + extra)
-    return -share if z < 0 else share
-
-
-def _shift(square):
-    """Fraction bits that bring the radius to 2²⁸ … 2²⁹."""
-    shift = 0
-    while square << 2 * (shift + 1) < 1 << 58:
-        shift += 1
-    return shift

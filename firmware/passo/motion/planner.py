@@ -131,9 +131,9 @@ class Planner:
         self.power = power
         self.dynamic = dynamic
 
-    def slowest(self):
-        """What the slowest axis can do, in nm/s."""
-        return min(self._limits.speeds)
+    def slowest(self, axes):
+        """What the slowest axis can do, in nm/s; and what these axes can, in nm/s²."""
+        return min(self._limits.speeds), [self._limits.accelerations[axis] for axis in axes]
 
     # --- adding
 
@@ -144,7 +144,7 @@ class Planner:
         the axes may be. `rapid`: the override of rapid motion counts for it. An axis's limit makes it slower. Raises
         ValueError where it has too many steps, or steps further apart than LONGEST_TICKS.
         """
-        at = self._next_row()
+        at = self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
         rows = self.rows
         for axis in range(self.axes):
             rows[at + ROW_STEPS + axis] = deltas[axis]
@@ -173,9 +173,6 @@ class Planner:
             done = self._plan_lines(batch, done, count, *self.arrays)
             if done < 0:
                 refuse(done)
-
-    def _next_row(self):
-        return self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
 
     def _ask(self, deltas, ticks, speed_nm_s):
         """Tell plan_block() the speed asked for, or the ticks."""
@@ -245,7 +242,7 @@ class Planner:
             else:
                 self.fits(deltas, ticks, speed_nm_s)
             return
-        at = self._next_row()
+        at = self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
         self.scratch[SCRATCH_ASKED] = -1
         scratch = self.scratch if queued else self.scratch[:]
         if not self._set_arc_speed(
@@ -257,18 +254,18 @@ class Planner:
             self._walkers[number % QUEUE_SIZE] = self._arcs.keep(number)
             self.indices[QUEUE_ARC] = self._arcs.oldest
             self._add(at, ARC, tool, tag)
-            if not self.room():
+            if not room(self.indices):
                 self.start()  # no more can come before it moves
 
     def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
-        at = self._next_row()
+        at = self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
         self._stand(at, ticks)
         self._add(at, WAIT, tool, tag)
 
     def walk(self, walker, tool, tag=0):
         """Queue what paces itself: an IndependentAxes with its axes set, or a StepProgramWalker that has begun."""
-        at = self._next_row()
+        at = self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
         self._stand(at, 0)
         self._walkers[self.indices[QUEUE_ADDED] % QUEUE_SIZE] = walker
         self._add(at, walker.kind, tool, tag, False, walker.place)

@@ -5,7 +5,7 @@ from micropython import const
 # GCode.place: what plain lines are understood by, three numbers each if the axes'; places from PARSE_LOW on have 2²⁹ added.
 PARSE_AXES = const(0)
 PARSE_RELATIVE = const(1)  # 1: G91
-PARSE_MODAL = const(2)  # 0 or 1: G0 or G1 holds
+PARSE_MODAL = const(2)  # 0 … 3: that G holds
 PARSE_FEED = const(3)  # nm/s
 PARSE_POSITION = const(4)  # machine coordinates, nm
 PARSE_OFFSET = const(7)  # machine place − programme place, nm
@@ -34,11 +34,18 @@ HAS_F = const(2)
 HAS_N = const(4)
 HAS_S = const(8)
 HAS_X = const(16)  # then Y and Z
+HAS_AXES = const(112)
+HAS_I = const(128)
+HAS_J = const(256)
 PARSE_MOTION = const(42)  # and what they say, or what holds: G
 PARSE_SPEED = const(43)  # F, nm/s
 PARSE_TURNS = const(44)  # S
 PARSE_LINE = const(45)  # N
-PARSE_FIELDS = const(46)
+PARSE_ARCS = const(46)  # 1: G2 and G3 are plain too, with I or J: arcs of X and Y
+PARSE_I = const(47)  # nm
+PARSE_J = const(48)
+PARSE_ARC = const(49)  # parse() has come to an arc: where the line behind it begins; 0: to none
+PARSE_FIELDS = const(50)
 
 # Lines.fields: bytes of Lines.text.
 LINES_AT = const(0)  # where the oldest line begins

@@ -6,7 +6,8 @@ A laser is on at the power that the line's S says, and off in a G0.
 
 The first line begins at text[at]; each ends with a line feed or the text. `place` says where the machine is and how lines
 count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and
-has not changed what counts. What is unusual (any other word or character, more than six
+has not changed what counts. An arc, a G2 or G3 with I or J, ends the batch too: PARSE_ARC says that it is read, GCode.take_arc() does the
+rest. What is unusual (any other word or character, more than six
 decimals, a place beyond the travel or 2.1 m, a very slow feed, another speed of a spindle, a beam that changes
 without a step, a mistake) is left to parser.py, which alone knows the rules; what is understood here gives what it
 gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
@@ -23,15 +24,21 @@ from passo.records import *
 def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: int) -> int:
     """See above."""
     lines = 0
+    place[PARSE_ARC] = 0
     while lines < most and begin < count:
         after = int(read_line(text, begin, count, place))
-        if after == 0 or after - begin > 81 or place[PARSE_HAVE] < HAS_X:
+        if after == 0 or after - begin > 81 or place[PARSE_HAVE] & HAS_AXES == 0:
             break
         if place[PARSE_MOTION] and place[PARSE_SPEED] < place[PARSE_LEAST]:
             break
         if place[PARSE_FULL] == 1 and place[PARSE_TURNS] != place[PARSE_RPM]:
             break
         if int(set_deltas(place)) == 0 or int(set_power(place)) == 0:
+            break
+        centre = place[PARSE_HAVE] & (HAS_I | HAS_J)
+        if place[PARSE_MOTION] > 1 or centre:
+            if place[PARSE_MOTION] > 1 and centre and place[PARSE_ARCS] and place[PARSE_HAVE] & (HAS_X | HAS_X << 1):
+                place[PARSE_ARC] = after
             break
         accept(place, batch, lines * BATCH_FIELDS)
         lines += 1
@@ -48,6 +55,8 @@ def read_line(text: ptr8, at: int, count: int, place: ptr32) -> int:
     place[PARSE_TURNS] = place[PARSE_RPM]
     place[PARSE_LINE] = 0
     place[PARSE_HAVE] = 0
+    place[PARSE_I] = 0
+    place[PARSE_J] = 0
     axis = 0
     while axis < 3:
         place[PARSE_TO + axis] = place[PARSE_POSITION + axis]
@@ -107,12 +116,14 @@ def read_word(place: ptr32, letter: int) -> int:
     """What the word says; 0 if it is no plain one, or the line has it already."""
     if letter >= 88:
         return int(axis_word(place, letter - 88))
+    if letter == 73 or letter == 74:
+        return int(centre_word(place, letter - 73))
     have = place[PARSE_HAVE]
     value = place[PARSE_VALUE]
     if place[PARSE_MINUS]:
         return 0
     if letter == 71:
-        if value > 1 or place[PARSE_POINT] or have & HAS_G:
+        if value > 3 or place[PARSE_POINT] or have & HAS_G:
             return 0
         place[PARSE_HAVE] = have | HAS_G
         place[PARSE_MOTION] = value
@@ -172,15 +183,9 @@ def axis_word(place: ptr32, axis: int) -> int:
     if axis >= place[PARSE_AXES] or have >> 4 + axis & 1:
         return 0
     place[PARSE_HAVE] = have | HAS_X << axis
-    if place[PARSE_INCHES]:
-        value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 5, 845000))
-        if value < 0 or value > 8450000:
-            return 0
-        value *= 254
-    else:
-        value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 6, 214000000))
-        if value < 0:
-            return 0
+    value = int(length_of(place))
+    if value < 0:
+        return 0
     if place[PARSE_MINUS]:
         value = 0 - value
     most = 0x3FFFFFFF
@@ -193,6 +198,29 @@ def axis_word(place: ptr32, axis: int) -> int:
     elif value > most - base:
         return 0
     place[PARSE_TO + axis] = value + base
+    return 1
+
+
+@micropython.viper
+def length_of(place: ptr32) -> int:
+    """The word's number as nanometres, without its sign; -1 if it is beyond 2.1 m, or too fine."""
+    if place[PARSE_INCHES] == 0:
+        return int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 6, 214000000))
+    value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 5, 845000))
+    if value < 0 or value > 8450000:
+        return -1
+    return value * 254
+
+
+@micropython.viper
+def centre_word(place: ptr32, which: int) -> int:
+    """PARSE_I (0) or PARSE_J (1); 0 if the line has it already, or it is too far."""
+    have = place[PARSE_HAVE]
+    value = int(length_of(place))
+    if value < 0 or have & HAS_I << which:
+        return 0
+    place[PARSE_HAVE] = have | HAS_I << which
+    place[PARSE_I + which] = 0 - value if place[PARSE_MINUS] else value
     return 1
 
 

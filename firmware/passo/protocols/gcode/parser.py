@@ -27,11 +27,12 @@ from passo.protocols.gcode.codes import (
     CODES, COOLING, CYCLE, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PATH, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
-from passo.protocols.gcode.motion import Motions, new_moves
+from passo.protocols.gcode.motion import MAX_STEPS, Motions, new_moves
+from passo.protocols.gcode.parse_viper import accept
 from passo.protocols.gcode.reader import NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
 from passo.protocols.gcode.parse_records import *
-from passo.records import BIAS, FARTHEST, FASTEST_NM_S
+from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M
 
 # `place`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
@@ -159,7 +160,7 @@ class GCode(Motions):
         """Fill in `place` from the modal state. False if that is not for plain lines."""
         self.leave_batch()
         if (
-            self.weaving or self.motion not in (0, 100) or not self.per_minute
+            self.weaving or self.motion not in (0, 100, 200, 300) or not self.per_minute
             or self.feed > FASTEST_NM_S or self.rpm > FARTHEST
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip
@@ -169,6 +170,7 @@ class GCode(Motions):
         place[PARSE_RELATIVE] = 0 if self.absolute else 1
         place[PARSE_INCHES] = 1 if self.inches else 0
         place[PARSE_MODAL] = self.motion // 100
+        place[PARSE_ARCS] = 1 if self.plane == 17 and self.axes > 1 and self.machine.arcs is not None else 0
         place[PARSE_FEED] = self.feed
         place[PARSE_NUMBER] = self.number
         place[PARSE_LEAST] = 1
@@ -192,6 +194,34 @@ class GCode(Motions):
         self._level = thousandths(self._power)
         self._offsets_known = self.offsets.version
         self._unknown = False
+        return True
+
+    def take_arc(self, batch):
+        """Have the machine take the arc that parse() has come to, `batch` being open. False if it has to come as a command: to wait, or
+        to be refused."""
+        place = self.place
+        arcs = self.machine.arcs
+        x, y = place[PARSE_TO] - place[PARSE_POSITION], place[PARSE_TO + 1] - place[PARSE_POSITION + 1]
+        i, j = place[PARSE_I], place[PARSE_J]
+        if arcs.check_centre(x, y, i, j):
+            return False
+        command = self._moves[0]
+        command.kind = commands.ARC
+        command.target = [place[PARSE_TARGET + axis] + place[PARSE_DELTAS + axis] for axis in range(self.axes)]
+        command.feed = place[PARSE_SPEED]
+        command.per_min = 0
+        command.number = place[PARSE_LINE]
+        command.tool = place[PARSE_LIT] > 0
+        command.dynamic = place[PARSE_DYNAMIC] > 0
+        command.first, command.second, command.turns = 0, 1, 1
+        command.clockwise = place[PARSE_MOTION] == 2
+        command.over_half = arcs.over_half(x, y, i, j, command.clockwise)
+        i = rounded((place[PARSE_POSITION] + i) * place[PARSE_RESOLUTION], NM_PER_M)
+        j = rounded((place[PARSE_POSITION + 1] + j) * place[PARSE_RESOLUTION + 1], NM_PER_M)
+        command.centre = i - place[PARSE_TARGET], j - place[PARSE_TARGET + 1]
+        if max(abs(i), abs(j)) > MAX_STEPS or not batch.arc(batch, command, place[PARSE_POWER]):
+            return False
+        accept(place, batch.rows, 0)
         return True
 
     def _full(self):

@@ -29,6 +29,7 @@ RX_BYTES = const(128)  # that a sender may have under way
 REAL_TIME = const(-1)  # what keep() says: there are real-time bytes but `?`; nothing is kept
 SLOWLY = const(-2)  # take_each() has to keep it
 LONG = const(-3)  # it is kept; the line that has not ended yet has grown long
+ARC = const(-5)  # and this: the oldest line is an arc, which GCode.take_arc() may take; LINES_TAKEN lines were before it
 LEFT = const(-4)  # what take_lines() says besides: the machine has not taken all rows, `accept` of the batch knows why
 _RAW = const(256)  # bytes of one line: then blanks and comments are left out of it
 _TOO_LONG = b"\xff\n"  # stands for such a line

@@ -12,7 +12,7 @@ next line is not looked at before the one before it is answered, so each is unde
     bytes ─► _peel ─► Lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
                 └────► real-time commands ───────────────────────▲
 
-Lines that are nothing but a G0 or G1 go several at a time, in a batch, while nothing is unusual: take(), before feed() has the
+Lines that are nothing but a G0 or G1, or an arc about I and J, go several at a time, in a batch, while nothing is unusual: take(), before feed() has the
 rest. They are answered when they are queued.
 
 A sender may have 128 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
@@ -31,7 +31,7 @@ from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare, rounded
-from passo.protocols.grbl.lines import LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, plain_text
+from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, plain_text
 from passo.protocols.grbl.real_time import real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
@@ -149,6 +149,11 @@ class Grbl:
         if taken == SLOWLY or taken == LONG:
             lines.kept(taken, data)
             return self.take(b"", 0)
+        if taken == ARC:
+            taken = lines.fields[LINES_TAKEN]
+            if self.gcode.take_arc(self.batch):
+                lines.fields[LINES_AT] = self.gcode.place[PARSE_ARC]
+                taken += 1
         if taken != LEFT:
             return _OKS[1] * taken
         batch = self.batch

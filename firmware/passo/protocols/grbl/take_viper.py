@@ -12,7 +12,7 @@ import micropython
 
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.parse_viper import parse
-from passo.protocols.grbl.lines import LEFT, keep
+from passo.protocols.grbl.lines import ARC, LEFT, keep
 from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
 
 
@@ -22,7 +22,7 @@ def take_lines(
     indices, limits,
 ) -> int:
     """Keep `count` bytes of `data`, and have the machine take the plain lines of what is kept: as many as it has room for, `most`
-    at most, none while `?` waits. Returns how many; or what keep() says, or LEFT, and LINES_TAKEN is how many."""
+    at most, none while `?` waits. Returns how many; or what keep() says, or LEFT or ARC, and LINES_TAKEN is how many."""
     machine = ptr32(travel)
     taken = 0
     lines[LINES_TAKEN] = 0
@@ -52,5 +52,7 @@ def take_lines(
         if filled < part:
             if lines[LINES_AT] < lines[LINES_WHOLE]:
                 lines[LINES_WAITS] = 0
+                if place[PARSE_ARC]:
+                    return ARC
             break
     return taken
