@@ -29,7 +29,7 @@ _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")  # fmt: skip
 
 
-# Every feature, in the order in which they are polled: its module of control, its class, and the rule by which a board file
+# Every feature, in any order: its module of control, its class, and the rule by which a board file
 # asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is neither
 # loaded nor, but for those with a rule, in the build.
 FEATURES = (
@@ -56,8 +56,8 @@ FEATURES = (
     ("resets", "Resets", lambda board: True),
     ("power_fail", "PowerFail", lambda board: board["journal"] and board["journal"]["power"]),
     ("job_journal", "JobJournal", lambda board: board["journal"]),
-    ("jobs", "Jobs", lambda board: board["jobs"]),  # it adds a link: behind those that count them
-    ("admission", "Admission", lambda board: board["network"]),  # last: it wraps handlers of the others
+    ("jobs", "Jobs", lambda board: board["jobs"]),
+    ("admission", "Admission", lambda board: board["network"]),
 )
 
 

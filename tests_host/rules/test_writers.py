@@ -1,4 +1,5 @@
-"""Who writes the machine's record (control/state.py): one module beside it for each attribute, but for those named here."""
+"""Who writes the machine's record (control/state.py): one module beside it for each attribute, but for those named here; and what of it
+languages may know."""
 
 import ast
 from collections import defaultdict
@@ -30,6 +31,15 @@ WRITERS = {
     # of a board with a drawing or a step program, never both
     "job": {"drawing", "step_program"},
 }
+# All that a language may know of a machine.
+FACE = {
+    # what it is
+    "about", "arcs", "encoders", "handlers", "links", "settings", "steps_per_m",
+    # what it does
+    "alarm", "blocks", "busy_with", "checking", "coolant", "homed", "log", "state", "target",
+    # who commands, and on whose behalf a stored job runs
+    "commander", "lender",
+}  # fmt: skip
 _RECORD = ("machine", "self._machine", "self.machine", "self.controller.machine")
 
 
@@ -56,3 +66,20 @@ def test_an_attribute_has_one_writer():
     found = writers()
     assert found["checking"] == {"resets"} and "overrides" in found
     assert {name: modules for name, modules in found.items() if len(modules) > 1} == WRITERS
+
+
+def faces():
+    """{attribute of the record: modules of protocols that name it}. What a page speaks to is called `record` there."""
+    found = defaultdict(set)
+    for path in sorted((FIRMWARE / "passo/protocols").rglob("*.py")):
+        names = ("record", "self._record") if path.parent.name == "page" else ("machine", "self._machine", "self.machine", "gcode.machine", "controller.machine")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Attribute) and ast.unparse(node.value) in names:
+                found[node.attr].add(path.stem)
+    return found
+
+
+def test_languages_know_the_face_of_the_machine_and_no_more():
+    found = faces()
+    assert {"protocol", "page_machine"} <= found["state"]
+    assert set(found) == FACE, {name: found[name] for name in set(found) ^ FACE}

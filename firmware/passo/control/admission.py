@@ -4,8 +4,7 @@ ADMIT on any cable says for how long, 0 ends it; or the input that the board fil
 ends by itself, with a reset of the board, and with an alarm.
 
 Where the board file names network.presence, spindle on, resume and a stored job over the network are refused while that input is not active. It
-shows behind the letters of the inputs: N somebody is there, n nobody, for the page of a PC that serves a network beside a cable. This
-feature is the last: it wraps the handlers of the others.
+shows behind the letters of the inputs: N somebody is there, n nobody, for the page of a PC that serves a network beside a cable.
 """
 
 from micropython import const
@@ -34,18 +33,19 @@ class Admission(Feature):
         self._legacy = config["legacy_http"]
         self._button = config["button"]
         self._minutes = config["minutes"]
-        self._presence = config["presence"]
+        self._presence = machine.presence = config["presence"]
         self._pressed = True  # one that is held at the start admits nobody
         self._since_ms = 0
         self._length_ms = 0
 
     def handlers(self):
-        found = {commands.ADMIT: self._admit}
+        return {commands.ADMIT: self._admit}
+
+    def guard(self, handlers):
         if self._presence:
             for kind in _PRESENT:
-                if kind in self._machine.handlers:
-                    found[kind] = self._with_presence(self._machine.handlers[kind])
-        return found
+                if kind in handlers:
+                    handlers[kind] = self._with_presence(handlers[kind])
 
     def _with_presence(self, handler):
         """`handler`, but over the network only while the input says that somebody is at the machine."""
@@ -57,10 +57,6 @@ class Admission(Feature):
             return handler(command)
 
         return handle
-
-    def report(self, report):
-        if self._presence and "pins" in report:  # of the languages only grbl tells inputs
-            report["pins"] += "N" if self._machine.port.input(self._presence) else "n"
 
     def admitted(self):
         """True while who sends no proof is admitted."""

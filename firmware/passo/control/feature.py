@@ -20,6 +20,7 @@ class Feature:
         self._queue = queue
 
     handlers = _nothing  # handlers(): {kind of command: handler}; a handler returns as Controller.accept()
+    guard = _nothing  # guard(handlers): all features' are in `handlers`; put your own before those of others
     batches = _nothing  # batches(): {kind of batch: (open, accept, close)}: see Controller.batches()
 
     # Once a cycle of the main loop:

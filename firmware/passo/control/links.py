@@ -19,7 +19,7 @@ OF_ANY_LINK = HARMLESS + (commands.HAND_OVER, commands.ADMIT)
 class Links(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
-        self._count = len(machine.links)
+        self._count = len(board["links"])  # stored jobs come by one more, which is given no command
 
     def handlers(self):
         return {commands.HAND_OVER: self._hand_over}

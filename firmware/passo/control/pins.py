@@ -22,7 +22,11 @@ class Pins(Feature):
             self._levels = levels
             self._settings_of = self._settings.version
             self._read(inputs.read)
-        report["pins"] = self._text
+        presence = self._machine.presence
+        if presence:
+            report["pins"] = self._text + ("N" if inputs.input(presence) else "n")
+        else:
+            report["pins"] = self._text
 
     def _read(self, read):
         self._text = "".join([item[0] for item in self._shown if read(item[1])])

@@ -145,13 +145,14 @@ class Program(LineBatches):
         if error and error != LATER:
             return error
         machine = self._machine
-        if machine.state not in ("idle", "jog") or machine.dropping or machine.occupied():
+        if machine.state not in ("idle", "jog") or machine.dropping or machine.actives and machine.occupied():
             return LATER if machine.dropping else errors.BUSY
         if not self._reachable(command):
             return errors.JOG_TRAVEL
-        error = self._forbidden(command)
-        if error:
-            return error
+        if machine.interlock is not None and machine.interlock.denied:
+            error = self._forbidden(command)
+            if error:
+                return error
         result = self._begin(command)
         machine.jogging = machine.jogging or result == 0
         return result
@@ -163,7 +164,7 @@ class Program(LineBatches):
             return errors.LOCKED
         if machine.detached and not machine.checking:
             return errors.NO_MOTORS
-        if machine.command is not None or machine.drawing or machine.dropping or machine.occupied():
+        if machine.command is not None or machine.drawing or machine.dropping or machine.actives and machine.occupied():
             return LATER
         return 0
 

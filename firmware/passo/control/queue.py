@@ -158,7 +158,8 @@ class Queue:
             self._change_tool(tool, tag)
         deltas = self._towards(target)
         self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
-        self._arrive(target)
+        self.lead(target)
+        self.waiting = True
 
     def _towards(self, target):
         """Steps of each axis from the queue's end to `target`, in a list that the next call overwrites."""
@@ -168,10 +169,6 @@ class Queue:
         for axis in range(len(deltas)):
             deltas[axis] = target[axis] - here[axis] if axis < count else 0
         return deltas
-
-    def _arrive(self, target):
-        self.lead(target)
-        self.waiting = True
 
     def lead(self, target):
         """Say that the queue ends at `target` (the first axes)."""

@@ -3,6 +3,8 @@
 from passo import commands, errors
 from passo.control.feature import Feature
 
+_STANDS = (commands.DWELL, commands.SPINDLE)  # while one of these takes its time the machine stands
+
 
 class Resets(Feature):
     def handlers(self):
@@ -18,7 +20,7 @@ class Resets(Feature):
         alarm = 0
         if machine.busy_with(commands.HOME):
             alarm = errors.ALARM_HOMING_RESET
-        elif not (self._queue.still() or machine.hold and machine.stood or self._waits()):
+        elif not (self._queue.still() or machine.hold and machine.stood or machine.command is not None and machine.command.kind in _STANDS):
             alarm = errors.ALARM_RESET
         elif machine.sleeping or machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED
@@ -32,11 +34,6 @@ class Resets(Feature):
         machine.restart()
         machine.restarted(command)
         return machine.accepted(command)
-
-    def _waits(self):
-        """True while the machine stands and something else takes its time."""
-        command = self._machine.command
-        return command is not None and command.kind in (commands.DWELL, commands.SPINDLE)
 
     def _unlock(self, command):
         machine = self._machine

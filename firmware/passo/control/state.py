@@ -1,4 +1,4 @@
-"""The machine's state: the one record that the controller and its features read and write, and protocols read.
+"""The machine's state: the one record that the controller and its features read and write.
 
     machine.alarm, machine.state, machine.command …
     machine.raise_alarm(errors.ALARM_HARD_LIMIT, "stop")
@@ -6,7 +6,8 @@
 Features (feature.py) see this record and the queue. What concerns all of the machine (a stop, an alarm, a new beginning) is a method
 of the record, which calls those of all features.
 
-An attribute has one writer beside this module, unless WRITERS of tests_host/rules/test_writers.py says why it has more.
+An attribute has one writer beside this module, unless WRITERS of tests_host/rules/test_writers.py says why it has more. Languages read
+what FACE there names, and write nothing.
 """
 
 from passo import commands, errors
@@ -48,6 +49,7 @@ class MachineState:
         self.active = False  # motion of a program has been queued and has not come to its end
         self.fresh = False  # such motion was queued since the last cycle
         self.drawing = False  # points are taken out of the point buffer
+        self.presence = ""  # the input that is active while somebody is at the machine, see admission.py
         self.unattended = False  # what is under way needs no host
         self.retracts = False  # after an alarm Z still goes up, before the tool goes off: see host_watch.py
         self.coolant = 0  # as it should be, see COOLANT
@@ -62,6 +64,7 @@ class MachineState:
         self.guarded = guarded
         self.events = []  # to be told: the app takes them
         self._report = {"position": queue.here, "seen": queue.seen, "log": self.log}  # one for all: used up before the next
+        self.blocks = queue.room  # blocks(): how many can be queued now
         self.target = queue.target  # where the queue ends, steps of each axis: one array
         self.arcs = queue.arcs
         self.handlers = {}  # of all features, by the kind of command
@@ -80,6 +83,8 @@ class MachineState:
         self._reports = overriding(features, "report")
         for feature in features:
             self.handlers.update(feature.handlers() or {})
+        for feature in features:
+            feature.guard(self.handlers)
 
     # --- what it is doing
 
@@ -103,11 +108,6 @@ class MachineState:
             if held():
                 return "hold"
         return "run" if command or self.drawing or self.active or self.actives and self.occupied() else "idle"
-
-    @property
-    def blocks(self):
-        """How many blocks can be queued now."""
-        return self.queue.room()
 
     def busy_with(self, kind):
         return self.command is not None and self.command.kind == kind

@@ -78,7 +78,8 @@ class StreamQueue(Queue):
             ticks = self._ticks(self._towards(target), nm_s, ticks)
             nm_s = 0
         self._planner.line(self._towards(target), ticks, tool, tag, not nm_s and not ticks, nm_s)
-        self._arrive(target)
+        self.lead(target)
+        self.waiting = True
 
     def fits(self, deltas, nm_s, ticks):
         """Raise ValueError if go() would, for a line of `deltas`."""
@@ -122,7 +123,8 @@ class StreamQueue(Queue):
         self._change_tool(command.tool, command.number)
         self.chords = woven
         self.feed()
-        self._arrive(command.target)
+        self.lead(command.target)
+        self.waiting = True
 
     def _cut(self, command, deltas, plane, ticks):
         """Chords along an arc, v²/R within the accelerations of the plane's axes."""

@@ -45,8 +45,8 @@ except MemoryError:  # a board that has too little, or not in one piece: feed() 
 
 _SEVERAL = const(2)
 _ASKS = const(0x3F)  # ?
-_BY_ITSELF = b"\x18!"  # a read of no more than this has no line in it, as a rule
-_HIGHEST = const(0x7D)  # and what is above it
+_BY_ITSELF = b"\x18!"  # real-time bytes; a read that ends with one of them goes to feed()
+_HIGHEST = const(0x7D)  # as are those above it
 _FIRST, _LAST = const(0), const(-1)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
@@ -191,7 +191,7 @@ class Grbl:
         fields = lines.fields
         if fields[LINES_ASKED]:
             return True
-        if fields[LINES_WAITS] and self._machine.queue.room() < _SEVERAL:
+        if fields[LINES_WAITS] and self._machine.blocks() < _SEVERAL:
             return False
         return fields[LINES_AT] < fields[LINES_WHOLE] or self._rest or self._start_lines or lines.lost
 

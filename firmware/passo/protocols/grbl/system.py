@@ -41,7 +41,7 @@ class System:
         self._settings = settings
         self._machine = machine
         self._number = number
-        self._blocks = machine.blocks
+        self._blocks = machine.blocks()
         self._words = Words()
         self.probed = [0] * gcode.axes
         self.touched = False

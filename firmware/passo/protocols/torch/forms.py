@@ -149,7 +149,7 @@ class Forms(Torch):
         return bytes((number,)) + _text(told, as_json).encode()
 
     def _places(self, report):
-        made, position = report["made"], self._machine.queue.found()
+        made, position = report["made"], report["position"]
         return [("x", made[0]), ("y", made[1]), ("px", position[0]), ("py", position[1])]
 
     def _more(self, report):

@@ -1,0 +1,51 @@
+"""The order of FEATURES (machine_builder.py) means nothing: answers and motion are the same in any."""
+
+import random
+
+import pytest
+
+from host_tools import boards
+from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.radio import LoopbackRadio
+from passo import machine_builder
+
+# What is sent, and how long the machine is left alone with it.
+ORDERS = (
+    (b"$X\n", 300), (b"G91G1X5F600\nG2X5Y5I5\nM3S500\nM8\nG1X3\n", 700), (b"?", 50), (b"!", 300), (b"?", 50), (b"\xa0", 50), (b"~", 900),
+    (b"$J=G91X5F500\n", 200), (b"\x85", 300), (b"?", 20), (b"G1X20F900\n", 400), (b"\x84", 300), (b"?", 20), (b"~", 600), (b"\x18", 300),
+    (b"?", 20), (b"$X\nG38.2Z-3F100\nG4P.2\nG1X1F300\n", 1500), (b"?\x91\x91", 20), (b"$LINK\n$LINK=2\nG1X1\n", 100), (b"$LINK=1\n", 100),
+    (b"$LINK=4\n", 100), (b"$H\n", 9000), (b"?", 20), (b"G90G0X9999\n", 500), (b"?$X\n", 300), (b"$LOG\n$I\n", 100),
+)  # fmt: skip
+
+
+def board_of(name):
+    board = {**boards.load(name)}
+    if board.get("network"):
+        board["network"] = {**board["network"], "presence": board["inputs"][0]["name"]}
+    return board
+
+
+def carried_out(name, order):
+    """Answers and end of a machine whose features stand in this order."""
+    machine_builder.FEATURES = tuple(order)
+    board = board_of(name)
+    radio = LoopbackRadio({"http": 0}, "ABCDEFGHJKLMNPQR", board) if board.get("network") else None
+    machine = VirtualMachine(board, trace=None, radio=radio)
+    said = b""
+    for data, ms in ORDERS:
+        machine.send(data)
+        machine.run_ms(ms)
+        said += machine.take()
+    machine.close()
+    return said, machine.plant.position
+
+
+@pytest.mark.parametrize("name", ["router_3axis", "mill_2004", "router_pico_w"])
+def test_any_order_of_features_is_as_good(name, monkeypatch):
+    features = machine_builder.FEATURES
+    monkeypatch.setattr(machine_builder, "FEATURES", features)  # put back at the end
+    wanted = carried_out(name, features)
+    assert b"<Hold" in wanted[0] and b"ALARM" in wanted[0] and b"Door" in wanted[0] and any(wanted[1])
+    shuffled = random.Random(1).sample(features, len(features))
+    for order in (features[::-1], shuffled):
+        assert carried_out(name, order) == wanted
