@@ -12,36 +12,27 @@ elements in no group are layer 1. vpype numbers layers in the same way.
 
 import math
 import re
-from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from xml.etree import ElementTree
 
 import numpy
 
 from host_tools.drawings import svg_area, svg_geometry, svg_style, svg_text
+from host_tools.drawings.page import Ink, Page
 from host_tools.drawings.svg_faults import name_of, told
+from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure
-from host_tools.language import N_
+from host_tools.language import N_, chosen
 
 _DEFAULT_PX = 1000.0  # of a file that says neither its size nor its viewBox
+_WAY_PX = 0.05  # how finely the path of a text is followed
 _CLIP_PX = 0.02  # a line along the edge of its clip path is inside: 5 µm
-_SHAPES = frozenset("path rect circle ellipse line polyline polygon".split())
 _HREF = "{http://www.w3.org/1999/xlink}href"
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)")
 _DEEPEST = 100  # of elements in elements, <use> and clip paths included
 _DEEPEST_CLIP = 10  # of clip paths, each of which takes long
 _MOST_USES = 100_000  # of <use> and clip paths in all: those that lead to each other multiply
-
-
-@dataclass
-class Page:
-    size_px: tuple[float, float]
-    layers: dict = field(default_factory=dict)  # number: lines
-    names: dict = field(default_factory=dict)  # number: what its groups are called
-    left_out: Counter = field(default_factory=Counter)
-    unpainted: int = 0  # shapes with neither stroke nor fill
-    lost_mm: float = 0.0  # of lines outside the page
 
 
 @dataclass(frozen=True)
@@ -69,16 +60,16 @@ class SvgFile:
         if local_name(self._root.tag) != "svg":
             raise Failure("{} is not an SVG file: it begins with <{}>", path, self._root.tag)
         self._by_id = {}
-        texts = []
+        sheets = []
         self._count = 0
         for element in self._root.iter():
             self._by_id.setdefault(element.get("id"), element)
             tag = local_name(element.tag)
-            self._count += tag in _SHAPES or tag == "text"
+            self._count += tag in SHAPES or tag == "text"
             if tag == "style":
-                texts.append("".join(element.itertext()))
-        self._sheet = svg_style.Sheet(texts)
-        self._segments = {}
+                sheets.append(("".join(element.itertext()), element.get("media", "")))
+        self._sheet = svg_style.Sheet(sheets, self._root)
+        self._shapes = Shapes()
         with told(self._path, self._root):
             self.size_px = self._size()
 
@@ -102,21 +93,23 @@ class SvgFile:
             return width, (width * shape[1] / shape[0] if box else _DEFAULT_PX)
         return width, height
 
-    def outlines(self, deviation_px, progress=None):
-        """The page; chords are at most `deviation_px` from their curves. `progress(share)` is called now and then, 0…1."""
+    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
+        """The page; chords are at most `deviation_px` from their curves. `progress(share)` is called now and then, 0…1. `by_colour`:
+        a layer is a colour; `fills`: with the areas that are filled."""
+        self._fills = fills
         self._deviation = deviation_px
         self._progress = progress
         self._done = 0
-        self._page = Page(self.size_px)
+        self._page = Page(self.size_px, by_colour=by_colour)
+        self._shapes.begin(self._page, deviation_px, fills)
         if self._sheet.unknown:
             self._page.left_out[N_("style rule that cannot be read")] += len(self._sheet.unknown)
         width, height = self.size_px
         if width <= 0 or height <= 0:
             return self._page
         with told(self._path, self._root):
-            style = self._style(self._root, {"font-size": 16.0})
-            if style.get("display") != "none":
-                context = _Context(self._matrix(self._root, svg_geometry.IDENTITY), style, self.size_px)
+            context = self._inside(self._root, _Context(svg_geometry.IDENTITY, {"font-size": 16.0}, self.size_px))
+            if context:
                 self._layers(self._in_view_box(self._root, context, 0.0, 0.0, width, height))
         return self._page
 
@@ -137,13 +130,9 @@ class SvgFile:
                     continue
                 groups += 1
                 number, name = svg_style.layer_of(child, groups)
-            lines = self._lines(child, around)
-            if lines:
-                self._page.layers.setdefault(number, []).extend(lines)
-                if name:
-                    self._page.names.setdefault(number, name)
+            self._page.add(number, name, self._lines(child, around))
 
-    # --- elements; each returns polylines in px of the page
+    # --- elements; each returns Inks in px of the page
 
     def _lines(self, element, context):
         with told(self._path, element):
@@ -154,8 +143,9 @@ class SvgFile:
         inner = self._inside(element, context)
         if inner is None:
             return []
-        if tag in _SHAPES:
-            lines = self._shape(tag, element, inner)
+        if tag in SHAPES:
+            lines = self._shapes.shape(tag, element, inner)
+            self._count_one()
         elif tag == "text":
             lines = self._text(element, inner)
         elif tag in ("g", "a", "switch"):
@@ -171,27 +161,25 @@ class SvgFile:
             self._page.left_out[N_("mask")] += 1
         return self._clipped(lines, element, inner) if lines else lines
 
-    def _inside(self, element, context):
-        """The context of an element's own coordinates and style; None if nothing of it is shown."""
+    def _inside(self, element, context, ink=True):
+        """The context of an element's own coordinates and style; None if nothing of it is shown. `ink`: False of a clip path's shapes,
+        whose opacity says nothing."""
         if context.depth == _DEEPEST:
             raise Failure("{}: {} lies in more than {} others", self._path, name_of(element), _DEEPEST)
         style = self._style(element, context.style)
-        if style.get("display") == "none":
+        if style.get("display") == "none" or ink and svg_style.invisible(style.get("opacity")) or not _suits(element):
             return None
-        return replace(context, matrix=self._matrix(element, context.matrix), style=style, depth=context.depth + 1)
+        return replace(context, matrix=self._matrix(style, context), style=style, depth=context.depth + 1)
 
     def _children(self, children, context):
         return [line for child in children for line in self._lines(child, context)]
 
     def _chosen(self, element):
-        """The children that are shown; of a <switch> the first without conditions."""
+        """The children that are shown; of a <switch> the first that suits and can be drawn."""
         if local_name(element.tag) != "switch":
             return list(element)
-        plain = (
-            child for child in element
-            if local_name(child.tag) not in ("", "foreignObject") and not child.get("requiredExtensions")
-        )  # fmt: skip
-        return [child for child in [next(plain, None)] if child is not None]
+        suit = (child for child in element if local_name(child.tag) not in ("", "foreignObject") and _suits(child))
+        return [child for child in [next(suit, None)] if child is not None]
 
     def _note_left_out(self, tag, style):
         kinds = {"image": N_("picture"), "foreignObject": N_("text or other content that is not SVG"),
@@ -199,68 +187,37 @@ class SvgFile:
         if tag in kinds and style.get("visibility", "visible") == "visible":
             self._page.left_out[kinds[tag]] += 1
 
-    def _shape(self, tag, element, context):
+    def _count_one(self):
         self._done += 1
         if self._progress and self._done % 64 == 0:
             self._progress(min(1.0, self._done / self._count))
-        style = context.style
-        if style.get("visibility", "visible") != "visible":
+
+    def _text(self, element, context):
+        self._count_one()
+        if context.style.get("writing-mode", "").startswith(("v", "tb")):
+            self._page.left_out[N_("vertical text")] += 1
             return []
         stretch = svg_geometry.stretch(context.matrix)
         if not stretch:
             return []
-        segments = self._parsed(tag, element, context, stretch)
-        lines = svg_geometry.flattened(segments, self._deviation / stretch)
-        stroked = style.get("stroke", "none") != "none"
-        if style.get("fill") == "none" and not stroked:
-            self._page.unpainted += 1
-        for name in ("marker-start", "marker-mid", "marker-end"):
-            if style.get(name, "none") != "none":
-                self._page.left_out[N_("marker (arrow head)")] += 1
-        if stroked and style.get("stroke-linecap", "butt") == "butt":
-            lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
-        if stroked:
-            lines = self._dashed(lines, context)
-        return svg_geometry.placed(lines, context.matrix)
-
-    def _parsed(self, tag, element, context, stretch):
-        """The segments of a shape, read once. Raises TooFar."""
-        key = id(element), context.viewport
-        if key not in self._segments:
-            data = element.get("d") if tag == "path" else self._basic(tag, element, context)
-            reach = max(map(abs, svg_geometry.numbers(data)), default=0.0)
-            self._segments[key] = *(svg_geometry.path_segments(data) if data else ([], True)), reach
-        segments, whole, reach = self._segments[key]
-        svg_geometry.bounded(reach * stretch)
-        if not whole:
-            self._page.left_out[N_("rest of a path behind a mistake in it")] += 1
-        return segments
-
-    def _basic(self, tag, element, context):
-        def lengths(name, axis, default=0.0):
-            return self._length(element.get(name), axis, context, default)
-
-        return svg_geometry.shape_path(tag, lengths, element.get("points"))
-
-    def _dashed(self, lines, context):
-        style = context.style
-        text = style.get("stroke-dasharray", "none")
-        if text == "none":
-            return lines
-        pattern = [self._length(part, None, context) for part in text.replace(",", " ").split()]
-        return svg_geometry.dashed(lines, pattern, self._length(style.get("stroke-dashoffset"), None, context))
-
-    def _text(self, element, context):
-        self._done += 1
-        if context.style.get("writing-mode", "").startswith(("v", "tb")):
-            self._page.left_out[N_("vertical text")] += 1
-            return []
-        letters = svg_text.collect(element, context.style, self._style, context.viewport, self._page.left_out)
-        stretch = svg_geometry.stretch(context.matrix)
-        if not letters or not stretch:
-            return []
+        letters = svg_text.collect(element, context.style, self._style, context.viewport, self._page.left_out, self._way_of(context))
         lines = svg_text.outlines(letters, self._deviation / stretch, self._page.left_out)
-        return svg_geometry.placed(lines, context.matrix)
+        lines = svg_geometry.placed(lines, context.matrix)
+        return self._shapes.inks(lines, lines if self._fills and svg_style.painted(context.style, "fill") else [], context.style)
+
+    def _way_of(self, context):
+        """A function from a <textPath> to the path that its letters stand on, a polyline, or None."""
+
+        def way(element):
+            target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
+            if target is None or local_name(target.tag) not in SHAPES:
+                return None
+            matrix = self._matrix(self._style(target, {"font-size": 16.0}), replace(context, matrix=svg_geometry.IDENTITY))
+            segments = self._shapes.segments(local_name(target.tag), target, context, svg_geometry.stretch(matrix))
+            lines = svg_geometry.placed(svg_geometry.flattened(segments, _WAY_PX), matrix)
+            return numpy.concatenate(lines) if lines else None
+
+        return way
 
     def _use(self, element, context):
         target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
@@ -270,8 +227,8 @@ class SvgFile:
         if target in context.used:
             raise Failure("{}: {} leads to itself", self._path, name_of(element))
         self._lead(element)
-        moved = (1.0, 0.0, 0.0, 1.0, self._length(element.get("x"), "x", context),
-                 self._length(element.get("y"), "y", context))  # fmt: skip
+        moved = (1.0, 0.0, 0.0, 1.0, length(element.get("x"), "x", context),
+                 length(element.get("y"), "y", context))  # fmt: skip
         inner = replace(context, matrix=svg_geometry.compose(context.matrix, moved), used=(*context.used, target))
         if local_name(target.tag) not in ("symbol", "svg"):
             return self._lines(target, inner)
@@ -284,9 +241,9 @@ class SvgFile:
         """A <symbol>, or an <svg> inside the file: its viewBox fitted to its size, or to that of the <use>."""
         x = y = 0.0
         if local_name(element.tag) == "svg":
-            x, y = self._length(element.get("x"), "x", context), self._length(element.get("y"), "y", context)
-        width = self._length(sized.get("width") or element.get("width") or "100%", "x", context)
-        height = self._length(sized.get("height") or element.get("height") or "100%", "y", context)
+            x, y = length(element.get("x"), "x", context), length(element.get("y"), "y", context)
+        width = length(sized.get("width") or element.get("width") or "100%", "x", context)
+        height = length(sized.get("height") or element.get("height") or "100%", "y", context)
         if width <= 0 or height <= 0:
             return []
         lines = self._children(list(element), self._in_view_box(element, context, x, y, width, height))
@@ -294,7 +251,7 @@ class SvgFile:
             return lines
         edge = numpy.array([x + 1j * y, x + width + 1j * y, x + width + 1j * (y + height), x + 1j * (y + height)])
         area = svg_area.filled(svg_geometry.placed([edge], context.matrix), "nonzero")
-        return svg_area.clipped(lines, svg_area.grown(area, _CLIP_PX))
+        return _cut(lines, svg_area.grown(area, _CLIP_PX))
 
     def _in_view_box(self, element, context, x, y, width, height):
         """The context inside a viewport."""
@@ -312,16 +269,16 @@ class SvgFile:
 
     # --- clip paths
 
-    def _clipped(self, lines, element, context):
+    def _clipped(self, inks, element, context):
         match = _URL.match(context.style.get("clip-path", "none"))
+        lines = [line for ink in inks for line in ink.lines]
         if not match or not lines:
-            return lines
+            return inks
         clip = self._by_id.get(match[1])
         if clip is None or local_name(clip.tag) != "clipPath":
             self._page.left_out[N_("clip path that is not in the file")] += 1
-            return lines
-        area = self._area(clip, lines, context)
-        return svg_area.clipped(lines, svg_area.grown(area, _CLIP_PX))
+            return inks
+        return _cut(inks, svg_area.grown(self._area(clip, lines, context), _CLIP_PX))
 
     def _area(self, clip, lines, context):
         """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
@@ -334,7 +291,7 @@ class SvgFile:
         if clip.get("clipPathUnits") == "objectBoundingBox":
             matrix = svg_geometry.compose(matrix, svg_geometry.box_matrix(lines, matrix))
         style = self._style(clip, {"font-size": 16.0})
-        around = replace(context, matrix=self._matrix(clip, matrix), style=style, used=(*context.used, clip))
+        around = replace(context, matrix=self._matrix(style, replace(context, matrix=matrix)), style=style, used=(*context.used, clip))
         area = svg_area.filled([], "nonzero")
         for child in clip:
             part = self._area_of(child, around)
@@ -346,7 +303,7 @@ class SvgFile:
 
     def _area_of(self, child, context):
         """The inside of one shape of a <clipPath>, or None."""
-        inner = self._inside(child, context)
+        inner = self._inside(child, context, ink=False)
         tag = local_name(child.tag)
         if inner is None or inner.style.get("visibility", "visible") != "visible":
             return None
@@ -354,13 +311,13 @@ class SvgFile:
             target = self._by_id.get((child.get("href") or child.get(_HREF) or "").removeprefix("#"))
             if target is None or local_name(target.tag) == "use":
                 return None
-            moved = (1.0, 0.0, 0.0, 1.0, self._length(child.get("x"), "x", inner), self._length(child.get("y"), "y", inner))
+            moved = (1.0, 0.0, 0.0, 1.0, length(child.get("x"), "x", inner), length(child.get("y"), "y", inner))
             return self._area_of(target, replace(inner, matrix=svg_geometry.compose(inner.matrix, moved)))
         stretch = svg_geometry.stretch(inner.matrix)
         if tag == "text":
-            rings = self._text(child, inner)
-        elif tag in _SHAPES and stretch:
-            rings = svg_geometry.flattened(self._parsed(tag, child, inner, stretch), self._deviation / stretch)
+            rings = [line for ink in self._text(child, inner) for line in ink.lines]
+        elif tag in SHAPES and stretch:
+            rings = svg_geometry.flattened(self._shapes.segments(tag, child, inner, stretch), self._deviation / stretch)
             rings = svg_geometry.placed(rings, inner.matrix)
         else:
             return None
@@ -379,16 +336,37 @@ class SvgFile:
         style["font-size"] = svg_geometry.length(own, size, size, size) if isinstance(own, str) else own
         return style
 
-    def _matrix(self, element, outer):
+    def _matrix(self, style, context):
+        """The matrix of an element of `style` in a context."""
+        own, origin = style.get("transform"), style.get("transform-origin")
+        if not own:
+            return context.matrix
+        if origin and style.get("transform-box", "view-box") != "view-box":
+            self._page.left_out[N_("transform about a shape's own box")] += 1
         try:
-            return svg_geometry.compose(outer, svg_geometry.matrix(element.get("transform")))
+            size = style["font-size"]
+            inner = svg_geometry.matrix(own, context.viewport, size)
+            return svg_geometry.compose(context.matrix, svg_geometry.around(inner, origin, context.viewport, size) if origin else inner)
         except svg_geometry.TooFar:
             raise
         except ValueError:
             self._page.left_out[N_("transform that cannot be read")] += 1
-            return outer
+            return context.matrix
 
-    def _length(self, text, axis, context, default=0.0):
-        width, height = context.viewport
-        whole = {"x": width, "y": height}.get(axis, math.hypot(width, height) / math.sqrt(2))
-        return svg_geometry.length(text, whole, context.style["font-size"], default)
+
+def _suits(element):
+    """True if an element's conditions hold: its language is that of `passo`, and it wants no extension."""
+    languages = element.get("systemLanguage")
+    if languages is not None:
+        wanted = [each.strip().lower() for each in languages.split(",")]
+        if not any(each == chosen() or each.startswith(chosen() + "-") for each in wanted):
+            return False
+    return element.get("requiredExtensions") is None
+
+
+def _cut(inks, area):
+    """Lines and areas as far as they lie in an area."""
+    return [
+        Ink(ink.colour, svg_area.clipped(ink.lines, area) if ink.lines else [], [each.intersection(area) for each in ink.areas])
+        for ink in inks
+    ]

@@ -16,6 +16,8 @@ IDENTITY = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "q": 96 / 101.6, "in": 96.0, "pt": 4 / 3, "pc": 16.0}
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z%]*)\s*$")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_APART = re.compile(r"[\s,]+|(?<=[\d.])(?=[-+])(?<![eE])")
+_TURN = {"deg": 1.0, "rad": 180 / math.pi, "grad": 0.9, "turn": 360.0}
 _STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
 _FARTHEST_PX = 1e7  # 2.6 km: what lies beyond is a mistake in the file
 _MOST_DASHES = 100_000  # of one line: more are a mistake in the file
@@ -53,14 +55,37 @@ def numbers(text):
 # --- matrices
 
 
-def matrix(text):
-    """The matrix of a transform attribute. Raises ValueError if it cannot be read, TooFar."""
+def matrix(text, viewport=(0.0, 0.0), font_size=16.0):
+    """The matrix of a transform attribute, or of the property of a style sheet, which has units. `viewport`: of what per cent are.
+    Raises ValueError if it cannot be read, TooFar."""
+    text = text or ""
     found = IDENTITY
-    for name, arguments in _STEP.findall(text or ""):
-        found = compose(found, _step(name, [bounded(float(each)) for each in arguments.replace(",", " ").split()]))
-    if _STEP.sub("", text or "").replace(",", " ").strip():
+    if text.strip() == "none":
+        return found
+    for name, arguments in _STEP.findall(text):
+        parts = [part for part in _APART.split(arguments.strip()) if part]
+        given = [_argument(name, index, part, viewport, font_size) for index, part in enumerate(parts)]
+        found = compose(found, _step(name, given))
+    if _STEP.sub("", text).replace(",", " ").strip():
         raise ValueError(f"{text!r} is no transform")
     return found
+
+
+def _argument(name, index, text, viewport, font_size):
+    match = _LENGTH.match(text)
+    if not match:
+        raise ValueError(f"{text!r} is no number")
+    unit = match[2].lower()
+    if unit in _TURN:
+        return bounded(float(match[1]) * _TURN[unit])
+    if name.startswith(("translate", "rotate")):
+        down = name == "translateY" or index == (2 if name == "rotate" else 1)
+        return length(text, viewport[down], font_size, math.nan)
+    if unit == "%" and name.startswith("scale"):
+        return bounded(float(match[1]) / 100)
+    if unit:
+        raise ValueError(f"{text!r} is no number")
+    return bounded(float(match[1]))
 
 
 def _step(name, given):
@@ -68,16 +93,35 @@ def _step(name, given):
         return tuple(given)
     if name == "translate" and len(given) in (1, 2):
         return (1.0, 0.0, 0.0, 1.0, given[0], given[1] if len(given) > 1 else 0.0)
+    if name in ("translateX", "translateY") and len(given) == 1:
+        return (1.0, 0.0, 0.0, 1.0, *((given[0], 0.0) if name == "translateX" else (0.0, given[0])))
     if name == "scale" and len(given) in (1, 2):
         return (given[0], 0.0, 0.0, given[-1], 0.0, 0.0)
+    if name in ("scaleX", "scaleY") and len(given) == 1:
+        return (given[0], 0.0, 0.0, 1.0, 0.0, 0.0) if name == "scaleX" else (1.0, 0.0, 0.0, given[0], 0.0, 0.0)
     if name == "rotate" and len(given) in (1, 3):
         cosine, sine = math.cos(math.radians(given[0])), math.sin(math.radians(given[0]))
         x, y = given[1:] or (0.0, 0.0)
         return (cosine, sine, -sine, cosine, x - cosine * x + sine * y, y - sine * x - cosine * y)
+    if name == "skew" and len(given) in (1, 2):
+        across, down = (math.tan(math.radians(each)) for each in (given + [0.0])[:2])
+        return (1.0, down, across, 1.0, 0.0, 0.0)
     if name in ("skewX", "skewY") and len(given) == 1:
         lean = math.tan(math.radians(given[0]))
         return (1.0, lean, 0.0, 1.0, 0.0, 0.0) if name == "skewY" else (1.0, 0.0, lean, 1.0, 0.0, 0.0)
     raise ValueError(f"{name} does not want {len(given)} numbers")
+
+
+def around(by, text, viewport, font_size):
+    """A matrix about a transform-origin, by default 0 0. Raises ValueError, TooFar."""
+    words = (text or "0 0").replace(",", " ").split()
+    shares = {"left": "0%", "top": "0%", "center": "50%", "right": "100%", "bottom": "100%"}
+    if words[0] in ("top", "bottom") or len(words) > 1 and words[1] in ("left", "right"):
+        words[:2] = reversed((*words, "center")[:2])
+    x, y = (length(shares.get(word, word), whole, font_size, math.nan) for word, whole in zip((*words, "center")[:2], viewport))
+    if math.isnan(x) or math.isnan(y):
+        raise ValueError(f"{text!r} is no place")
+    return compose(compose((1.0, 0.0, 0.0, 1.0, x, y), by), (1.0, 0.0, 0.0, 1.0, -x, -y))
 
 
 def compose(outer, inner):

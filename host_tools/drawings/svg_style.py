@@ -1,26 +1,29 @@
 """Styles of an SVG file: attributes, style sheets and `style` of an element, and the properties it inherits.
 
-    sheet = Sheet([".st0{stroke:#000}"])
+    sheet = Sheet([".st0{stroke:#000}"], root)
     style = sheet.style(element, inherited)         # {"stroke": "#000", …}
 
-Supports the properties that decide whether, where and how an outline is drawn, and selectors of one element: `*`, `rect`,
-`.class`, `#id`, `rect.class`, in lists. Other selectors go to `unknown` and match nothing.
+Supports the properties that decide whether, where and how an outline is drawn. tinycss2 reads the sheets and cssselect2 matches
+their selectors; rules of @media hold if a screen would take them. What cannot be read goes to `unknown`.
 """
 
+from functools import lru_cache
 import re
 
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _INHERITED = frozenset(
     "visibility fill stroke stroke-width stroke-dasharray stroke-dashoffset stroke-linecap clip-rule marker-start "
     "marker-mid marker-end font-family font-size font-style font-weight text-anchor letter-spacing white-space "
-    "writing-mode".split()
+    "writing-mode stroke-opacity fill-opacity fill-rule color".split()
 )
-_OWN = frozenset("display clip-path mask overflow dominant-baseline shape-inside".split())
+_OWN = frozenset("display clip-path mask overflow dominant-baseline shape-inside opacity transform transform-origin transform-box".split())
 _KNOWN = _INHERITED | _OWN
 _SHORTHANDS = {"marker": ("marker-start", "marker-mid", "marker-end")}
-_COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.S)
-_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
-_SIMPLE = re.compile(r"(\*|[\w-]+)?((?:[.#][\w-]+)*)$")
+_SILENT = frozenset("charset namespace font-face keyframes -webkit-keyframes page".split())  # nothing to draw by
+_QUERY = re.compile(r"(?:(?:(not)|only)\s+)?(\w[\w-]*)?(?:\s*and\s*)?(\(.*\))?$", re.S)
+_ZERO = re.compile(r"[-+]?0*\.?0*(?:[eE]\d+)?\s*[a-z%]*$")
+_SHARE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*%?\s*$")
+_TAKEN = {"(prefers-color-scheme:light)": True, "(prefers-color-scheme:dark)": False}
 _FONT = re.compile(
     r"(?P<before>.*?)(?P<size>[\d.]+(?:px|pt|pc|mm|cm|in|em|ex|rem|%))(?:\s*/\s*\S+)?\s+(?P<family>.+)$", re.S
 )
@@ -34,13 +37,15 @@ def local_name(name):
     return local if space in ("", "{http://www.w3.org/2000/svg") else ""
 
 
-def declarations(text):
-    """{"stroke": "red", …} of "stroke: red; …"."""
-    found = {}
-    for part in text.split(";"):
-        name, colon, value = part.partition(":")
-        if colon:
-            _declare(found, name.strip().lower(), value.replace("!important", "").strip())
+@lru_cache(maxsize=4096)
+def _read(text):
+    """([(name, value)] of what is not !important, and of what is)."""
+    import tinycss2
+
+    found = [], []
+    for each in tinycss2.parse_blocks_contents(text or "", skip_comments=True, skip_whitespace=True):
+        if each.type == "declaration":
+            found[each.important].append((each.lower_name, tinycss2.serialize(each.value).strip()))
     return found
 
 
@@ -59,31 +64,70 @@ def _declare(found, name, value):
 
 
 class Sheet:
-    """The style sheets of a file, in their order."""
+    """The style sheets of a file, in their order: [text] or [(text, media)]."""
 
-    def __init__(self, texts):
-        self._rules = []  # (specificity, order, tag, ids, classes, declarations)
+    def __init__(self, texts, root):
+        self._rules = []  # (selector, order, body)
         self.unknown = []
+        self._of = {}  # id of an element: [(specificity, order, body)]
         for text in texts:
-            for selectors, body in _RULE.findall(_COMMENT.sub("", text)):
-                found = declarations(body)
-                for selector in selectors.split(","):
-                    if found:
-                        self._add(selector.strip(), found)
-        self._rules.sort(key=lambda rule: rule[:2])
+            text, media = (text, "") if isinstance(text, str) else text
+            if self._taken(media):
+                self._sheet(text)
+        if self._rules:
+            self._match(root)
 
-    def _add(self, selector, found):
-        match = _SIMPLE.match(selector)
-        if not match:
-            if selector and selector[0] != "@" and ":" not in selector:  # a font, a mouse pointer: nothing to draw
-                self.unknown.append(selector)
-            return
-        tag = match[1] if match[1] != "*" else None
-        marks = re.findall(r"[.#][\w-]+", match[2])
-        ids = {mark[1:] for mark in marks if mark[0] == "#"}
-        classes = {mark[1:] for mark in marks if mark[0] == "."}
-        specificity = (len(ids), len(classes), tag is not None)
-        self._rules.append((specificity, len(self._rules), tag, ids, classes, found))
+    def _sheet(self, text):
+        import tinycss2
+
+        self._add(tinycss2.parse_stylesheet(text, skip_comments=True, skip_whitespace=True))
+
+    def _add(self, rules):
+        import cssselect2
+        import tinycss2
+
+        for rule in rules:
+            if rule.type == "qualified-rule":
+                try:
+                    selectors = cssselect2.compile_selector_list(rule.prelude)
+                except cssselect2.SelectorError:
+                    self.unknown.append(tinycss2.serialize(rule.prelude).strip())
+                    continue
+                body = tinycss2.serialize(rule.content)
+                self._rules += [(each, body) for each in selectors if each.pseudo_element is None]
+            elif rule.type == "at-rule" and rule.lower_at_keyword == "media" and rule.content is not None:
+                if self._taken(tinycss2.serialize(rule.prelude)):
+                    self._add(tinycss2.parse_rule_list(rule.content, skip_comments=True, skip_whitespace=True))
+            elif rule.type == "error" or rule.type == "at-rule" and rule.lower_at_keyword not in _SILENT:
+                self.unknown.append(getattr(rule, "at_keyword", None) or rule.message)
+
+    def _taken(self, media):
+        """True if a screen takes rules of a list of media."""
+        return not media.strip() or any(self._query(each.strip().lower()) for each in media.split(","))
+
+    def _query(self, text):
+        match = _QUERY.match(text)
+        if match is None or match[2] is None and match[3] is None:
+            self.unknown.append(f"@media {text}")
+            return False
+        taken = match[2] in (None, "all", "screen")
+        for feature in re.split(r"\)\s*and\s*\(", match[3][1:-1]) if match[3] else ():
+            known = _TAKEN.get(f"({re.sub(chr(92) + 's', '', feature)})")
+            if known is None:
+                self.unknown.append(f"@media {text}")
+            taken = taken and bool(known)
+        return taken != bool(match[1])
+
+    def _match(self, root):
+        import cssselect2
+
+        matcher = cssselect2.Matcher()
+        for selector, body in self._rules:
+            matcher.add_selector(selector, body)
+        for wrapper in cssselect2.ElementWrapper.from_xml_root(root).iter_subtree():
+            found = matcher.match(wrapper)
+            if found:
+                self._of[id(wrapper.etree_element)] = [body for _, _, _, body in found]  # the weakest first
 
     def style(self, element, inherited):
         """The properties of `element` within a parent of the properties `inherited`, as texts."""
@@ -92,18 +136,42 @@ class Sheet:
         for name, value in element.attrib.items():
             if name in _KNOWN:
                 own[name] = value.strip()
-        tag, name = local_name(element.tag), element.get("id")
-        classes = set(element.get("class", "").split())
-        for _, _, wanted, ids, marks, found in self._rules:
-            if wanted in (None, tag) and ids <= {name} and marks <= classes:
-                own.update(found)
-        own.update(declarations(element.get("style", "")))
+        bodies = [*self._of.get(id(element), ()), element.get("style", "")]
+        for important in (False, True):
+            for body in bodies:
+                for name, value in _read(body)[important]:
+                    _declare(own, name, value)
         for each, value in own.items():
-            if value == "inherit":
-                value = inherited.get(each)
+            if value in ("inherit", "unset", "initial"):
+                value = inherited.get(each) if value == "inherit" or value == "unset" and each in _INHERITED else None
+                style.pop(each, None)
             if value is not None:
                 style[each] = value
         return style
+
+
+def painted(style, what):
+    """True if a "stroke" or a "fill" can be seen."""
+    value = style.get(what, "none" if what == "stroke" else "black")
+    if value in ("none", "transparent") or invisible(style.get(f"{what}-opacity")):
+        return False
+    if what == "stroke" and _ZERO.match(style.get("stroke-width", "1")):
+        return False
+    return _alpha(value) != 0
+
+
+@lru_cache(maxsize=1024)
+def _alpha(value):
+    from tinycss2.color3 import parse_color
+
+    colour = parse_color(value)
+    return getattr(colour, "alpha", 1)
+
+
+def invisible(opacity):
+    """True of the text of an opacity of 0 or less."""
+    match = _SHARE.match(opacity or "")
+    return bool(match) and float(match[1]) <= 0
 
 
 def layer_of(group, order):

@@ -4,8 +4,8 @@
     lines = outlines(pieces, deviation, left_out)   # polylines, in the element's own coordinates
 
 A font that is not installed is replaced by the one that matplotlib takes for it, and `left_out` is told so. Letters follow
-each other as the font has them; x, y, dx, dy, text-anchor and letter-spacing are kept; text along a path, rotated letters
-and vertical text are not drawn.
+each other as the font has them; x, y, dx, dy, rotate, text-anchor and letter-spacing are kept, and letters stand on the path of a
+<textPath>, each by its middle. Vertical text is not drawn.
 """
 
 import logging
@@ -36,6 +36,29 @@ class Letter:
     y: float | None = None
     dx: float = 0.0
     dy: float = 0.0
+    rotate: float = 0.0  # degrees
+    way: object = None  # of a <textPath>: Way
+
+
+@dataclass
+class Way:
+    """What letters stand on: a polyline, and how far along it they begin."""
+
+    line: numpy.ndarray
+    begin: float
+
+    def __post_init__(self):
+        self.along = numpy.concatenate(([0.0], numpy.cumsum(abs(numpy.diff(self.line)))))
+
+    def at(self, distance):
+        """(place, direction as a complex number of length 1), or None off its ends."""
+        if not 0 <= distance <= self.along[-1]:
+            return None
+        index = min(max(int(numpy.searchsorted(self.along, distance, "right")) - 1, 0), len(self.line) - 2)
+        while index and self.line[index + 1] == self.line[index]:
+            index -= 1
+        step = self.line[index + 1] - self.line[index]
+        return self.line[index] + (distance - self.along[index]) * step / abs(step), step / abs(step)
 
 
 @dataclass
@@ -47,6 +70,7 @@ class _Run:
     text: str
     dx: float
     dy: float
+    rotate: float = 0.0
 
 
 @dataclass
@@ -56,13 +80,15 @@ class _Chunk:
     x: float
     y: float
     anchor: str
+    way: object = None
     runs: list = field(default_factory=list)
 
 
-def collect(element, style, style_of, viewport, left_out):
-    """The letters of a <text>, spaces collapsed. `style_of(child, style)` is the style of a <tspan>."""
+def collect(element, style, style_of, viewport, left_out, way_of):
+    """The letters of a <text>, spaces collapsed. `style_of(child, style)` is the style of a <tspan>, `way_of(child)` the polyline of a
+    <textPath>, or None."""
     letters = []
-    _collect(element, style, style_of, viewport, left_out, letters, False)
+    _collect(element, style, (style_of, way_of), viewport, left_out, letters, False)
     return _collapsed(letters)
 
 
@@ -70,7 +96,7 @@ def _collapsed(letters):
     """Without blanks at the beginning and the end of a line, and behind other blanks."""
     kept = []
     for letter in letters:
-        fresh = letter.x is not None or letter.y is not None
+        fresh = letter.x is not None or letter.y is not None or bool(kept) and kept[-1].way is not letter.way
         while fresh and kept and _is_blank(kept[-1]):
             kept.pop()
         if not _is_blank(letter) or fresh or (kept and kept[-1].text != " "):
@@ -84,12 +110,13 @@ def _is_blank(letter):
     return letter.text == " " and not letter.keep_space
 
 
-def _collect(element, style, style_of, viewport, left_out, letters, keep_space, depth=0):
+def _collect(element, style, found_by, viewport, left_out, letters, keep_space, depth=0):
     if depth == _DEEPEST:
         raise ValueError(f"{_DEEPEST} levels of text in text")
     keep_space = element.get(_SPACE, "preserve" if keep_space else "") == "preserve" or style.get(
         "white-space", ""
     ).startswith("pre")
+    style_of, way_of = found_by
     size = float(style["font-size"])
     first = len(letters)
     _spell(element.text, style, size, keep_space, letters)
@@ -98,17 +125,36 @@ def _collect(element, style, style_of, viewport, left_out, letters, keep_space, 
         if tag in ("tspan", "a"):
             inner = style_of(child, style)
             if inner.get("display") != "none":
-                _collect(child, inner, style_of, viewport, left_out, letters, keep_space, depth + 1)
+                _collect(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
         elif tag == "textPath":
-            left_out[N_("text along a path")] += 1
+            _along(child, style_of(child, style), found_by, viewport, left_out, letters, keep_space, depth + 1)
         _spell(child.tail, style, size, keep_space, letters)
-    if element.get("rotate") not in (None, "0"):
-        left_out[N_("the turning of single letters")] += 1
+    turns = svg_geometry.numbers(element.get("rotate"))
+    for index, letter in enumerate(_collapsed(letters[first:]) if turns else ()):
+        letter.rotate = letter.rotate or turns[min(index, len(turns) - 1)]
     for name, whole in (("x", viewport[0]), ("y", viewport[1]), ("dx", viewport[0]), ("dy", viewport[1])):
         positions = [svg_geometry.length(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
         for letter, position in zip(_collapsed(letters[first:]) if positions else (), positions):
             if getattr(letter, name) in (None, 0.0):  # what a <tspan> inside says goes before
                 setattr(letter, name, position)
+
+
+def _along(element, style, found_by, viewport, left_out, letters, keep_space, depth):
+    """The letters of a <textPath>."""
+    line = found_by[1](element)
+    if style.get("display") == "none":
+        return
+    if line is None or len(line) < 2 or not abs(numpy.diff(line)).sum():
+        left_out[N_("text along a path that is not in the file")] += 1
+        return
+    if element.get("side") == "right":
+        line = line[::-1]
+    first = len(letters)
+    way = Way(line, 0.0)
+    way.begin = svg_geometry.length(element.get("startOffset"), way.along[-1], float(style["font-size"]))
+    _collect(element, style, found_by, viewport, left_out, letters, keep_space, depth)
+    for letter in letters[first:]:
+        letter.way, letter.x, letter.y = letter.way or way, None, None
 
 
 def _spell(text, style, size, keep_space, letters):
@@ -124,26 +170,48 @@ def outlines(letters, deviation, left_out):
         x = x if chunk.x is None else chunk.x
         y = y if chunk.y is None else chunk.y
         width = sum(run.dx + _advance(run, left_out) for run in chunk.runs)
-        x -= {"middle": width / 2, "end": width}.get(chunk.anchor, 0.0)
+        before = {"middle": width / 2, "end": width}.get(chunk.anchor, 0.0)
+        if chunk.way:
+            lines += _on_way(chunk, chunk.way.begin - before, deviation, left_out)
+            continue
+        x -= before
         for run in chunk.runs:
             x, y = x + run.dx, y + run.dy
-            if run.style.get("visibility", "visible") == "visible":
-                lines += _drawn(run, x, y, deviation, left_out)
+            drawn = _drawn(run, x, y, deviation, left_out)
+            lines += svg_geometry.placed(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y})")) if run.rotate else drawn
             x += _advance(run, left_out)
+    return lines
+
+
+def _on_way(chunk, at, deviation, left_out):
+    """Letters along a path; those whose middle is off its ends are not shown."""
+    lines, off = [], 0.0
+    for run in chunk.runs:
+        wide = _advance(run, left_out)
+        at, off = at + run.dx, off + run.dy
+        found = chunk.way.at(at + wide / 2)
+        if found is not None:
+            place, direction = found
+            turned = direction * complex(numpy.exp(1j * numpy.radians(run.rotate)))
+            for line in _drawn(run, -wide / 2, 0.0, deviation, left_out):
+                lines.append(place + 1j * direction * off + line * turned)
+        elif run.text.strip():
+            left_out[N_("letters beyond the end of their path")] += 1
+        at += wide
     return lines
 
 
 def _chunks(letters):
     chunks = []
     for letter in letters:
-        if not chunks or letter.x is not None or letter.y is not None:
-            chunks.append(_Chunk(letter.x, letter.y, letter.style.get("text-anchor", "start")))
+        if not chunks or letter.x is not None or letter.y is not None or letter.way is not chunks[-1].way:
+            chunks.append(_Chunk(letter.x, letter.y, letter.style.get("text-anchor", "start"), letter.way))
         runs = chunks[-1].runs
-        spaced = _spacing(letter.style, letter.size)
-        if runs and runs[-1].style is letter.style and not (letter.dx or letter.dy or spaced):
+        single = letter.dx or letter.dy or letter.rotate or letter.way or _spacing(letter.style, letter.size)
+        if runs and runs[-1].style is letter.style and not single and not runs[-1].rotate:
             runs[-1].text += letter.text
         else:
-            runs.append(_Run(letter.style, letter.size, letter.text, letter.dx, letter.dy))
+            runs.append(_Run(letter.style, letter.size, letter.text, letter.dx, letter.dy, letter.rotate))
     return chunks
 
 
@@ -161,6 +229,9 @@ def _advance(run, left_out):
 
 
 def _drawn(run, x, y, deviation, left_out):
+    """The outlines of letters whose line begins at a place; none if they are hidden."""
+    if run.style.get("visibility", "visible") != "visible":
+        return []
     from matplotlib.path import Path
     from matplotlib.textpath import text_to_path
 

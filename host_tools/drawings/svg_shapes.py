@@ -1,0 +1,93 @@
+"""Shapes of an SVG file as Inks, in px of the page: flattened, dashed, placed, with the areas that they fill.
+
+    shapes = Shapes()
+    shapes.begin(page, 0.1, False)                  # chords at most 0.1 px off, no areas
+    inks = shapes.shape("path", element, context)
+"""
+
+import math
+
+from host_tools.drawings import svg_area, svg_geometry, svg_style
+from host_tools.drawings.page import Ink
+from host_tools.language import N_
+
+SHAPES = frozenset("path rect circle ellipse line polyline polygon".split())
+
+
+def length(text, axis, context, default=0.0):
+    """A length of an element, in px of its own coordinates; `axis`: "x", "y" or None, of which per cent are."""
+    width, height = context.viewport
+    whole = {"x": width, "y": height}.get(axis, math.hypot(width, height) / math.sqrt(2))
+    return svg_geometry.length(text, whole, context.style["font-size"], default)
+
+
+class Shapes:
+    def __init__(self):
+        self._segments = {}  # (id of an element, viewport): read once for all sizes
+
+    def begin(self, page, deviation, fills):
+        """For a page, which counts what is wrong with shapes."""
+        self._page, self._deviation, self._fills = page, deviation, fills
+
+    def shape(self, tag, element, context):
+        style = context.style
+        if style.get("visibility", "visible") != "visible":
+            return []
+        stretch = svg_geometry.stretch(context.matrix)
+        if not stretch:
+            return []
+        segments = self.segments(tag, element, context, stretch)
+        lines = svg_geometry.flattened(segments, self._deviation / stretch)
+        stroked, filled = svg_style.painted(style, "stroke"), svg_style.painted(style, "fill")
+        if not filled and not stroked:
+            self._page.unpainted += 1
+        rings = svg_geometry.placed(lines, context.matrix) if self._fills and filled and tag != "line" else []
+        for name in ("marker-start", "marker-mid", "marker-end"):
+            if style.get(name, "none") != "none":
+                self._page.left_out[N_("marker (arrow head)")] += 1
+        if stroked and style.get("stroke-linecap", "butt") == "butt":
+            lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
+        if stroked:
+            lines = self._dashed(lines, context)
+        return self.inks(svg_geometry.placed(lines, context.matrix), rings, style)
+
+    def inks(self, lines, rings, style):
+        """Lines in the colour of their stroke, or else of their fill, and the area that is filled."""
+        stroked = svg_style.painted(style, "stroke")
+        inks = [Ink(_colour(style, "stroke" if stroked else "fill"), lines)]
+        area = svg_area.filled(rings, style.get("fill-rule", "nonzero")) if rings else None
+        if area is not None and not area.is_empty:
+            inks.append(Ink(_colour(style, "fill"), [], [area]))
+        return inks
+
+    def segments(self, tag, element, context, stretch):
+        """The segments of a shape, read once. Raises TooFar."""
+        key = id(element), context.viewport
+        if key not in self._segments:
+            data = element.get("d") if tag == "path" else self._basic(tag, element, context)
+            reach = max(map(abs, svg_geometry.numbers(data)), default=0.0)
+            self._segments[key] = *(svg_geometry.path_segments(data) if data else ([], True)), reach
+        segments, whole, reach = self._segments[key]
+        svg_geometry.bounded(reach * stretch)
+        if not whole:
+            self._page.left_out[N_("rest of a path behind a mistake in it")] += 1
+        return segments
+
+    def _basic(self, tag, element, context):
+        def lengths(name, axis, default=0.0):
+            return length(element.get(name), axis, context, default)
+
+        return svg_geometry.shape_path(tag, lengths, element.get("points"))
+
+    def _dashed(self, lines, context):
+        style = context.style
+        text = style.get("stroke-dasharray", "none")
+        if text == "none":
+            return lines
+        pattern = [length(part, None, context) for part in text.replace(",", " ").split()]
+        return svg_geometry.dashed(lines, pattern, length(style.get("stroke-dashoffset"), None, context))
+
+
+def _colour(style, what):
+    value = style.get(what, "none" if what == "stroke" else "black")
+    return style.get("color", "black") if value.lower() == "currentcolor" else value
