@@ -107,7 +107,7 @@ def _cut(lines, most):
 def load(path, board, options=None, progress=None):
     """Read, position and order the drawing of an SVG file. Raises Failure if there is nothing to draw, or no room.
     Calls `progress(text, share)` now and then: what is being done, and its share done, 0…1."""
-    from host_tools.drawings.svg_file import SvgFile
+    from host_tools.drawings import sources
 
     options = options or Options()
     progress = progress or (lambda text, share: None)
@@ -117,7 +117,7 @@ def load(path, board, options=None, progress=None):
     if options.scale is not None and options.scale <= 0:
         raise Failure("--scale must be above 0")
     progress(N_("reading"), 0.0)
-    file = SvgFile(path)
+    file = sources.opened(path)
     factor = options.scale or 1.0
     if options.place == "page" and options.fit and options.scale is None:
         factor = placement.fitted((0.0, 0.0, *file.size_px), board, options)

@@ -1,0 +1,133 @@
+"""HPGL and HP-GL/2 files (.plt, .hpgl), the language of pen plotters, as a drawing: a layer is a pen.
+
+    file = HpglFile("map.plt")
+    page = file.outlines(deviation_px=0.1)
+
+Coordinates are the file's: its zero is the lower left corner of the page, unless it draws below zero; a unit is 1/40 mm. Scaling by IP,
+SC, IR and SR, text in single-line letters, arcs, circles, wedges, rectangles, polygons, windows and rotation are followed.
+Chords that the file asks for are kept, all other curves are as fine as the drawing's tolerance. Instructions that leave no ink say
+nothing; others are counted in `left_out`.
+"""
+
+import math
+import re
+from collections import Counter
+
+import numpy
+
+from host_tools.drawings.hpgl_pen import Pen
+from host_tools.drawings.page import Page
+from host_tools.failure import Failure, reason
+from host_tools.language import N_
+
+UNITS_PER_MM = 40.0
+UNIT_PX = 96 / 25.4 / UNITS_PER_MM
+_LEAST_PX = 1.0  # of a page
+_MOST = 10_000_000  # bytes
+_ESCAPE = re.compile(r"\x1b(?:\.[@-Z()](?:[\d;,]*:)?|%-?\d*[A-Z]|[&*()][a-z]?[-\d]*[A-Z@]|E|\.[@-Z])")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_INSTRUCTION = re.compile(r"[A-Za-z]{2}")
+# No ink, or none that a pen could draw otherwise: speeds, forces, widths, pauses, answers to a PC.
+_SILENT = frozenset(
+    "VS FS AS VA VN PW WU PT FT NP NR PG PS EC MG OA OC OD OE OF OG OH OI OK OL OO OP OS OT OW IM RP BP MC SB SA SS CS CA AP CC "
+    "GM GP DC DP CV LA TR ST SV RF AC UL BL PB CF AD SD TD FI FN IV LM QL AF AH CT CR PC SM".split()
+)
+
+
+def is_hpgl(data):
+    """True if a file's first bytes are HPGL."""
+    text = _ESCAPE.sub("", data[:400].decode("latin-1")).strip().upper()
+    return bool(re.match(r"(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*|IP|SC|PS|RO|NP|BP|CO|LT)\s*(;|[-\d.\s]|[A-Z]{2}|$)", text))
+
+
+class HpglFile:
+    def __init__(self, path):
+        """Raises Failure if the file is not there, or has no instruction."""
+        try:
+            data = open(path, "rb").read(_MOST + 1)
+        except FileNotFoundError as error:
+            raise Failure("no file {}", path) from error
+        except OSError as error:
+            raise Failure("{} cannot be read: {}", path, reason(error)) from error
+        if len(data) > _MOST:
+            raise Failure("{} has more than {} bytes", path, _MOST)
+        self._left_out = Counter()
+        self._instructions = list(self._parsed(data.decode("latin-1")))
+        if not self._instructions:
+            raise Failure("{} has no instruction of HPGL", path)
+        pen = self._drawn(1.0)
+        places = numpy.concatenate([line for inks in pen.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
+        size = pen.page or (0.0, 0.0)
+        self._left, self._bottom = min(0.0, places.real.min()), min(0.0, places.imag.min())
+        self.size_px = (
+            max(_LEAST_PX, (max(size[0], places.real.max()) - self._left) * UNIT_PX),
+            max(_LEAST_PX, (max(size[1], places.imag.max()) - self._bottom) * UNIT_PX),
+        )
+
+    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
+        """The page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
+        pen = self._drawn(deviation_px / UNIT_PX)
+        page = Page(self.size_px, by_colour=by_colour)
+        page.left_out = self._left_out + pen.left_out
+        for number in sorted(pen.inks):
+            for ink in pen.inks[number]:
+                ink.lines = [self._placed(line) for line in ink.lines]
+                ink.areas = [self._placed_area(area) for area in ink.areas] if fills else []
+            page.add(max(1, number), None, pen.inks[number])
+        return page
+
+    def _placed(self, line):
+        return (line.real - self._left) * UNIT_PX + 1j * (self.size_px[1] - (line.imag - self._bottom) * UNIT_PX)
+
+    def _placed_area(self, area):
+        from shapely.affinity import affine_transform
+
+        return affine_transform(area, [UNIT_PX, 0, 0, -UNIT_PX, -self._left * UNIT_PX, self.size_px[1] + self._bottom * UNIT_PX])
+
+    def _drawn(self, deviation):
+        pen = Pen(deviation)
+        for name, given in self._instructions:
+            pen.do(name, given)
+        return pen.finished()
+
+    def _parsed(self, text):
+        """(instruction, numbers, or the text of a label)."""
+        text = _ESCAPE.sub("", text)
+        at, end_of_label = 0, "\x03"
+        while True:
+            match = _INSTRUCTION.search(text, at)
+            if match is None:
+                return
+            name, at = match[0].upper(), match.end()
+            if name in ("LB", "BL", "SM", "DT", "CO"):
+                if name == "LB" or name == "BL":
+                    end = text.find(end_of_label, at)
+                    end = len(text) if end < 0 else end
+                    if name == "LB":
+                        yield name, text[at:end]
+                    at = end + len(end_of_label)
+                elif name == "DT":
+                    end_of_label = text[at : at + 1] if text[at : at + 1] not in ("", ";") else "\x03"
+                    at += 1
+                elif name == "CO":
+                    at = text.find('"', text.find('"', at) + 1) + 1 or len(text)
+                else:
+                    at += 1
+                continue
+            if name == "PE":
+                end = text.find(";", at)
+                at = len(text) if end < 0 else end
+                self._left_out[N_("polyline in HP-GL/2's own code (PE)")] += 1
+                continue
+            end = _INSTRUCTION.search(text, at)
+            stop = text.find(";", at, end.start() if end else None)
+            stop = stop if stop >= 0 else end.start() if end else len(text)
+            given = [float(each) for each in _NUMBER.findall(text[at:stop])]
+            at = stop
+            if name in Pen.WORDS:
+                if all(math.isfinite(each) and abs(each) < 1e9 for each in given):
+                    yield name, given
+                else:
+                    self._left_out[N_("number that is too large")] += 1
+            elif name not in _SILENT:
+                self._left_out[N_("instruction that is not known")] += 1
