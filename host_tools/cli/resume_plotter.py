@@ -4,6 +4,7 @@ from rich.console import Console
 
 from host_tools.cli import draw
 from host_tools.cli.draw_run import Way, run
+from host_tools.drawings.sources import SUFFIXES
 from host_tools.failure import Failure
 from host_tools.programs import drawn, stored_job
 from host_tools.programs.journal import Journal
@@ -15,7 +16,7 @@ _BOARD = "plotter_2014"
 def resume(file, port, baud, home, unverified, yes):
     way = Way(True, home, unverified, True, not yes)
     record = None
-    if file.suffix.lower() == ".svg":
+    if file.suffix.lower() in SUFFIXES:
         objects, machine, record, speed = _drawing(file)
         numbers = drawn.numbers_of_stored(objects, speed)
     else:
@@ -29,7 +30,7 @@ def resume(file, port, baud, home, unverified, yes):
 
 
 def _drawing(file):
-    """An SVG file with the options that it was begun with."""
+    """A drawing with the options that it was begun with."""
     from host_tools.drawings import drawing
 
     place = Journal.beside(file)

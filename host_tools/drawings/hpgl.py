@@ -36,7 +36,7 @@ _SILENT = frozenset(
 
 def is_hpgl(data):
     """True if a file's first bytes are HPGL."""
-    text = _ESCAPE.sub("", data[:400].decode("latin-1")).strip().upper()
+    text = _ESCAPE.sub("", data[:400].decode("latin-1")).strip("; \r\n\t").upper()
     return bool(re.match(r"(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*|IP|SC|PS|RO|NP|BP|CO|LT)\s*(;|[-\d.\s]|[A-Z]{2}|$)", text))
 
 

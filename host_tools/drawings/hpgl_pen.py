@@ -84,8 +84,8 @@ class Pen:
         if self._polygon is not None:
             self._polygon[-1].append((place, self._down))
         elif self._down:
-            if not self._line:
-                self._line = [self._place]
+            if len(self._line) < 3:  # none, or the dot of a pen that came down
+                self._line = self._line[:1] if len(set(self._line)) == 1 else self._line or [self._place]
             self._line.append(place)
         else:
             self._lift()

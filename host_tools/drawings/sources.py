@@ -8,7 +8,8 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 
-SUFFIXES = (".svg", ".plt", ".hpgl", ".hpg", ".hgl", ".dxf")
+GCODE = (".gcode", ".nc", ".ngc", ".tap", ".cnc", ".num")
+SUFFIXES = (".svg", ".plt", ".hpgl", ".hpg", ".hgl", ".dxf", *GCODE)
 _FIRST = 4096  # bytes that say what a file is
 
 
@@ -22,11 +23,17 @@ def opened(path):
         raise Failure("no file {}", path) from error
     except OSError as error:
         raise Failure("{} cannot be read: {}", path, reason(error)) from error
-    from host_tools.drawings import hpgl
+    from host_tools.drawings import dxf, hpgl
 
     suffix = path.suffix.lower()
+    if suffix == ".dxf" or dxf.is_dxf(first):
+        return dxf.DxfFile(path)
     if suffix != ".svg" and hpgl.is_hpgl(first):
         return hpgl.HpglFile(path)
+    if suffix in GCODE:
+        from host_tools.drawings.gcode_file import GcodeFile
+
+        return GcodeFile(path)
     from host_tools.drawings.svg_file import SvgFile
 
     return SvgFile(path)

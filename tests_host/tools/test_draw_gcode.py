@@ -15,7 +15,7 @@ from host_tools import boards
 from host_tools.cli import draw_gcode, stream
 from host_tools.cli import main as cli
 from host_tools.cli.draw_options import Said
-from host_tools.drawings import drawing, gcode
+from host_tools.drawings import drawing, gcode, sources
 from host_tools.drawings.drawing import Drawing, Part
 from host_tools.failure import Failure
 from host_tools.programs import gcode_file
@@ -197,3 +197,31 @@ def test_a_board_file_decides_the_tool():
     assert tools == {"laser_xy": "laser", "router_3axis": "z", "mill_2004": "z", "plotter_2014": "m3"}
     with pytest.raises(Failure):
         gcode.Cut("z").changed("passes=two")
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(LINES, min_size=1, max_size=2), CUTS)
+def test_g_code_is_a_drawing_again(tmp_path_factory, parts, cut):
+    cut = cut.changed(f"power={cut.power + 1}")
+    plan = plan_of(parts)
+    path = tmp_path_factory.mktemp("again") / "a.gcode"
+    path.write_text("\n".join(gcode.lines_of(plan, {part.number: cut for part in plan.parts})))
+    wanted = {frozenset(pair) for part in parts for line in part for pair in zip(line, line[1:]) if pair[0] != pair[1]}
+    if not wanted:
+        return
+    (lines,) = sources.opened(path).outlines(0.1).layers.values()
+    left = min(x for pair in wanted for x, _ in pair)
+    top = max(y for pair in wanted for _, y in pair)
+    found = [[(left + round(p.real * 25.4 / 96 * 320), top - round(p.imag * 25.4 / 96 * 320)) for p in line] for line in lines]
+    assert {frozenset(pair) for line in found for pair in zip(line, line[1:])} == wanted
+
+
+def test_arcs_and_cycles_of_g_code(tmp_path):
+    path = tmp_path / "a.ngc"
+    path.write_text("G21 G90\nM3 S100\nG0 X10 Y0\nG3 X-10 Y0 I-10 J0 F100\nM5\nG1 X50\n")
+    (line,) = sources.opened(path).outlines(0.1).layers[1]
+    middle = complex(10, 10) * 96 / 25.4
+    assert abs(abs(line - middle) - 10 * 96 / 25.4).max() < 0.05
+    path.write_text("G0 X10\nG0 Y3\n")
+    with pytest.raises(Failure, match="draws nothing"):
+        sources.opened(path)

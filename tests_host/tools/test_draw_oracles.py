@@ -3,6 +3,8 @@
 Without these programs the tests skip.
 """
 
+import random
+import re
 import shutil
 import subprocess
 
@@ -12,6 +14,9 @@ from PIL import Image
 from shapely import STRtree
 from shapely import points as shapely_points
 
+from host_tools.drawings import sources
+from host_tools.drawings.hpgl import UNIT_PX
+from host_tools.drawings.placement import box_of
 from host_tools.drawings.svg_file import SvgFile
 
 SCALE = 4  # pixels a px
@@ -117,3 +122,202 @@ def test_what_a_sheet_has_and_nobody_reads_is_named(tmp_path):
     path.write_text(f'{HEAD}<style>@import "b.css"; @media (min-width: 9px) {{ path {{ display: none }} }} a{{{{ {{fill:red}} >>> b{{fill:red}}</style><path d="M0 0h9"/></svg>')
     page = SvgFile(path).outlines(0.1)
     assert len(page.layers[1]) == 1 and page.left_out["style rule that cannot be read"] >= 2
+
+
+# --- HPGL by hp2xx
+
+FRAME = "IN;SP1;PU0,0;PD0,100;PU9000,7000;PD9000,6900;PU;"
+
+
+def hpgl_program(seed):
+    """Instructions at random. Arcs are whole chords long: hp2xx leaves out the rest of a wedge's last chord."""
+    chance = random.Random(seed)
+
+    def place():
+        return f"{chance.randint(1000, 7000)},{chance.randint(1000, 5000)}"
+
+    def way():
+        return f"{chance.randint(-800, 800)},{chance.randint(-800, 800)}"
+
+    def sweep(most):
+        return 10 * chance.randint(1, most // 10) * chance.choice((-1, 1))
+
+    kinds = [
+        lambda: f"PU{place()};PD{place()},{place()};", lambda: f"PA;PU{place()};PR;PD{way()},{way()};PA;",
+        lambda: f"PU{place()};CI{chance.randint(100, 900)},{chance.choice([5, 10, 45])};",
+        lambda: f"PU{place()};PD;AA{place()},{sweep(180)},{chance.choice([5, 10])};", lambda: f"PU{place()};PD;AR{way()},{sweep(360)},5;",
+        lambda: f"PU{place()};EA{place()};", lambda: f"PU{place()};ER{way()};",
+        lambda: f"PU{place()};EW{chance.randint(100, 900)},{chance.randint(0, 360)},{abs(sweep(300))},10;", lambda: f"SP{chance.randint(1, 8)};",
+        lambda: f"PU{place()};PM0;PD{place()},{place()};PU{place()};PM1;PD{place()},{place()};PM2;EP;",
+    ]  # fmt: skip
+    words = [FRAME]
+    if chance.random() < 0.5:
+        ends = f"{chance.randint(500, 1500)},{chance.randint(500, 1500)},{chance.randint(6000, 8000)},{chance.randint(5000, 6500)}"
+        words.append(f"IP{ends};SC0,8000,0,6000{chance.choice(['', ',0', ',1'])};")
+    return "".join(words + [chance.choice(kinds)() for _ in range(chance.randint(3, 12))]) + "PU;SP0;"
+
+
+def hp2xx_lines(path, box):
+    """hp2xx's polylines, in px of our page: their box laid on ours."""
+    if not shutil.which("hp2xx"):
+        pytest.skip("hp2xx is not installed: apt-get install hp2xx")
+    svg = subprocess.run(["hp2xx", "-q", "-m", "svg", "-f", "-", path], capture_output=True, text=True, timeout=60).stdout
+    lines = []
+    for data in re.findall(r'<path d="([^"]*)"', svg):
+        places = [complex(float(x), float(y)) for x, y in re.findall(r"[ML] *([-\d.]+), *([-\d.]+)", data)]
+        lines.append(numpy.array(places if len(places) > 1 else places * 2))
+    theirs = box_of([lines])
+    scale = (box[2] - box[0]) / (theirs[2] - theirs[0])
+    return [(line.real - theirs[0]) * scale + box[0] + 1j * ((line.imag - theirs[3]) * scale + box[3]) for line in lines]
+
+
+def hpgl_agreement(path, near=0.5):
+    page = sources.opened(path).outlines(0.01)
+    lines = [line for lines in page.layers.values() for line in lines]
+    return agreement(samples(hp2xx_lines(path, box_of([lines]))), lines, near), page
+
+
+@pytest.mark.parametrize("seed", range(25))
+def test_hpgl_as_hp2xx_has_it(tmp_path, seed):
+    path = tmp_path / "a.plt"
+    path.write_text(hpgl_program(seed))
+    (on_ours, on_theirs), page = hpgl_agreement(path)
+    assert on_ours > 0.98 and on_theirs > 0.98 and not page.left_out, path.read_text()
+
+
+def test_a_real_hpgl_file_as_hp2xx_has_it(corpus):
+    (on_ours, on_theirs), page = hpgl_agreement(corpus / "hpgl-buddy_demo-g.hpgl")
+    assert on_ours > 0.999 and on_theirs > 0.999 and not page.left_out and list(page.layers) == [5]
+
+
+@pytest.mark.parametrize("words", ["DI0,1;", "LO1;", "DI1,1;", "DR1,1;"])
+def test_hpgl_labels_stand_where_hp2xx_has_them(tmp_path, words):
+    """Letters are others; cells and directions are the same."""
+    path = tmp_path / "a.plt"
+    path.write_text(f"{FRAME}IP0,0,9000,7000;SI0.5,0.7;{words}PU3000,3000;LBHEH\x03;PD;PU;SP0;")
+    page = sources.opened(path).outlines(0.01)
+    ours = [line for lines in page.layers.values() for line in lines]
+    theirs = hp2xx_lines(path, box_of([ours]))
+    letters = [[line for line in lines if 200 < line.real.mean() < 700] for lines in (ours, theirs)]
+    assert numpy.abs(numpy.subtract(*(box_of([each]) for each in letters))).max() < 60 * UNIT_PX
+
+
+@pytest.mark.parametrize("text", ["PU0,0;PD400,0;", "\x1b.(;IN;PU0,0\nPD400,0", "in;pu0 0;pd400 0;", "IN;PUPA0,0;PDPA400,0;PU", "IN;PA;PU0,0;PR;PD400,0;"])
+def test_hpgl_as_people_write_it(tmp_path, text):
+    path = tmp_path / "a.plt"
+    path.write_text(text)
+    page = sources.opened(path).outlines(0.01)
+    assert [[round(place.real / UNIT_PX) for place in line] for line in page.layers[1]] == [[0, 400]]
+
+
+def test_three_points_make_their_circle(tmp_path):
+    path = tmp_path / "a.plt"
+    path.write_text("IN;PU1000,1000;PD;AT2000,2000,3000,1000;")
+    (line,) = sources.opened(path).outlines(0.01).layers[1]
+    assert abs(abs(line / UNIT_PX - (2000 + 1j * (2000 - 1000))) - 1000).max() < 1 and len(line) > 100
+
+
+def test_what_hpgl_has_and_no_pen_draws_is_named(tmp_path):
+    path = tmp_path / "a.plt"
+    path.write_text("IN;LT2;PE<=abc;QQ5;PU0,0;PD99,1e30;PD400,0;LB\u00e9\x03;SC0,0,1,1;", encoding="latin-1")
+    page = sources.opened(path).outlines(0.01)
+    assert sum(page.left_out.values()) == 6, page.left_out
+
+
+# --- DXF: ezdxf's own drawing as SVG, and its entities walked by themselves
+
+
+def dxf(tmp_path, seed=1, units=4):
+    """A file of entities at random, and its points as ezdxf's path module makes them of each entity."""
+    import ezdxf
+    from ezdxf import path as paths
+
+    chance = random.Random(seed)
+    document = ezdxf.new("R2010", setup=True, units=4)
+    document.header["$INSUNITS"] = units
+    space = document.modelspace()
+    for name in ("CUT", "PEN"):
+        document.layers.add(name)
+    document.layers.add("OFF").off()
+
+    def place(size=100):
+        return chance.uniform(0, size), chance.uniform(0, size)
+
+    block = document.blocks.new("B")
+    block.add_lwpolyline([(0, 0, 0, 0, 0.7), (9, 0), (9, 5)], close=True)
+    block.add_circle((3, 3), 2)
+    for _ in range(12):
+        layer = {"layer": chance.choice(["CUT", "PEN"])}
+        kind = chance.randrange(6)
+        if kind == 0:
+            space.add_line(place(), place(), dxfattribs=layer)
+        elif kind == 1:
+            space.add_arc(place(), chance.uniform(1, 20), chance.uniform(0, 360), chance.uniform(0, 360), dxfattribs=layer)
+        elif kind == 2:
+            space.add_ellipse(place(), (*place(20), 0), chance.uniform(0.1, 1), 0, chance.uniform(1, 6.28), dxfattribs=layer)
+        elif kind == 3:
+            space.add_spline([place() for _ in range(5)], dxfattribs=layer)
+        elif kind == 4:
+            space.add_lwpolyline([(*place(), 0, 0, chance.uniform(-1, 1)) for _ in range(4)], close=chance.random() < 0.5, dxfattribs=layer)
+        else:
+            more = {"rotation": chance.uniform(0, 360), "xscale": chance.choice([1, 2, -1])}
+            space.add_blockref("B", place(), dxfattribs={**layer, **more})
+    points = []
+    waiting = list(space)
+    for entity in waiting:
+        if entity.dxftype() == "INSERT":
+            waiting += entity.virtual_entities()
+        else:
+            points.append(numpy.array([complex(p.x, p.y) for p in paths.make_path(entity).flattening(0.0005)]))
+    space.add_line((0, 0), (500, 500), dxfattribs={"layer": "OFF"})
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    return path, points
+
+
+@pytest.mark.parametrize("seed, units, mm", [(seed, 4, 1.0) for seed in range(8)] + [(9, 1, 25.4), (10, 5, 10.0), (11, 0, 1.0)])
+def test_dxf_entities_are_drawn_where_they_are(tmp_path, seed, units, mm):
+    path, points = dxf(tmp_path, seed, units)
+    page = sources.opened(path).outlines(0.02)
+    lines = [line for lines in page.layers.values() for line in lines]
+    scale = mm * 96 / 25.4
+    theirs = box_of([points])
+    assert page.size_px == pytest.approx(((theirs[2] - theirs[0]) * scale, (theirs[3] - theirs[1]) * scale), rel=1e-3)
+    wanted = [(line.real - theirs[0]) * scale + 1j * (page.size_px[1] - (line.imag - theirs[1]) * scale) for line in points]
+    on_ours, on_theirs = agreement(samples(wanted), lines, 0.3)
+    assert on_ours > 0.999 and on_theirs > 0.999
+    assert set(page.names.values()) <= {"CUT", "PEN", "0"} and not page.left_out
+
+
+def test_dxf_hatches_are_areas_and_text_is_outlines(tmp_path):
+    import ezdxf
+
+    document = ezdxf.new("R2010", setup=True, units=4)
+    space = document.modelspace()
+    hatch = space.add_hatch(color=3)
+    for size in (0, 5):
+        hatch.paths.add_polyline_path([(size, size), (20 - size, size), (20 - size, 20 - size), (size, 20 - size)], is_closed=True)
+    space.add_text("Passo", height=8, dxfattribs={"insert": (40, 0)})
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    page = sources.opened(path).outlines(0.02, fills=True)
+    ((number, areas),) = page.fills.items()
+    scale = 96 / 25.4
+    assert sum(area.area for area in areas if area.bounds[2] < 21 * scale) == pytest.approx((400 - 100) * scale**2)
+    letters = [line for line in page.layers[number] if line.real.min() > 30 * scale]
+    assert len(letters) >= 7 and box_of([letters])[3] - box_of([letters])[1] == pytest.approx(8 * scale, rel=0.15)
+
+
+@pytest.mark.parametrize("text, message", [
+    ("0\nSECTION\n2\nENTITIES\n0\nLINE\n", "nothing to draw"), ("hello", "is not a DXF file that can be read"),
+    ("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n0\n20\n0\n11\n1e30\n21\n1\n0\nENDSEC\n0\nEOF\n", "too far away"),
+])
+def test_files_that_are_no_dxf(tmp_path, text, message):
+    from host_tools import boards
+    from host_tools.drawings import drawing
+    from host_tools.failure import Failure
+
+    path = tmp_path / "a.dxf"
+    path.write_text(text)
+    with pytest.raises(Failure, match=message):
+        drawing.load(path, boards.load("plotter_2014"))

@@ -1,0 +1,74 @@
+"""ezdxf's drawing add-on draws into this: lines and areas, by layer, in the file's units, y up."""
+
+from collections import Counter
+
+import numpy
+from ezdxf.addons.drawing.backend import Backend as Base
+from ezdxf.addons.drawing.config import Configuration
+
+from host_tools.drawings import svg_area
+from host_tools.drawings.page import Ink
+from host_tools.language import N_
+
+
+class Backend(Base):
+    """`inks`: {name of a layer: [Ink]}."""
+
+    def __init__(self, deviation, fills):
+        super().__init__()
+        self._deviation, self._fills = deviation, fills
+        self.inks = {}
+        self.left_out = Counter()
+
+    def _add(self, properties, lines, areas=()):
+        lines = [line for line in lines if len(line) > 1]
+        if lines or areas:
+            self.inks.setdefault(properties.layer, []).append(Ink(properties.color[:7], lines, list(areas)))
+
+    def _flat(self, path):
+        """The lines of a path that may have several parts."""
+        lines = []
+        for part in path.to_path().sub_paths() if hasattr(path, "to_path") else path.sub_paths():
+            line = numpy.array([complex(place.x, place.y) for place in part.flattening(self._deviation)])
+            if len(line):
+                lines.append(line)
+        return lines
+
+    # --- what the add-on calls
+
+    def draw_point(self, pos, properties):
+        self._add(properties, [numpy.array([complex(pos.x, pos.y)] * 2)])
+
+    def draw_line(self, start, end, properties):
+        self._add(properties, [numpy.array([complex(start.x, start.y), complex(end.x, end.y)])])
+
+    def draw_solid_lines(self, lines, properties):
+        self._add(properties, [numpy.array([complex(a.x, a.y), complex(b.x, b.y)]) for a, b in lines])
+
+    def draw_path(self, path, properties):
+        self._add(properties, self._flat(path))
+
+    def draw_filled_paths(self, paths, properties):
+        lines = [line for path in paths for line in self._flat(path)]
+        lines = [line if line[0] == line[-1] else numpy.append(line, line[0]) for line in lines]
+        self._add(properties, lines, [svg_area.filled(lines, "evenodd")] if self._fills and lines else ())
+
+    def draw_filled_polygon(self, points, properties):
+        line = numpy.array([complex(place.x, place.y) for place in points.vertices()])
+        line = numpy.append(line, line[0])
+        self._add(properties, [line], [svg_area.filled([line], "nonzero")] if self._fills else ())
+
+    def draw_image(self, image_data, properties):
+        self.left_out[N_("picture")] += 1
+
+    def set_background(self, color):
+        pass
+
+    def clear(self):
+        self.inks = {}
+
+    def finalize(self):
+        pass
+
+    def configure(self, config: Configuration):
+        pass
