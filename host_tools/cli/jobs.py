@@ -20,7 +20,6 @@ _BYTES_A_LINE = 54
 _VERIFY_S = 120.0
 _MOST_REPORTS = 20  # asked for the job's name: not each has it
 _MOST_UNSAID = 100  # ten seconds: not every report has room for it
-_FILE = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")
 _RUNNING = re.compile(r"\[JOB:([^|]*)\|(\d+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
 _UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
@@ -64,6 +63,7 @@ def _running(client, protocol):
 def _listed(client):
     """({name: (bytes, bytes stored, CRC-32, language)}, bytes free)."""
     from host_tools.clients.grbl import Refused
+    from host_tools.programs.stored_job import LISTED
 
     try:
         said = client.ask("$F")
@@ -72,7 +72,7 @@ def _listed(client):
             raise Failure("the board keeps no jobs: its board file has no key `jobs` (docs/jobs.md)") from None
         raise
     found = {}
-    for name, size, stored, crc, language in _FILE.findall("\n".join(said)):
+    for name, size, stored, crc, language in LISTED.findall("\n".join(said)):
         found[name] = int(size), int(stored), int(crc, 16), language
     free = _FREE.search("\n".join(said))
     return found, int(free[1]) if free else 0

@@ -65,15 +65,24 @@ def _grbl(port, baud):
 
 def _job(client, state):
     """The row that tells which job has not been done to its end: where the board keeps a journal, and stands."""
-    from host_tools.programs import begun
+    from host_tools.clients.refusal import Refused
+    from host_tools.programs import begun, stored_job
     from host_tools.programs.job_record import Record
 
-    if state not in ("Idle", "Alarm") or not any(line.startswith("[OPT:") and "J" in line.split(",")[0] for line in client.command("$I")):
+    if state not in ("Idle", "Alarm"):
         return []
-    record = Record.of(client.command("$JR"))
-    if not record.job or not record.line:
-        return []
-    name, last = begun.found(record.job)
+    try:
+        options = "".join(line.split(",")[0] for line in client.command("$I") if line.startswith("[OPT:"))
+        if "J" not in options:
+            return []
+        record = Record.of(client.command("$JR"))
+        if not record.job or not record.line:
+            return []
+        name, last = begun.found(record.job)
+        if not name and "F" in options:
+            name = stored_job.named(client.command("$F"), record.job)
+    except Refused:
+        return []  # something has begun meanwhile
     if name and record.done and record.line >= last:
         return []  # it has been done to its end
     name = name or _("a program that this PC has not begun ({})", f"{record.job:08x}")

@@ -16,6 +16,13 @@ from passo.config.card_store import END_MARK
 from passo.config.job_keys import JOBS, LONGEST_NAME, NAME_LETTERS, name_fits
 from passo.config.job_store import WINDOW_BITS, first_line
 
+LISTED = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")  # a row of the answer to $F
+
+
+def named(said, number):
+    """The name of the job with this CRC-32 in the answer to `$F`, or ""."""
+    return next((name for name, _, _, crc, _ in LISTED.findall("\n".join(said)) if int(crc, 16) == number), "")
+
 
 def pack(data):
     """`data` deflated, with the window that a board has."""

@@ -1,11 +1,12 @@
 """`passo jobs` against the firmware of the router."""
 
+import re
 import shutil
 
 import pytest
 
-from host_tools.cli import jobs
-from host_tools.clients.grbl import Refused
+from host_tools.cli import jobs, status
+from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.failure import Failure
 from host_tools.programs import stored_job
 from running_router import Running
@@ -61,6 +62,33 @@ def test_a_job_with_an_error_says_its_line(board, part, capsys):
     with pytest.raises(Failure, match="bytes of flash"):
         free = shutil.disk_usage("/").free
         _too_large(part, free, port)
+
+
+def told_job(port):
+    with GrblClient(port) as client:
+        client.wait_idle()
+        return status._job(client, client.ask_status()["state"])
+
+
+def test_what_status_says_of_a_stored_job(tmp_path, part):
+    """One that was done to its end, with M30 or without, is not to be gone on with; one that was stopped is told by its name."""
+    board = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "flash")}, journal={"every_ms": 200})
+    try:
+        port = board.line.name
+        for end in (b"", b"M30\n"):
+            part.write_bytes(b"G21 G91\nG1 X2 F6000\nG1 X-2\n" + end)
+            jobs.store(part, "WHOLE", "grbl", check=False, port=port)
+            jobs.run("WHOLE", True, True, port, 115200)
+            assert told_job(port) == []
+        part.write_bytes(b"G21 G91\n" + b"G1 X2 F6000\nG1 X-2\n" * 60 + b"G1X2G7\n")
+        jobs.store(part, "BAD", "grbl", check=False, port=port)
+        with pytest.raises(Refused, match="line 122"):
+            jobs.run("BAD", False, True, port, 115200)
+        assert re.fullmatch(r"stopped (after|amid) line \d+ of BAD; passo resume goes on with it", told_job(port)[0][1])
+        jobs.delete("BAD", port, 115200)
+        assert "has not begun" in told_job(port)[0][1]
+    finally:
+        board.close()
 
 
 PNG = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"

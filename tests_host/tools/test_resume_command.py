@@ -6,7 +6,7 @@ from host_tools.cli import jobs, resume
 from host_tools.programs.interrupted import interrupted, number_of
 from host_tools.clients.grbl import GrblClient, Refused, tagged
 from host_tools.failure import Failure
-from host_tools.programs import compiler, gcode_file
+from host_tools.programs import compiler, gcode_file, stored_job
 from running_router import Running
 
 PART = b"G21 G90\nG1 X20 Y5 F3000\nG1 X20 Y15\nG1 X5 Y15\nG0 X0 Y0\nM30\n"
@@ -99,6 +99,13 @@ def test_a_stored_job_has_a_journal_too(part, tmp_path, capsys):
         port = running.line.name
         jobs.store(part, None, "grbl", check=False, port=port)
         jobs.run("PART.NC", True, True, port, 115200)
+        with pytest.raises(Failure, match="no program was interrupted"):
+            resume.resume(part, port, 115200, yes=True)
+        with GrblClient(port) as client:
+            client.command(f"$JR={stored_job.crc(stored_job.gcode_job(part)):08x}")
+            client.command("N4G21G90G1X5Y15F3000")
+            client.command("N5G0X0Y0")
+            client.command("G4P0")
         resume.resume(part, port, 115200, yes=True)
         assert "interrupted before line 6" in capsys.readouterr().out
 

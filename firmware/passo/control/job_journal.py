@@ -116,13 +116,19 @@ class JobJournal(Feature):
         return {commands.JOURNAL: self._ask}
 
     def _ask(self, command):
-        """`target` None: (job, line, flags, positions) as they are now; else the number of the job that begins."""
+        """`target` None: (job, line, flags, positions) as they are now; else the number of the job that begins; 0: its
+        lines have been done to the end, and none is to be gone on with."""
         machine = self._machine
         if command.target is None:
             flags = self._flags & ~HOMED | self._homed()
             return machine.accepted(command, (self._job, self._line, flags, self._position[: self._axes]))
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
+        if not command.target:
+            if self._counted is None:
+                self._job = self._line = 0
+                self._write()
+            return machine.accepted(command)
         self._retired = self._queue.retired()
         self._broken = self._moving = False
         self._line = self._least = 0

@@ -203,10 +203,14 @@ class Jobs(Feature):
         self.line.begin(self._file, self._store)
         if self._file.crc != proven.crc:
             raise Damaged(errors.JOB_DAMAGED)
-        journal = machine.handlers.get(commands.JOURNAL)
-        if journal and not machine.checking:
-            journal(commands.Command(commands.JOURNAL, self._file.crc or 1))
+        self._announce(self._file.crc or 1)
         self._noted = machine.log.added
+
+    def _announce(self, number):
+        """Tell the journal which job begins; 0: the last one has been done to its end."""
+        journal = self._machine.handlers.get(commands.JOURNAL)
+        if journal and not self._machine.checking:
+            journal(commands.Command(commands.JOURNAL, number))
 
     def _fail(self, error):
         """The job does not begin."""
@@ -315,6 +319,7 @@ class Jobs(Feature):
             if self._failed == errors.JOB_DAMAGED:
                 machine.raise_alarm(errors.ALARM_JOB_CHANGED, self._name)
         elif self.line.done():
+            self._announce(0)
             self._end(0)
 
     def clear(self):
