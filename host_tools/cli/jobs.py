@@ -22,6 +22,7 @@ _MOST_REPORTS = 20  # asked for the job's name: not each has it
 _MOST_UNSAID = 100  # ten seconds: not every report has room for it
 _RUNNING = re.compile(r"\[JOB:([^|]*)\|(\d+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
+_MORE = re.compile(r"\[MORE:(\d+)\]")
 _UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
 
 Protocol = Annotated[str, typer.Option(help="What the link of --port speaks: grbl, pulses or plotter.")]
@@ -61,7 +62,7 @@ def _running(client, protocol):
 
 
 def _listed(client):
-    """({name: (bytes, bytes stored, CRC-32, language)}, bytes free)."""
+    """({name: (bytes, bytes stored, CRC-32, language)}, bytes free, how many more jobs there are)."""
     from host_tools.clients.grbl import Refused
     from host_tools.programs.stored_job import LISTED
 
@@ -74,8 +75,8 @@ def _listed(client):
     found = {}
     for name, size, stored, crc, language in LISTED.findall("\n".join(said)):
         found[name] = int(size), int(stored), int(crc, 16), language
-    free = _FREE.search("\n".join(said))
-    return found, int(free[1]) if free else 0
+    free, more = (kind.search("\n".join(said)) for kind in (_FREE, _MORE))
+    return found, int(free[1]) if free else 0, int(more[1]) if more else 0
 
 
 @app.command("list")
@@ -87,10 +88,12 @@ def list_(port: Port = None, baud: AnyBaud = None, protocol: Protocol = "grbl"):
         passo jobs list --port /dev/ttyACM0
     """
     with _connected(port, baud, protocol) as client:
-        found, free = _listed(client)
+        found, free, more = _listed(client)
     for name, (size, stored, crc, language) in found.items():
         print(_("{:24} {:9} bytes, {:8} in flash, {}", name, size, stored, language))
-    print(_("{} jobs, {} kB free", len(found), free // 1024))
+    if more:
+        print(_("{} more jobs are not listed: each is run, checked and deleted by its name", more))
+    print(_("{} jobs, {} kB free", len(found) + more, free // 1024))
 
 
 @app.command()

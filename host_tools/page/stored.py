@@ -33,7 +33,7 @@ class StoredJobs(Job):
         self._waiting = False
         self._quiet = 0  # reports in a row of a machine at rest that know of no job
         self._found = []
-        self._free = 0
+        self._free = self._more = 0
         machine.orders["stored"] = self._order
 
     def _order(self, order):
@@ -45,7 +45,7 @@ class StoredJobs(Job):
         if what == "list" and machine.options is None:
             return errors.BUSY  # it has not said yet whether it keeps jobs
         if what == "list":
-            self._found = []
+            self._found, self._more = [], 0
             if "F" not in machine.options:
                 self._listed(errors.STATEMENT)
                 return 0
@@ -62,7 +62,7 @@ class StoredJobs(Job):
 
     def _listed(self, error):
         """`$F` has been answered; a board without jobs does not know it."""
-        self._tell_pages({"t": "stored", "jobs": None if error else self._found, "free": self._free})
+        self._tell_pages({"t": "stored", "jobs": None if error else self._found, "free": self._free, "more": self._more})
 
     # --- what the board says
 
@@ -71,6 +71,9 @@ class StoredJobs(Job):
         if line[:6] == "[FILE:":
             name, size = line[6:].split("|")[:2]
             self._found.append([name, int(size[5:])])
+            return True
+        if line[:6] == "[MORE:":
+            self._more = int(line[6:-1])
             return True
         if line[:6] == "[FREE:":
             self._free = int(line[6:-1])

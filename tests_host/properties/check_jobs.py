@@ -4,6 +4,7 @@ import os
 from time import time_ns
 from binascii import b2a_base64, crc32
 
+from passo.config import card_store
 from passo.config.job_store import WINDOW_BITS, first_line
 from router import BOARD, Machine, answers, home
 
@@ -447,6 +448,37 @@ def check_memory_card():
     assert answers(again.ask("$F=A")) == ["error:150"]
     assert os.listdir(machine.folder) == ["B.job"]
     remove(machine)
+
+
+def check_a_folder_of_hundreds_of_jobs():
+    """The list leaves out what would take too long and too much memory, and says how many; each is run and deleted by its name. On a card
+    no more than two files a job are opened for a list, and none of the others for a run."""
+    for card in (True, False):
+        machine = home(make(card=card).ready())
+        path, whole = stored(machine, "J000")
+        for number in range(1, 300):
+            write(machine.folder + "/J%03d.job" % number, whole)
+        if card:
+            write(machine.folder + "/J002.job", whole[:20])
+        store = machine.controller.features["jobs"]._store
+        opened = []
+        before = card_store._state
+        card_store._state = lambda path: (opened.append(path), before(path))[1]
+        try:
+            listed = machine.do("$F")
+            assert len(opened) <= 2 * 64
+            assert 0 < len(listed) - 3 <= 64 and listed[-3].startswith("[MORE:"), listed[-3:]
+            assert 300 - int(card) <= len(listed) - 3 + int(listed[-3][6:-1]) <= 300
+            del opened[:]
+            machine.do("$F=J299")
+            assert ended(run(machine)) == "[MSG:Job J299 done]"
+            assert len(opened) <= 4, opened
+        finally:
+            card_store._state = before
+        assert store.more and answers(machine.ask("$FD=J298")) == ["ok"] and answers(machine.ask("$F=J298")) == ["error:150"]
+        if card:
+            assert answers(machine.ask("$F=J002")) == ["error:150"], "it was cut off"
+        remove(machine)
 
 
 class Flash:

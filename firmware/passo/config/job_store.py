@@ -38,6 +38,8 @@ _UPLOAD = "upload.new"
 _END = ".job"
 _DIRECTORY = const(0x4000)  # os.ilistdir's
 _SPARE = const(2)  # blocks that an upload leaves free
+_LISTED = const(64)  # jobs: each wants its first line read, on a card some 60 ms
+_LISTED_BYTES = const(512)  # of free memory, for each
 
 
 class Damaged(Exception):
@@ -64,6 +66,18 @@ def parse_first_line(line):
     except ValueError:
         return None
     return head if min(head[1:]) >= 0 else None
+
+
+def files(folder):
+    """The names of a folder's files, one after the other: a card may have more of them than memory holds."""
+    if not hasattr(os, "ilistdir"):  # of a PC
+        return sorted(os.listdir(folder))
+    return (entry[0] for entry in os.ilistdir(folder))
+
+
+def listed():
+    """How many jobs are listed at most."""
+    return min(_LISTED, gc.mem_free() // _LISTED_BYTES) if hasattr(gc, "mem_free") else _LISTED
 
 
 class JobFile:
@@ -141,6 +155,7 @@ class JobStore:
         self._left = 0  # bytes that it still lacks
         self._room = FileRoom()
         self._stream = None
+        self.more = 0  # jobs that the last list has left out
 
     def prepare(self):
         """Make what keeps memory free. Call it last, before anything is read or uploaded."""
@@ -191,8 +206,17 @@ class JobStore:
         return self._names((_END,))
 
     def _names(self, ends):
-        """Those of files that can be asked for; a card may have others."""
-        return sorted({name[:-4] for name in os.listdir(self._folder[:-1]) if name[-4:] in ends and name_fits(name[:-4])})
+        """Those of files that can be asked for, as many as are listed; a card may have others."""
+        found = []
+        self.more = 0
+        most = listed()
+        for name in files(self._folder[:-1]):
+            if name[-4:] in ends and name_fits(name[:-4]) and name[:-4] not in found:
+                if len(found) < most:
+                    found.append(name[:-4])
+                else:
+                    self.more += 1
+        return sorted(found)
 
     def open(self, name):
         return self._opened(self._path(name))
@@ -205,7 +229,7 @@ class JobStore:
             raise
 
     def entries(self):
-        """[(name, language, bytes, bytes stored, CRC-32)]; of one that is damaged the language is ""."""
+        """[(name, language, bytes, bytes stored, CRC-32)], and how many more there are in `more`; of one that is damaged the language is ""."""
         found = []
         names = self.names()
         try:

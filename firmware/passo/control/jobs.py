@@ -113,7 +113,7 @@ class Jobs(Feature):
             if error:
                 return error
         if what == commands.JOB_LIST:
-            return machine.accepted(command, (self._store.entries(), self._store.free()))
+            return machine.accepted(command, (self._store.entries(), (self._store.free(), self._store.more)))
         if what == commands.JOB_DELETE:
             if not name_fits(command.target):
                 return errors.NO_JOB

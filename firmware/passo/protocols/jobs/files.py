@@ -1,6 +1,7 @@
 """The `$F` lines: stored jobs, as far as grblHAL has them by the same words.
 
-    $F                                      [FILE:NAME|SIZE:bytes|STORED:bytes|CRC:hexadecimal|LANGUAGE:grbl] each, [FREE:bytes]
+    $F                                      [FILE:NAME|SIZE:bytes|STORED:bytes|CRC:hexadecimal|LANGUAGE:grbl] each, [FREE:bytes];
+                                            before it [MORE:count] of jobs that the list leaves out
     $F?                                     [JOB:NAME|per cent] of the one that runs, else [ENDED:NAME|error|line], error 0: it is done
     $F=NAME                                 run
     $FD=NAME                                delete
@@ -48,10 +49,13 @@ def told(value):
         return "[ENDED:%s|%d|%d]\r\n" % value
     if isinstance(value[0], str):
         return "[JOB:%s|%d]\r\n" % value
-    entries, free = value
+    entries, (free, more) = value
     lines = ["[FILE:%s|SIZE:%d|STORED:%d|CRC:%08x|LANGUAGE:%s]\r\n" % (name, size, stored, crc, language or "damaged")
              for name, language, size, stored, crc in entries]
-    return "".join(lines) + "[FREE:%d]\r\n" % free
+    if more:
+        lines.append("[MORE:%d]\r\n" % more)
+    lines.append("[FREE:%d]\r\n" % free)
+    return "".join(lines)
 
 
 def ended(value):

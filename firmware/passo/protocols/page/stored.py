@@ -108,8 +108,8 @@ class StoredJobs:
             self._show("failed" if event.error else "kept", self._name, _PER_CENT, event.error)
             self._name = ""
         elif event.kind == commands.ACCEPTED and what == commands.JOB_LIST:
-            found, free = event.value
-            self._tell({"t": "stored", "jobs": [[entry[0], entry[2]] for entry in found], "free": free, "piece": PIECE})
+            found, (free, more) = event.value
+            self._tell({"t": "stored", "jobs": [[entry[0], entry[2]] for entry in found], "free": free, "more": more, "piece": PIECE})
         elif event.kind == commands.ACCEPTED and what == commands.JOB_STATE:
             if len(event.value) == 2:
                 self._show("run", event.value[0], event.value[1])

@@ -65,7 +65,8 @@ export class Kept {
     for (const id of ["kept-list", "kept-check", "kept-run", "kept-remove"]) $(id).hidden = !message.jobs.length;
     if (this.piece) $("kept-check").hidden = true;
     $("keep").hidden = Boolean(this.piece);
-    $("kept-free").textContent = _("{free} MB free on the board", { free: (message.free / 1048576).toFixed(1) });
+    $("kept-free").textContent = _("{free} MB free on the board", { free: (message.free / 1048576).toFixed(1) }) +
+      (message.more ? `; ${_("{more} more jobs are not listed", message)}` : "");
   }
 
   // Ask for the list once the machine is at rest; `free`: nothing runs, and this page commands.
