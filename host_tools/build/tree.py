@@ -395,12 +395,11 @@ def write_stamp(out):
 
 
 def write_package(out):
-    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder. One stamp comes
-    first and the other last, so that a copy cut short is told from a whole one."""
-    inner = f"passo/{STAMP}"
-    files = sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*"))
-    names = [inner, "main.py", "board.py", *(name for name in files if name != inner), STAMP]
-    package = {"urls": [[name, name] for name in names], "deps": []}
+    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder. The stamp is spoilt
+    first, by a text that is none, and comes last; main.py, which compares it, comes second: so a copy cut short is told from a whole one,
+    whatever was on the board."""
+    names = ["main.py", "board.py", *sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*")), STAMP]
+    package = {"urls": [[STAMP, "main.py"], *([name, name] for name in names)], "deps": []}
     (out / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
 
 
