@@ -27,7 +27,8 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.records import COUNT_MASK
+from passo.ports.virtual import COARSE_TICKS
+from passo.records import COUNT_MASK, QUEUE_ADDED, QUEUE_RETIRED
 
 HEADER = "<BIIq"  # kind, line, bytes that follow, tick or error
 WORDS, NOTE_REFUSED, NOTE_ALARM, NOTE_PAUSED, NOTE_PROBED, NOTE_SKIPPED, BEGIN, END, FAILED = range(9)
@@ -35,6 +36,9 @@ WINDOW = 120  # bytes under way
 STORE = 2048  # words handed out at once
 _SETTLE_CYCLES = 50
 _LIMITLESS_CYCLES = 2_000_000  # without an answer: 4 hours of a dwell
+_FULL = const(86)  # blocks queued, of 96: lines come when there is room for several
+_FEW = const(2)  # blocks played in a cycle: three cycles may pass at once, well inside the 30 ms that the feeder keeps ahead
+_LONG_TICKS = 3 * COARSE_TICKS
 _SPENT = const(0)  # of a box: ticks
 
 
@@ -217,6 +221,7 @@ class Runner:
         self._sink = sink
         port = VirtualPort(board, Resting(board), player=BulkPlayer)
         self._app = App(board, port)
+        self._port = port
         self._player = self._app.player
         self._line = port.serial(link)
         self._under_way = []  # (number, line) sent, not answered
@@ -284,12 +289,33 @@ class Runner:
             if self._line.outgoing:
                 idle = 0
                 self._hear()
+            else:
+                self._play_on()
             idle += 1
             if idle > _LIMITLESS_CYCLES:
                 raise Failed("there was never an answer", line=self._under_way[0][0])
         while not app.controller.queue.still():
             app.cycle()
         self._player.flush()
+
+    def _play_on(self):
+        """No line can come while the queue is this full, so all but the player may wait: a cycle costs ten times as much."""
+        app, port = self._app, self._port
+        machine = app.controller.machine
+        if machine.alarm or machine.hold or machine.command is not None or machine.dropping:
+            return
+        ticks = COARSE_TICKS
+        queued = self._queued()
+        while queued > _FULL and app.feeder.open:
+            app._feed()
+            port.advance(ticks)
+            before, queued = queued, self._queued()
+            ticks = _LONG_TICKS if before - queued <= _FEW else COARSE_TICKS
+
+    def _queued(self):
+        """Blocks that have not been played."""
+        indices = self._app.planner.indices
+        return (indices[QUEUE_ADDED] - indices[QUEUE_RETIRED]) & COUNT_MASK
 
     def _next(self, lines):
         """The next line that is part of a job, or None."""

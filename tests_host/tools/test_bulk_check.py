@@ -301,3 +301,24 @@ def test_memory_is_flat_from_2_000_to_200_000_lines(tmp_path, show):
     assert used[200_000, False][0] < used[2_000, False][0] * 1.05
     assert used[200_000, True][0] < used[2_000, True][0] * 1.4
     assert used[200_000, True][1] < used[2_000, True][1] * 1.05
+
+
+@pytest.mark.parametrize("name", ["router_3axis", "laser_xy"])
+def test_what_a_full_queue_leaves_out_changes_nothing(name, monkeypatch):
+    """While the queue is full only the player goes on: words, times and errors are those of a run with every cycle."""
+    z = "Z" if name == "router_3axis" else "S"
+    lines = [b"G21G90", b"G1X20Y20F%d" % 1500]
+    for number in range(450):
+        x, y = 20 + 5 * np.cos(number / 25), 20 + 5 * np.sin(number / 25)
+        lines.append(f"G1X{x:.3f}Y{y:.3f}{z}{1 + number % 3 / 10:.1f}".encode())
+        lines += {120: [b"M3S500"], 240: [b"G4P0.3"], 300: [b"G1X9999999"], 360: [b"M0"], 420: [b"G2X15Y20I-5J0F9000"]}.get(number, [])
+    found = []
+    for full in (job_module.job_runner._FULL, 1 << 20):
+        monkeypatch.setattr(job_module.job_runner, "_FULL", full)
+        job = VirtualJob(name, inside=True)
+        words, take = [], job.track.words
+        monkeypatch.setattr(job.track, "words", lambda tick, block: (words.append((tick, block.copy())), take(tick, block)))
+        job.run(enumerate(lines, 1))
+        found.append((words[0][0], np.concatenate([block for _, block in words]).tolist(), job.errors, job.pauses, job.seconds))
+    one, other = found
+    assert one == other and len(one[1]) > 10000 and one[2] and one[3]
