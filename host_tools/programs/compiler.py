@@ -25,7 +25,7 @@ _SUFFIXES = {".num": "num"}
 _NAMES = re.compile(r"<[^<>]*>")
 # What no controller of plain G-code understands. The first that is met decides.
 _SIGNS = {
-    "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|[@^]"),
+    "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|G5(\.[123])?(?![.\d])|M9[89](?!\d)|[@^]"),
     "num": re.compile(r"G(77|79)(?!\d)|G45(?!\d)|^(N\d+)?L\d+=|[A-Z]L\d|(?<![A-Z])E[RHXYBPQIJ]-?[\d.]"),
 }
 
@@ -135,8 +135,9 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
         from host_tools.programs.num.interpreter import compile_program
 
     def find(label):
-        """A subroutine's file beside the program."""
-        for other in (path.with_name(f"{label}.ngc"), path.with_name(f"{label.lower()}.ngc")):
+        """A subroutine's file, its name a path from the program's folder or from `subs` there."""
+        names = dict.fromkeys(f"{each}.ngc" for each in (label, label.lower()))
+        for other in (folder / name for folder in (path.parent, path.parent / "subs") for name in names):
             if other.is_file():
                 return other.name, text_of(other)
         return None

@@ -15,7 +15,7 @@ from host_tools.language import _
 from host_tools.programs.compensation import SMALL, TOUCH, Piece, alongside, gouges, lead, offset
 from host_tools.programs.kept import Kept
 from host_tools.programs.program_errors import (
-    ARC, COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, PLANE, ProgramError,
+    ARC, COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, ProgramError,
 )  # fmt: skip
 
 LOOK_AHEAD = 10
@@ -32,8 +32,10 @@ class _Motion:
 
 
 class Contour:
-    def __init__(self, path, side, radius, source):
+    def __init__(self, path, side, radius, source, plane, axes):
+        """`axes`: first and second of the plane, and the third."""
         self.side, self.radius = side, radius
+        self.plane, self.axes = plane, axes
         self._path = path
         self._source = source
         self._motions = []
@@ -44,28 +46,41 @@ class Contour:
     def word(self, code, source):
         self._motions.append(_Motion(source, code=code))
 
+    def moves(self, target):
+        """True if a target is one in the contour's plane."""
+        return target[self.axes[0]] is not None or target[self.axes[1]] is not None
+
+    def _flat(self, place):
+        return complex(place[self.axes[0]], place[self.axes[1]])
+
+    def _target(self, first, second, height):
+        target = [None] * 3
+        for axis, value in zip(self.axes, (first, second, height)):
+            target[axis] = value
+        return target
+
     def line(self, begin, end, target, rapid, feed, source):
         """A straight motion of the program, from `begin` to `end`."""
-        heights = begin[2], end[2]
-        moves = (target[0] is not None or target[1] is not None) and begin[:2] != end[:2]
-        if not moves:
-            if target[2] is not None:
+        first, second, third = self.axes
+        heights = begin[third], end[third]
+        ends = begin[first], begin[second], end[first], end[second]
+        if not self.moves(target) or ends[:2] == ends[2:]:
+            if target[third] is not None:
                 self._motions.append(_Motion(source, None, heights, rapid, feed))
             return
-        if None in (*begin[:2], *end[:2]):
+        if None in ends:
             self._path.place = begin
-            self._path.known(0), self._path.known(1)
-        piece = Piece(complex(*begin[:2]), complex(*end[:2]))
+            self._path.known(first), self._path.known(second)
+        piece = Piece(self._flat(begin), self._flat(end))
         if piece.length > SMALL:
             self._motions.append(_Motion(source, piece, heights, rapid, feed))
 
     def arc(self, begin, end, plane, clockwise, centre, feed, sweep, turns, source):
-        if plane != 17:
-            raise ProgramError(PLANE, "radius compensation")
+        if plane != self.plane:
+            raise ProgramError(COMPENSATED, "another plane")
         if turns > 1:
             raise ProgramError(COMPENSATED, "arcs of several turns")
-        start = complex(*begin[:2])
-        last = complex(*end[:2])
+        start, last = self._flat(begin), self._flat(end)
         if sweep > math.pi and abs(last - start) < _SHORTEST:
             piece = Piece(start, start, start + complex(*centre), clockwise, True)
             if not any(motion.piece for motion in self._motions):
@@ -76,7 +91,7 @@ class Contour:
                 piece = None
             elif sweep > math.pi and abs(piece.centre - start - complex(*centre)) > 2 * TOUCH:
                 raise ProgramError(ARC, "its ends are not equally far from its centre, with radius compensation")
-        self._motions.append(_Motion(source, piece, (begin[2], end[2]), False, feed))
+        self._motions.append(_Motion(source, piece, (begin[self.axes[2]], end[self.axes[2]]), False, feed))
 
     # --- the end
 
@@ -167,14 +182,14 @@ class Contour:
 
     def leave(self, begin, place, rapid, feed, source):
         """Append what comes before the straight way out from `begin` to `place`. Raises ProgramError if the way cuts into the contour."""
-        here, there = complex(*begin[:2]), complex(*place[:2])
+        here, there, third = self._flat(begin), self._flat(place), self.axes[2]
         if abs(here - there) < SMALL:
             return
-        motion = _Motion(source, None, (begin[2], place[2]), rapid, feed)
+        motion = _Motion(source, None, (begin[third], place[third]), rapid, feed)
         pieces = self._lead(there, self._end, here, -self.side, motion, EXIT_GOUGES)
         if len(pieces) == 2:
             arc = pieces[1]
-            self._go(Piece(arc.end, arc.start, arc.centre, not arc.clockwise), motion, begin[2])
+            self._go(Piece(arc.end, arc.start, arc.centre, not arc.clockwise), motion, begin[third])
 
     def _put(self, entry, way_in, path):
         at = 0
@@ -193,26 +208,26 @@ class Contour:
                 last = at + 1 == len(path) or path[at + 1][1] != number
                 self._go(piece, motion, motion.heights[1] if last else motion.heights[0])
                 at += 1
-            self._path.put_line([None, None, motion.heights[1]], motion.rapid, motion.feed, motion.source)
+            self._path.put_line(self._target(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
 
     def _go(self, piece, motion, height):
         """One piece of the path, at its end at `height`."""
-        end = [piece.end.real, piece.end.imag, height]
+        end = self._target(piece.end.real, piece.end.imag, height)
         if piece.centre is None:
             self._path.put_line(end, motion.rapid, motion.feed, motion.source)
         elif motion.rapid:
             for point in piece.points(_RAPID_SAG)[1:]:
-                self._path.put_line([point.real, point.imag, height], True, 0.0, motion.source)
+                self._path.put_line(self._target(point.real, point.imag, height), True, 0.0, motion.source)
         elif piece.length > _SHORTEST:
             centre = piece.centre - piece.start
-            self._path.put_arc(17, piece.clockwise, end, (centre.real, centre.imag), motion.feed, piece.sweep, 1, motion.source)
+            self._path.put_arc(self.plane, piece.clockwise, end, (centre.real, centre.imag), motion.feed, piece.sweep, 1, motion.source)
 
     def _still(self, motion):
         """A motion of Z alone, or a word."""
         if motion.code:
             self._path.listing.add(motion.code, motion.source)
         else:
-            self._path.put_line([None, None, motion.heights[1]], motion.rapid, motion.feed, motion.source)
+            self._path.put_line(self._target(None, None, motion.heights[1]), motion.rapid, motion.feed, motion.source)
 
 
 def _above(motion, told):

@@ -1,4 +1,5 @@
-"""Canned cycles, drawn out into plain motions: what all dialects, by their numbers of RS274/NGC, mean by them.
+"""Canned cycles, drawn out into plain motions: what all dialects, by their numbers of RS274/NGC, mean by them; in the plane in
+which the holes lie.
 
     cycle = Cycle(83, above=2.0, bottom=-10.0, feed=100.0, peck=3.0)
     cycle.hole(path, [5.0, 5.0])        # the tool is above that position, at `above` or higher; ends at `back`
@@ -22,10 +23,11 @@ class Cycle:
     dwell: float = 0.0  # seconds
     peck: float = 0.0
     back: float | None = None
+    axes: tuple = (0, 1, 2)  # first and second of the plane, and the one along the hole
     spindle: str = ""  # M3 or M4, what it turns by
 
     def hole(self, path, position):
-        """One hole at X, Y."""
+        """One hole at `position`, on the plane's axes."""
         self._rapid(path, position)
         self._z(path, self.above, True)
         if self.code in (73, 83):
@@ -65,7 +67,13 @@ class Cycle:
         self._z(path, self.bottom, False)
 
     def _rapid(self, path, position):
-        path.move([*position, None], True)
+        self._go(path, (*position, None), True)
 
     def _z(self, path, height, rapid):
-        path.move([None, None, height], rapid, 0.0 if rapid else self.feed)
+        self._go(path, (None, None, height), rapid)
+
+    def _go(self, path, position, rapid):
+        target = [None] * 3
+        for axis, value in zip(self.axes, position):
+            target[axis] = value
+        path.move(target, rapid, 0.0 if rapid else self.feed)

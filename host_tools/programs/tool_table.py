@@ -1,4 +1,5 @@
-"""A tool table: lengths and diameters in mm, in LinuxCNC's format: `T1 P1 D6.0 Z42.5 ;end mill`, a tool a line.
+"""A tool table: lengths and diameters in mm, in LinuxCNC's format: `T1 P1 D6.0 Z42.5 ;end mill`, a tool a line. A line `;inch` says that
+those behind it are inches.
 
     tools = read("tools.tbl")
     tools[1].radius, tools[1].length
@@ -10,6 +11,7 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 
+_INCH_MM = 25.4
 _WORD = re.compile(r"([A-Z])\s*([-+]?\d*\.?\d+)", re.IGNORECASE)
 
 
@@ -26,12 +28,15 @@ class Tool:
 def read(path):
     """{number: Tool}. Raises Failure with the line that is wrong."""
     tools = {}
+    scale = 1.0
     try:
         lines = Path(path).read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError as error:
         raise Failure("cannot read {}: {}", path, reason(error)) from error
     for number, line in enumerate(lines, 1):
         told = line.partition(";")[0].strip()
+        if line.strip().lower() in (";inch", "; inch"):
+            scale = _INCH_MM
         if not told:
             continue
         words = {letter.upper(): float(value) for letter, value in _WORD.findall(told)}
@@ -41,5 +46,5 @@ def read(path):
             raise Failure("{}:{}: the diameter is negative", path, number)
         if int(words["T"]) in tools:
             raise Failure("{}:{}: tool {} stands twice", path, number, int(words["T"]))
-        tools[int(words["T"])] = Tool(words.get("D", 0.0), words.get("Z", 0.0))
+        tools[int(words["T"])] = Tool(words.get("D", 0.0) * scale, words.get("Z", 0.0) * scale)
     return tools

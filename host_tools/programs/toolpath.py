@@ -11,11 +11,12 @@ An axis is not known (None) until a program moves it in its own coordinates: who
 stands. The listing says each axis that changes, absolute, in mm to five decimals.
 """
 
+import cmath
 import math
 
 from host_tools.programs.contour import Contour
 from host_tools.programs.listing import Stroke
-from host_tools.programs.program_errors import ARC, RANGE, UNKNOWN_PLACE, ProgramError
+from host_tools.programs.program_errors import ARC, PLANE, RANGE, UNKNOWN_PLACE, ProgramError
 from passo.control.arcs import over_half
 
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
@@ -36,6 +37,7 @@ class Toolpath:
         self.contour = None  # while the radius is compensated
         self._there = [_rounded(value) for value in start]  # of the machine, as the listing has it
         self._feed = None
+        self._turned = None  # of the work coordinates in XY, as a unit vector; None: they are not
         self._beside = None  # behind G40: the contour that the tool is still beside
 
     # --- what programs ask for
@@ -56,6 +58,32 @@ class Toolpath:
         self.place[axis] = value
         self._there[axis] = _rounded(value)
 
+    def turned_at(self):
+        """now_at() has been told the board's coordinates: those of the program are turned."""
+        self.place = self._program(self.place)
+
+    def turn(self, degrees):
+        """The program's coordinates are turned around the board's zero in XY, by so many degrees from the X axis."""
+        here = self._board(self.place)
+        self._turned = cmath.rect(1.0, math.radians(degrees)) if degrees % 360 else None
+        self.place = here if self._turned is None else self._program(here)
+
+    def _board(self, place):
+        """A place of the program in the board's coordinates, which are not turned; unknown if one of X and Y is."""
+        if self._turned is None:
+            return place[:]
+        if None in place[:2]:
+            return [None, None, place[2]]
+        moved = complex(*place[:2]) * self._turned
+        return [moved.real, moved.imag, place[2]]
+
+    def _program(self, place):
+        """The other way round."""
+        if self._turned is None or None in place[:2]:
+            return place[:] if self._turned is None else [None, None, place[2]]
+        moved = complex(*place[:2]) / self._turned
+        return [moved.real, moved.imag, place[2]]
+
     def word(self, code):
         """A line that moves nothing."""
         if self.contour:
@@ -67,10 +95,13 @@ class Toolpath:
         """A straight line; axes that are None stay."""
         before = self.place[:]
         self.place = [old if new is None else new for old, new in zip(self.place, target)]
+        if self._turned is not None and (target[0] is not None or target[1] is not None):
+            self.known(0), self.known(1)
+            target = [*self._board(self.place)[:2], target[2]]
         if self.contour:
-            self.contour.line(before, self.place, target, rapid, feed, self.source)
+            self.contour.line(self._board(before), self._board(self.place), target, rapid, feed, self.source)
             return
-        if self._beside and (target[0] is not None or target[1] is not None):
+        if self._beside and self._beside.moves(target):
             self._leave(rapid, feed)
         self.put_line(target, rapid, feed)
 
@@ -84,6 +115,11 @@ class Toolpath:
         if sweep is None:
             sweep = sweep_of(begin, (end[first], end[second]), centre, clockwise)
         before, self.place = self.place, end
+        if self._turned is not None:
+            if plane != 17:
+                raise ProgramError(PLANE, "arcs in turned coordinates")
+            turned = complex(*centre) * self._turned
+            before, end, centre = self._board(before), self._board(end), (turned.real, turned.imag)
         if self.contour:
             self.contour.arc(before, end, plane, clockwise, centre, feed, sweep, turns, self.source)
             return
@@ -91,13 +127,15 @@ class Toolpath:
             raise ProgramError(ARC, "the first motion behind G40 is straight")
         self.put_arc(plane, clockwise, end, centre, feed, sweep, turns)
 
-    def compensate(self, side, radius):
+    def compensate(self, side, radius, plane=17):
         """Go beside the contour from the next motion on. `side`: compensation.LEFT or RIGHT."""
-        if self.contour and (self.contour.side, self.contour.radius) == (side, radius):
+        if plane != 17 and self._turned is not None:
+            raise ProgramError(PLANE, "radius compensation in turned coordinates")
+        if self.contour and (self.contour.side, self.contour.radius, self.contour.plane) == (side, radius, plane):
             return
         self.uncompensate()
         if radius:
-            self.contour = Contour(self, side, radius, self.source)
+            self.contour = Contour(self, side, radius, self.source, plane, PLANES[plane])
 
     def uncompensate(self):
         """The contour has ended. The tool stays beside it until the next motion in X or Y."""
@@ -105,12 +143,16 @@ class Toolpath:
         if contour and contour.flush():
             self._beside = contour
             # G91 counts on from where the tool is, and a motion of Z alone leaves it there.
-            self.place[:2] = [each / 1e5 for each in self._there[:2]]
+            here = [None if each is None else each / 1e5 for each in self._there]
+            for axis in contour.axes[:2]:
+                self.place[axis] = here[axis]
+            if self._turned is not None:
+                self.place[:2] = self._program(here)[:2]
 
     def _leave(self, rapid, feed):
         contour, self._beside = self._beside, None
         here = [None if each is None else each / 1e5 for each in self._there]
-        contour.leave(here, self.place, rapid, feed, self.source)
+        contour.leave(here, self._board(self.place), rapid, feed, self.source)
 
     # --- to the listing
 

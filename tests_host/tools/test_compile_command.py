@@ -9,7 +9,7 @@ from host_tools.cli import stream
 from host_tools.cli.main import app
 from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.failure import Failure
-from host_tools.programs import compiler
+from host_tools.programs import compiler, tool_table
 from host_tools.resources import ROOT
 from running_router import Running
 
@@ -102,7 +102,8 @@ def test_errors_on_the_screen(part, tmp_path):
         ("a.ngc", "G0 X1\nG2 X5 I2 F100\nG43 H1\nG64 P0.1\nG83 X1 Z-3 R1 Q1 F100\n(O1 CALL #5 [)\n", "plain"),
         ("a.gcode", "G0 X[1]\n", "ngc"), ("a.gcode", "#1=5\n", "ngc"), ("a.gcode", "O1 SUB\nO1 ENDSUB\n", "ngc"),
         ("a.gcode", "G41 D1 X5\n", "ngc"), ("a.gcode", "G40 G42.1 D3\n", "ngc"), ("a.gcode", "G85 X1 Z-1 R1 F5\n", "ngc"),
-        ("a.gcode", "G410 X5\nG0 X1\n", "plain"), ("a.gcode", "#<VAL2>=4\n", "ngc"),
+        ("a.gcode", "M98 P1\n", "ngc"), ("a.gcode", "G5 X1 I1 J1 P1 Q1\n", "ngc"), ("a.gcode", "G5.2 X1\n", "ngc"),
+        ("a.gcode", "G54 G0 X1\nG53 G0 X2\nM9\nG50 X1\n", "plain"), ("a.gcode", "G410 X5\nG0 X1\n", "plain"), ("a.gcode", "#<VAL2>=4\n", "ngc"),
         ("a.num", "G0 X5\n", "num"), ("a.nc", "N10 G79 N30\n", "num"), ("a.nc", "L1=5\nXL1\n", "num"), ("a.nc", "G77 H10\n", "num"),
         ("a.nc", "G81 X5 Z-3 ER2\n", "num"),
     ],
@@ -122,6 +123,23 @@ def test_hpgl_is_no_g_code(tmp_path, text):
     for other in ("; IN;SP1\nG0 X1", "(PU)\nS1000 M3", "P1 G4", "S1", "%\nG0 X1"):
         path.write_text(other)
         compiler.read(path)
+
+
+def test_subprograms_in_files(tmp_path):
+    """Beside the program, in its folder `subs`, and by a path; M98 takes a number."""
+    for name, text in (("lib/far.ngc", "o<lib/far> sub\ng0 x1\no<lib/far> endsub\n"), ("subs/near.ngc", "o<near> sub\ng0 x2\no<near> endsub\n"),
+                       ("subs/0012.ngc", "o12\ng0 x3\nm99\n")):  # fmt: skip
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    main = tmp_path / "main.ngc"
+    main.write_text("o<lib/far> call\no<near> call\nm98 p12 l2\ng0 y1\nm30\n")
+    assert compiler.compile_file(main, "ngc").listing.codes[1:] == ["G0 X1", "G0 X2", "G0 X3", "G0 Y1", "M30"]
+
+
+def test_a_table_in_inches(tmp_path):
+    table = tmp_path / "inch.tbl"
+    table.write_text("T1 P1 D6 Z10\n;inch\nT2 P2 D0.25 Z2 ; an end mill\n")
+    assert tool_table.read(table) == {1: tool_table.Tool(6.0, 10.0), 2: tool_table.Tool(6.35, 50.8)}
 
 
 def test_detection_of_both(tmp_path):

@@ -1,13 +1,14 @@
 """The G and M codes of RS274/NGC with their modal groups, in tenths: 431 is G43.1."""
 
 NON_MODAL, MOTION, PLANE, DISTANCE, ARC_DISTANCE, FEED_MODE, UNITS, CUTTER, LENGTH, RETURN, SYSTEM, PATH, SPINDLE_MODE, LATHE = range(14)
-STOPPING, CHANGE, TURNING, COOLING, OVERRIDES, SWITCHING = range(20, 26)
+STOPPING, CHANGE, TURNING, COOLING, OVERRIDES, SWITCHING, CALLING = range(20, 27)
 
 CYCLES = (730, 740, 810, 820, 830, 840, 850, 860, 880, 890)
+SPLINES = (50, 51, 52)
 PROBES = (382, 383, 384, 385)
 _G = {
     NON_MODAL: (40, 100, 280, 281, 300, 301, 530, 920, 921),
-    MOTION: (0, 10, 20, 30, 800, *PROBES, *CYCLES),
+    MOTION: (0, 10, 20, 30, *SPLINES, 53, 800, *PROBES, *CYCLES),
     PLANE: (170, 180, 190),
     DISTANCE: (900, 910),
     ARC_DISTANCE: (901, 911),
@@ -28,6 +29,7 @@ _M = {
     COOLING: (70, 80, 90),
     OVERRIDES: (480, 490, 500, 510, 520, 530),
     SWITCHING: (620, 630, 640, 650),
+    CALLING: (980, 990),
 }
 G_GROUPS = {code: group for group, codes in _G.items() for code in codes}
 M_GROUPS = {code: group for group, codes in _M.items() for code in codes}
@@ -35,7 +37,7 @@ M_GROUPS = {code: group for group, codes in _M.items() for code in codes}
 # Words of RS274/NGC that no Passo machine can do, and why.
 NOT_ON_BOARD = {
     "g": {
-        50: "splines", 51: "splines", 52: "splines", 53: "splines", 70: "diameters of a lathe", 171: "axes U, V, W", 181: "axes U, V, W",
+        70: "diameters of a lathe", 171: "axes U, V, W", 181: "axes U, V, W",
         191: "axes U, V, W", 330: "a spindle with an encoder", 331: "a spindle with an encoder", 591: "G54 to G59 only",
         592: "G54 to G59 only", 593: "G54 to G59 only", 760: "a spindle with an encoder", 870: "a spindle that stops at an angle",
         922: "G92 offsets are not kept", 923: "G92 offsets are not kept", 960: "constant surface speed",
@@ -44,4 +46,4 @@ NOT_ON_BOARD = {
 }  # fmt: skip
 
 # Who takes the line's axis words.
-AXIS_COMMANDS = {0, 10, 20, 30, *PROBES, *CYCLES, 100, 280, 300, 431, 432, 920}
+AXIS_COMMANDS = {0, 10, 20, 30, *SPLINES, *PROBES, *CYCLES, 100, 280, 300, 431, 432, 920}

@@ -1,4 +1,4 @@
-"""The order in which the lines of an NGC program are carried out: subroutines, loops and conditions by O words.
+"""The order in which the lines of an NGC program are carried out: subroutines, loops and conditions by O words; subprograms of M98.
 
     flow = Flow(files, values, bound)
     for line in flow: …         # a Line to carry out; flow.end() ends the program
@@ -55,9 +55,10 @@ class Flow:
         self._ends = []  # for each line, where its file ends
         self._parts = {}  # number of a line: its _Part
         self._subs = {}
+        self._programs = {}  # number: its first line, for M98
         self._load(name, text)
         self._at = 0
-        self._calls = []  # (number of the line behind the call, counts of its loops)
+        self._calls = []  # [number of the line behind the call, counts of its loops, first line of a subprogram of M98 or None, runs left]
         self._counts = {}  # of repeat, by the number of its line
         self._done = 0
 
@@ -93,7 +94,10 @@ class Flow:
                 raise ProgramError(LABEL, "only calls may work out their label")
             return Line(source, rest, label, call)
         if not rest and label.isdigit():
+            self._programs.setdefault(int(label), len(self._lines))
             return Line(source, "", "", "")  # a program's number
+        if not rest and not label.startswith(("[", "#")):
+            return Line(source, "", "", "")  # a program's name
         keyword = next((word for word in KEYWORDS if rest.startswith(word)), "")
         if not keyword:
             raise ProgramError(UNKNOWN_NAME, "{}", rest) if rest else ProgramError(UNKNOWN_NAME, "an O word without a keyword")
@@ -168,6 +172,39 @@ class Flow:
         """The program ends here."""
         self._at = None
 
+    def call_program(self, number, times):
+        """M98: carry out the subprogram, its parameters those of the caller. Raises ProgramError."""
+        if number not in self._programs:
+            found = next(filter(None, (self._find(name) for name in (f"{number}", f"{number:04}", f"O{number:04}"))), None)
+            if found and found[0] not in self.texts:
+                self._load(*found)
+        begin = self._programs.get(number)
+        if begin is None:
+            raise ProgramError(NO_PROGRAM, "O{}", number)
+        if not any("m99" in line.rest for line in self._lines[begin : self._ends[begin]]):
+            raise ProgramError(NO_END, "O{}: no M99", number)
+        if times:
+            self._enter(begin, times)
+
+    def end_program(self):
+        """M99: back to the caller, or once more; in the main program its end."""
+        if not self._calls or self._calls[-1][2] is None:
+            if self._calls:
+                raise ProgramError(LABEL, "M99 in a subroutine of O words")
+            return self.end()
+        call = self._calls[-1]
+        call[3] -= 1
+        if call[3]:
+            self._at, self._counts = call[2], {}
+        else:
+            self._at, self._counts, *_ = self._calls.pop()
+
+    def _enter(self, begin, times=None):
+        if len(self._calls) >= DEEPEST:
+            raise ProgramError(DEPTH, "{} at most", DEEPEST)
+        self._calls.append([self._at, self._counts, begin if times else None, times])
+        self._at, self._counts = begin, {}
+
     def _value(self, line):
         cursor = Cursor(line.rest, self._values)
         value = cursor.value()
@@ -192,18 +229,14 @@ class Flow:
                 self._load(*found)
         if label not in self._subs:
             raise ProgramError(NO_PROGRAM, "o{}", label)
-        if len(self._calls) >= DEEPEST:
-            raise ProgramError(DEPTH, "{} at most", DEEPEST)
+        self._enter(self._subs[label].begin + 1)
         self._values.enter(arguments)
-        self._calls.append((self._at, self._counts))
-        self._counts = {}
-        self._at = self._subs[label].begin + 1
 
     def _do_return(self, number, line, part):
         value = self._value(line) if line.rest else None
-        if not self._calls:
+        if not self._calls or self._calls[-1][2] is not None:
             raise ProgramError(LABEL, "o{} {} and no call", line.label, line.keyword)
-        self._at, self._counts = self._calls.pop()
+        self._at, self._counts, *_ = self._calls.pop()
         self._values.leave(value)
 
     _do_endsub = _do_return

@@ -8,8 +8,8 @@ Lengths are mm inside. G20 and G21 hold for their whole line, its F too.
 from host_tools.language import _
 from host_tools.programs.ngc.blocks import read, whole
 from host_tools.programs.ngc.codes import (
-    ARC_DISTANCE, AXIS_COMMANDS, CHANGE, COOLING, CUTTER, CYCLES, DISTANCE, FEED_MODE, G_GROUPS, LENGTH, M_GROUPS, MOTION,
-    NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
+    ARC_DISTANCE, AXIS_COMMANDS, CALLING, CHANGE, COOLING, CUTTER, CYCLES, DISTANCE, FEED_MODE, G_GROUPS, LENGTH, M_GROUPS, MOTION,
+    NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, SPLINES, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
 )  # fmt: skip
 from host_tools.programs.ngc.flow import Flow
 from host_tools.programs.ngc.motions import Motions
@@ -28,7 +28,7 @@ def compile_program(name, text, listing, tools=None, start=(None, None, None), b
     file and line."""
     path = Toolpath(listing, start)
     interpreter = Interpreter(path, dict(tools or {}))
-    flow = Flow(name, text, interpreter.values, bound, find, skip)
+    flow = interpreter.flow = Flow(name, text, interpreter.values, bound, find, skip)
     for line in flow:
         path.source = line.source
         if listing.progress:
@@ -49,6 +49,7 @@ class Interpreter(Motions):
     def __init__(self, path, tools):
         Motions.__init__(self, path, tools)
         self.values = State(self._told())
+        self.flow = None
 
     def _told(self):
         """Parameters by which the program can ask for its state."""
@@ -113,8 +114,13 @@ class Interpreter(Motions):
             self.offsets(non_modal)
         elif motion is not None:
             self.move(motion, non_modal == 530)
+        called = (self.whole("p", 0, 99999), self.whole("l", 0, 9999) if "l" in self.words else 1) if m.get(CALLING) == 980 else None
         if self.words:
             raise ProgramError(UNUSED, "{}", " ".join(letter.upper() + number(value) for letter, value in self.words.items()))
+        if called:
+            self.flow.call_program(*called)
+        elif CALLING in m:
+            self.flow.end_program()
         return self._stops(m.get(STOPPING))
 
     def _groups(self, block):
@@ -139,6 +145,8 @@ class Interpreter(Motions):
         if MOTION in g:
             if g[MOTION] not in CYCLES or g[MOTION] != self.motion:
                 self.cycle = None
+            if g[MOTION] not in CYCLES:
+                self.level = None
             self.motion = g[MOTION]
         other = commands and commands[0] not in MOTIONS_WITH_AXES
         axes = any(letter in self.words for letter in "xyz@^")
@@ -189,4 +197,4 @@ class Interpreter(Motions):
         return value
 
 
-MOTIONS_WITH_AXES = {0, 10, 20, 30, *PROBES, *CYCLES}
+MOTIONS_WITH_AXES = {0, 10, 20, 30, *SPLINES, *PROBES, *CYCLES}

@@ -1,7 +1,12 @@
 """What an NGC line sets: spindle, tool, coolant, outputs, offsets, compensation; much of it goes to the board as it is."""
 
+import cmath
+import math
+
 from host_tools.programs.compensation import LEFT, RIGHT
-from host_tools.programs.program_errors import NOT_ON_BOARD, PLANE, RANGE, TOOL, ProgramError
+from host_tools.programs.program_errors import (
+    MISSING, NOT_ON_BOARD, RANGE, TOOL, UNUSED, ProgramError,
+)  # fmt: skip
 from host_tools.programs.tool_table import Tool
 from host_tools.programs.toolpath import AXES, number
 
@@ -25,7 +30,13 @@ class Modes:
         self.length_mm = None  # of the tool, as G43 has set it
         self.initial = True  # G98
         self.system = 1
+        self.turned = {}  # degrees, of each system that is
+        self.shifted = False  # G92
+        self.nurbs = None  # [position, weight] of the control points of G5.2
+        self.order = 3  # of it
+        self.leaving = None  # how the G5 before ended: the way from its second control point to its end
         self.cycle = None  # words of the cycle that holds
+        self.level = None  # where Z stood before the first of the cycles that follow each other
         self.words = {}  # of the line, as far as nothing has taken them
 
     def set_spindle(self, code):
@@ -66,8 +77,6 @@ class Modes:
         if code == 400:
             self.path.uncompensate()
             return
-        if self.plane != 17:
-            raise ProgramError(PLANE, "radius compensation")
         if code in (411, 421):
             diameter = self.take("d") * self.scale
             self.words.pop("l", None)
@@ -79,7 +88,7 @@ class Modes:
             diameter = 0.0 if none else self.tools[tool].diameter
         side = LEFT if code in (410, 411) else RIGHT
         # A negative radius, of a tool that is smaller than the one the path was made for, goes to the other side.
-        self.path.compensate(side if diameter >= 0 else -side, abs(diameter) / 2)
+        self.path.compensate(side if diameter >= 0 else -side, abs(diameter) / 2, self.plane)
 
     def set_length(self, code):
         if code == 490:
@@ -110,6 +119,7 @@ class Modes:
         if system - 53 != self.system:
             self.path.forget()
         self.system = system - 53
+        self.path.turn(self.turned.get(self.system, 0.0))
 
     def offsets(self, code):
         """G10, G28, G30, G92 and what belongs to them."""
@@ -121,11 +131,15 @@ class Modes:
         elif code in (280, 300):
             self._go_home(code // 10)
         elif code == 920:
+            if self.turned.get(self.system):
+                raise ProgramError(NOT_ON_BOARD, "G92 in turned coordinates")
+            self.shifted = True
             positions = self._axes()
             self.path.word("G92 " + self._text(positions))
             for axis, value in positions.items():
                 self.path.now_at(axis, value)
         else:
+            self.shifted = False
             self.path.word("G92.1")
             self.path.forget()
 
@@ -160,16 +174,47 @@ class Modes:
         if table not in (2, 20):
             raise ProgramError(NOT_ON_BOARD, "G10 L{}", table)
         system = self.whole("p", 0, 6)
-        if self.words.pop("r", 0.0):
-            raise ProgramError(NOT_ON_BOARD, "G10 R: a turned coordinate system")
+        self._turn(system or self.system, table)
+        degrees = self.turned.get(system or self.system, 0.0)
+        if table == 2 and not any(letter in self.words for letter in "xyz"):
+            return
         positions = self._axes()
+        if table == 20 and degrees and (0 in positions or 1 in positions):
+            self._set_turned(positions, system or self.system, degrees)
         self.path.word(f"G10 L{table} P{system} {self._text(positions)}")
         if system in (0, self.system):
+            if degrees and (0 in positions or 1 in positions):
+                self.path.forget((0, 1))
             for axis, value in positions.items():
                 if table == 20:
                     self.path.now_at(axis, value)
                 else:
                     self.path.forget((axis,))
+            if table == 20 and degrees:
+                self.path.turned_at()
+
+    def _turn(self, system, table):
+        """R of G10: how far a system is turned."""
+        if "r" not in self.words:
+            return
+        degrees = self.words.pop("r")
+        if table != 2:
+            raise ProgramError(UNUSED, "R{:g}", degrees)
+        if degrees and self.shifted:
+            raise ProgramError(NOT_ON_BOARD, "turned coordinates with G92")
+        self.turned[system] = degrees
+        if system == self.system:
+            self.path.turn(degrees)
+
+    def _set_turned(self, positions, system, degrees):
+        """G10 L20 in a system that is turned: the board's are not, so it gets both of X and Y."""
+        for axis in (0, 1):
+            if axis not in positions:
+                if system != self.system:
+                    raise ProgramError(MISSING, "{}", AXES[axis])
+                positions[axis] = self.path.known(axis)
+        moved = complex(positions[0], positions[1]) * cmath.rect(1.0, math.radians(degrees))
+        positions[0], positions[1] = moved.real, moved.imag
 
     def _set_tool_table(self, tool, table):
         if table != 1:

@@ -3,14 +3,16 @@
 import math
 
 from host_tools.programs.drilling import Cycle
-from host_tools.programs.ngc.codes import CYCLES, PROBES
+from host_tools.programs.ngc.codes import CYCLES, PROBES, SPLINES
 from host_tools.programs.ngc.modes import Modes
+from host_tools.programs.ngc.splines import bezier, flat, nurbs
 from host_tools.programs.program_errors import (
     ARC, MISSING, NO_FEED, NO_SPINDLE, NOT_ON_BOARD, PLANE, RANGE, ProgramError,
 )  # fmt: skip
 from host_tools.programs.toolpath import AXES, PLANES, centre_of, number, sweep_of
 
 
+_SPLINE_SAG_MM = 0.002
 _SLACK = 0.02 * math.sqrt(2)  # mm: by so much LinuxCNC's arcs may be off; in inches a tenth of the number
 
 
@@ -50,8 +52,13 @@ class Motions(Modes):
 
     def move(self, motion, of_machine):
         """One line's motion; `of_machine`: G53."""
+        if self.nurbs and motion not in (52, 53):
+            raise ProgramError(MISSING, "G5.3")
+        leaving, self.leaving = self.leaving, None
         if of_machine:
             self._move_machine(motion)
+        elif motion in (*SPLINES, 53):
+            self._spline(motion, leaving)
         elif motion in CYCLES:
             self._cycle(motion)
         elif motion in (20, 30):
@@ -100,6 +107,8 @@ class Motions(Modes):
 
     def _probe(self, code):
         self.not_compensated("G38")
+        if self.turned.get(self.system):
+            raise ProgramError(NOT_ON_BOARD, "G38 in turned coordinates")
         target = self.target()
         axes = [axis for axis, value in enumerate(target) if value is not None]
         if not axes:
@@ -107,6 +116,69 @@ class Motions(Modes):
         positions = " ".join(AXES[axis] + number(target[axis]) for axis in axes)
         self.path.word(f"G{code / 10:g} {positions} F{number(self._feed_of(None), 3)}")
         self.path.forget(axes)
+
+    # --- splines
+
+    def _spline(self, code, leaving):
+        if self.plane != 17:
+            raise ProgramError(PLANE, "splines")
+        here = complex(self.path.known(0), self.path.known(1))
+        if code == 50:
+            way = self._way("i", "j", leaving)
+            back = self._way("p", "q")
+            end = self._end(here)
+            self.leaving = -back
+            self._along(bezier([here, here + way, end + back, end]), 1)
+        elif code == 51:
+            way = self._way("i", "j")
+            end = self._end(here)
+            self._along(bezier([here, here + way, end]), 1)
+        elif code == 52:
+            self._control(here)
+        else:
+            self._close_nurbs()
+
+    def _way(self, first, second, otherwise=None):
+        """What two words say, mm; `otherwise` if there is neither. Raises ProgramError."""
+        if otherwise is not None and first not in self.words and second not in self.words:
+            return otherwise
+        return complex(self.take(first), self.take(second)) * self.scale
+
+    def _end(self, here):
+        target = self.target()
+        if target[2] is not None:
+            raise ProgramError(RANGE, "splines lie in XY")
+        if target[0] is None and target[1] is None:
+            raise ProgramError(MISSING, "X or Y")
+        return complex(*(old if new is None else new for old, new in zip((here.real, here.imag), target)))
+
+    def _control(self, here):
+        weight = self.words.pop("p", 1.0)
+        if weight <= 0:
+            raise ProgramError(RANGE, "P{:g}", weight)
+        if self.nurbs is None:
+            self.order = self.whole("l", 2, 10) if "l" in self.words else 3
+            self.nurbs = [(here, 1.0)]
+        if any(letter in self.words for letter in "xyz@^"):
+            self.nurbs.append((self._end(self.nurbs[-1][0]), weight))
+        else:
+            self.nurbs[-1] = self.nurbs[-1][0], weight
+
+    def _close_nurbs(self):
+        points, self.nurbs = self.nurbs, None
+        self.motion = 800
+        if not points:
+            raise ProgramError(MISSING, "G5.2")
+        if len(points) < self.order:
+            raise ProgramError(RANGE, "{} control points, L{}", len(points), self.order)
+        self._along(*nurbs([point for point, _ in points], [weight for _, weight in points], self.order))
+
+    def _along(self, curve, end):
+        points = flat(curve, end, _SPLINE_SAG_MM)
+        ends = [curve(0), *points]
+        feed = self._feed_of(sum(abs(b - a) for a, b in zip(ends, points)))
+        for point in points:
+            self.path.move([point.real, point.imag, None], False, feed)
 
     # --- arcs
 
@@ -145,25 +217,26 @@ class Motions(Modes):
 
     def _cycle(self, code):
         self.not_compensated("a canned cycle")
-        if self.plane != 17:
-            raise ProgramError(PLANE, "canned cycles")
         if self.feed_mode == 930:
             raise ProgramError(NO_FEED, "a canned cycle with G93")
+        first, second, third = PLANES[self.plane]
+        across, along = (AXES[first].lower(), AXES[second].lower()), AXES[third].lower()
         kept = self.cycle or {}
         words = self.words
-        for letter in "xyzrpq":
-            if letter in words and letter not in "xy":
-                kept[letter] = words.pop(letter) * (self.scale if letter in "zrq" else 1.0)
-        for letter in "zr" + ("q" if code in (730, 830) else ""):
+        for letter in along + "rpq":
+            if letter in words:
+                kept[letter] = words.pop(letter) * (self.scale if letter in "xyzrq" else 1.0)
+        for letter in along + "r" + ("q" if code in (730, 830) else ""):
             if letter not in kept:
                 raise ProgramError(MISSING, "{}", letter.upper())
         self.cycle = kept
         times = self.whole("l", 1) if "l" in words else 1
-        height = self.path.known(2)
-        above = kept["r"] if self.absolute else height + kept["r"]
-        bottom = kept["z"] if self.absolute else above + kept["z"]
+        height = self.path.known(third)
+        self.level = height if self.level is None else self.level
+        above = kept["r"] if self.absolute else self.level + kept["r"]
+        bottom = kept[along] if self.absolute else above + kept[along]
         if bottom > above:
-            raise ProgramError(RANGE, "Z{} is above R{}", number(bottom), number(above))
+            raise ProgramError(RANGE, "{}{} is above R{}", along.upper(), number(bottom), number(above))
         if kept.get("q", 1.0) <= 0:
             raise ProgramError(RANGE, "Q{:g}", kept["q"])
         if kept.get("p", 0.0) < 0:
@@ -171,17 +244,17 @@ class Motions(Modes):
         if code in (740, 840, 860, 880) and not self.spindle:
             raise ProgramError(NO_SPINDLE, "G{}", code // 10)
         cycle = Cycle(code // 10, above, bottom, self._feed_of(None), kept.get("p", 0.0), kept.get("q", 0.0))
-        cycle.spindle = self.spindle
-        cycle.back = height if self.initial and height > above else None
-        position = [self.path.place[0], self.path.place[1]]
-        for axis, letter in enumerate("xy"):
+        cycle.axes, cycle.spindle = (first, second, third), self.spindle
+        cycle.back = self.level if self.initial and self.level > above else None
+        for axis, letter in zip((first, second), across):
             if letter not in words:
                 self.path.known(axis)
-        way = [words.pop(letter, None) for letter in "xy"]
+        way = {letter: words.pop(letter) for letter in (*across, "@", "^") if letter in words}
         if height < above:
-            self.path.move([None, None, above], True)
+            target = [None] * 3
+            target[third] = above
+            self.path.move(target, True)
         for turn in range(times):
-            for axis, value in enumerate(way):
-                if value is not None:
-                    position[axis] = value * self.scale + (0.0 if self.absolute else self.path.known(axis))
-            cycle.hole(self.path, position)
+            words.update(way)
+            to = self.target()
+            cycle.hole(self.path, [self.path.place[axis] if to[axis] is None else to[axis] for axis in (first, second)])

@@ -166,9 +166,7 @@ class Interpreter:
         if 40 in g:
             self.path.uncompensate()
         elif g & {41, 42}:
-            if self._plane != 17:
-                raise ProgramError(PLANE, "radius compensation")
-            self.path.compensate(LEFT if 41 in g else RIGHT, self._radius())
+            self.path.compensate(LEFT if 41 in g else RIGHT, self._radius(), self._plane)
 
     def _radius(self):
         """The radius of the tool that D names. Raises ProgramError."""
