@@ -52,6 +52,8 @@ class Toolpath:
         """These axes have been moved to where the program cannot know."""
         for axis in axes:
             self.place[axis] = self._there[axis] = None
+        if self._beside and None in [self._there[axis] for axis in self._beside.axes[:2]]:  # how it gets away from the contour is not known either
+            self._beside = None
 
     def now_at(self, axis, value):
         """The axis has not moved, but its coordinate is `value` from now on: an offset changed."""

@@ -146,6 +146,7 @@ EXAMPLES = (
     ("g10 l2 p2 r90\ng55\ng0 x2 y1\ng54\ng0 x2 y1", "G55\nG0 X-1 Y2\nG54\nG0 X2 Y1"),
     ("g10 l2 p1 r90\ng0 x-10 y0\ng41 d1 g1 x0 f100\ny20\ng40", "G0 X0 Y-10\nG1 X0 Y-3 F100\nX-20"),
     ("g18 g0 x-10\ng42 d1 g1 x0 f100\nz20\ng40\nz30", "G0 X-10\nG1 X-3 F100\nZ20\nZ30"),
+    ("g0 x-10\ng41 d1 g1 x0 f100\ny20\ng40\ng55\ng0 x1 y1", "G0 X-10\nG1 X-3 F100\nY20\nG55\nG0 X1 Y1"),
     ("g19 g0 y-10\ng41 d1 g1 y0 f100\nz20\ng40", "G0 Y-10\nG1 Y-3 F100\nZ20"),
 )  # fmt: skip
 
