@@ -1,0 +1,91 @@
+"""Files in the form in which LightBurn and UGS write them, of our own geometry: words run together, a line that only takes the power away, inches
+without a leading zero, comments of both kinds, arcs in each plane by R and by IJK. Each line is taken, and ends where it should.
+
+The forms are those of files that people keep: LightBurn's `GRBL device profile, absolute coords`, from 1.2 to 1.7, and UGS's test_files/.
+"""
+
+import pytest
+
+from host_tools.panel.job_facts import tools
+from host_tools.panel.store import gcode_lines
+from host_tools.programs import gcode_file
+from host_tools.sim.job import VirtualJob
+
+LIGHTBURN = """; LightBurn 1.7.04
+; GRBL device profile, absolute coords
+; Bounds: X10 Y5 to X40 Y25
+G00 G17 G40 G21 G54
+G90
+M4
+; Cut @ 1200 mm/min, 60% power
+M8
+G0 X10Y5
+; Layer C00 Pass 1 of 2
+G1 X40S600F1200
+G1 Y25
+G1 X10
+G1 Y5
+; Layer C00 Pass 2 of 2
+G1 X40
+G1 Y25
+G1 X10
+G1 Y5
+; Fill @ 3000 mm/min, 12.5% power
+G0X12Y7
+G91
+G1 X3S0F3000
+G1 X20S125
+G1 X3S0
+G0Y.254
+G1 X-3S0
+G1 X-20S125
+G1 X-3S0
+G90
+M9
+G1 S0
+M5
+G90
+; return to user-defined finish pos
+G0 X0 Y0
+M2
+"""
+UGS = """G17G20G90G94
+F50.00000 ;    Defines feed rate
+S1000.00000 ; Defines speed
+G0Z0.1250 ; lift
+X-0.0Y0.
+G04P.1 (wait)
+G1Z0.0
+G1X0.0Y.5
+G2X.5Y.0R.5
+G0Z0.125
+G18
+G2X1.Z.125I.25K0.
+G19
+G3Y.5Z.125J.25K0.
+G17
+(a comment) G1 (amid) X.5 ; behind
+G21
+G0 X0 Y0 Z5
+"""
+
+
+@pytest.mark.parametrize("name, board, text, low, high", (
+    ("lightburn.gc", "laser_xy", LIGHTBURN, (0, 0), (40, 25)), ("ugs.nc", "router_3axis", UGS, (0, 0, -3.175), (25.4, 19.05, 9.525)),
+), ids=("LightBurn", "UGS"))  # fmt: skip
+def test_each_line_is_taken(tmp_path, name, board, text, low, high):
+    path = tmp_path / name
+    path.write_text(text, newline="\r\n")
+    job = VirtualJob(board)
+    job.run(gcode_file.lines(path))
+    assert job.errors == [] and tools(gcode_lines(path)) == []
+    assert [round(value, 2) for value in job.low[: len(low)]] == pytest.approx(list(low), abs=0.02)
+    assert [round(value, 2) for value in job.high[: len(high)]] == pytest.approx(list(high), abs=0.02)
+
+
+def test_a_word_that_is_wrong_is_found_in_them(tmp_path):
+    path = tmp_path / "wrong.gc"
+    path.write_text(LIGHTBURN.replace("G1 Y25\n", "G1 Y25Q\n", 1))
+    job = VirtualJob("laser_xy")
+    job.run(gcode_file.lines(path))
+    assert [line for line, *_ in job.errors] == [12]
