@@ -13,7 +13,7 @@ from emulated import uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.build.frozen import beside
-from host_tools.build.pages import PAGES
+from host_tools.build.pages import texts_of
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.frozen import find_frozen, frozen_machine
 from host_tools.emulator.heap import Heap
@@ -72,7 +72,7 @@ def test_all_at_once(frozen_w, board, show):
     heaps, took, asked = [], [], []
     for name in ("/", "/panel.js", "/") * 3:
         body, ms = air.answer(air.get(name), 8000)
-        assert gzip.decompress(body) == (PAGES / (name[1:] or "index.html")).read_bytes()
+        assert gzip.decompress(body) == texts_of(machine.board)[name[1:] or "index.html"]
         took.append(ms)
         asked.append(sender.status())
         answer, _ = pages[0].order("log")

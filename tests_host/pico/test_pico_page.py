@@ -12,7 +12,7 @@ import pytest
 from air import Air, Page, files, pico_w
 from check_jobs import stored_form
 from host_tools import boards
-from host_tools.build.pages import PAGES, bare
+from host_tools.build.pages import texts_of
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.sender import NEXT
 from host_tools.programs import stored_job
@@ -56,8 +56,7 @@ def test_the_page_while_three_axes_step(show):
                 assert answer["log"] == []
             else:
                 body, ms = air.answer(air.get(name), 4000)
-                file = name[1:] or "index.html"
-                assert gzip.decompress(body) == bare(file, (PAGES / file).read_bytes())
+                assert gzip.decompress(body) == texts_of(board)[name[1:] or "index.html"]
             found.append(ms)
     for page in pages:
         page.look()

@@ -285,7 +285,7 @@ def test_sources_are_refused_by_an_interpreter_that_compiles_them_wrongly(monkey
 
 
 def test_the_page_of_a_board_is_small(tmp_path):
-    """One file for the flash, compressed: each file of the page is in it, scripts and styles without indentation and comments."""
+    """One file for the flash, compressed: the page is in it, its modules as one script, scripts and styles without indentation and comments."""
     import gzip
 
     from host_tools.build import pages
@@ -294,12 +294,12 @@ def test_the_page_of_a_board_is_small(tmp_path):
     board = {"network": {"host": "passo"}, "links": [{"port": "usb", "protocol": "grbl"}, {"port": "page", "protocol": "grbl"}]}
     names = [name for name, _, _ in pages.pack(board, tmp_path)]
     files = Folder(f"{tmp_path}/")
-    for name in pages.names_of(board):
+    for name, wanted in pages.texts_of(board).items():
         _, _, path, start, size = files.find(b"/" + name.encode())
         with open(path, "rb") as file:
             file.seek(start)
             text = gzip.decompress(file.read(size))
-            assert text == pages.bare(name, (pages.PAGES / name).read_bytes())
+            assert text == wanted
             assert not name.endswith((".js", ".css")) or b"\n  " not in text and b"\n//" not in text
     assert {"errors.json", "rules.json"} < set(names) and (tmp_path / "pages.bin").stat().st_size < 90_000
 

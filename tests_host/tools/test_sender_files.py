@@ -1,7 +1,8 @@
 """Files in the form in which LightBurn and UGS write them, of our own geometry: words run together, a line that only takes the power away, inches
 without a leading zero, comments of both kinds, arcs in each plane by R and by IJK. Each line is taken, and ends where it should.
 
-The forms are those of files that people keep: LightBurn's `GRBL device profile, absolute coords`, from 1.2 to 1.7, and UGS's test_files/.
+Both half circles of UGS's form go down, to -3.175 mm: they are seen against the axis across their plane (RS274/NGC, 3.5.3). The forms are
+those of files that people keep: LightBurn's `GRBL device profile, absolute coords`, 1.2 to 1.7, and UGS's test_files/.
 """
 
 import pytest
@@ -71,7 +72,7 @@ G0 X0 Y0 Z5
 
 
 @pytest.mark.parametrize("name, board, text, low, high", (
-    ("lightburn.gc", "laser_xy", LIGHTBURN, (0, 0), (40, 25)), ("ugs.nc", "router_3axis", UGS, (0, 0, -3.175), (25.4, 19.05, 9.525)),
+    ("lightburn.gc", "laser_xy", LIGHTBURN, (0, 0), (40, 25)), ("ugs.nc", "router_3axis", UGS, (0, 0, -3.175), (25.4, 12.7, 5)),
 ), ids=("LightBurn", "UGS"))  # fmt: skip
 def test_each_line_is_taken(tmp_path, name, board, text, low, high):
     path = tmp_path / name
