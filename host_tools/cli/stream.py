@@ -12,6 +12,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.cli.lead_in import announce, prepared
+from host_tools.cli.options import Baud, Port
 from host_tools.clients.grbl import LinkError
 from host_tools.failure import Failure
 from host_tools.language import _, line_text
@@ -27,8 +28,8 @@ Yes = Annotated[bool, typer.Option("--yes", help="With --from: do not ask before
 
 def stream(
     file: Path = typer.Argument(..., help="The G-code."),
-    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
-    baud: int = typer.Option(115200, help="Bits per second of a serial port."),
+    port: Port = None,
+    baud: Baud = 115200,
     flow: str = typer.Option("count", help="count: keep the receive buffer full; ok: one line at a time."),
     home: bool = typer.Option(False, help="Home the machine first."),
     unlock: bool = typer.Option(False, help="Leave an alarm without homing first."),
