@@ -26,6 +26,7 @@ BounceMs = Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter t
 Faults = Annotated[
     Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
 ]
+Touchable = Annotated[bool, typer.Option("--stock", help="A piece with a hole, a touch plate and a boss lie on the table, and close the probe.")]
 Seed = Annotated[int, typer.Option(help="Of all that is random: start and chatter.")]
 FlashFolder = Annotated[
     Optional[Path], typer.Option(metavar="FOLDER", help="Keep settings and stored jobs there; otherwise they end with it.")
@@ -62,6 +63,7 @@ def board(
     bounce_ms: BounceMs = 0,
     fault: Faults = None,
     seed: Seed = 0,
+    stock: Touchable = False,
     flash: FlashFolder = None,
 ):
     """Run the firmware on a virtual board, and a machine with it.
@@ -92,14 +94,12 @@ def board(
     except BoardError as error:
         raise Failure("board {}: {}", board, reason(error)) from error
     options = {
-        "start": _positions(start),
-        "bounce_ms": bounce_ms,
-        "faults": _pairs("--fault", fault, None),
-        "seed": seed,
+        "start": _positions(start), "bounce_ms": bounce_ms, "faults": _pairs("--fault", fault, None), "seed": seed,
+        "stock": _stock(config) if stock else None,
         "idle": idle,
         "radio": _radio(config, {"http": http, "tcp": signed}, key),
         "flash": _folder(flash),
-    }
+    }  # fmt: skip
     names = [entry["name"] for entry in config["links"]]
     serve(config, time_, _pairs("--protocol", protocol, names), _pairs("--link", link, names), tcp, trace, vcd, options)
 
@@ -161,6 +161,15 @@ def _end_with_stdin():
         while os.read(0, 4096):
             pass
     os.kill(os.getpid(), signal.SIGTERM)
+
+
+def _stock(config):
+    """Raises Failure if the machine can touch nothing."""
+    from host_tools.sim.stock import Stock
+
+    if not Stock.fits(config):
+        raise Failure("--stock: the board file {} has no input probe, or less than three axes", config["name"])
+    return Stock(config)
 
 
 def _radio(config, ports, key):

@@ -5,8 +5,10 @@ import subprocess
 import sys
 import time
 
+from host_tools import boards
 from host_tools.clients.serial_port import LinkError, open_exclusively
 from host_tools.failure import Failure
+from host_tools.sim.stock import Stock
 
 END_WITH_STDIN = "PASSO_END_WITH_STDIN"  # set by a program that keeps a virtual board's standard input open as long as it lives
 
@@ -88,7 +90,8 @@ class Demo:
         self.name = self._start()
 
     def _start(self):
-        words = [sys.executable, "-m", "host_tools.cli", "board", "--board", self.board, *self._options]
+        stock = ["--stock"] if Stock.fits(boards.load(self.board)) else []
+        words = [sys.executable, "-m", "host_tools.cli", "board", "--board", self.board, *stock, *self._options]
         # The board ends when this pipe does: also if this program is killed.
         environment = {**os.environ, END_WITH_STDIN: "1"}
         self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)

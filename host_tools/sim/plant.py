@@ -23,6 +23,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
                  millisecond on
     racked       steps that the second side of a gantry stands beyond the first
     seed         of all that is random
+    stock        a Stock that the tool can touch: the input probe is active meanwhile
 """
 
 import random
@@ -41,7 +42,7 @@ def pull_off_of(homing, axis):
 
 
 class Plant:
-    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0):
+    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0, stock=None):
         self._random = random.Random(seed)
         self.errors = []  # (tick, text)
         self.error_count = 0
@@ -51,6 +52,7 @@ class Plant:
         self.pins = None  # told changed(tick, name, level) at each change of an input
         self._listeners = []  # called with the same
         self._board = board
+        self.stock = stock
         self._power = 0 if (board.get("spindle") or {}).get("pwm") else 1000
         self._levels = {item["name"]: 1 - item.get("active", 1) for item in board.get("inputs", ())}
         self._enable = None
@@ -258,6 +260,8 @@ class Plant:
             self._move_second(tick, levels, changed)
         if moved and self.trace is not None:
             self.trace.row(tick, self.position, self.tool)
+        if moved and self.stock is not None:
+            self.set_input(tick, "probe", not self.tool and self.stock.touched(self.position))
         if changed & self._tool_mask:
             self._solenoid.drive(tick, levels & self._tool_mask != self._tool_off)
             self._plan()
