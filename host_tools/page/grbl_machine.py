@@ -5,7 +5,7 @@
 It streams jobs, and lets a guest speak on the same wire.
 """
 
-from host_tools.clients.grbl_wire import GUEST, PAGE, Wire, dwell_ms, fields_of
+from host_tools.clients.grbl_wire import GUEST, LOST, PAGE, Wire, dwell_ms, fields_of
 from host_tools.page.cabled import cabled
 from host_tools.page.guest import Guest
 from host_tools.page.job import Job
@@ -35,6 +35,7 @@ class GrblMachine(_Cabled):
         self._known = False  # the settings have been asked for
         self.options = None  # letters of [OPT:…]: J, a journal; F, stored jobs; None: not known yet
         self._letters = ""
+        self.touched = None  # touched(place): told of each probe that has touched, mm of the work
 
     # --- the board
 
@@ -82,6 +83,7 @@ class GrblMachine(_Cabled):
             self.end_jog()
             self.job.fail(errors.STOPPED)
             self._record.alarm = self.state["alarm"] = 0
+            self._tell({"t": "said", "text": line})
         elif line[:11] == "[MSG:Pause:":
             self.state["why"] = "pause"
         elif line[:18] == "[MSG:Tool change: ":
@@ -90,9 +92,15 @@ class GrblMachine(_Cabled):
             if line[1] == "O":
                 self._letters = line[5:].split(",")[0]
         elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
+            self._probed(line)
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
             self.guest.hear(line)
+
+    def _probed(self, line):
+        """[PRB:…:1]: a touch, of whoever has asked to be told."""
+        if line[:5] == "[PRB:" and line[-3:] == ":1]" and self.touched and self._offset:
+            self.touched([float(part) - offset for part, offset in zip(line[5:-3].split(","), self._offset)])
 
     def _reported(self, fields):
         name, _, sub = fields["state"].partition(":")
@@ -152,7 +160,12 @@ class GrblMachine(_Cabled):
         return 0 if self.wire.say(PAGE, line, answered or self.finished) else errors.TOO_MANY_WAITING
 
     def _say(self, line):
-        return self.say(line.encode())
+        return self.say(line.encode(), self._typed)
+
+    def _typed(self, error):
+        self.finished(error)
+        if error != LOST:
+            self._tell({"t": "said", "text": "error:%d" % error if error else "ok"})
 
     def _jog_to(self, place, speed, counted, answered=None):
         return self.say(b"$J=" + _FROM[counted] + b"G21" + words(place) + b"F%.1f" % speed, answered)
@@ -163,6 +176,13 @@ class GrblMachine(_Cabled):
     def set(self, number, text):
         error = GrblPage.set(self, number, text)
         self._known = False
+        return error
+
+    def line(self, text):
+        """A line as typed; a setting among them is told to all pages."""
+        error = GrblPage.line(self, text)
+        if text[:1] == "$" and "=" in text:
+            self._known = False
         return error
 
     def leave_check(self):

@@ -402,6 +402,27 @@ def check_orders_that_a_reset_overtakes():
     page.until(lambda state: state["state"] == "Jog")
 
 
+def check_a_typed_line_is_answered_and_a_reset_told():
+    """What a row of lines goes by: ok or error of each, and that somebody has reset the board."""
+    board = ServedRouter()
+    page = board.commanding()
+
+    def told(text):
+        return page.wait(lambda message: message["t"] == "said" and message["text"][: len(text)] == text)
+
+    for line, answer in (("G21", "ok"), ("G91 X", "error:%d" % errors.NUMBER), ("G91 G1 X3 F600", "ok")):
+        page.told.clear()
+        page.order("line", line=line)
+        assert told(answer), line
+    page.told.clear()
+    board.put(b"\x18")
+    assert told("Grbl"), "by the cable"
+    page.told.clear()
+    page.order("unlock")
+    page.order("stop")
+    assert told("Grbl"), "by a page"
+
+
 def check_each_order_of_a_router():
     """Zeros, places, overrides, settings, typed lines, hold and resume, homing: what is asked for is so in the state behind it."""
     board = ServedRouter()

@@ -99,7 +99,7 @@ def modes(gcode, inches):
     return "[GC:%s]\r\n" % " ".join(words)
 
 
-def parameters(gcode, probed, touched, inches):
+def parameters(gcode, probed, touched, inches, homed):
     """The lines of $#; `probed` is the place of the last touch in nm, `touched` whether there was one."""
     offsets = gcode.offsets
     lines = ["[G%d:%s]\r\n" % (54 + number, place(offsets.systems[number], inches)) for number in range(6)]
@@ -110,6 +110,7 @@ def parameters(gcode, probed, touched, inches):
         text = offsets.length_of(tool)
         if text:
             lines.append("[T%d:%s]\r\n" % (tool, length(int(text), inches)))
+    lines.append("[HOME:%d]\r\n" % homed)
     lines.append(probe(probed, touched, inches))
     return lines
 

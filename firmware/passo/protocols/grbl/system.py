@@ -92,7 +92,7 @@ class System:
         if state not in ("idle", "alarm"):
             return errors.BUSY
         if line == "$#":
-            return told(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches()))
+            return told(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches(), self._machine.homed))
         if line[:2] == "$H":
             return self._home(line[2:])
         if line == "$SLP":

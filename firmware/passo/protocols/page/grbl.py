@@ -85,6 +85,7 @@ class GrblPage(PageMachine):
                 self._typing = False
                 error = int(line[6:] or 0)
                 self.finished(error)
+                self._tell({"t": "said", "text": line})
             elif line[:1] == "[":
                 self._tell({"t": "said", "text": line})
         return error
@@ -98,12 +99,15 @@ class GrblPage(PageMachine):
         if event.kind == RESTARTED:
             self._line = b""
             self._typing = False
+            self._tell({"t": "said", "text": said.decode().strip()})
         elif said[:1] == b"[" and (self._typing or self.unanswered):
             self._tell({"t": "said", "text": said.decode().strip()})
         PageMachine.pushed(self, event)
 
     def drop(self, event):
-        self._spoken.drop(event)
+        said = self._spoken.drop(event)
+        if said:  # another link has stopped the machine
+            self._tell({"t": "said", "text": said.decode().strip()})
         self._line = b""
         self._typing = False
         PageMachine.drop(self, event)
