@@ -4,6 +4,7 @@ another machine. Tool on, run and resume from another computer want somebody at 
     api = PanelOrders(machine, store, teach, choose)
 """
 
+from host_tools.page.set_up import SetUp
 from host_tools.page.presence import starts
 from host_tools.page.queue import Queue
 from passo import errors
@@ -25,6 +26,11 @@ class PanelOrders(Orders):
         self._choose = choose
         if choose:
             self._orders["machine"] = self._machine
+        self.makes = ()  # what this server computes for the set-up
+        if store and machine.language == "grbl":
+            made = SetUp(machine, store).orders()
+            self._orders.update(made)
+            self.makes = tuple(made)
         if store:
             self._orders.update({
                 "job_text": self._job_text, "job_about": self._job_about, "job_part": self._job_part,
@@ -39,7 +45,7 @@ class PanelOrders(Orders):
 
     def can(self):
         lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
-        return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else [])
+        return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else []) + list(self.makes)
 
     def poll(self):
         """Some hundred times a second."""

@@ -19,6 +19,8 @@ def starts(order):
         return order.get("what") == "run" and not order.get("check")
     if name == "queue":
         return order.get("what") == "run"
+    if name == "map":
+        return order.get("what") == "probe"
     if name == "recover":
         return order.get("what") in ("begin", "down")
     return name in _STARTS and not order.get("check")

@@ -12,6 +12,7 @@ import json
 
 from host_tools.page.orders import PanelOrders
 from host_tools.sim.plant import Plant
+from host_tools.sim.stock import Stock
 from host_tools.sim.tab_jobs import Jobs
 from passo.app import App
 from passo.config.boardfile import check
@@ -70,7 +71,7 @@ class Tab:
         self.name = name
         self._send = send
         self._boards = boards
-        self.plant = Plant(board, start(board))
+        self.plant = Plant(board, start(board), stock=Stock(board) if Stock.fits(board) else None)
         self.trail = self.plant.trace = Trail()
         self._line = MemoryLine()
         self.port = VirtualPort(board, self.plant, mode, {board["links"][0]["name"]: self._line})
@@ -105,7 +106,7 @@ class Tab:
 
     def _hello(self):
         machine = self.machine
-        told = {"t": "hello", "can": machine.can, "axes": machine.axes, "language": machine.language, "travel": machine.travel}
+        told = {"t": "hello", "can": list(machine.can) + list(self.api.makes), "axes": machine.axes, "language": machine.language, "travel": machine.travel}
         told["machines"] = list(self._boards)
         self._tell(told)
         axes = self._board["axes"]

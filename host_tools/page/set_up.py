@@ -1,0 +1,108 @@
+"""What a page's set-up has computed for it: a program that faces the work, a map of heights, a job that follows it.
+
+    orders.update(SetUp(machine, store).orders())
+
+    {"do": "make", "what": "surface", "x": 100, …}          # the answer names the job that has been made
+    {"do": "map", "what": "probe", "x0": 0, …}              # a job of touches begins
+    {"do": "map", "what": "get"}                            # the answer has what has been touched so far
+    {"do": "map", "what": "level", "name": "part.nc"}       # a second job, `part-level.nc`
+
+The map is kept as long as the panel runs. It runs under MicroPython too, in a browser's tab.
+"""
+
+from host_tools.programs.height_map import MOST_POINTS, Grid, Unfollowed, level
+from host_tools.programs.surfacing import surface
+from passo import errors
+from passo.protocols.page.orders import number, text
+
+SURFACE = "surface.gcode"
+PROBING = "height map"
+# Least and most of each size; mm, mm/min, per cent.
+_SIZES = {"x": (1, 5000), "y": (1, 5000), "tool": (0.1, 200), "overlap": (0, 90), "depth": (0.01, 100), "cut": (0.01, 100), "feed": (1, 100_000),
+          "plunge": (1, 100_000), "rpm": (0, 100_000), "safe": (0.5, 200)}  # fmt: skip
+_GRID = {"x0": (-5000, 5000), "y0": (-5000, 5000), "x1": (-5000, 5000), "y1": (-5000, 5000), "columns": (2, 50), "rows": (2, 50)}
+_TOUCH = {"safe": (0.5, 100), "deep": (0.1, 100), "feed": (1, 2000)}
+
+
+class SetUp:
+    def __init__(self, machine, store):
+        self._machine = machine
+        self._store = store
+        self._grid = None
+
+    def orders(self):
+        return {"make": self._make, "map": self._map}
+
+    def _make(self, order):
+        if text(order, "what", 8) != "surface":
+            return errors.UNKNOWN_COMMAND
+        lines = surface({name: number(order, name, *_SIZES[name]) for name in _SIZES})
+        if lines is None:
+            return errors.JOB_SIZE
+        return self._kept("make", SURFACE, "\n".join(lines) + "\n")
+
+    def _kept(self, do, name, made):
+        error = self._machine.still() or self._store.name_error(name) or self._store.put(name, made)
+        return error or {"t": "answer", "do": do, "error": 0, "name": name}
+
+    def _map(self, order):
+        what = text(order, "what", 8)
+        if what == "probe":
+            return self._probe(order)
+        if what == "get":
+            return self._told()
+        if what == "level":
+            return self._level(text(order, "name", 64))
+        if what == "drop":
+            self._grid = None
+            return 0
+        return errors.UNKNOWN_COMMAND
+
+    def _probe(self, order):
+        size = {name: number(order, name, *_GRID[name]) for name in _GRID}
+        touch = {name: number(order, name, *_TOUCH[name]) for name in _TOUCH}
+        columns, rows = int(size["columns"]), int(size["rows"])
+        if size["x1"] <= size["x0"] or size["y1"] <= size["y0"] or columns * rows > MOST_POINTS:
+            return errors.ORDER_FIELD
+        machine = self._machine
+        error = machine.refusal() or machine.still()
+        if error:
+            return error
+        grid = Grid(size["x0"], size["y0"], size["x1"], size["y1"], columns, rows)
+        lines = [(n + 1, line.replace(" ", "").encode()) for n, line in enumerate(grid.probing(touch["safe"], touch["deep"], touch["feed"]))]
+        error = machine.run(PROBING, lines, 1, False, False)
+        if not error:
+            self._grid = grid
+            machine.touched = self._touched
+        return error
+
+    def _touched(self, place):
+        """A touch in work coordinates: one of the map's while its job runs."""
+        job = self._machine.job
+        if self._grid and job.running() and job.name == PROBING and not self._grid.whole():
+            self._grid.heights.append(place[2])
+
+    def _told(self):
+        grid = self._grid
+        if not grid:
+            return {"t": "answer", "do": "map", "error": 0, "heights": None}
+        return {"t": "answer", "do": "map", "error": 0, "x0": grid.x0, "y0": grid.y0, "dx": grid.dx, "dy": grid.dy, "columns": grid.columns, "rows": grid.rows,
+                "heights": [round(height, 3) for height in grid.heights], "whole": grid.whole()}  # fmt: skip
+
+    def _level(self, name):
+        if not self._grid or not self._grid.whole():
+            return errors.NO_SUCH_JOB
+        found, size = "", 1
+        while len(found) < size:
+            piece = self._store.text(name, len(found))
+            if isinstance(piece, int):
+                return piece
+            found, size = found + piece[0], piece[1]
+            if not piece[0]:
+                break
+        stem, dot, kind = name.rpartition(".")
+        try:
+            made = level(found, self._grid)
+        except Unfollowed as unfollowed:
+            return {"t": "answer", "do": "map", "error": 0, "line": unfollowed.args[0], "why": unfollowed.args[1]}
+        return self._kept("map", "%s-level%s%s" % ((stem or name)[:48], dot, kind if dot else ""), made)
