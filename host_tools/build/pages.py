@@ -17,10 +17,14 @@ from passo.web.files import PACK
 PAGES = FIRMWARE / "passo" / "web" / "page"
 # The small page of the torch's HTTP table; all other files are those of the page.
 OF_HTTP = {"torch": ("torch.html", "torch.css", "torch.js", "sha256.js")}
+OF_PC = ("setup_make.js",)  # what a board has no Python to compute, the page says without it
+ENTRIES = ("panel.js", "setup.js")  # a PC's page loads the second one when it is wanted, a board's has it in its one script
+_OF_G_CODE = "setup"  # the set-up of a machine that is told G-code: its files begin so
 _AS_THEY_ARE = ("torch.html",)  # it is the end of another text
 _AXES = 4
 _IMPORT = re.compile(r'^import (?:\{([^}]*)\} from )?"\./([\w.]+)";\n', re.MULTILINE)
 _EXPORT = re.compile(r"^export (?:async )?(?:function|class|const) (\w+)", re.MULTILINE)
+_BEHIND = re.compile(rb"  // [^\"'`]*$")  # a comment behind a line of a script
 
 
 def names_of(board):
@@ -28,8 +32,9 @@ def names_of(board):
     links = [link for link in board.get("links", []) if board.get("network")]
     small = {name for names in OF_HTTP.values() for name in names}
     names = {name for link in links if link["port"] == "http" for name in OF_HTTP.get(link["protocol"], ())}
-    if [link for link in links if link["port"] == "page"]:
-        names |= {path.name for path in PAGES.iterdir() if path.name not in small or path.name == "sha256.js"}
+    spoken = [link["protocol"] for link in links if link["port"] == "page"]
+    if spoken:
+        names |= {path.name for path in PAGES.iterdir() if path.name not in (small - {"sha256.js"}) | set(OF_PC) and ("grbl" in spoken or not path.name.startswith(_OF_G_CODE))}
     return sorted(names)
 
 
@@ -39,14 +44,14 @@ def error_list():
 
 
 def bare(name, text):
-    """A script or a sheet of style without indentation, empty lines and lines of comment: bytes of a file that no person reads."""
+    """A script or a sheet of style without indentation, empty lines and comments: bytes of a file that no person reads."""
     if not name.endswith((".js", ".css")):
         return text
-    lines = [line.strip() for line in text.split(b"\n")]
+    lines = [_BEHIND.sub(b"", line).strip() for line in text.split(b"\n")]
     return b"\n".join(line for line in lines if line and not line.startswith(b"//")) + b"\n"
 
 
-def bundle(modules, entry):
+def bundle(modules, *entries):
     """The page's modules as one script, each in a function of its own: a file less is a request less, and 70 bytes of a board's heap.
     `modules`: {name: text}. Raises Failure for what it does not know."""
     done, under_way, made = set(), [], []
@@ -71,7 +76,8 @@ def bundle(modules, entry):
         gives = f"return {{ {', '.join(exported)} }};\n" if exported else ""
         made.append(f"const {_called(name)} = (() => {{\n{takes}{body}{gives}}})();\n")
 
-    add(entry)
+    for entry in entries:
+        add(entry)
     return "".join(made)
 
 
@@ -86,8 +92,18 @@ def texts_of(board):
         modules = {name: text.decode() for name, text in texts.items() if name.endswith(".js")}
         alone = {name for link in board["links"] if link["port"] == "http" for name in OF_HTTP.get(link["protocol"], ())}
         texts = {name: text for name, text in texts.items() if name not in modules or name in alone}
-        texts["panel.js"] = bundle(modules, "panel.js").encode()
+        texts["panel.js"] = bundle(modules, *[name for name in ENTRIES if name in modules]).encode()
+        texts["pt.json"] = _words(board, modules, texts["index.html"].decode()).encode()
     return texts
+
+
+def _words(board, modules, page):
+    """The catalogue without the words of scripts that the board has not."""
+    gone = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.js") if path.name not in names_of(board))
+    here = "".join(modules.values()) + page + json.dumps([error_list(), setting_names.rules(_AXES)])
+    words = json.loads((PAGES / "pt.json").read_text(encoding="utf-8"))
+    kept = {text: word for text, word in words.items() if f'_("{text}"' not in gone or text in here}
+    return "{\n" + ",\n".join(f"{json.dumps(text, ensure_ascii=False)}: {json.dumps(word, ensure_ascii=False)}" for text, word in kept.items()) + "\n}\n"
 
 
 def pack(board, out):

@@ -9,6 +9,7 @@ import pytest
 from test_panel_page import BRING, MM, SQUARE, Browser, driver, jogged, pytestmark as of_pages, switched  # noqa: F401
 
 from host_tools import boards
+from host_tools.cli.settings import VERSION, read
 from panel_process import PanelProcess
 
 pytestmark = [*of_pages, pytest.mark.slow]
@@ -102,7 +103,7 @@ def walk(tmp_path_factory, driver):
             used = stranger.noted()
         with Walker(panel, driver) as page:
             homed = home(page)
-            for part in (moves, jobs, chosen_and_queued, interrupted, kept_jobs, paused, tool, teach, looks):
+            for part in (moves, jobs, chosen_and_queued, interrupted, kept_jobs, paused, tool, teach, set_up, looks):
                 part(page, folder)
             page.until_state("Ready")
             page.shot("walk")
@@ -321,6 +322,20 @@ def tool(page, folder):
     page.keys(setting, Keys.CONTROL + "a" + Keys.NULL, "0.02", Keys.TAB)
     page.answer()
     page.until(lambda: float(page.driver.execute_script("return document.querySelector(\"[aria-label^='$11 ']\").value")) == 0.02)
+    page.type("settings-seek", "corner mm")
+    page.until(lambda: page.css("[aria-label^='$11 ']").is_displayed() and not page.css("[aria-label^='$110 ']").is_displayed())
+    page.type("settings-seek", Keys.BACKSPACE)
+    page.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)})
+    page.click("settings-save")
+    page.until(lambda: list(folder.glob("passo-*.txt")))
+    backup = next(folder.glob("passo-*.txt"))
+    assert "$11=0.020" in backup.read_text() and read(backup)[1] == VERSION, "passo settings reads it"
+    backup.write_text(backup.read_text().replace("$11=0.020", "$11=0.015"))
+    page.find("settings-restore").send_keys(str(backup))
+    page.until(lambda: page.find("ask").is_displayed() and "$11=0.015" in page.text("ask-text"))
+    page.answer()
+    page.until(lambda: float(page.driver.execute_script("return document.querySelector(\"[aria-label^='$11 ']\").value")) == 0.015)
+    page.until(lambda: "1 lines are restored" in page.text("message"))
     page.tap("#card-settings summary")
 
 
@@ -358,6 +373,13 @@ def teach(page, folder):
     page.click("remove")
     page.answer()
     page.until(lambda: "arc.gcode" not in page.find("jobs").text)
+
+
+def set_up(page, folder):
+    """Each part is opened; test_setup_page.py uses what is in them."""
+    for name in [each.get_attribute("id") for each in page.driver.find_elements("css selector", "#setup .tile")]:
+        page.click(name)
+        page.click("setup-back")
 
 
 def looks(page, folder):

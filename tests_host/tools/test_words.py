@@ -97,5 +97,6 @@ def test_a_page_is_small(tmp_path):
     from host_tools import boards
     from host_tools.build.pages import pack
 
-    rows = pack(boards.load("plotter_page"), tmp_path)
-    assert "index.html" in [name for name, _, _ in rows] and sum(packed for _, _, packed in rows) < 90_000
+    for name in ("plotter_page", "router_pico_w"):
+        rows = pack(boards.load(name), tmp_path / name)
+        assert "index.html" in [name for name, _, _ in rows] and sum(packed for _, _, packed in rows) < 90_000

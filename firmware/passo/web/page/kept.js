@@ -54,6 +54,18 @@ export class Kept {
     this.known = false;
   }
 
+  // A text as a job of the board: by the PC's folder of jobs, or straight to the board that serves the page.
+  async keepText(name, text) {
+    if (this.piece) return this.upload(new File([text], name));
+    const kept = storedName(name);
+    if (!(await this.mayReplace(kept)) || (await this.order("job_part", { name, at: 0, text, last: true })).error) return null;
+    if (!(await this.order("stored", { what: "store", name: kept, job: name })).error) {
+      do await new Promise((seen) => setTimeout(seen, 300)); while ((this.report().job || {}).how === "store");
+    }
+    this.known = false;
+    return this.order("job_remove", { name });
+  }
+
   // The list, as the server tells it.
   take(message) {
     $("kept-row").hidden = !message.jobs;

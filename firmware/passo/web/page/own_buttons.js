@@ -1,9 +1,10 @@
-// Buttons of one's own: lines of G-code under a name. They stay in this browser, and the page says so.
+// Buttons of one's own: lines of G-code under a name. They stay in this browser; a board that keeps jobs keeps buttons, too: as jobs whose
+// names begin with PREFIX.
 
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
-const MOST = 24, MOST_LINES = 40;
+const MOST = 24, MOST_LINES = 40, PREFIX = "KEY-";
 
 function kept() {
   try { return JSON.parse(localStorage.getItem("buttons")) || []; } catch (error) { return []; }
@@ -66,8 +67,43 @@ export class OwnButtons {
     return made;
   }
 
+  // Buttons that the board keeps; shelf: what keeps jobs there.
+  onBoard(names, shelf) {
+    this.shelf = names && shelf;
+    const found = (names || []).filter((name) => name.startsWith(PREFIX));
+    const text = found.join() + Boolean(names);
+    if ($("own-board").dataset.shown === text) return;
+    $("own-board").dataset.shown = text;
+    $("own-board").replaceChildren(...found.map((name) => this.boardButton(name)));
+    this.show();
+  }
+
+  boardButton(name) {
+    const made = document.createElement("button"), gone = document.createElement("button"), pair = document.createElement("span");
+    const shown = name.slice(PREFIX.length).replace(/_/g, " ");
+    Object.assign(made, { type: "button", textContent: shown });
+    Object.assign(gone, { type: "button", textContent: "×", className: "danger" });
+    gone.setAttribute("aria-label", _("Remove {name} from the board?", { name: shown }));
+    made.onclick = () => this.order("stored", { what: "run", name });
+    gone.onclick = async () => {
+      if (!(await this.ask(_("Remove {name} from the board?", { name: shown })))) return;
+      await this.order("stored", { what: "delete", name });
+      this.shelf.known = false;
+    };
+    pair.append(made, gone);
+    return pair;
+  }
+
+  keepOnBoard(own) {
+    const made = document.createElement("button");
+    made.type = "button";
+    made.textContent = _("Keep {name} on the board", { name: own.name });
+    made.onclick = () => this.shelf.keepText(PREFIX + own.name, own.lines.join("\n") + "\n");
+    return made;
+  }
+
   show() {
     $("own-buttons").replaceChildren(...this.made.map((own) => this.button(own)));
-    $("own-changes").replaceChildren(...this.made.map((own) => this.change(own)));
+    $("own-changes").replaceChildren(...this.made.map((own) => this.change(own)), ...(this.shelf ? this.made.map((own) => this.keepOnBoard(own)) : []));
   }
 }

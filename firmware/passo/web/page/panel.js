@@ -14,6 +14,7 @@ import { read } from "./gcode_path.js";
 import { Place } from "./place.js";
 import { Queue } from "./queue.js";
 import { Recover } from "./recover.js";
+import { Settings } from "./settings.js";
 import { Tabs } from "./tabs.js";
 import { Typed } from "./typed.js";
 import { _, choose as chooseWords, languages, preferred } from "./words.js";
@@ -44,9 +45,11 @@ const place = new Place(order, picture, () => load());
 const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture, (about) => place.take(about));
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
-const tabs = new Tabs(() => picture.draw());
+let setup = null;  // once it has been loaded
+const list = new Settings({ order, ask, say, axes: () => axes, rules: () => rules, lines: () => loadSetup().then((made) => made.lines) });
+const tabs = new Tabs(() => { picture.draw(); if (language === "grbl" && !$("pane-setup").hidden) loadSetup(); });
 const typed = new Typed(order, errorText);
-new OwnButtons(order, ask, atRest, () => link.stops);
+const own = new OwnButtons(order, ask, atRest, () => link.stops);
 let waiting = [];  // [condition of a job, resolve]
 let starting = false;  // a job has been asked to run: the end of the one before is told no more
 
@@ -68,6 +71,7 @@ async function atRest() {
 
 // An order; what is refused is said. Returns the answer.
 async function order(name, fields = {}) {
+  if (setup && setup.locked() && !["hold", "resume", "override", "jobs", "log", "settings"].includes(name)) return { error: 8 };
   const answer = await link.order({ do: name, ...fields });
   if (answer.error) refuse(answer.error); else if (name !== "jobs") say("");
   return answer;
@@ -103,6 +107,7 @@ function until(wanted) {
 
 function up(open) {
   if (!open) {
+    if (setup) setup.halt();
     jog.release();
     report = { ...report, state: "", link: false };
     show();
@@ -142,6 +147,7 @@ function told(message) {
     takeJobs(message);
   } else if (message.t === "stored") {
     shelf.take(message);
+    own.onBoard(message.jobs && message.jobs.map(([name]) => name), shelf);
   } else if (message.t === "changing") {
     say(_("The board becomes {name}: this may take a minute…", { name: message.name }));
   } else if (message.t === "refused") {
@@ -152,6 +158,7 @@ function told(message) {
     showLog(message);
   } else if (message.t === "said") {
     typed.say(message.text);
+    if (setup) setup.heard(message.text);
   }
 }
 
@@ -220,6 +227,7 @@ function show() {
   $("rpm-now").textContent = Math.round(report.rpm || 0);
   showControls(report);
   showWait(report, report.owner !== "guest", report.state === "Idle" ? Queue.waits(report) : null);
+  if (setup) setup.show();
   $("owner").textContent = report.owner === "guest" ? _("the sender beside it") : _("this page");
   showSignals();
   showJob();
@@ -389,23 +397,7 @@ function showLog(message) {
 
 function showSettings(told) {
   settings = told;
-  $("settings").replaceChildren(...Object.keys(settings).map(Number).sort((a, b) => a - b).map((number) => {
-    const [name, unit, least, most] = rules[number] || ["", "", "", ""];
-    const row = document.createElement("tr");
-    row.innerHTML = `<th scope="row">$${number}</th><td></td><td><input type="number" step="any"></td><td></td><td></td>`;
-    const [, meaning, , units, bounds] = row.children;
-    meaning.textContent = name.replace(/^(?:[xyza]: )?(.*)$/, (whole, text) => whole.replace(text, _(text)));
-    units.textContent = unit;
-    bounds.textContent = least === "" ? "" : `${least} … ${most}`;
-    const input = row.querySelector("input");
-    input.value = Number(settings[number]);
-    input.setAttribute("aria-label", `$${number} ${meaning.textContent}`);
-    input.onchange = async () => {
-      if (await ask(_("Save {name} = {value}?", { name: `$${number}`, value: input.value }))) await order("set", { number, value: Number(input.value) });
-      else input.value = Number(settings[number]);
-    };
-    return row;
-  }));
+  list.show(told);
 }
 
 // --- jobs
@@ -473,13 +465,54 @@ async function upload(file) {
   await load();
 }
 
+// --- set-up
+
+// Its script is loaded at the first look at it: what most visits do not need costs none of them time.
+let loading = null;
+
+function loadSetup() {
+  if (loading) return loading;
+  const sheet = document.createElement("link");
+  Object.assign(sheet, { rel: "stylesheet", href: "setup.css" });
+  document.head.append(sheet);
+  const made = cards.can("make") ? script("setup_make.js") : Promise.resolve();
+  loading = made.then(() => window.PassoSetup || script("setup.js")).then(makeSetup);  // a board's page has it already
+  return loading;
+}
+
+function script(src) {
+  return new Promise((loaded) => {
+    const made = document.createElement("script");
+    Object.assign(made, { type: "module", src, onload: loaded, onerror: () => { loading = null; made.remove(); } });
+    document.head.append(made);
+  });
+}
+
+function makeSetup() {
+  let often = false;
+  setup = new window.PassoSetup({
+    order, ask, say, errorText, stop, send: (name, fields) => link.order({ do: name, ...fields }), report: () => report, axes: () => axes, settings: () => settings,
+    range: () => axes && rangeOf(), can: (what) => cards.can(what), busy: () => !link.ready() || !$("card-key").hidden,
+    look: (on) => { if (on !== often && jog.seldom()) link.look(on ? 50 : refresh()); often = on; },
+    jog: (way, part, of) => jog.press(way, Math.max(1, speed() * part), of), letGo: (of) => jog.release(of), placed: () => tabs.show(), jobs: () => Array.from($("jobs").options).map(({ value }) => value).filter(Boolean),
+    chosen: async (name) => { await order("jobs"); $("jobs").value = name; await load(); tabs.choose("job"); },
+  });
+  return setup;
+}
+
 // --- what is pressed
+
+function stop() {
+  if (setup) setup.halt();
+  link.stop();
+}
 
 const speed = () => Math.max(1, Number($("jog-speed").value) || 1);
 const distance = () => Number(document.querySelector("input[name=step]:checked").value);
 
 function press(way, button) {
   const by = distance();
+  if (setup && setup.locked()) return null;
   if (!by) return jog.press(way, speed(), button);
   order("step", { by: Object.fromEntries(Object.entries(way).map(([axis, sign]) => [axis, sign * by])), speed: speed() });
 }
@@ -503,7 +536,7 @@ function shortcut(key) {
 
 $("help-close").onclick = () => $("help-keys").close();
 document.addEventListener("keydown", (event) => {
-  if (event.key === "Escape" && !$("ask").open && !$("help-keys").open) return link.stop();
+  if (event.key === "Escape" && !$("ask").open && !$("help-keys").open) return stop();
   const plain = !event.ctrlKey && !event.altKey && !event.metaKey && !event.repeat && !typing(event.target);
   if (plain && event.key.length === 1 && shortcut(event.key)) { event.preventDefault(); return; }
   const way = KEYS[event.key];
@@ -513,7 +546,7 @@ document.addEventListener("keydown", (event) => {
 });
 document.addEventListener("keyup", (event) => { if (KEYS[event.key]) jog.release(); });
 
-$("stop").onclick = () => link.stop();
+$("stop").onclick = stop;
 $("home").onclick = () => order("home");
 $("unlock").onclick = () => order("unlock");
 $("hold").onclick = () => order("hold");
@@ -605,6 +638,7 @@ async function speak(language) {
   const now = axes;
   axes = "";
   setAxes(now);
+  if (setup) setup.speak();
   show();
   if (link.key && link.ready()) { link.order({ do: "settings" }); link.order({ do: "log" }); }
 }

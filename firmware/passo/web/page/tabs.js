@@ -1,9 +1,9 @@
 // Which parts of the page are seen: one at a time on a phone, all of them in two columns on a tablet, in three on a wide screen.
 
 const COLUMNS = {
-  1: [["move", "job", "overrides", "path", "machine"], [], []],
-  2: [["move", "job"], ["path", "overrides", "machine"], []],
-  3: [["move"], ["path", "job"], ["overrides", "machine"]],
+  1: [["move", "job", "overrides", "path", "setup", "machine"], [], []],
+  2: [["move", "job"], ["path", "overrides", "setup", "machine"], []],
+  3: [["move"], ["path", "job"], ["overrides", "setup", "machine"]],
 };
 const TWO = matchMedia("(min-width: 44rem)"), THREE = matchMedia("(min-width: 72rem)");
 
@@ -39,12 +39,12 @@ export class Tabs {
     this.show();
   }
 
-  // A part without cards has no tab; a column without any gives its room to the others.
+  // A part without cards has no tab; where all are seen at once, the machine's cards make room for a part of the set-up that is open; a column without any gives its room to the others.
   show() {
     const there = tabs().filter((tab) => used(tab.dataset.tab)).map((tab) => tab.dataset.tab);
     if (!there.includes(this.chosen)) this.chosen = there[0] || "move";
     for (const tab of tabs()) {
-      const name = tab.dataset.tab, shown = there.includes(name);
+      const name = tab.dataset.tab, shown = there.includes(name) && !(name === "machine" && this.count > 1 && document.body.dataset.setup);
       tab.hidden = !shown;
       tab.setAttribute("aria-current", String(name === this.chosen));
       pane(name).hidden = !shown || this.count === 1 && name !== this.chosen;
