@@ -23,11 +23,23 @@ Examples:
 
     passo draw sign.svg --board laser_xy --power 400 --feed 1200 -o sign.gcode
 
+    passo draw map.plt --pens layers --marks --port /dev/ttyACM0
+
+    passo draw part.dxf --hatch 45,1 --hatch 2:0,0.5,crossed --preview -
+
+    passo draw a.svg b.svg c.svg --gap 3 --board laser_xy -o sheet.gcode
+
+    passo draw label.svg --copies 4x6 --gap 2 --place outlines --port /dev/ttyACM0
+
     passo draw sign.svg --board router_3axis --depth 1.5 --passes 3 --for 2:depth=0.3,passes=1
 
 The page lies with its lower left corner at 0;0, in its real size. It is reduced if it is larger than the table and has
-lines beyond it. To change pens, draw one layer after the other: they fall on each other if the options of size and position
-are the same.
+lines beyond it. Several drawings are nested on the table, their outlines --gap apart.
+
+--pens layers draws one layer after the other, and waits for the next pen in between; --pens colours does that by the colour of lines.
+Layers that are drawn one by one, by --layer, fall on each other if the options of size and position are the same.
+
+Lines are joined and put in an order of little travel; --keep-order leaves them as they are in the file.
 
 By G-code 0;0 is the zero of the work, and Z0 its surface. A laser burns by M4 and S; a tool on Z goes down to --depth in --passes
 and up to --lift; a machine without Z lowers its tool by M3 S and lifts it by M5. -o writes the file, for passo check and any sender.
@@ -41,25 +53,26 @@ the PC went to sleep.
 def draw(**given):
     from rich.console import Console
 
-    from host_tools.cli import draw_gcode, draw_run
+    from host_tools.cli import draw_gcode, draw_picture, draw_run
     from host_tools.drawings import drawing
 
     said = Said(**given)
     machine, spoken = machine_of(said.board, said.out)
     options = options_of(said.kept())
     console = Console()
-    with console.status(_("reading {}", said.file)) as status:
-        plan = drawing.load(said.file, machine, options, lambda text, share: status.update(f"{_(text)} {said.file}: {share:.0%}"))
+    names = ", ".join(map(str, said.file))
+    with console.status(_("reading {}", names)) as status:
+        plan = drawing.load(said.file, machine, options, lambda text, share: status.update(f"{_(text)} {names}: {share:.0%}"))
     job = (draw_run.Plotted if spoken == "plotter" else draw_gcode.Written)(machine, plan, said)
     _describe(console, plan, options, job)
     if said.preview:
-        _picture(said.preview, plan, machine, job.seconds, said.file)
+        draw_picture.write(console, said.preview, plan, machine, job.seconds)
     if said.dry_run:
         return
     if said.out:
         job.write(console, said.out)
         return
-    record = Journal(said.journal or Journal.beside(said.file), job.digest, said.points, said.kept())
+    record = Journal(said.journal or Journal.beside(said.file[0]), job.digest, said.points, said.kept())
     if not said.resume:
         record.probe()
         if record.begun():
@@ -77,7 +90,7 @@ def options_of(said):
     from host_tools.drawings.drawing import Options
 
     known = {key: said[key] for key in PLACED if key in said}
-    return Options(origin=_corner(said.get("origin")), layers=tuple(said.get("layer") or ()), **known)
+    return Options(origin=_corner(said.get("origin")), layers=tuple(said.get("layer") or ()), hatch=tuple(said.get("hatch") or ()), **known)
 
 
 def _corner(text):
@@ -136,16 +149,10 @@ def _describe(console, plan, options, job):
         console.print(_("  layers {}", escape(named)) + chosen)
     console.print(_("  {} lines, {} points", len(plan.lines), plan.points()))
     console.print(_("  pen down {:.2f} m, pen up {:.2f} m, about {}", down / 1000, up / 1000, estimate.clock(job.seconds)))
+    if plan.before_mm > up * 1.01:
+        later = estimate.clock(job.seconds + job.travel_s(plan.before_mm - up))
+        console.print(_("  in the order of the file: pen up {:.2f} m, about {}", plan.before_mm / 1000, later))
     for line in job.told():
         console.print(f"  {line}")
     for note in plan.notes:
         console.print(f"  [yellow]{escape(note)}[/yellow]")
-
-
-def _picture(path, plan, machine, seconds, file):
-    from host_tools.drawings import drawing, placement, plot
-    from host_tools.programs import estimate
-
-    title = _("{} at {} %, about {}", file.name, drawing.percent(plan.scale), estimate.clock(seconds))
-    table = (0.0, 0.0, *placement.table_mm(machine))
-    plot.save(path, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), title, table, plan.page_mm)

@@ -4,6 +4,7 @@ import hashlib
 from dataclasses import fields, replace
 
 from host_tools.cli import stream
+from host_tools.cli.draw_run import pen_of
 from host_tools.drawings import gcode
 from host_tools.drawings.gcode import TOOLS, Cut
 from host_tools.failure import Failure, reason
@@ -38,7 +39,9 @@ class Written:
 
     def __init__(self, machine, plan, said):
         self._plan, self._cuts = plan, cuts(machine, plan, said)
-        self.lines = gcode.lines_of(plan, self._cuts)
+        change = None if said.pens == "none" else [line.strip() for line in (said.change or "M0").split(";")]
+        self.lines = gcode.lines_of(plan, self._cuts, change)
+        self._pens = gcode.pens_at(self.lines, plan) if change else {}
         self.digest = hashlib.sha256("\n".join(self.lines).encode()).hexdigest()
         self._rows = [(number, gcode_file.strip(line.encode())) for number, line in enumerate(self.lines, 1)]
         limits = Limits(
@@ -48,6 +51,11 @@ class Written:
             limits.speeds.append(limits.speeds[-1])
             limits.accelerations.append(limits.accelerations[-1])
         self.seconds = sum(gcode_time.estimate(self._rows, limits))
+        self._rapid_mm_s = min(limits.speeds[:2])
+
+    def travel_s(self, length_mm):
+        """How long that takes with the tool up."""
+        return length_mm / self._rapid_mm_s
 
     def told(self):
         """How each layer is drawn."""
@@ -85,4 +93,5 @@ class Written:
         console.print(_("drawn in {}: {} lines", gcode_file.clock(seconds), len(self._rows)))
 
     def _name(self, number):
-        return line_text(number)
+        part = self._pens.get(number)
+        return _("{}: put in pen {}", line_text(number), pen_of(part)) if part else line_text(number)

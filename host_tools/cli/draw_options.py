@@ -12,7 +12,7 @@ import typer
 class Said:
     """What the command was given."""
 
-    file: Annotated[Path, typer.Argument(help="The SVG file.")]
+    file: Annotated[list[Path], typer.Argument(help="The drawing: SVG, HPGL, DXF or G-code. Several are nested on one sheet.")]
     port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")] = None
     board: Annotated[str, typer.Option(help="Board by name, or the path of a board file.")] = "plotter_2014"
     baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port; default 57600 for a plotter, else 115200.")] = None
@@ -26,7 +26,22 @@ class Said:
     layer: Annotated[
         Optional[list[int]], typer.Option(help="Draw this layer only, at its position among all; may be given more than once.")
     ] = None
-    crop: Annotated[bool, typer.Option("--crop/--no-crop", help="Leave out what lies outside the SVG's page.")] = True
+    crop: Annotated[bool, typer.Option("--crop/--no-crop", help="Leave out what lies outside the drawing's page.")] = True
+    pens: Annotated[
+        str, typer.Option(help="layers or colours: each is a pen, and the machine waits for you to change it; none: one pen.")
+    ] = "none"
+    change: Annotated[
+        Optional[str], typer.Option(metavar="GCODE", help="G-code: lines of a pen's change, ; between them, {} for its number; default M0.")
+    ] = None
+    repeat: Annotated[int, typer.Option(min=1, max=100, help="How often each line is drawn.")] = 1
+    copies: Annotated[str, typer.Option(metavar="COLUMNSxROWS", help="Copies side by side, as 3x2.")] = ""
+    gap: Annotated[float, typer.Option(min=0.0, max=1000.0, help="Between copies, and between drawings on one sheet, in mm.")] = 5.0
+    turn: Annotated[bool, typer.Option("--turn/--no-turn", help="Drawings on one sheet may be turned.")] = True
+    hatch: Annotated[
+        Optional[list[str]], typer.Option(metavar="[LAYER:]ANGLE,SPACING[,crossed]", help="Fill areas with lines, in degrees and mm.")
+    ] = None
+    marks: Annotated[bool, typer.Option("--marks", help="Draw crosses at the corners, with each pen.")] = False
+    keep_order: Annotated[bool, typer.Option("--keep-order", help="Draw lines in the order of the file.")] = False
     speed: Annotated[Optional[int], typer.Option(min=1, max=65535, help="Drawing speed, in the board file's unit.")] = None
     points: Annotated[int, typer.Option(min=2, max=60000, help="Most points of an object sent before it is drawn.")] = 1000
     home: Annotated[bool, typer.Option("--home/--no-home", help="Seek the origin before drawing.")] = True
@@ -50,7 +65,7 @@ class Said:
     layers: Annotated[
         Optional[list[str]], typer.Option("--for", metavar="LAYER:NAME=NUMBER,…", help="G-code: other figures for a layer, e.g. 2:feed=300,depth=1; may be given more than once.")
     ] = None
-    preview: Annotated[Optional[Path], typer.Option(metavar="PNG", help="Write a picture of what would be drawn.")] = None
+    preview: Annotated[Optional[Path], typer.Option(metavar="FILE", help="A picture of what would be drawn: .png, .svg, or - for this terminal.")] = None
     log: Annotated[Optional[Path], typer.Option(help="Save the conversation on the wire to this file.")] = None
     timeout: Annotated[float, typer.Option(min=0.5, help="Seconds an answer may take.")] = 3.0
 
@@ -59,6 +74,8 @@ class Said:
         return {name: getattr(self, name) for name in KEPT}
 
 
-# Of drawing.Options, but for `origin` and `layer`, which are said otherwise.
-PLACED = ("fit", "center", "scale", "place", "margin", "tolerance", "crop")
-KEPT = ("board", "speed", "points", "origin", "layer", *PLACED)
+# Of drawing.Options, but for `origin`, `layer` and `hatch`, which are said otherwise.
+PLACED = (
+    "fit", "center", "scale", "place", "margin", "tolerance", "crop", "pens", "repeat", "copies", "gap", "turn", "marks", "keep_order",
+)  # fmt: skip
+KEPT = ("board", "speed", "points", "origin", "layer", "hatch", *PLACED)

@@ -1,6 +1,7 @@
 """Draws objects of points on a plotter, from their start or where they were interrupted: progress, signals, the board's journal."""
 
 import contextlib
+import select
 import signal
 import sys
 import time
@@ -15,6 +16,7 @@ from host_tools.programs import drawn, job_record
 
 
 _BAUD = 57600
+_LOOK_S = 0.5
 
 
 class Way(NamedTuple):
@@ -40,24 +42,39 @@ class Plotted:
         times = estimate.Estimate(machine, said.speed)
         self.seconds = sum(sum(times.object_s(points)) for points in plan.objects(sys.maxsize))
 
+        self._changes = plan.changes(said.points) if said.pens != "none" else {}
+        self._travel_s_per_mm = times.object_s([(False, round(1000 * plan.steps_per_mm[0]), 0)])[0] / 1000
+
     def told(self):
         """What else there is to say of it."""
-        return ()
+        for part in self._changes.values():
+            yield _("pen {}: you are asked for it before it draws", pen_of(part))
+
+    def travel_s(self, length_mm):
+        """How long that takes with the pen up."""
+        return length_mm * self._travel_s_per_mm
 
     def write(self, console, path):
         """Write its packets. Raises Failure."""
+        if self._changes:
+            raise Failure("a file of packets cannot wait for a pen's change: write one file for each layer, by --layer")
         drawn.write_packets(path, self._objects, self._said.home, self._said.speed)
         console.print(_("  {0}: to be stored by passo jobs store {0} --protocol plotter", path))
 
     def run(self, console, record, said):
         """Draw it. Raises Failure."""
         way = Way(said.resume, said.home)
-        run(console, self._objects, self._machine, record, said.port, said.baud or _BAUD, said.speed, way, said.log, said.timeout)
+        run(console, self._objects, self._machine, record, said.port, said.baud or _BAUD, said.speed, way, said.log, said.timeout, changes=self._changes)
 
 
-def run(console, objects, machine, record, port, baud, speed, way, log=None, timeout=3.0, numbers=()):
+def pen_of(part):
+    """What a pen is called."""
+    return f"{part.number} ({part.name})" if part.name else str(part.number)
+
+
+def run(console, objects, machine, record, port, baud, speed, way, log=None, timeout=3.0, numbers=(), changes=None):
     """Draw `objects`; `record`: the Journal beside the drawing, or None; `machine`: a checked board file, for the times; `numbers`:
-    other numbers by which the board may know the drawing. Raises Failure."""
+    other numbers by which the board may know the drawing; `changes`: {index of an object: the Part whose pen it wants}. Raises Failure."""
     from host_tools.cli import ports
     from host_tools.clients.plotter import Cancelled, PlotterClient
     from host_tools.clients.wire import LinkError
@@ -84,7 +101,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                 if spot and spot.done:
                     _lead(client, objects, spot, way)
                 with _Progress(console, job, machine, speed) as progress:
-                    job.run(progress)
+                    job.run(progress, lambda number: _change(console, client, progress, (changes or {}).get(number)))
             except Broken as broken:
                 raise Failure("{}, pen up; {}", broken, _again(record)) from None
             except Cancelled:
@@ -101,6 +118,20 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
             record.finish()
         took = time.monotonic() - begun
         console.print(_("drawn in {:.0f} s: {} packets, {} sent again", took, client.packets, client.resends))
+
+
+def _change(console, client, progress, part):
+    """Wait until the operator has put in a part's pen. Raises Cancelled, also if nobody answers."""
+    from host_tools.clients.plotter import Cancelled
+
+    if part is None:
+        return
+    with progress.held():
+        console.print(_("put in pen {}, then press Enter", pen_of(part)))
+        while not select.select([sys.stdin], [], [], _LOOK_S)[0]:
+            client.status()
+        if not sys.stdin.readline():
+            raise Cancelled
 
 
 @contextlib.contextmanager
@@ -195,6 +226,13 @@ class _Progress:
 
     def __exit__(self, *_):
         self._bar.stop()
+
+    @contextlib.contextmanager
+    def held(self):
+        """Without the bar."""
+        self._bar.stop()
+        yield
+        self._bar.start()
 
     def __call__(self, number, drawn):
         done = self._done(number, drawn)

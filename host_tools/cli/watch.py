@@ -126,9 +126,10 @@ class View:
 
 
 def braille(positions, width, height):
-    """A map of positions in `width` by `height` characters of braille, which have 2 by 4 dots each; the last position is a full one."""
+    """A map of the way along positions in `width` by `height` characters of braille, which have 2 by 4 dots each; the last position is a
+    full one. None: the way goes on elsewhere."""
     wide, high = 2 * width, 4 * height
-    xs, ys = [position[0] for position in positions], [position[1] for position in positions]
+    xs, ys = zip(*(position[:2] for position in positions if position))
     low_x, low_y = min(xs), min(ys)
     zoom = min((wide - 1) / max(max(xs) - low_x, 1e-9), (high - 1) / max(max(ys) - low_y, 1e-9))
     cells = [[0] * width for _ in range(height)]
@@ -138,7 +139,10 @@ def braille(positions, width, height):
         cells[row // 4][column // 2] |= _DOTS[row % 4][column % 2]
         return row // 4, column // 2
 
-    for (x, y), (to_x, to_y) in zip(positions, positions[1:]):
+    for before, after in zip(positions, positions[1:]):
+        if before is None or after is None:
+            continue
+        (x, y), (to_x, to_y) = before, after
         count = max(1, min(400, int(max(abs(to_x - x), abs(to_y - y)) * zoom)))
         for part in range(count):
             dot(x + (to_x - x) * part / count, y + (to_y - y) * part / count)

@@ -1,4 +1,4 @@
-"""From an SVG file to objects of points in steps, its page placed on the machine's table.
+"""From a drawing's file to objects of points in steps, its page placed on the machine's table.
 
     drawing = load("map.svg", boards.load("plotter_2014"), Options(fit=True))
     for points in drawing.objects(1000):            # [(pen_down, x, y), ...], first of each a MOVE
@@ -14,10 +14,16 @@ import hashlib
 import json
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy
+from shapely.affinity import affine_transform
 
 from host_tools import boards
-from host_tools.drawings import placement
+from host_tools.drawings import hatch, layout, placement, sources, svg_area
+from host_tools.drawings.line_order import followed, joined, sorted_from, travel
 from host_tools.drawings.placement import MM_PER_PX, Options, percent  # noqa: F401
+from host_tools.drawings.shorter import shortened
 from host_tools.failure import Failure
 from host_tools.language import N_, _
 
@@ -49,6 +55,7 @@ class Drawing:
     box_mm: tuple[float, float, float, float]  # the same of the outlines
     layers: dict = field(default_factory=dict)  # number: name or None, of all in the file
     notes: list = field(default_factory=list)
+    before_mm: float = 0.0  # travel with the pen up in the order of the file
 
     @property
     def lines(self):
@@ -105,71 +112,92 @@ def _cut(lines, most):
 
 
 def load(path, board, options=None, progress=None):
-    """Read, position and order the drawing of an SVG file. Raises Failure if there is nothing to draw, or no room.
-    Calls `progress(text, share)` now and then: what is being done, and its share done, 0…1."""
-    from host_tools.drawings import sources
-
+    """Read, position and order a drawing: a path, or several, which are nested on the sheet. Raises Failure if there is nothing to draw,
+    or no room. Calls `progress(text, share)` now and then: what is being done, and its share done, 0…1."""
     options = options or Options()
     progress = progress or (lambda text, share: None)
-    steps_per_mm = boards.steps_per_mm(board)
     if options.place not in ("page", "outlines"):
         raise Failure("--place takes page or outlines, not {!r}", options.place)
+    if options.pens not in ("none", "layers", "colours"):
+        raise Failure("--pens takes none, layers or colours, not {!r}", options.pens)
     if options.scale is not None and options.scale <= 0:
         raise Failure("--scale must be above 0")
     progress(N_("reading"), 0.0)
+    paths = [path] if isinstance(path, (str, Path)) else list(path)
+    sheets = [_sheet(each, board, options, progress, len(paths) > 1) for each in paths]
+    sheet = sheets[0] if len(sheets) == 1 else layout.nested(sheets, placement.table_mm(board), options)
+    rules = hatch.parsed(options.hatch)
+    for number, areas in sheet.fills.items():
+        rule = rules.get(number, rules.get(0))
+        if rule and areas:
+            sheet.layers.setdefault(number, []).extend(hatch.hatched(areas, rule))
+    layout.copy(sheet, options)
+    box = placement.box_of(sheet.layers.values())
+    if options.marks:
+        layout.mark(sheet, box, placement.table_mm(board))
+    layout.check_room(sheet, placement.table_mm(board), boards.steps_per_mm(board))
+    steps_per_mm, most = boards.steps_per_mm(board), boards.travel_steps(board)
+    numbers = sorted(number for number, lines in sheet.layers.items() if lines)
+    ordered, before_mm = _ordered([sheet.layers[number] for number in numbers], options, progress)
+    parts = [Part(number, sheet.names.get(number), _to_steps(lines, steps_per_mm, most)) for number, lines in zip(numbers, ordered)]
+    return Drawing(
+        ", ".join(map(str, paths)), parts, steps_per_mm, sheet.scale, MM_PER_PX * sheet.scale, sheet.corner_px, sheet.origin_mm,
+        sheet.page_mm, box, sheet.numbers, sheet.notes, before_mm,
+    )  # fmt: skip
+
+
+def _sheet(path, board, options, progress, several):
+    """One file, positioned on the table; of several each by itself, at 0;0."""
     file = sources.opened(path)
     factor = options.scale or 1.0
-    if options.place == "page" and options.fit and options.scale is None:
+    if options.place == "page" and options.fit and options.scale is None and not several:
         factor = placement.fitted((0.0, 0.0, *file.size_px), board, options)
     page = _read(file, path, factor, options, progress)
-    place = placement.Placement(page, board, options)
-    if place.factor > factor:
-        page = _read(file, path, place.factor, options, progress)
-    chosen = _chosen(page, path, options)
-    mm_per_px = MM_PER_PX * place.factor
-    left, bottom = place.corner_px
-    placed = {
-        number: [(line - complex(left, bottom)).conjugate() * mm_per_px + complex(*place.origin_mm) for line in lines]
-        for number, lines in sorted(chosen.items())
-    }
-    box = placement.box_of(placed.values())
-    travel = boards.travel_steps(board)
-    parts = [
-        Part(number, page.names.get(number), _to_steps(lines, steps_per_mm, travel))
-        for number, lines in zip(placed, _ordered(list(placed.values()), options.tolerance, progress))
-    ]
+    if several:
+        place = placement.Alone(page, options)
+    else:
+        place = placement.Placement(page, board, options)
+        if place.factor > factor:
+            page = _read(file, path, place.factor, options, progress)
     names = {number: page.names.get(number) for number in sorted(page.layers)}
-    notes = [*_notes_of(page), *place.notes]
-    return Drawing(
-        str(path), parts, steps_per_mm, place.factor, mm_per_px, place.corner_px, place.origin_mm,
-        place.on_table((0.0, 0.0, *page.size_px)), box, names, notes,
+    chosen = _chosen(page, path, options)
+    scale = MM_PER_PX * place.factor
+    (left, bottom), (x, y) = place.corner_px, place.origin_mm
+    layers = {
+        number: [(line - complex(left, bottom)).conjugate() * scale + complex(x, y) for line in lines] for number, lines in chosen.items()
+    }
+    fills = {
+        number: [affine_transform(area, [scale, 0, 0, -scale, x - left * scale, y + bottom * scale]) for area in page.fills.get(number, [])]
+        for number in chosen
+    }
+    return layout.Sheet(
+        layers, fills, names, names, place.factor, place.corner_px, place.origin_mm, place.on_table((0.0, 0.0, *page.size_px)),
+        [*_notes_of(page), *place.notes],
     )  # fmt: skip
 
 
 def _read(file, path, factor, options, progress):
     """The page, cropped; curves as fine as `options.tolerance` after scaling by `factor`."""
     deviation_px = options.tolerance / 4 / MM_PER_PX / max(factor, 1e-3)
-    page = file.outlines(deviation_px, lambda share: progress(N_("reading"), share))
-    page.layers = {number: lines for number, lines in page.layers.items() if lines}
-    if not page.layers:
+    page = file.outlines(deviation_px, lambda share: progress(N_("reading"), share), options.pens == "colours", bool(options.hatch))
+    page.layers = {number: lines for number, lines in page.layers.items() if lines or page.fills.get(number)}
+    if not any(page.layers.values()):
         raise Failure("{}: nothing to draw: {}", path, _why_empty(page))
     if options.crop:
         progress(N_("cropping"), 0.0)
         whole = _length(page.layers)
         page.layers = {number: _cropped(lines, page.size_px) for number, lines in page.layers.items()}
-        page.layers = {number: lines for number, lines in page.layers.items() if lines}
+        sheet = svg_area.rectangle(0, 0, *page.size_px)
+        page.fills = {number: [area.intersection(sheet) for area in areas] for number, areas in page.fills.items()}
+        page.layers = {number: lines for number, lines in page.layers.items() if lines or page.fills.get(number)}
         page.lost_mm = (whole - _length(page.layers)) * MM_PER_PX
-        if not page.layers:
+        if not any(page.layers.values()):
             raise Failure("{}: nothing to draw: all of it lies outside the page (--no-crop draws it)", path)
     return page
 
 
 def _cropped(lines, size_px):
     """The parts of lines on the page; lines outside by less than _EDGE_MM are moved onto its edge."""
-    import numpy
-
-    from host_tools.drawings import svg_area
-
     edge, (width, height) = _EDGE_MM / MM_PER_PX, size_px
     inside = svg_area.clipped(lines, svg_area.rectangle(-edge, -edge, width + edge, height + edge))
     return [numpy.clip(line.real, 0, width) + 1j * numpy.clip(line.imag, 0, height) for line in inside]
@@ -208,42 +236,42 @@ def _notes_of(page):
         yield _("{:.0f} mm of lines lie outside the page and are left out; --no-crop draws them", page.lost_mm)
 
 
-def _ordered(layers, tolerance_mm, progress):
-    """The lines of each layer, joined, thinned, and ordered for little pen-up travel from 0;0."""
-    import numpy
+def _ordered(layers, options, progress):
+    """(The lines of each layer, joined, thinned, and ordered for little pen-up travel from 0;0; the travel that the order of the file
+    would take, in mm)."""
     from shapely.geometry import LineString
 
-    from host_tools.drawings.line_order import joined, sorted_from
-
-    ordered = []
-    pen = 0j
-    count = sum(map(len, layers))
-    done = 0
+    ordered, pen = [], 0j
+    before_mm, old = 0.0, 0j
+    count, done = sum(map(len, layers)), 0
     for lines in layers:
-        thin, way = [], []
-        for index, line in enumerate(joined(lines, _JOIN_MM)):
+        before_mm += travel(lines, old)
+        old = lines[-1][-1]
+        thin = []
+        for index, line in enumerate(followed(lines, _JOIN_MM) if options.keep_order else joined(lines, _JOIN_MM)):
             if index % 64 == 0:
                 progress(N_("ordering"), (done + index) / count)
             if len(line) > 2:
                 points = numpy.column_stack((line.real, line.imag))
-                kept = numpy.asarray(LineString(points).simplify(tolerance_mm / 2).coords)
+                kept = numpy.asarray(LineString(points).simplify(options.tolerance / 2).coords)
                 line = kept[:, 0] + 1j * kept[:, 1]
-            thin.append(line)
-        for line in sorted_from(thin, pen):
-            if len(line) > 3 and line[0] == line[-1]:
-                nearest = int(numpy.argmin(abs(line[:-1] - pen)))
-                line = numpy.concatenate((line[nearest:-1], line[: nearest + 1]))
-            way.append(line)
-            pen = line[-1]
+            thin.append(_repeated(line, options.repeat))
+        way = thin if options.keep_order else shortened(sorted_from(thin, pen), pen)
         ordered.append(way)
+        pen = way[-1][-1]
         done += len(lines)
-    return ordered
+    return ordered, before_mm
+
+
+def _repeated(line, times):
+    """A line gone along several times: a closed one round and round, any other there and back."""
+    closed = line[0] == line[-1]
+    ways = [line if closed or index % 2 == 0 else line[::-1] for index in range(times)]
+    return numpy.concatenate([ways[0], *(way[1:] for way in ways[1:])]) if times > 1 else line
 
 
 def _to_steps(lines, steps_per_mm, travel):
     """Integer points without repeats. A line shorter than a step stays as a dot: the same point twice."""
-    import numpy
-
     result = []
     for line in lines:
         xs = numpy.clip(numpy.rint(line.real * steps_per_mm[0]), 0, travel[0]).astype(int)

@@ -13,6 +13,7 @@ from host_tools.failure import Failure
 
 TOOLS = ("laser", "z", "m3")
 _DECIMALS = 4
+_PEN = "pen"
 
 
 @dataclass(frozen=True)
@@ -145,6 +146,7 @@ def lines_of(plan, cuts, change=None):
             before = cuts[plan.parts[index - 1].number]
             if change is not None:
                 writer.stop(before)
+                writer.put(f"({_PEN} {part.number})")
                 for line in change:
                     writer.put(line.replace("{}", str(part.number)))
                 writer.changed()
@@ -159,6 +161,20 @@ def lines_of(plan, cuts, change=None):
     writer.put("G0 X0 Y0")
     writer.put("M30")
     return writer.lines
+
+
+def pens_at(lines, plan):
+    """{number of a line of lines_of(), from 1: the Part whose pen it wants}: from the last motion before a change, which is the line that a
+    machine names while it waits, to the change's first line."""
+    parts = {f"({_PEN} {part.number})": part for part in plan.parts}
+    found = {}
+    for index, line in enumerate(lines, 1):
+        if line in parts:
+            first = index - 1
+            while first > 1 and " X" not in lines[first - 1]:
+                first -= 1
+            found.update(dict.fromkeys(range(first, index + 2), parts[line]))
+    return found
 
 
 def number(value):

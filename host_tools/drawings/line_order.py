@@ -109,6 +109,17 @@ def joined(lines, tolerance):
     return result
 
 
+def followed(lines, tolerance):
+    """The lines in their order; one that begins where the one before ended goes on from it."""
+    result = []
+    for line in lines:
+        if len(line) > 1 and result and abs(result[-1][-1] - line[0]) <= tolerance:
+            result[-1] = numpy.concatenate((result[-1], line))
+        elif len(line) > 1:
+            result.append(line)
+    return result
+
+
 def _last(line, turned):
     return line[0] if turned else line[-1]
 

@@ -29,11 +29,19 @@ class Options:
     tolerance: float = 0.1
     crop: bool = True
     layers: tuple[int, ...] = ()
+    pens: str = "none"  # "layers" or "colours": each is a pen, and the machine waits for the next
+    hatch: tuple[str, ...] = ()  # rules of hatch.py
+    copies: str = ""  # columns and rows, as 3x2
+    gap: float = 5.0  # between copies, and between drawings on one sheet
+    turn: bool = True  # drawings on one sheet may be turned
+    marks: bool = False  # crosses at the corners, of each pen
+    repeat: int = 1  # how often each line is gone along
+    keep_order: bool = False
 
 
 def box_of(layers):
     """Left, least y, right, largest y of lists of lines."""
-    everything = [line for lines in layers for line in lines]
+    everything = [line for lines in layers for line in lines if len(line)]
     return (
         float(min(line.real.min() for line in everything)), float(min(line.imag.min() for line in everything)),
         float(max(line.real.max() for line in everything)), float(max(line.imag.max() for line in everything)),
@@ -57,6 +65,19 @@ def fitted(box_px, board, options):
         raise Failure("a margin of {:g} mm leaves no room on the table", options.margin)
     size = [(high - low) * MM_PER_PX for low, high in (box_px[::2], box_px[1::2])]
     return min(space / length for space, length in zip(room, size) if length > 1e-9) if max(size) > 1e-6 else 1.0
+
+
+class Alone:
+    """The same of one of several drawings: its outlines' corner at 0;0."""
+
+    def __init__(self, page, options):
+        left, _, _, bottom = box_of(page.layers.values())
+        self.corner_px, self.origin_mm, self.factor, self.notes = (left, bottom), (0.0, 0.0), options.scale or 1.0, []
+
+    def on_table(self, box_px):
+        mm_per_px = MM_PER_PX * self.factor
+        (left, bottom), (x1, y1, x2, y2) = self.corner_px, box_px
+        return (x1 - left) * mm_per_px, (bottom - y2) * mm_per_px, (x2 - left) * mm_per_px, (bottom - y1) * mm_per_px
 
 
 class Placement:

@@ -42,8 +42,9 @@ class Job:
         if self.journal:
             self.journal.object, self.journal.drawn = self._at
 
-    def run(self, progress=None):
-        """Draw what is not drawn yet by the journal. Calls `progress(number, drawn)`: points drawn of object `number`.
+    def run(self, progress=None, change=None):
+        """Draw what is not drawn yet by the journal. Calls `progress(number, drawn)`: points drawn of object `number`, and before an object
+        `change(number)`, which may raise Cancelled.
 
         Writes the journal about once a second. Raises Broken after client.cancel(), LinkError if the link or the machine
         fails; in both cases it stops the machine, if it can be reached, and writes the journal.
@@ -52,9 +53,19 @@ class Job:
         self.begun = True
         for number in range(first, len(self.objects)):
             self._save(number, drawn)
+            self._ask(number, drawn, change)
             self._draw(number, drawn, progress)
             drawn = 0
         self._save(len(self.objects), 0)
+
+    def _ask(self, number, drawn, change):
+        if change is None or drawn:
+            return
+        try:
+            change(number)
+        except Cancelled as reason:
+            self.client.stop()
+            raise Broken("stopped at object {} of {}", number + 1, len(self.objects)) from reason
 
     def _draw(self, number, skip, progress):
         """Draw object `number` from its point `skip` on."""

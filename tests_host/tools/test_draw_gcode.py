@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 from running_router import Running
 from test_draw import farthest_mm, page_of, sampled
 
+from shapely import Polygon
+
 from host_tools import boards
 from host_tools.cli import draw_gcode, stream
 from host_tools.cli import main as cli
@@ -225,3 +227,104 @@ def test_arcs_and_cycles_of_g_code(tmp_path):
     path.write_text("G0 X10\nG0 Y3\n")
     with pytest.raises(Failure, match="draws nothing"):
         sources.opened(path)
+
+
+def test_a_pen_a_layer_waits_and_says_which(tmp_path, monkeypatch, capsys):
+    out = tmp_path / "a.gcode"
+    path = layered(tmp_path)
+    assert command(monkeypatch, capsys, path, "--board", "laser_xy", "--pens", "layers", "--change", "M6 T{};G4 P1", "-o", out)[1] == 0
+    lines = out.read_text().splitlines()
+    at = lines.index("M6 T2")
+    assert lines[at - 2 : at + 3] == ["M5", "(pen 2)", "M6 T2", "G4 P1", "M4 S300"]
+    running = Running("fast")
+    try:
+        monkeypatch.setattr(stream.Panel, "cycle", answered(stream.Panel.cycle, told := []))
+        where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--lift", 0, "--pens", "layers"]
+        said, status = command(monkeypatch, capsys, path, *where)
+        assert not status and any("put in pen 2 (layer2)" in each for each in told), told[-3:]
+    finally:
+        running.close()
+
+
+def answered(plain, told):
+    """A Panel's cycle() that presses r at each pause."""
+
+    def cycle(panel):
+        plain(panel)
+        if panel._paused_at is not None:
+            told.append(panel.text())
+            panel.key("r")
+
+    return cycle
+
+
+@pytest.mark.parametrize("words, message", [
+    (["--copies", "3"], "--copies wants COLUMNSxROWS"), (["--copies", "900x900"], "--copies wants"),
+    (["--copies", "9x9"], "the drawing with its copies"), (["--pens", "three"], "--pens takes none, layers or colours"),
+    (["--hatch", "45"], "--hatch wants"),
+])
+def test_layouts_that_cannot_be(tmp_path, monkeypatch, capsys, words, message):
+    said, status = command(monkeypatch, capsys, layered(tmp_path), "--dry-run", *words)
+    assert status == 1 and message in said
+
+
+def test_packets_do_not_wait_for_pens(tmp_path, monkeypatch, capsys):
+    said, status = command(monkeypatch, capsys, layered(tmp_path), "--pens", "layers", "-o", tmp_path / "a")
+    assert status == 1 and "cannot wait for a pen's change" in said
+
+
+def ink_of(plan):
+    return sorted(tuple(sorted(pair)) for line in plan.lines for pair in zip(line, line[1:]))
+
+
+def test_copies_repeats_marks_and_colours(tmp_path):
+    board = boards.load("plotter_2014")
+    path = layered(tmp_path)
+    plain = ink_of(drawing.load(path, board))
+    copied = ink_of(drawing.load(path, board, drawing.Options(copies="2x3", gap=2.0)))
+    shifted = [tuple(sorted((x + dx, y + dy) for x, y in pair)) for dx in (0, 1020) for dy in (0, 520, 1040) for pair in plain]
+    assert copied == sorted(shifted)
+    assert ink_of(drawing.load(path, board, drawing.Options(repeat=3))) == sorted(3 * plain)
+    marked = drawing.load(path, board, drawing.Options(marks=True, origin=(50, 50)))
+    assert [len(part.lines) for part in marked.parts] == [9, 9]
+    assert [part.lines for part in marked.parts] != [part.lines for part in drawing.load(path, board).parts]
+    path.write_text('<svg xmlns="http://www.w3.org/2000/svg" width="99mm" height="99mm" fill="none">' + "".join(
+        f'<path stroke="{colour}" d="M{x} 9v40"/>' for x, colour in enumerate(["red", "blue", "red"], 1)) + "</svg>")
+    parts = drawing.load(path, board, drawing.Options(pens="colours")).parts
+    assert [(part.number, part.name, len(part.lines)) for part in parts] == [(1, "red", 2), (2, "blue", 1)]
+
+
+def test_several_drawings_keep_their_gap(tmp_path):
+    board = boards.load("plotter_2014")
+    paths = []
+    for number in range(6):
+        path = tmp_path / f"{number}.svg"
+        path.write_text('<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="80mm" viewBox="0 0 80 80"><path fill="none" stroke="black" d="M0 0h80v20h-60v60h-20z"/></svg>')
+        paths.append(path)
+    plan = drawing.load(paths, board, drawing.Options(gap=4.0))
+    shapes = [Polygon([(x / 10, y / 10) for x, y in line]) for line in plan.lines]
+    assert len(shapes) == 6 and all(a.distance(b) >= 3.9 for index, a in enumerate(shapes) for b in shapes[:index])
+    assert any("6 drawings on one sheet" in note for note in plan.notes)
+    with pytest.raises(Failure, match="no room on the sheet"):
+        drawing.load(paths * 4, board)
+
+
+def test_the_order_of_the_file_is_kept(tmp_path):
+    board = boards.load("plotter_2014")
+    path = page_of(tmp_path, 100, 100, "".join(f'<path d="M{x} 10v50"/>' for x in (90, 10, 80, 20)))
+    kept = drawing.load(path, board, drawing.Options(keep_order=True))
+    assert [line[0][0] for line in kept.lines] == [900, 100, 800, 200] and kept.lengths_mm()[1] == pytest.approx(kept.before_mm, rel=0.01)
+    short = drawing.load(path, board)
+    assert short.lengths_mm()[1] < 0.6 * short.before_mm
+
+
+def test_pictures_in_the_terminal_and_as_svg(tmp_path, monkeypatch, capsys):
+    path = layered(tmp_path)
+    monkeypatch.setenv("COLUMNS", "60")
+    said, status = command(monkeypatch, capsys, path, "--dry-run", "--preview", "-")
+    rows = [row for row in said.splitlines() if row and 0x2800 <= ord(row[0]) < 0x2900]
+    assert not status and len(rows) > 5 and max(map(len, rows)) <= 60
+    again = tmp_path / "again.svg"
+    assert command(monkeypatch, capsys, path, "--dry-run", "--preview", again)[1] == 0
+    board = boards.load("plotter_2014")
+    assert ink_of(drawing.load(again, board)) == ink_of(drawing.load(path, board))

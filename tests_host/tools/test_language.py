@@ -314,7 +314,7 @@ def test_what_typer_says_of_a_wrong_command_line():
     command = typer.main.get_command(main.app)
     usage.speak_by_itself(command)
     try:
-        for words in ("drw", "draw", "draw x --nix", "draw x --hom", "draw x --margin y", "draw x --points y", "draw x --points 0", "draw x y",
+        for words in ("drw", "draw", "draw x --nix", "draw x --hom", "draw x --margin y", "draw x --points y", "draw x --points 0", "check x y",
                       "draw x --margin", "draw x --home=1", "board --http 70000", "wifi bridge"):  # fmt: skip
             with pytest.raises(typer.BadParameter.__mro__[2]) as refused:
                 command.main(["--lang", "pt", *words.split()], standalone_mode=False)

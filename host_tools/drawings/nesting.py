@@ -1,0 +1,117 @@
+"""Finds room for several drawings on one sheet: each as low as it goes, then as far left, turned by quarters if that helps.
+
+    spots = nested(shapes, 400, 300, gap=5)         # [(x, y, quarter turns)], where the corner of each shape's box stands
+    outline([line, ...])                            # the shape of a drawing: a shapely geometry
+
+A shape's place is sought on a grid of a millimetre, or more on large sheets, by FFT; shapes are covered by whole cells, so they keep the
+gap for certain. Large ones come first.
+"""
+
+import math
+
+import numpy
+import shapely
+from shapely import affinity
+
+from host_tools.failure import Failure
+
+_MOST_CELLS = 600_000  # of the sheet
+_LEAST_MM = 1.0
+
+
+def outline(lines):
+    """What lines enclose and cover."""
+    parts = []
+    for line in lines:
+        pairs = numpy.column_stack((line.real, line.imag))
+        if abs(numpy.diff(line)).sum() < 1e-9:
+            parts.append(shapely.Point(pairs[0]))
+            continue
+        parts.append(shapely.LineString(pairs))
+        if len(line) > 3 and abs(line[0] - line[-1]) < 1e-6:
+            parts.append(shapely.Polygon(pairs).buffer(0))
+    whole = shapely.unary_union([part.buffer(0.01) for part in parts])
+    return shapely.unary_union([shapely.Polygon(part.exterior) for part in shapely.get_parts(whole)])
+
+
+def nested(shapes, width, height, gap=0.0, turn=True):
+    """Where each shape stands: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
+    there is no room for one."""
+    cell = max(_LEAST_MM, math.sqrt(width * height / _MOST_CELLS))
+    sheet = numpy.zeros((int(height / cell + 1e-9), int(width / cell + 1e-9)), bool)
+    found = {}
+    for index in sorted(range(len(shapes)), key=lambda each: -shapes[each].area):
+        best = None
+        for quarters in range(4 if turn else 1):
+            shape = turned(shapes[index], quarters)
+            left, bottom, right, top = shape.bounds
+            if right - left > width + 1e-9 or top - bottom > height + 1e-9:
+                continue
+            mask = _mask(shape, gap, cell)
+            spot = _lowest(sheet, mask, (right - left, top - bottom), (width, height), cell, gap)
+            if spot and (best is None or spot[:2] < best[:2]):
+                best = (*spot, quarters, mask)
+        if best is None:
+            raise Failure("there is no room on the sheet of {:g} × {:g} mm for all {} drawings with {:g} mm between them", width, height, len(shapes), gap)
+        _, _, row, column, quarters, mask = best
+        pad = _pad(gap, cell)
+        _put(sheet, mask, row - pad, column - pad)
+        found[index] = (column * cell, row * cell, quarters)
+    return [found[index] for index in range(len(shapes))]
+
+
+def turned(shape, quarters):
+    """A shape turned to the left by quarters, its box's lower left corner at 0;0."""
+    shape = affinity.rotate(shape, 90 * quarters, origin=(0, 0))
+    left, bottom, _, _ = shape.bounds
+    return affinity.translate(shape, -left, -bottom)
+
+
+def _pad(gap, cell):
+    return math.ceil(gap / cell) + 1
+
+
+def _mask(shape, gap, cell):
+    """The cells that a shape covers or comes near, with a margin of _pad() cells around its box."""
+    pad = _pad(gap, cell)
+    _, _, right, top = shape.bounds
+    rows, columns = math.ceil(top / cell) + 2 * pad, math.ceil(right / cell) + 2 * pad
+    # A cell is free if its centre is farther from the shape than the gap and half a cell's diagonal.
+    near = shape.buffer(gap + cell * math.sqrt(0.5) + 1e-6)
+    shapely.prepare(near)
+    xs = (numpy.arange(columns) - pad + 0.5) * cell
+    ys = (numpy.arange(rows) - pad + 0.5) * cell
+    return shapely.contains_xy(near, *numpy.meshgrid(xs, ys))
+
+
+def _lowest(sheet, mask, size, room, cell, gap):
+    """(top, column, row, column) of the lowest free place, or None. What was put on the sheet has the gap around it already; the
+    shape itself needs none."""
+    pad = _pad(gap, cell)
+    inner = mask[pad:-pad, pad:-pad]
+    rows, columns = sheet.shape
+    last_row = int((room[1] - size[1]) / cell + 1e-9)
+    last_column = int((room[0] - size[0]) / cell + 1e-9)
+    if not sheet.any():
+        return (size[1], 0, 0, 0)
+    shape = (rows + inner.shape[0], columns + inner.shape[1])
+    hits = numpy.fft.irfft2(numpy.fft.rfft2(sheet, shape) * numpy.conj(numpy.fft.rfft2(inner, shape)), shape)
+    free = hits[: last_row + 1, : last_column + 1] < 0.5
+    spots = numpy.argwhere(free)
+    if not len(spots):
+        return None
+    row, column = spots[0].tolist()
+    return (row * cell + size[1], column, row, column)
+
+
+def _put(sheet, mask, row, column):
+    top, left = max(0, row), max(0, column)
+    part = mask[top - row :, left - column :]
+    part = part[: sheet.shape[0] - top, : sheet.shape[1] - left]
+    sheet[top : top + part.shape[0], left : left + part.shape[1]] |= part
+
+
+def fullness(shapes, spots, width):
+    """(height used, share of the strip below it that the shapes cover)."""
+    used = max(spot[1] + turned(shape, spot[2]).bounds[3] for shape, spot in zip(shapes, spots))
+    return used, sum(shape.area for shape in shapes) / (used * width)
