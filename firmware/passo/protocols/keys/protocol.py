@@ -9,7 +9,7 @@
     ?           answered by `?` and a byte: the number of what was refused last since it was asked, 0: nothing, or of the alarm
 
 At the start both are off, turn clockwise (the axis's positive direction) when they are switched on, and have speed 1.
-Whatever else comes, a speed of 0 or above 127 included, changes nothing: `ignored` counts it, and the event log has it.
+Whatever else comes, a speed of 0 or above 127 included, changes nothing: the event log has it.
 A speed whose second byte does not come within 2 s is dropped, so that no later key is taken for it.
 """
 
@@ -38,13 +38,12 @@ class Keys:
         self._negative = [False] * KIT_MOTORS
         self._waiting = None  # the motor whose speed comes next
         self._since_ms = 0
-        self.ignored = 0
 
     def feed(self, data, now_ms):
         """Commands, each to be carried out before the next is asked for."""
         if self._waiting is not None and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
             self._waiting = None
-            yield self._ignore(errors.GARBLED)
+            yield Command(BAD, error=errors.GARBLED)
         for byte in data:
             command = self._take(byte, now_ms)
             if command is not None:
@@ -70,11 +69,11 @@ class Keys:
             motor = REVERSE[byte]
             self._negative[motor] = not self._negative[motor]
             return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
-        return Command(STATUS) if byte == WHY else self._ignore(errors.UNKNOWN_COMMAND)
+        return Command(STATUS) if byte == WHY else Command(BAD, error=errors.UNKNOWN_COMMAND)
 
     def _set_speed(self, motor, speed):
         if not 1 <= speed <= KIT_SLOWEST:
-            return self._ignore(errors.NUMBER_RANGE)
+            return Command(BAD, error=errors.NUMBER_RANGE)
         self._speed[motor] = speed
         return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
 
@@ -100,10 +99,6 @@ class Keys:
         command = Run(steps, rates, LIVE)
         command.unpowered = self._others(on)
         return command
-
-    def _ignore(self, error):
-        self.ignored += 1
-        return Command(BAD, error=error)
 
     def reply(self, event):
         """The kit's own tasks have no answers."""
