@@ -4,8 +4,8 @@
     texts["passo/a.py"]          # "class A:\n    def __init__(self):\n        self._0 = 1\n"
 
 A board keeps the text of every name for ever, and its table of names doubles when it is full: one name too many costs
-thousands of bytes. All modules use the same short names. Those of attributes and methods are distinct in each family of modules
-whose classes derive from each other, those of a module's functions, classes and variables in each module. A traceback still shows
+thousands of bytes. All modules use the same short names. Those of attributes and methods are distinct in each module and those that its
+classes derive from, those of a module's functions, classes and variables in each module. A traceback still shows
 file and line. Kept are: a name that occurs in a string, an attribute of another object than `self`, a name that another module
 imports, variables of a class, and what tests and benches read on the board.
 """
@@ -29,13 +29,26 @@ def shortened(texts):
     """{path: text} of the modules of a build, with short names for what is private."""
     modules = {path: _Module(text) for path, text in texts.items()}
     taken = ASKED_FOR.union(*(_taken(module) for module in modules.values()))
-    made = {}
-    for family in _families(modules):
-        names = sorted(set().union(*(_of_self(modules[path]) for path in family)) - taken)
-        short = {name: f"_{number}" for number, name in enumerate(names)}
-        for path in family:
-            made[path] = _renamed(modules[path], short, _globals(modules[path], taken))
-    return {path: made[path] for path in texts}
+    short = _numbered(modules, {path: _of_self(module) - taken for path, module in modules.items()})
+    return {path: _renamed(module, short[path], _globals(module, taken)) for path, module in modules.items()}
+
+
+def _numbered(modules, names):
+    """{path: {name: short name}} of `names`, {path: names of attributes and methods}: as few short names as there may be."""
+    related = _related(modules)
+    groups = {}  # (path, name): set of all that are the same attribute
+    for path in modules:
+        for name in sorted(names[path]):
+            group = groups.setdefault((path, name), {(path, name)})
+            for other in [(near, name) for near in related[path] if name in names[near]]:
+                group |= groups.get(other, {other})
+            groups.update(dict.fromkeys(group, group))
+    numbers = {}
+    for group in sorted({id(group): group for group in groups.values()}.values(), key=lambda group: (-len(group), min(group))):
+        near = set().union(*(related[path] for path, _ in group))
+        used = {numbers.get((path, name)) for path in near for name in names[path]}
+        numbers.update(dict.fromkeys(group, next(number for number in range(len(used) + 1) if number not in used)))
+    return {path: {name: f"_{numbers[path, name]}" for name in names[path]} for path in modules}
 
 
 def _private(name):
@@ -88,10 +101,10 @@ def _globals(module, taken):
     return {name: f"_{_FIRST_OF_MODULE + number}" for number, name in enumerate(names)}
 
 
-def _families(modules):
-    """Sets of modules whose classes are derived from each other's."""
+def _related(modules):
+    """{path: the modules whose classes may have an object in common with its classes, itself included}"""
     paths = {path.removesuffix(".py").replace("/", "."): path for path in modules}
-    family = {path: {path} for path in modules}
+    lines = {path: {path} for path in modules}  # a module, and those that its classes are derived from
     for path, module in modules.items():
         known = {}  # local name: the module that it is, or is from
         for node in module.nodes:
@@ -100,11 +113,12 @@ def _families(modules):
                 known[alias.asname or alias.name] = paths.get(source) or paths.get(node.module)
         for base in [base for node in module.nodes if isinstance(node, ast.ClassDef) for base in node.bases]:
             other = known.get(base.value.id if isinstance(base, ast.Attribute) else base.id)
-            if other:
-                both = family[path] | family[other]
-                for each in both:
-                    family[each] = both
-    return list({id(each): each for each in family.values()}.values())
+            lines[path] |= {other} if other else set()
+    grown = True
+    while grown:
+        longer = {path: set().union(*(lines[other] for other in line)) for path, line in lines.items()}
+        grown, lines = longer != lines, longer
+    return {path: set().union(*(line for line in lines.values() if path in line)) for path in modules}
 
 
 def _renamed(module, attributes, own):
