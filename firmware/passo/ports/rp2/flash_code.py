@@ -39,7 +39,7 @@ from micropython import const
 
 from passo.ports.rp2 import clock
 from passo.ports.rp2.flash_files import BLOCK, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
-from passo.ports.rp2.flash_names import KNOWN_BYTES, learn, shorten
+from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, shorten, table_of_names
 
 _IOCTL_COUNT = const(4)
 code = None  # see begin()
@@ -50,6 +50,7 @@ _FLASH = const(0x10000000)
 _FLASH_END = const(0x11000000)
 _RAM = const(0x20000000)
 _RAM_END = const(0x20042000)
+_STATIC = const(4000)  # words of memory: the interpreter's own begin it
 _ROW = "<HHHBBBB"
 _MEMORY = const(255)  # for a block's number: it is copied into memory
 _TEXT = "<HBB"
@@ -109,6 +110,7 @@ class FlashCode:
         self._functions = 0  # where what is known of its functions ends
         self._names = 0  # how many names it has, and where they begin; 0: in more than a block
         self._known = None  # see flash_names.py
+        self._newest = 0  # address
         self._text = None  # what the interpreter reads
         self._at = 0  # the next one
         self._address = self._inside = 0  # of the one made last: its code, its children or what else the interpreter has there
@@ -182,6 +184,7 @@ class FlashCode:
             raise Unknown("the file system is not mapped")
         self._blocks = Blocks(flash, count, base)
         self._known = array("I", bytearray(KNOWN_BYTES))
+        self._newest = table_of_names(_RAM, _STATIC)
         self._text = memoryview(bytearray(_BUFFER_BYTES))
         self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
 
@@ -193,6 +196,7 @@ class FlashCode:
         function = _made()
         if self._names:
             learn(self._addresses[0], self._names, mem32[id(module) + _NUMBERS], self._known)
+        bound(self._newest)
         self._point(function, module)
         self._point_texts(mem32[id(module) + _CONSTANTS])
         self._file = self._rows = None

@@ -6,6 +6,14 @@
 
 The interpreter looks a name up among all, one after the other: 0.1 ms, six thousand times for a router. `known` has the address of each
 name's text in flash, where its hash says, and behind all of them their numbers. A text ends with a zero.
+
+    at = table_of_names(0x20000000, words)  # where the interpreter notes its newest table of names
+    bound(at)                               # the next table has few entries
+
+It makes tables one after the other, each twice as long as the one before: the last one may be empty but for a few names, 7 kB. Of
+MicroPython 1.26 to 1.29 is known (py/qstr.h):
+
+    qstr_pool_t          the table before, names in those before, entries, names, its hashes, its lengths; names' texts
 """
 
 import micropython
@@ -16,6 +24,14 @@ _NUMBERS = const(8192)  # bytes before them
 _COUNT = const(3072)  # where their count is, in words
 _FULL = const(1900)
 KNOWN_BYTES = const(12292)
+_NEWEST = const(0)  # of the word that points to it
+_ENTRIES = const(2)  # in a table of names
+_USED = const(3)
+_HASHES = const(4)
+_LENGTHS = const(5)
+_HEAD_BYTES = const(24)
+_LEFT = const(40)  # entries: few modules have more new names
+_HALF = const(96)  # of the entries of the next table
 
 
 @micropython.viper
@@ -105,3 +121,38 @@ def learn(text: ptr8, names: int, numbers: ptr16, known: ptr32):
                 known[_COUNT] = known[_COUNT] + 1
             at += length + 1
         i += 1
+
+
+@micropython.viper
+def is_table(at: int) -> bool:
+    """Whether a table of names as expected is at an address in memory."""
+    if at & 15 or at < 0x20000000 or at > 0x2003FF00:
+        return False
+    table = ptr32(at)
+    entries = table[_ENTRIES]
+    if entries < 1 or entries > 4096 or table[_USED] > entries:
+        return False
+    if table[_HASHES] != at + _HEAD_BYTES + 4 * entries:
+        return False
+    return table[_LENGTHS] == table[_HASHES] + entries
+
+
+@micropython.viper
+def table_of_names(first: int, count: int) -> int:
+    """The address of the first of `count` words that points to a table of names; 0: there is none."""
+    words = ptr32(first)
+    for i in range(count):
+        if is_table(words[i]):
+            return first + 4 * i
+    return 0
+
+
+@micropython.viper
+def bound(at: int):
+    """If the newest table is nearly full, let it look full, and short: the next one has twice as many entries as it says of itself."""
+    if at:
+        newest = ptr32(at)[_NEWEST]
+        if is_table(newest):
+            table = ptr32(newest)
+            if table[_ENTRIES] > _HALF and table[_USED] >= _HALF and table[_ENTRIES] - table[_USED] < _LEFT:
+                table[_ENTRIES] = _HALF
