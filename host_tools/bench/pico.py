@@ -23,22 +23,22 @@ CLOCKS_MHZ = 125, 200  # of the G-code
 
 
 @lru_cache
-def rig(player="pio"):
+def rig(player="pio", axes=3):
     """The rig, made once; measurements run on copies of it."""
-    return Rig(router(3, player=player, inputs=halting.INPUTS))
+    return Rig(router(axes, player=player, inputs=halting.INPUTS))
 
 
 def _lines(hz, axes):
     """Lines at a constant rate, as after a ramp; words at the full rate from rest would be made when they are due."""
-    return [(tuple(int(rate * seconds) * (axis < axes) for axis in range(3)), rate)
+    return [(tuple(int(rate * seconds) * (axis < axes) for axis in range(max(axes, 3))), rate)
             for rate, seconds in ((START_HZ, START_S), (hz, LINE_S))]
 
 
 def pulses():
-    """Rates of one axis and of three, while points arrive and garbage is collected without pause."""
+    """Rates of one axis, of three and of four, while points arrive and garbage is collected without pause."""
     rows = []
-    rig()
-    for axes, rates in ((1, (10, 50, 100, 200, 250, 480)), (3, (10, 50, 100, 200, 400, 480))):
+    for axes, rates in ((1, (10, 50, 100, 200, 250, 480)), (3, (10, 50, 100, 200, 400, 480)), (4, (400, 480))):
+        rig(axes=max(axes, 3))
         for khz in rates:
             run = on_a_copy(lambda: _pulses(axes, khz * 1000))
             rows.append((axes, khz, run["steps"], run["off"], run["late"], run["ppm"], run["width"], run["left"]))
@@ -46,7 +46,7 @@ def pulses():
 
 
 def _pulses(axes, hz):
-    machine = rig()
+    machine = rig(axes=max(axes, 3))
     machine.wire().feed(traffic.points(60), BAUD)
     run = machine.play(_lines(hz, axes), COLLECT)
     rises = [cycle for cycle, state in machine.step_edges[0] if state == 1]
