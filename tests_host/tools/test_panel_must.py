@@ -135,6 +135,7 @@ def test_from_nothing_to_a_drawing(hand, tmp_path, show):
         page.show(f"plotter-draws-{page.name}")
         done(panel, page)
         page.show(f"plotter-done-{page.name}")
+        assert ("meio passo" if page.name.endswith("pt") else "half step") in page.find("draw-speed-unit").get_attribute("textContent")
         words = (panel.jobs / "plotter" / "map.svg.txt").read_text()
         show("taps", f"a drawing, {page.name}: {page.taps}")
         assert page.taps <= (5 if page.small else 4)

@@ -11,7 +11,7 @@ export class Plotter {
     const speed = message.speed || { unit: "", default: 1000, min: 1, max: 65535 };
     const field = $("draw-speed");
     [field.min, field.max, field.value] = [speed.min, speed.max, speed.default];
-    $("draw-speed-unit").textContent = `${speed.min} … ${speed.max} ${speed.unit === "half_period_us" ? _("µs a half step: more is slower") : speed.unit}`;
+    this.speed = speed;
     $("draw-speed-form").onsubmit = (event) => { event.preventDefault(); page.order("pace", { speed: Number(field.value) }); };
   }
 
@@ -31,7 +31,8 @@ export class Plotter {
 
   show(report) {
     const pen = { up: _("up"), down: _("down") }[report.pen] || _("not known");
-    for (const [name, value] of [["pen", pen], ["drawn", report.drawn || 0], ["room", report.free === undefined ? "" : report.free]]) {
+    const { min, max, unit } = this.speed, speeds = `${min} … ${max} ${unit === "half_period_us" ? _("µs a half step: more is slower") : unit}`;
+    for (const [name, value] of [["draw-speed-unit", speeds], ["pen", pen], ["drawn", report.drawn || 0], ["room", report.free === undefined ? "" : report.free]]) {
       if ($(name).textContent !== String(value)) $(name).textContent = value;
     }
     const now = report.job || {};
