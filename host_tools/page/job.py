@@ -124,6 +124,8 @@ class Job:
         if self._lines is not None:
             if error == errors.ALARM_SOFT_LIMIT and not self._failed and self._done < self._at:
                 self._failed_line = self._lines[self._done][0]  # told before the line that it is of is answered
+            elif self._failed in (0, errors.STOPPED) and not self._failed_line:
+                self._failed_line = self._machine.state.get("line") or 0  # where it was; more have been answered
             self._end("failed", self._failed or error)
 
     def line(self):

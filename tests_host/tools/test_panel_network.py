@@ -215,10 +215,11 @@ def test_stop_needs_no_key(tmp_path):
         page = panel.page().ready()
         page.put("job", JOB)
         assert page.order("run", name="job")["error"] == 0
-        page.until(lambda state: state["state"] == "Run")
+        page.until(lambda state: state["state"] == "Run" and state["line"])
         assert b" 200" in ask(panel, request(panel, b"POST /stop HTTP/1.1"))
         state = page.until(lambda state: state["job"]["how"] == "failed")
         assert state["job"]["error"] == errors.STOPPED
+        assert 3 <= state["job"]["line"] < state["job"]["done"], "the line that it stopped in, not the last that was sent"
         page.until(lambda state: state["state"] == "Alarm")
     assert len(panel.trace()) < 100_000
 
