@@ -162,7 +162,8 @@ class Contour:
             if _above(motion, self._told[against]) or entry and _on_top(motion, self._told[against]):
                 continue
             kept = self._kept_under(motion)
-            if kept.known and not kept.reached(path[at][0], self.radius) and not kept.doubtful:
+            disputed = motion in (self._told[0], self._told[-1]) and kept.disputed(path[at][0], self.radius)
+            if kept.known and not kept.reached(path[at][0], self.radius) and not kept.doubtful and not disputed:
                 continue
             line = self._told[against].source.line
             if kept.reached(path[at][0], self.radius) if kept.known else entry or abs(number - against) <= LOOK_AHEAD:

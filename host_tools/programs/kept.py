@@ -5,7 +5,8 @@
     kept.reached(piece, 3.0)    # does a tool of this radius on its way along `piece` cut into what is left?
 
 The pieces, as chords, divide the plane into areas. Each piece says of the area on the tool's side that it goes, of the other that it
-stays; what only stays is left. Ends that divide nothing, such as lead-ins, lead-outs and edges longer than the part, lie in the air. Needs
+stays; what only stays is left. Ends that divide nothing, such as lead-ins, lead-outs and edges longer than the part, lie in the air. What
+the first or the last piece alone wants gone, and others leave, is disputed: a lead through the part, or a pass of its own. Needs
 shapely. Costs some 0.2 ms a piece: ask only for pieces that come too near.
 """
 
@@ -17,13 +18,14 @@ from host_tools.programs.compensation import TOUCH
 _GRID = TOUCH / 2  # mm: ends that lie nearer to each other are the same
 _BESIDE = 2 * TOUCH  # mm beside a piece: which area lies there
 _NOISE = 0.02  # share of an area's edge that may say otherwise, where passes lie on each other
+_TANGENT = 0.1  # the same, where a lead touches a piece along it
 
 
 class Kept:
     def __init__(self, pieces, side):
         self.known = False
         self.doubtful = False  # more of the contour divides nothing than encloses something
-        self._area = None
+        self._area = self._disputed = None
         ends = [point for piece in pieces for pair in _chords(piece) for point in pair]
         starts, stops = numpy.array(ends[::2]), numpy.array(ends[1::2])
         ahead = (stops - starts) / numpy.abs(stops - starts)
@@ -34,10 +36,13 @@ class Kept:
         edges = edges[shapely.length(edges) > 0]
         areas = shapely.get_parts(shapely.polygonize(edges))
         if len(areas):
-            self._judge(edges, areas, chords, ahead * side)
+            counts = [len(_chords(piece)) for piece in pieces]
+            inner = numpy.ones(len(chords), bool)
+            inner[: counts[0]] = inner[len(chords) - counts[-1] :] = False
+            self._judge(edges, areas, chords, ahead * side, inner)
 
-    def _judge(self, edges, areas, chords, ahead):
-        """`ahead`: of each chord the way with the tool to its left."""
+    def _judge(self, edges, areas, chords, ahead, inner):
+        """`ahead`: of each chord the way with the tool to its left; `inner`: it is of neither the first nor the last piece."""
         middles, ways = _longest(edges)
         inside = shapely.STRtree(areas)
         sides = [_areas_of(inside, middles + 1j * ways * by) for by in (_BESIDE, -_BESIDE)]
@@ -46,15 +51,24 @@ class Kept:
         goes = [numpy.zeros(len(edges), bool), numpy.zeros(len(edges), bool)]
         goes[0][of_edge[along > 0.5]] = True
         goes[1][of_edge[along < -0.5]] = True
+        between = numpy.zeros(len(edges), bool)
+        between[of_edge[inner[of_chord]]] = True
         lengths = shapely.length(edges)
         divides = sides[0] != sides[1]
         if not divides.any():
             return
-        stays_mm, goes_mm = numpy.zeros(len(areas) + 1), numpy.zeros(len(areas) + 1)  # the last is what lies outside
-        for this, other in ((0, 1), (1, 0)):
-            numpy.add.at(goes_mm, sides[this][divides & goes[this]], lengths[divides & goes[this]])
-            numpy.add.at(stays_mm, sides[this][divides & goes[other]], lengths[divides & goes[other]])
+
+        def mm(say, of):
+            """mm of the edges `of` that say so, by area; the last is what lies outside."""
+            found = numpy.zeros(len(areas) + 1)
+            for side in (0, 1):
+                numpy.add.at(found, sides[side][of & say[side]], lengths[of & say[side]])
+            return found
+
+        stays_mm, goes_mm = mm(goes[::-1], divides), mm(goes, divides)
         left = (stays_mm > 0) & (goes_mm <= _NOISE * stays_mm)
+        inner_mm = mm(goes[::-1], divides & between)
+        disputed = ~left & (inner_mm > 0) & (mm(goes, divides & between) <= _TANGENT * inner_mm)
         if left[sides[0][~divides]].any():
             return  # a loop at the end of a line, not a line that leads to a loop
         self.known = True
@@ -64,13 +78,23 @@ class Kept:
             kept.append(shapely.union_all(areas).envelope.buffer(1e5, join_style="mitre").difference(shapely.union_all(areas)))
         kept = [area for area in kept if not area.buffer(-TOUCH / 2).is_empty]
         self._area = shapely.union_all(kept) if kept else None
+        taken = [area for area, this in zip(areas, disputed[:-1]) if this and not area.buffer(-TOUCH / 2).is_empty]
+        self._disputed = shapely.union_all(taken) if taken else None
+
+    def disputed(self, piece, radius):
+        """True if the tool's centre, on `piece`, comes nearer than its radius to what other pieces leave and the first or the last takes."""
+        return _nearer(piece, self._disputed, radius)
 
     def reached(self, piece, radius):
         """True if the tool's centre, on `piece`, comes nearer to what is left than its radius."""
-        if self._area is None:
-            return False
-        way = shapely.LineString([(point.real, point.imag) for point in piece.points()])
-        return bool(shapely.distance(way, self._area) < radius - TOUCH)
+        return _nearer(piece, self._area, radius)
+
+
+def _nearer(piece, area, radius):
+    if area is None:
+        return False
+    way = shapely.LineString([(point.real, point.imag) for point in piece.points()])
+    return bool(shapely.distance(way, area) < radius - TOUCH)
 
 
 def _chords(piece):

@@ -100,6 +100,15 @@ def test_a_lead_in_through_the_part_is_refused():
         assert refusal.value.number == number, text
 
 
+@pytest.mark.parametrize("out, told", [("g1 x-8 y0", False), ("g2 x-8 y8 i0 j8", False), ("g3 x-8 y8 i0 j8", True)])
+def test_a_lead_out_through_the_part_is_told(out, told):
+    """From a corner of the plate, whose edges leave it, and an arc that takes a bite of it: it may be wanted, so it is a warning."""
+    listing = Listing()
+    text = f"g0 x-20 y-10\ng41 d1 g1 x-8 y0 f100\nx0\ny40\nx40\ny0\nx0\n{out}\ng40 g1 x-20 y-10"
+    compile_program("p.ngc", text, listing, {1: Tool(4.0)}, _NOWHERE)
+    assert bool(listing.warnings) == told and all(warning.startswith("p.ngc:8:") for warning in listing.warnings)
+
+
 def test_an_arc_as_first_motion():
     """It ends beside its own end, along it; an inside corner behind it cuts it off, an outside corner is gone around."""
     points = path_of(compile_program, "g0 x-5 y5\ng41 d1 g3 x0 y0 i5 j0 f100\ng1 x20\ng40 y9", 2.0)

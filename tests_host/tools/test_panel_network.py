@@ -172,7 +172,9 @@ def attacked(folder, count):
         state = page.until(lambda state: state["job"]["how"] in ("done", "failed") and state["state"] == "Idle")
         assert state["job"]["how"] == "done" and state["alarm"] == 0
         page.order("line", line="$LOG")
-        log = page._find(lambda told: told["t"] == "said" and "LOGGED" in told["text"])["text"]
+        log = ""
+        while "LOGGED" not in log:
+            log = page.said("said")["text"]
         assert f"x{errors.WORDS_LATE}" not in log, log
     return panel.trace()
 

@@ -36,7 +36,7 @@ addEventListener("DOMContentLoaded", () => document.getElementById("places") && 
 }).observe(document.getElementById("places"), { childList: true, subtree: true }));
 """
 LISTED = NAME + """
-const gone = (e) => e.closest("#tabs, [data-can][hidden], section[hidden][id^=card-]:not(#card-key)");
+const gone = (e) => e.closest("#tabs, #place-form[hidden], [data-can][hidden], section[hidden][id^=card-]:not(#card-key)");
 return [...new Set([...document.querySelectorAll(CONTROLS)].filter((e) => !gone(e)).map(nameOf))];
 """
 
