@@ -43,7 +43,7 @@ from host_tools.resources import ROOT
 
 # The extra of pyproject.toml that brings each package that is imported only when it is used.
 EXTRAS = {
-    "draw": ("svgelements", "ezdxf", "tinycss2", "cssselect2", "HersheyFonts", "shapely", "numpy", "matplotlib", "contourpy", "PIL"),
+    "draw": ("svgelements", "ezdxf", "tinycss2", "cssselect2", "HersheyFonts", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
     "film": ("imageio_ffmpeg",),
 }

@@ -13,7 +13,6 @@ import math
 
 from host_tools.language import _
 from host_tools.programs.compensation import SMALL, TOUCH, Piece, alongside, gouges, lead, offset
-from host_tools.programs.kept import Kept
 from host_tools.programs.program_errors import (
     ARC, COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, ProgramError,
 )  # fmt: skip
@@ -175,6 +174,8 @@ class Contour:
 
     def _kept_under(self, motion):
         """What the pieces leave that the motion is not above."""
+        from host_tools.programs.kept import Kept  # which needs shapely
+
         heights = [height for height in motion.heights if height is not None]
         level = min(heights) if len(heights) == 2 else None
         if level not in self._kept:

@@ -258,8 +258,8 @@ def check_parameters_and_modes():
     assert machine.ask("$G")[0].startswith("[GC:G38.3 G55")
     machine.do("G90 G10 L2 P6 X1 Y-2.5 Z.0004", "G28.1", "G92 X0")
     said = machine.ask("$#")
-    assert said[5] == "[G59:1.000,-2.500,0.000]" and said[6].startswith("[G28:1.000,0.000,") and len(said) == 12
-    assert said[8] == "[G92:1.000,0.000,0.000]" and said[9] == "[TLO:2.000]" and said[10].startswith("[PRB:")
+    assert said[5] == "[G59:1.000,-2.500,0.000]" and said[6].startswith("[G28:1.000,0.000,") and len(said) == 13
+    assert said[8] == "[G92:1.000,0.000,0.000]" and said[9] == "[TLO:2.000]" and said[10] == "[HOMED:0]" and said[11].startswith("[PRB:")
     machine.do("$13=1")
     assert machine.ask("$#")[5] == "[G59:0.0394,-0.0984,0.0000]"
 

@@ -63,5 +63,10 @@ class Running:
         self._thread.join()
         self.line.close()
 
+    def standing(self):
+        """True in a hold that has come to its stand."""
+        machine = self.app.controller.machine
+        return bool(machine.hold) and machine.stood
+
     def position(self):
         return list(self.app.controller.position())

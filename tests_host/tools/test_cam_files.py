@@ -90,7 +90,7 @@ def test_a_cycle_is_held_and_goes_on():
             client._write(b"G99 G83 X1 Z-2.5 R1 Q0.5 F1500\n")
             running.until(lambda: running.world.steps > 900)
             client.real_time(b"!")
-            running.until(running.app.controller.machine.standing)
+            running.until(running.standing)
             client.real_time(b"~")
             running.until(lambda: running.position() == [320, 0, 400] and running.app.controller.state == "idle")
             client.command("G0 X1")

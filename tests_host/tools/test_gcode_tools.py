@@ -87,12 +87,12 @@ def test_keys(board, job):
         panel = stream.Panel(client, [(1, b"")])
         client.command("G1X50F3000")
         panel.key("p")
-        board.until(board.app.controller.machine.standing)
+        board.until(board.standing)
         client.ask_status()
         panel.cycle()
         gone = panel.seconds()
         assert "PAUSED: r resumes" in panel.text() and panel.seconds() == gone
-        assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 0" in panel.text()
+        assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 1" in panel.text()
         panel.key("r")
         board.until(lambda: board.app.controller.state == "idle")
         client.command("G1X0")
@@ -116,7 +116,7 @@ def test_progress_is_that_of_the_motion(job, prefix, numbered):
                 panel.done(number)
             running.until(lambda: running.world.steps > 0)
             client.real_time(b"!")
-            running.until(running.app.controller.machine.standing)
+            running.until(running.standing)
             client.ask_status()
             panel.cycle()
             if numbered:
@@ -142,7 +142,7 @@ def test_a_reset_ends_a_job(board, job):
         asked = []
 
         def reset():
-            if board.app.controller.machine.standing() and not asked:
+            if board.standing() and not asked:
                 asked.append(client.real_time(RESET))
 
         with pytest.raises(LinkError, match="line 1, M0: the controller was reset"):
@@ -155,7 +155,7 @@ def test_a_board_that_falls_silent_ends_a_job(job):
     stopped = []
 
     def stop():
-        running.until(running.app.controller.machine.standing)
+        running.until(running.standing)
         running._stop = True
         stopped.append(True)
 

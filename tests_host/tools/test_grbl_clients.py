@@ -54,7 +54,7 @@ def test_grbl_streamer(board, one_by_one):
         client.job_run()
         board.until(lambda: state() == "run" and board.position()[0] < 3700)
         client.hold()
-        board.until(lambda: board.app.controller.machine.standing())
+        board.until(board.standing)
         stood = board.position()
         time.sleep(0.2)
         assert board.position() == stood
@@ -137,7 +137,7 @@ def test_bcnc(board, tmp_path):
         bcnc.do("sender.sendGCode('G1X0Y0F500')")
         board.until(lambda: controller.state == "run" and board.position()[0] < 3700)
         bcnc.do("sender.feedHold()")
-        board.until(controller.machine.standing)
+        board.until(board.standing)
         stood = board.position()
         bcnc.do("CNC.vars.update(_OvFeed=200, _OvChanged=True)")
         board.until(lambda: controller.machine.overrides[0] == 200)

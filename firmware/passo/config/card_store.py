@@ -40,13 +40,13 @@ class CardStore(JobStore):
     _is_flash = False
 
     def names(self):
-        return [name for name in self._names(_ENDS) if self._best(name, True)[1] > _TORN]
+        return [name for name in self._names(_ENDS) if self._best(name, True)[1] != _TORN]
 
     def entries(self):
         found = []
         for name in self._names(_ENDS):
             _, state, head = self._best(name, True)
-            if state > _TORN:
+            if state != _TORN:  # a folder is told as damaged, too
                 language, size, crc, stored = head or ("", 0, 0, 0)
                 found.append((name, language, size, stored, crc))
         return found

@@ -110,7 +110,7 @@ def parameters(gcode, probed, touched, inches, homed):
         text = offsets.length_of(tool)
         if text:
             lines.append("[T%d:%s]\r\n" % (tool, length(int(text), inches)))
-    lines.append("[HOME:%d]\r\n" % homed)
+    lines.append("[HOMED:%d]\r\n" % homed)
     lines.append(probe(probed, touched, inches))
     return lines
 

@@ -84,7 +84,7 @@ export class Lines {
     else if (name === "G92") found.shift = numbers(value);
     else if (name === "TLO") found.tool = Number(value);
     else if (/^T\d+$/.test(name)) found.tools[name.slice(1)] = Number(value);
-    else if (name === "HOME") found.homed = value === "1";
+    else if (name === "HOMED") found.homed = value === "1";
     else if (name === "GC") {
       const codes = value.split(" ");
       found.active = codes.find((code) => /^G5[4-9]$/.test(code));
