@@ -36,7 +36,7 @@ planner.flush()
 while port._trip is None:
     port.wait(True)
 feeder.open = False
-stood, _, index = feeder.cancel(player.played())
+stood = feeder.cancel(player.played())
 sleep_ms(2)
 port.tripped()
 planner.clear()
@@ -46,7 +46,7 @@ planner.flush()
 feeder.open = True
 while not planner.empty() or player.busy():
     port.wait(True)
-print((stood, index, feeder.position(player.played())))
+print((stood, max(map(abs, stood)), feeder.position(player.played())))
 """
 
 

@@ -10,6 +10,7 @@ from kills import BAUD, LOST_MS
 class Job:
     """A program of G-code that `passo stream` sends."""
 
+    forgotten = False
     name = "router_3axis"
     link = "pc"
     other = "serial"
@@ -50,6 +51,7 @@ class Framed(Job):
 
 
 class Stored(Job):
+    forgotten = True  # the board runs it to its end without the PC, and then forgets it
     changes = {**Job.changes, "jobs": {"language": "grbl"}}
 
     def prepare(self, path):

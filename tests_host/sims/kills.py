@@ -440,7 +440,7 @@ class Round:
         if said and ("another file" in said or "is empty" in said) and not self.done:
             return self.begin_anew(bench)
         if said:
-            self.check("done to its end" in said, said)
+            self.check("done to its end" in said or self.job.forgotten and "is empty" in said, said)
             self.story.append("done")
             return False
         return True

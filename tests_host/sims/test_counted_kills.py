@@ -1,6 +1,5 @@
 """Pulse programs and drawings interrupted at random, by everything that may fail: `passo resume` ends them with the same picture."""
 
-import inspect
 import math
 from collections import Counter
 
@@ -150,16 +149,13 @@ def test_an_svg_file_is_gone_on_with_by_its_name(tmp_path):
     job.file = tmp_path / "map.svg"
     job.file.write_text(SVG)
     machine, other = job.machine(Pages(), job.start), job.machine(Pages(), job.start)
-    options = {
-        name: parameter.default.default for name, parameter in inspect.signature(draw.draw).parameters.items() if name != "file"
-    }
-    options.update(port="virtual", origin="20,30", speed=400)
+    options = {"file": [job.file], "port": "virtual", "origin": "20,30", "speed": 400}
     cycles = Cycles(other)
     with plugged(other):
-        draw.draw(job.file, **options)
+        draw.draw(**options)
     job.file.with_name("map.svg.journal").unlink(missing_ok=True)
     with pytest.raises(Killed), plugged(machine, cycles.count * 93 // 100):
-        draw.draw(job.file, **options)
+        draw.draw(**options)
     machine.ask(packet(COMMANDS["STOP"]))
     before = cut(machine)
     with plugged(machine):

@@ -377,6 +377,7 @@ def teach(page, folder):
 
 def set_up(page, folder):
     """Each part is opened; test_setup_page.py uses what is in them."""
+    page.tap("#card-setup summary")
     for name in [each.get_attribute("id") for each in page.driver.find_elements("css selector", "#setup .tile")]:
         page.click(name)
         page.click("setup-back")

@@ -34,6 +34,8 @@ class SetUp(Browser):
     def open(self, key):
         if self.driver.find_elements("id", "setup-back"):
             self.click("setup-back")
+        if not self.css("#card-setup details").get_attribute("open"):
+            self.tap("#card-setup summary")
         self.click(f"setup-{key}")
 
     def set(self, key, fields):
