@@ -116,9 +116,9 @@ def check_more_arcs_than_are_queued_at_once():
     full = 0
     for number in range(3 * ARCS):
         machine.do("G3X-.5Y-.5I-.5" if number & 1 else "G3X.5Y.5J.5")
-        assert planner.indices[0] - planner.indices[3] <= ARCS
+        assert planner.indices[0] - planner.indices[3] <= ARCS, list(planner.indices)
         full += not planner.room()
-    assert full > ARCS
+    assert full > ARCS, full
     machine.settle()
     assert tuple(machine.controller.position()) == (0, 0, 0)
 

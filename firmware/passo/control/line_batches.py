@@ -137,7 +137,7 @@ class LineBatches(Feature):
         queue = self._queue
         planner = self._planner
         reach = self.reach()
-        if machine.weave is not None or reach is not None and not self._reachable(command):
+        if machine.weave is not None or not room(planner.indices) or reach is not None and not self._reachable(command):
             return False
         if planner.power != power or planner.dynamic != command.dynamic:
             planner.set_power(power, command.dynamic)
