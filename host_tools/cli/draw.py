@@ -90,10 +90,10 @@ def options_of(said):
     from host_tools.drawings.drawing import Options
 
     known = {key: said[key] for key in PLACED if key in said}
-    return Options(origin=_corner(said.get("origin")), layers=tuple(said.get("layer") or ()), hatch=tuple(said.get("hatch") or ()), **known)
+    return Options(origin=corner(said.get("origin")), layers=tuple(said.get("layer") or ()), hatch=tuple(said.get("hatch") or ()), **known)
 
 
-def _corner(text):
+def corner(text):
     if text is None:
         return None
     try:

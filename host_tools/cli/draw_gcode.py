@@ -44,12 +44,7 @@ class Written:
         self._pens = gcode.pens_at(self.lines, plan) if change else {}
         self.digest = hashlib.sha256("\n".join(self.lines).encode()).hexdigest()
         self._rows = [(number, gcode_file.strip(line.encode())) for number, line in enumerate(self.lines, 1)]
-        limits = Limits(
-            [axis["max_mm_min"] / 60 for axis in machine["axes"]], [axis["accel_mm_s2"] for axis in machine["axes"]]
-        )
-        while len(limits.speeds) < 4:
-            limits.speeds.append(limits.speeds[-1])
-            limits.accelerations.append(limits.accelerations[-1])
+        limits = Limits.of_board(machine)
         self.seconds = sum(gcode_time.estimate(self._rows, limits))
         self._rapid_mm_s = min(limits.speeds[:2])
 

@@ -1,12 +1,12 @@
 """`passo engrave`: a picture, burnt by a laser."""
 
 import contextlib
-import re
 from pathlib import Path
 from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.draw import corner
 from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
 from host_tools.language import _, line_text
@@ -23,8 +23,8 @@ Examples:
 
     passo engrave --card --power 60 -o card.gcode
 
-The lower left corner of the picture lies at the program's zero, or at --origin. The head needs way on both sides to gain its speed
-and lose it; it is told, and is dark. --frame runs around everything at a low power first, and waits: r goes on.
+The lower left corner of the picture lies at the program's zero, or at --origin. The head needs room on both sides to speed up and
+slow down, with the beam off; passo says how much. --frame runs around everything at a low power first, and waits: r goes on.
 
 --card burns patches of 0 to 100 % of the power. Photograph the burnt card, cut the picture to its frame, and give it as --curve: grey
 tones then come out as they are in the picture. A text with lines of POWER DARKNESS in % does as well.
@@ -52,7 +52,7 @@ def engrave(
     speed: Annotated[float, typer.Option(min=1, help="Speed along the rows, in mm/min.")] = 3000.0,
     one_way: Annotated[bool, typer.Option("--one-way", help="All rows from left to right: slower, in register on any machine.")] = False,
     offset: Annotated[float, typer.Option(min=-5, max=5, help="Move the rows from right to left by so many mm.")] = 0.0,
-    overscan: Annotated[Optional[float], typer.Option(min=0, help="Way before and behind a row, in mm; default: what speed and acceleration want.")] = None,
+    overscan: Annotated[Optional[float], typer.Option(min=0, help="Room before and behind a row, in mm; default: computed from speed and acceleration.")] = None,
     origin: Annotated[str, typer.Option(metavar="X,Y", help="Position of the lower left corner, in mm.")] = "0,0",
     passes: Annotated[int, typer.Option(min=1, max=100, help="Burn everything so many times.")] = 1,
     constant: Annotated[bool, typer.Option("--constant", help="M3: the power does not follow the speed. Default M4.")] = False,
@@ -74,7 +74,7 @@ def engrave(
         raise Failure("--shade is one of {}, not {!r}", ", ".join(engraving.SHADES), shade)
     options = engraving.Options(
         width, height, dots, shade, threshold / 100, greys, black / 100, white / 100, gamma, invert,
-        engraving.read_curve(curve) if curve else (), power / 100, min(least, power) / 100, speed, one_way, offset, overscan, _corner(origin),
+        engraving.read_curve(curve) if curve else (), power / 100, min(least, power) / 100, speed, one_way, offset, overscan, corner(origin),
         passes, constant, air, None if frame is None else frame / 100,
     )  # fmt: skip
     with contextlib.ExitStack() as ends:
@@ -94,15 +94,14 @@ def _carry_out(file, options, board, client, out, preview):
     from host_tools.programs import gcode_file, gcode_time
 
     console = Console()
-    machine = of_settings(client.command("$$")) if client else engraving.Machine.of_board(boards.load(board), board)
+    machine = engraving.Machine.of_settings(client.command("$$")) if client else engraving.Machine.of_board(boards.load(board), board)
     options.speed = _bounded(console, options.speed, machine)
     picture = engraving.open_picture(file) if file else engraving.card(options)
     with console.status(_("shading")) as status:
         powers = engraving.powers_of(picture, options, lambda share: status.update(_("shading: {:.0%}", share)))
     rows = engraving.rows_of(powers, options)
     lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode(rows, options, machine), 1)]
-    limits = gcode_time.Limits([machine.rapid / 60] * 4, [machine.acceleration] * 4)
-    seconds = sum(gcode_time.estimate(lines, limits))
+    seconds = sum(gcode_time.estimate(lines, machine.limits))
     _describe(console, powers, rows, options, machine, len(lines), seconds)
     if preview:
         save_preview(preview, powers, rows, options, machine, seconds)
@@ -116,14 +115,6 @@ def _carry_out(file, options, board, client, out, preview):
         console.print(_("{}: {} lines in {}", name, count, gcode_file.clock(seconds)))
 
 
-def _corner(text):
-    try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise Failure("--origin wants two lengths in mm, as in 30,40, not {!r}", text) from None
-    return x, y
-
-
 def _client(ends, port, baud, home, unlock):
     from host_tools.clients.grbl import GrblClient
 
@@ -132,20 +123,10 @@ def _client(ends, port, baud, home, unlock):
     return client
 
 
-def of_settings(answer):
-    """The Machine of the answer to $$. Raises Failure if it is no laser."""
-    from host_tools.drawings.engraving import Machine
-
-    found = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(answer))}
-    if not found.get(32):
-        raise Failure("the machine is not in laser mode ($32=0): it would stand at each dot, the beam on")
-    return Machine(found[110], min(found[110], found[111]), found[120], found[30])
-
-
 def _bounded(console, speed, machine):
-    if speed > machine.feed:
-        console.print(_("  [yellow]{:g} mm/min is more than the machine goes: {:g}[/yellow]", speed, machine.feed))
-    return min(speed, machine.feed)
+    if speed > machine.speed:
+        console.print(_("  [yellow]{:g} mm/min is more than the machine goes: {:g}[/yellow]", speed, machine.speed))
+    return min(speed, machine.speed)
 
 
 def _describe(console, powers, rows, options, machine, lines, seconds):
@@ -159,7 +140,7 @@ def _describe(console, powers, rows, options, machine, lines, seconds):
           width, height, len(rows), lines, clock(seconds))
     )  # fmt: skip
     console.print(
-        _("  the head goes from X{:.1f} to X{:.1f} and from Y{:.1f} to Y{:.1f}: {:.1f} mm beside the dots, to gain speed",
+        _("  the head goes from X{:.1f} to X{:.1f} and from Y{:.1f} to Y{:.1f}: {:.1f} mm beside the dots, to speed up",
           left, right, bottom, top, engraving.overscan(options, machine))
     )  # fmt: skip
     rate = max(len(row.runs) / max(1e-9, abs(row.runs[-1][1] - row.runs[0][0])) for row in rows) * options.speed / 60
@@ -196,6 +177,6 @@ def save_preview(path, powers, rows, options, machine, seconds):
         begin, end = row.runs[0][0], row.runs[-1][1]
         ways += [[(begin - side, row.y), (begin, row.y)], [(end, row.y), (end + side, row.y)]]
     colors = plt.get_cmap("turbo")([at / max(1, len(ways) - 1) for at in range(len(ways))])
-    axes.add_collection(LineCollection(ways, colors=colors, linewidths=0.6, label=_("speed is gained and lost, dark; the first row is blue")))
+    axes.add_collection(LineCollection(ways, colors=colors, linewidths=0.6, label=_("speeding up and slowing down, beam off; the first row is blue")))
     finish(figure, axes, _("{:g} × {:g} mm at {:g} mm/min, {}", width / options.dots_mm, height / options.dots_mm, options.speed, clock(seconds)))
     write(figure, path)

@@ -4,7 +4,7 @@
     powers = powers_of(open_picture("photo.jpg"), options)      # numpy, 0 to 1, the lowest row first
     lines = gcode(rows_of(powers, options, machine), options, machine)
 
-A row runs along X at one speed. The head reaches that speed before the first dot and slows down behind the last one: the way for it,
+A row runs along X at one speed. The head reaches that speed before the first dot and slows down behind the last one: the length of that,
 the overscan, is computed from speed and acceleration. Dots of one power side by side are one line. Blank rows are left out, and long
 blank stretches of a row are passed at rapid.
 
@@ -14,14 +14,18 @@ W. H. Ninke, "A survey of techniques for the display of continuous tone pictures
 
 import math
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, ImageOps, UnidentifiedImageError
 
 from host_tools.failure import Failure, reason
+from host_tools.programs import toolpath
+from host_tools.programs.gcode_time import Limits, settings_of
 
 SHADES = ("jarvis", "floyd", "threshold", "grey")
 MOST_DOTS = 40_000_000
+number = partial(toolpath.number, decimals=3)
 # How a dot's error is shared, in parts of the first number: (dx, dy, parts)
 _FLOYD = 16, ((1, 0, 7), (-1, 1, 3), (0, 1, 5), (1, 1, 1))
 _JARVIS = 48, (
@@ -62,11 +66,9 @@ class Options:
 
 @dataclass
 class Machine:
-    """What a board file says of a laser: mm/min, mm/s², and S of full power."""
+    """A laser: limits of its axes, and S of full power."""
 
-    feed: float
-    rapid: float
-    acceleration: float
+    limits: Limits
     full: float
 
     @classmethod
@@ -75,8 +77,25 @@ class Machine:
         spindle = board.get("spindle") or {}
         if not spindle.get("laser"):
             raise Failure("{} is no laser: passo engrave wants a board file with \"laser\": True, as laser_xy has", name)
-        x = board["axes"][0]
-        return cls(x["max_mm_min"], x["max_mm_min"], x["accel_mm_s2"], spindle["max_rpm"])
+        return cls(Limits.of_board(board), spindle["max_rpm"])
+
+    @classmethod
+    def of_settings(cls, answer):
+        """From the answer to $$. Raises Failure if it is not in laser mode."""
+        found = settings_of(answer)
+        if not found.get(32):
+            raise Failure("set $32=1: without laser mode the machine stands at each dot with the beam on")
+        return cls(Limits.of_settings(answer), found[30])
+
+    @property
+    def speed(self):
+        """Of X, along the rows: mm/min."""
+        return self.limits.speeds[0] * 60
+
+    @property
+    def acceleration(self):
+        """Of X: mm/s²."""
+        return self.limits.accelerations[0]
 
 
 @dataclass
@@ -178,7 +197,7 @@ def diffused(dark, parts, shares, progress=None):
 
 
 def overscan(options, machine):
-    """mm before and behind a row in which the head gains its speed and loses it: v² / 2a, and a tenth."""
+    """mm before and behind a row, in which the head speeds up and slows down: v² / 2a, and a tenth."""
     if options.overscan_mm is not None:
         return options.overscan_mm
     return 1.1 * (options.speed / 60) ** 2 / (2 * machine.acceleration)
@@ -259,7 +278,7 @@ def row_lines(row, options, machine):
 
 def is_rapid(length, options, machine):
     """True if a blank stretch of `length` mm amid a row is passed sooner at rapid, the head being at its speed at both ends."""
-    speed, rapid = options.speed / 60, machine.rapid / 60
+    speed, rapid = options.speed / 60, machine.speed / 60
     if rapid <= speed:
         return False
     peak = min(rapid, math.sqrt(speed**2 + machine.acceleration * length))
@@ -271,11 +290,6 @@ def level(power, machine):
     """The S of a power, 0 to 1 of full power: whole numbers, unless full power is a small one."""
     value = min(power, 1.0) * machine.full
     return str(round(value)) if machine.full >= 100 else number(value)
-
-
-def number(value):
-    text = f"{value:.3f}".rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
 
 
 # --- the test card

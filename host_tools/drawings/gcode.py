@@ -8,11 +8,13 @@ open one back, so the tool is not lifted in between. On Z each pass is deeper by
 """
 
 from dataclasses import dataclass, fields, replace
+from functools import partial
 
 from host_tools.failure import Failure
+from host_tools.programs import toolpath
 
 TOOLS = ("laser", "z", "m3")
-_DECIMALS = 4
+number = partial(toolpath.number, decimals=4)
 _PEN = "pen"
 
 
@@ -175,9 +177,3 @@ def pens_at(lines, plan):
                 first -= 1
             found.update(dict.fromkeys(range(first, index + 2), parts[line]))
     return found
-
-
-def number(value):
-    """A figure without zeros that say nothing."""
-    text = f"{value:.{_DECIMALS}f}".rstrip("0").rstrip(".")
-    return "0" if text in ("-0", "") else text

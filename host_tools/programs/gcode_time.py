@@ -32,11 +32,22 @@ class Limits:
     @classmethod
     def of_settings(cls, lines):
         """From the answer to $$; assumes defaults for missing settings."""
-        values = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(lines))}
+        values = settings_of(lines)
         return cls(
             [values.get(110 + axis, _DEFAULT_SPEED) / 60 for axis in range(4)],
             [values.get(120 + axis, _DEFAULT_ACCELERATION) for axis in range(4)],
         )
+
+    @classmethod
+    def of_board(cls, board):
+        """From a board file's dict. Axes that it does not have are as the last one."""
+        axes = [board["axes"][min(axis, len(board["axes"]) - 1)] for axis in range(4)]
+        return cls([axis["max_mm_min"] / 60 for axis in axes], [axis["accel_mm_s2"] for axis in axes])
+
+
+def settings_of(lines):
+    """{number: value} of the answer to $$."""
+    return {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(lines))}
 
 
 class _State:

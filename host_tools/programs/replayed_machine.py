@@ -3,6 +3,7 @@
 import re
 from dataclasses import dataclass, field
 
+from host_tools.programs.gcode_time import settings_of
 from passo.control import arcs
 
 NM = 1_000_000  # a millimetre
@@ -23,7 +24,7 @@ class Machine:
     @classmethod
     def of_answers(cls, settings, parameters, axes=3):
         """From the answers to `$$` and `$#`."""
-        values = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(settings))}
+        values = settings_of(settings)
         axes = len([number for number in range(100, 103) if number in values])
         systems = {name: [float(part) for part in places.split(",")]
                    for name, places in re.findall(r"\[(G5[4-9]|G28|G30):([-\d.,]+)\]", "\n".join(parameters))}  # fmt: skip

@@ -14,10 +14,11 @@ from host_tools.cli.main import app
 from host_tools.drawings import engraving
 from host_tools.drawings.engraving import Machine, Options
 from host_tools.failure import Failure
+from host_tools.programs.gcode_time import Limits
 from passo.app import App
 from passo.steps.word import COUNT_MASK
 
-LASER = Machine(12000, 12000, 1500, 1000)
+LASER = Machine(Limits([200.0] * 4, [1500.0] * 4), 1000)
 WORD = re.compile(r"([A-Z])(-?\d*\.?\d+)")
 pytestmark = pytest.mark.unmeasured
 
