@@ -369,7 +369,7 @@ class App:
         self._feed()
 
     def _answer(self):
-        """Tell the links what has happened; a push may bring about more of it."""
+        """Tell the links all events. The answer to one may add another."""
         events = self.controller.machine.events
         while events:
             event = events.pop(0)

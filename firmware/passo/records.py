@@ -383,6 +383,6 @@ SEEN_LIT = const(3)  # 1: the tool's bit is on at the pins
 SEEN_LINE = const(4)  # tag of that block, if it moves; 0: none
 SEEN_MM_S = const(5)  # speed along the path: whole mm/s, and nm/s above them
 SEEN_NM_S = const(6)
-SEEN_FASTEST = const(7)  # no finding, but what speeds are told by: the machine's fastest, nm/s >> SEEN_SHIFT, below 2³⁰; 0: no limits
+SEEN_FASTEST = const(7)  # the machine's fastest speed, of which rows have a share: nm/s >> SEEN_SHIFT, below 2³⁰; 0: no limits
 SEEN_SHIFT = const(8)
 SEEN_FIELDS = const(9)

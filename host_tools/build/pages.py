@@ -17,9 +17,9 @@ from passo.web.files import PACK
 PAGES = FIRMWARE / "passo" / "web" / "page"
 # The small page of the torch's HTTP table; all other files are those of the page.
 OF_HTTP = {"torch": ("torch.html", "torch.css", "torch.js", "sha256.js")}
-OF_PC = ("setup_make.js",)  # what a board has no Python to compute, the page says without it
-ENTRIES = ("panel.js", "setup.js")  # a PC's page loads the second one when it is wanted, a board's has it in its one script
-_OF_G_CODE = "setup"  # the set-up of a machine that is told G-code: its files begin so
+OF_PC = ("setup_make.js",)  # for what only a PC computes: a board's page has no such script, and says so
+ENTRIES = ("panel.js", "setup.js")  # a PC's page loads the second one when it is wanted; a board's one script has both
+_OF_G_CODE = "setup"  # files that begin so are the set-up of a machine that takes G-code
 _AS_THEY_ARE = ("torch.html",)  # it is the end of another text
 _AXES = 4
 _IMPORT = re.compile(r'^import (?:\{([^}]*)\} from )?"\./([\w.]+)";\n', re.MULTILINE)

@@ -34,7 +34,7 @@ class Backend(Base):
                 lines.append(line)
         return lines
 
-    # --- what the add-on calls
+    # --- called by the add-on; those that pass have nothing to do here
 
     def draw_point(self, pos, properties):
         self._add(properties, [numpy.array([complex(pos.x, pos.y)] * 2)])

@@ -3,7 +3,7 @@
 import time
 
 import pytest
-from test_panel_page import BRING, Browser, driver, pytestmark as of_pages  # noqa: F401
+from test_panel_page import BRING, Browser, browser, driver, pytestmark as of_pages  # noqa: F401
 
 from host_tools import boards
 from panel_process import PanelProcess
@@ -22,16 +22,6 @@ def panel(tmp_path_factory):
     folder = tmp_path_factory.mktemp("panel")
     with PanelProcess(folder) as process:
         yield process
-
-
-@pytest.fixture
-def browser(panel, driver):  # noqa: F811
-    with Browser(panel, driver) as opened:
-        if opened.text("state") == "Alarm":
-            opened.click("unlock")
-        opened.until_state("Ready")
-        yield opened
-        assert not [row for row in opened.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
 
 
 def drop(browser, **files):

@@ -144,19 +144,24 @@ def test_from_nothing_to_a_drawing(hand, tmp_path, show):
     assert len(points) > 20 and points <= passed
 
 
+def begin(page, file):
+    """Unlock if need be, set zero where the tool stands, and run the file."""
+    if page.state() == "Alarm":
+        page.touch("unlock")
+    page.rest()
+    page.touch("zero-all")
+    page.touch("ask-yes")
+    page.put(file)
+    page.touch("run")
+
+
 def test_an_engraving(hand, tmp_path, show):
     """The zero is set where the work lies; lines of rising power, the beam off between them."""
     (tmp_path / "lines.gcode").write_text(ENGRAVING)
     board = boards.load("laser_xy")
     with PanelProcess(tmp_path, "--board", "laser_xy") as panel:
         page = hand(panel)
-        if page.state() == "Alarm":
-            page.touch("unlock")
-        page.rest()
-        page.touch("zero-all")
-        page.touch("ask-yes")
-        page.put(tmp_path / "lines.gcode")
-        page.touch("run")
+        begin(page, tmp_path / "lines.gcode")
         page.until(lambda: page.state() == "Run")
         page.show(f"engraving-{page.name}")
         done(panel, page)
@@ -183,13 +188,7 @@ def test_a_crash_and_its_recovery(hand, tmp_path, show):
         first = PanelProcess(tmp_path, *port)
         page = hand(first)
         page.until(lambda: page.state() in ("Alarm", "Idle"))
-        if page.state() == "Alarm":
-            page.touch("unlock")
-        page.rest()
-        page.touch("zero-all")
-        page.touch("ask-yes")
-        page.put(tmp_path / "pocket.gcode")
-        page.touch("run")
+        begin(page, tmp_path / "pocket.gcode")
         page.until(lambda: page.place_of("y") > 4)
         before = page.taps
         first._process.send_signal(signal.SIGKILL)

@@ -23,7 +23,7 @@ _COUNTS = const(3)
 
 
 def _state(path):
-    """(whether a file counts, what its first line says); 0 if there is none, or a folder."""
+    """(state of a file, its first line as parsed); state 0: there is no file, or it is a folder."""
     try:
         with open(path, "rb") as file:
             line = file.readline(HEAD_BYTES)
@@ -52,7 +52,7 @@ class CardStore(JobStore):
         return found
 
     def _best(self, name, tidy=False):
-        """(path, state, first line) of the file of a job that is used; `tidy`: what was cut off of an upload is removed."""
+        """(path, state, first line) of the file that counts for a job; `tidy`: remove an upload that was cut off."""
         path = self._folder + name + _ENDS[1]
         other = self._other(path)
         state, head = _state(path)

@@ -116,8 +116,8 @@ class JobJournal(Feature):
         return {commands.JOURNAL: self._ask}
 
     def _ask(self, command):
-        """`target` None: (job, line, flags, positions) as they are now; else the number of the job that begins; 0: its
-        lines have been done to the end, and none is to be gone on with."""
+        """`target` None: answer (job, line, flags, positions). A number: the job with this number begins. 0: the last job's
+        lines are done, so nothing is left to resume."""
         machine = self._machine
         if command.target is None:
             flags = self._flags & ~HOMED | self._homed()

@@ -161,8 +161,8 @@ class MachineState:
         return False
 
     def report(self, answers=False):
-        """What there is to say of the machine: a dict, the same each time, after a look at the queue (Queue.look()) and with what every
-        feature adds. `answers` STATUS: the number that was logged last has been told then."""
+        """The status report: one dict, which the next call fills in anew. Looks at the queue (Queue.look()) and asks every feature.
+        `answers`: it answers STATUS, so the number logged last counts as told."""
         report = self._report
         self.queue.look()
         if not self.active:

@@ -312,7 +312,7 @@ class Server:
             self._requests.append(request)
 
     def _overtake(self, connection, now_ms):
-        """A STOP: what waits was asked before it, and is refused. A proof with it makes those that are still under way old ones."""
+        """Refuse all proven requests that came before this STOP. If it has a proof, those still under way count as old, too."""
         if connection.proof:
             self._guard.proven(connection, now_ms)
         waiting, self._requests = self._requests, []

@@ -141,7 +141,7 @@ class PageLine:
             self._messages.append((None, bytes((page.number, GONE))))
 
     def _stop(self, body):
-        """STOP by a request of its own: what pages have ordered before it is refused, not carried out behind it."""
+        """STOP by a request of its own: refuse the orders that pages sent before it."""
         self.pages.overtake(body)
         self._messages = [message for message in [self._before(*message) for message in self._messages] if message]
         self._messages.insert(0, (None, bytes((FIRST + MOST, FREE)) + _STOP))

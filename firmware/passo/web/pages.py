@@ -95,8 +95,8 @@ class Pages:
         return text, True
 
     def overtake(self, said):
-        """A STOP came by another way than the orders of its page, which may still be under way: those that were sent before it are
-        refused. `said`: the page's nonce and how many orders it has sent, b"NONCE.COUNT"."""
+        """Refuse the orders that a page sent before its STOP, which came by a way of its own and may be the quicker one. `said`: the
+        page's nonce and how many orders it has sent, b"NONCE.COUNT"."""
         nonce, _, count = said.partition(b".")
         for page in self.pages:
             if page.session.nonce.encode() == nonce and count.isdigit() and len(count) <= _DIGITS:

@@ -15,7 +15,7 @@ from machine import mem32
 from passo.ports.rp2.chip import RP2350
 
 PIO_IRQ_1 = 16 if RP2350 else 8  # the second one of PIO block 0; the next block's is two more. MicroPython has the first one
-IRQ1_INTE = 0x17C if RP2350 else 0x138  # register of a PIO block: what raises it
+IRQ1_INTE = 0x17C if RP2350 else 0x138  # register of a PIO block: the causes of its second interrupt
 _SYSTICK = 0xE000E010
 _ENABLE = 0xE000E100
 _DISABLE = 0xE000E180
@@ -24,7 +24,7 @@ _VTOR = 0xE000ED08  # the vectors lie in memory
 
 
 def enter(irq, kernel, argument):
-    """Have the chip call kernel(argument) in an interrupt. Returns what has to be kept as long as it may come."""
+    """Have the chip call kernel(argument) in an interrupt. Returns an array: keep it as long as the interrupt may come."""
     entry = array("I", (
         0x4B054804,  # ldr r0, the kernel, which MicroPython gives to machine code; ldr r3, its arguments
         0x220168C1,  # ldr r1, [r0, #12], its code; movs r2, #1

@@ -5,7 +5,7 @@ from micropython import const
 # GCode.place: what plain lines are understood by, three numbers each if the axes'; places from PARSE_LOW on have 2²⁹ added.
 PARSE_AXES = const(0)
 PARSE_RELATIVE = const(1)  # 1: G91
-PARSE_MODAL = const(2)  # 0 … 3: that G holds
+PARSE_MODAL = const(2)  # the G that holds for lines without one: 0 … 3
 PARSE_FEED = const(3)  # nm/s
 PARSE_POSITION = const(4)  # machine coordinates, nm
 PARSE_OFFSET = const(7)  # machine place − programme place, nm
@@ -44,7 +44,7 @@ PARSE_LINE = const(45)  # N
 PARSE_ARCS = const(46)  # 1: G2 and G3 are plain too, with I or J: arcs of X and Y
 PARSE_I = const(47)  # nm
 PARSE_J = const(48)
-PARSE_ARC = const(49)  # parse() has come to an arc: where the line behind it begins; 0: to none
+PARSE_ARC = const(49)  # where the line behind an arc begins, if parse() has stopped at one; 0: it has not
 PARSE_FIELDS = const(50)
 
 # Lines.fields: bytes of Lines.text.
