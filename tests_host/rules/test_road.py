@@ -36,7 +36,7 @@ KERNELS = [name for name in ROAD if "_viper.py" in name]
 # What the road asks, once for all lines that a cycle brings: does the machine take lines now, how many, understood by what?
 ASKED = {
     "control/line_batches.py LineBatches.open",
-    "control/program.py Program.reach",
+    "control/line_batches.py LineBatches.reach",
     "control/queue.py Queue.room",
     "motion/row_viper.py room",
     "protocols/gcode/parser.py GCode.opens",

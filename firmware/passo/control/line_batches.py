@@ -1,12 +1,14 @@
-"""The half of a program's motion that takes lines in batches (batch.Lines)."""
+"""A program's travel, and its lines in batches (batch.Lines); program.py has the rest of its motion."""
 # Shared with interrupts: indices
 
 from array import array
 
 import micropython
 
-from passo import errors
+from passo import commands, errors
 from passo.batch import LINES
+from passo.config import setting_numbers as table
+from passo.control.arc_bounds import farthest
 from passo.control.feature import Feature
 from passo.motion.look_ahead_viper import plan_lines
 from passo.motion.row_viper import room
@@ -59,6 +61,8 @@ def go_along(rows: ptr32, row: int, at: ptr32, travel: ptr32):
 class LineBatches(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
+        self._axes = board["axes"]
+        self._travel_of = None  # the settings' version that `_travel` is of
         self._planner = queue.planner
         self._trace = array("i", [0] * TRACE_FIELDS)
         self._trace[TRACE_AXES] = len(board["axes"])
@@ -67,6 +71,44 @@ class LineBatches(Feature):
 
     def batches(self):
         return {LINES: (self.open, self.accept, self.close, self.arc)}
+
+    # --- the travel
+
+    def reach(self):
+        """(lowest, highest) places of the axes, or None if no travel limits hold now. The same object until that changes."""
+        machine = self._machine
+        settings = machine.settings
+        if self._travel_of != settings.version:
+            self._travel_of = settings.version
+            self._travel = self._find_travel() if settings.value(table.SOFT_LIMITS) else None
+        return self._travel if machine.homed else None
+
+    def _find_travel(self):
+        ends = [self._queue.reach(axis) for axis in range(len(self._axes))]
+        return [low for low, _ in ends], [high for _, high in ends]
+
+    def _inside(self, target):
+        """True if `target` is within the travel, or no travel limits hold."""
+        reach = self.reach()
+        if reach:
+            for axis in range(len(target)):
+                if not reach[0][axis] <= target[axis] <= reach[1][axis]:
+                    return False
+        return True
+
+    def _reachable(self, command):
+        if not self._inside(command.target):
+            return False
+        if self._machine.weave is not None and self.reach() and not self._machine.weave.inside(command, self._inside):
+            return False
+        if command.kind != commands.ARC or not self.reach():
+            return True
+        for place in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
+            if not self._inside(place):
+                return False
+        return True
+
+    # --- batches
 
     @property
     def rows(self):

@@ -9,7 +9,6 @@ from micropython import const
 from passo import commands, errors
 from passo.batch import thousandths
 from passo.config import setting_numbers as table
-from passo.control.arc_bounds import farthest
 from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.limits import Limits
@@ -29,9 +28,7 @@ def minute_ticks(command):
 
 class Program(LineBatches):
     def __init__(self, board, machine, queue):
-        self._axes = board["axes"]
         self._limits_of = None  # the settings' version whose limits the planner knows
-        self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         LineBatches.__init__(self, board, machine, queue)
 
@@ -109,28 +106,6 @@ class Program(LineBatches):
             start = motion.target
         return 0
 
-    def reach(self):
-        """(lowest, highest) places of the axes, or None if no travel limits hold now. The same object until that changes."""
-        machine = self._machine
-        settings = machine.settings
-        if self._travel_of != settings.version:
-            self._travel_of = settings.version
-            self._travel = self._find_travel() if settings.value(table.SOFT_LIMITS) else None
-        return self._travel if machine.homed else None
-
-    def _find_travel(self):
-        ends = [self._queue.reach(axis) for axis in range(len(self._axes))]
-        return [low for low, _ in ends], [high for _, high in ends]
-
-    def _inside(self, target):
-        """True if `target` is within the travel, or no travel limits hold."""
-        reach = self.reach()
-        if reach:
-            for axis in range(len(target)):
-                if not reach[0][axis] <= target[axis] <= reach[1][axis]:
-                    return False
-        return True
-
     def _begin(self, command):
         if self._queue.room() < _BLOCKS_A_MOTION:
             return LATER
@@ -171,18 +146,6 @@ class Program(LineBatches):
     def _too_long(self, command):
         longest = max([abs(by) for by in self._queue.deltas(command.target)])
         return errors.TARGET if longest > MAX_STEPS else 0
-
-    def _reachable(self, command):
-        if not self._inside(command.target):
-            return False
-        if self._machine.weave is not None and self.reach() and not self._machine.weave.inside(command, self._inside):
-            return False
-        if command.kind != commands.ARC or not self.reach():
-            return True
-        for place in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
-            if not self._inside(place):
-                return False
-        return True
 
     def _queue_motion(self, command):
         """0, or the error of what the planner refuses."""
