@@ -5,9 +5,12 @@ import random
 import pytest
 
 from host_tools import boards
+from host_tools.cli import jobs
+from host_tools.clients.grbl import GrblClient
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.radio import LoopbackRadio
 from passo import machine_builder
+from running_router import Running
 
 # What is sent, and how long the machine is left alone with it.
 ORDERS = (
@@ -49,3 +52,26 @@ def test_any_order_of_features_is_as_good(name, monkeypatch):
     shuffled = random.Random(1).sample(features, len(features))
     for order in (features[::-1], shuffled):
         assert carried_out(name, order) == wanted
+
+
+def journal_after_a_stored_job(folder, order):
+    """What the journal says of a job that the board has run to its end."""
+    machine_builder.FEATURES = tuple(order)
+    folder.mkdir()
+    (folder / "part.gcode").write_text("G21 G91\nG1 X2 F3000\nG1 X-2\n")
+    board = Running("fast", jobs={"language": "grbl", "folder": str(folder / "flash")}, journal={"every_ms": 200})
+    try:
+        jobs.store(folder / "part.gcode", "PART", "grbl", check=False, port=board.line.name)
+        jobs.run("PART", True, True, board.line.name, 115200)
+        with GrblClient(board.line.name) as client:
+            client.connect()
+            return client.command("$JR")
+    finally:
+        board.close()
+
+
+def test_a_stored_job_ends_in_any_order(tmp_path, monkeypatch):
+    features = machine_builder.FEATURES
+    monkeypatch.setattr(machine_builder, "FEATURES", features)  # put back at the end
+    for number, order in enumerate((features, features[::-1])):
+        assert journal_after_a_stored_job(tmp_path / str(number), order) == ["[JOURNAL:00000000|0|3|0,0,0]"]

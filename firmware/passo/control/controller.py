@@ -151,9 +151,10 @@ class Controller:
         self._version = machine.settings.version
         for poll in self._polls:
             poll(now_ms)
-        if machine.command is not None:
-            for poll in self._long:
-                poll(now_ms)
+        for poll in self._long:
+            if machine.command is None:  # also if one of them has ended it
+                break
+            poll(now_ms)
         still = self.queue.still()
         if machine.hold or machine.dropping:
             for poll in self._holds:

@@ -127,6 +127,8 @@ class JobJournal(Feature):
         if not command.target:
             if self._counted is None:
                 self._job = self._line = 0
+                self._flags = DONE | self._homed()
+                self._sample_position()
                 self._write()
             return machine.accepted(command)
         self._retired = self._queue.retired()

@@ -309,7 +309,7 @@ class Jobs(Feature):
 
     def poll_end(self, still):
         machine = self._machine
-        if self._file is None or self._proving or not still or machine.dropping or machine.command is not None or machine.drawing:
+        if self._file is None or self._proving or not still or machine.dropping or machine.command is not None or machine.drawing or machine.active:
             return
         if self._rest is not None:
             self._read_rest()
