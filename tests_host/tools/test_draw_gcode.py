@@ -173,7 +173,7 @@ def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys):
     with Running("fast") as running:
         where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--depth", 1, "--lift", 0]
         said, status = command(monkeypatch, capsys, path, *where)
-        assert not status and "drawn in" in said and not path.with_name("page.svg.journal").exists()
+        assert not status and "drawn in" in said and not path.with_name("page.svg.journal").exists(), said
         assert running.position()[:2] == [0, 0]
         plain = stream.Panel.cycle
 
