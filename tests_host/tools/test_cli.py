@@ -12,11 +12,13 @@ from host_tools.cli import main as cli
 
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys({names!r})); sys.argv = {words!r}; from host_tools.cli.main import main; main()"
 
+A_BASH = "bash", "-c", '"$0" "$@"; exit $?'  # which stays the parent of what it runs
 
-def passo(*words, without=(), **more):
-    """Run `passo` in a process in which the packages `without` are not installed; `more`: of its environment."""
-    program = BLOCKED.format(names=list(without), words=["passo", *words])
-    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env={**environment(), **more}, timeout=60)
+
+def passo(*words, without=(), shell=(), **more):
+    """Run `passo` in a process in which the packages `without` are not installed, by `shell`; `more`: of its environment."""
+    program = [*shell, sys.executable, "-c", BLOCKED.format(names=list(without), words=["passo", *words])]
+    return subprocess.run(program, capture_output=True, text=True, env={**environment(), **more}, timeout=60)
 
 
 def test_alone_it_says_what_to_try_first():
@@ -29,7 +31,7 @@ def test_alone_it_says_what_to_try_first():
 
 def test_a_shell_completes_its_verbs(tmp_path):
     """As the script that --install-completion writes asks for them."""
-    done = passo("--install-completion", "bash", HOME=str(tmp_path))
+    done = passo("--install-completion", shell=A_BASH, HOME=str(tmp_path))
     assert done.returncode == 0 and "installed" in done.stdout, done.stderr
     script = tmp_path / ".bash_completions" / "passo.sh"
     assert str(script) in (tmp_path / ".bashrc").read_text()
