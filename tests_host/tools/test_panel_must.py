@@ -27,6 +27,10 @@ SVG = (
 ENGRAVING = "G21 G90 G54\nM4 S0\nG1 F6000\n" + "".join(
     f"G0 X{2 if row % 2 else 12} Y{row / 2}\nG1 X{12 if row % 2 else 2} S{200 + 40 * row}\nS0\n" for row in range(12)) + "M5\nG0 X0 Y0\nM2\n"
 POCKET = "G21 G90 G54\nF6000\nM3 S5000\nG0 Z0\nG0 X2 Y2\nG1 Z-2\n" + "".join(f"X20\nY{2.5 + row / 2}\nX2\nY{3 + row / 2}\n" for row in range(0, 40, 2)) + "G0 Z0\nM5\nM30\n"
+OF_TWO_TOOLS = (
+    "G21 G90 G54\nT1 M6\nM3 S5000\nF6000\nG0 Z5\nG0 X2 Y2\nG1 Z-2\n" + "".join(f"X20\nY{3 + 2 * row}\nX2\nY{4 + 2 * row}\n" for row in range(9))
+    + "G0 Z5\nM5\nT2 M6\nM3 S8000\nG0 X2 Y2\nG1 Z-3\nX20\nY20\nX2\nY2\nG0 Z5\nM5\nM30\n")
+PLATE_MM, CORNER_MM, TOP_MM = (180, 125, -24), (120, 80), -40  # on the virtual table of --stock: above the plate, of the pocket, of the piece
 ERRORS = "window.wrong = []; addEventListener('error', (event) => window.wrong.push(event.message));"
 
 
@@ -80,13 +84,35 @@ class Hand(Browser):
             assert time.monotonic() < deadline, (self.state(), self.text("message"))
             time.sleep(0.1)
 
+    def type(self, name, text):
+        """A number into a field: one tap, and the keyboard of the device."""
+        element = self.reach(self.find(name))
+        self.taps += 1
+        self.driver.execute_script("arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('change', {bubbles: true}))", element, str(text))
+
+    def go(self, **places):
+        """By the form, in work coordinates."""
+        for axis, place in places.items():
+            self.type(f"goto-{axis}", place)
+        self.touch("#goto-form button")
+        deadline = time.monotonic() + REST_S
+        while any(abs(self.place_of(axis) - place) >= 0.006 for axis, place in places.items()):
+            assert time.monotonic() < deadline, (self.state(), self.text("message"))
+            time.sleep(0.1)
+        self.rest()
+
     def show(self, name):
         """A picture, if they are kept; and nothing is wider than the screen, nothing has failed."""
-        assert self.driver.execute_script("return document.documentElement.scrollWidth <= innerWidth"), "wider than the screen"
+        assert not self.driver.execute_script(WIDER), name
         assert not self.driver.execute_script("return window.wrong")
         self.shot(name)
 
 
+WIDER = """
+const wide = document.documentElement.scrollWidth > innerWidth;
+return wide ? [...document.querySelectorAll("body *")].filter((e) => e.getBoundingClientRect().right > innerWidth + 0.5).map((e) => e.outerHTML.slice(0, 80)) : [];
+"""
+FOUND = "return /^(Done|Pronto)/.test(document.querySelector('#card-setup .progress').textContent)"
 BROWSERS = {"chromium": bool(CHROMIUM and DRIVER), "firefox": bool(FIREFOX)}
 
 
@@ -173,6 +199,50 @@ def test_an_engraving(hand, tmp_path, show):
     start = rows[0][1:3]
     ends = {(round(start[0] + x * scale), round(start[1] + row / 2 * scale)) for row in range(12) for x in (2, 12)}
     assert len(ends - {row[1:3] for row in rows}) == 0
+
+
+def test_a_pocket_with_touch_plate_and_tool_change(hand, tmp_path, show):
+    """Homed, Z found by the plate on the piece, X and Y set where the pocket begins; the bar asks for each of two tools."""
+    (tmp_path / "pocket.gcode").write_text(OF_TWO_TOOLS)
+    with PanelProcess(tmp_path, "--board", "router_3axis") as panel:
+        page = hand(panel)
+        page.until(lambda: page.state() in ("Alarm", "Idle"))
+        page.touch("home")
+        page.until(lambda: page.state() == "Home")
+        page.rest()
+        page.go(**dict(zip("xyz", PLATE_MM)))
+        page.reach(page.find("card-setup"))
+        if not page.css("#card-setup details").get_attribute("open"):
+            page.touch("#card-setup summary")
+        page.until(lambda: page.driver.find_elements("css selector", "#setup-plate"))
+        page.touch("setup-plate")
+        page.until(lambda: page.find("wizard-plate").is_enabled())
+        page.show(f"pocket-plate-{page.name}")
+        page.touch("wizard-plate")
+        page.touch("ask-yes")
+        deadline = time.monotonic() + REST_S
+        while not page.driver.execute_script(FOUND):
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        page.rest()
+        page.show(f"pocket-found-{page.name}")
+        page.go(z=10)
+        page.go(**dict(zip("xy", CORNER_MM)))
+        for number in (1, 2):
+            page.touch(f"#places tr:nth-child({number}) button")
+        page.until(lambda: [page.place_of(axis) for axis in "xy"] == [0, 0])
+        page.put(tmp_path / "pocket.gcode")
+        page.touch("run")
+        for tool in "12":
+            page.until(lambda tool=tool: f"T{tool}" in page.text("wait-text") or f" {tool}" in page.text("wait-text"))
+            page.show(f"pocket-tool-{tool}-{page.name}")
+            page.touch("wait-go")
+        page.until(lambda: page.state() == "Run" and page.place_of("y") > 4)
+        page.show(f"pocket-{page.name}")
+        done(panel, page)
+        page.show(f"pocket-done-{page.name}")
+        show("taps", f"a pocket, {page.name}: {page.taps}")
+        assert [page.place_of(axis) for axis in "xyz"] == [2, 2, 5]
 
 
 def test_a_crash_and_its_recovery(hand, tmp_path, show):

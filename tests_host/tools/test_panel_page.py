@@ -604,7 +604,7 @@ def within_two_screens(browser, size):
         for tab in [each for each in tabs if each.is_displayed()] or tabs[:1]:
             if tab.is_displayed():
                 tab.click()
-            assert driver.execute_script("return document.documentElement.scrollHeight") <= 2 * height
+            browser.until(lambda: driver.execute_script("return document.documentElement.scrollHeight") <= 2 * height)  # once it is laid out
             assert driver.execute_script("return document.documentElement.scrollWidth") <= width
             driver.execute_script("scrollTo(0, 1e6)")
             for name in ("stop", "state"):

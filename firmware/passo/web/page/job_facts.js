@@ -37,7 +37,7 @@ export class JobFacts {
     const { name, size, lines, seconds, tools, pauses } = this.about, box = name && this.picture.bounds();
     const facts = name ? [_("{lines} lines, {size} kB", { lines, size: Math.ceil(size / 1024) })] : [];
     if (seconds !== undefined) facts.push(_("about {time}", { time: clock(seconds) }));
-    const told = (ends, axis) => (axis < 2 || ends.some(Boolean) ? [`${"XYZ"[axis]} ${ends[0].toFixed(1)} … ${ends[1].toFixed(1)}`] : []);  // a plotter has no Z
+    const told = (ends, axis) => (axis < 2 || ends.some(Boolean) ? [`${"XYZ"[axis]}\u00a0${ends[0].toFixed(1)}\u00a0…\u00a0${ends[1].toFixed(1)}`] : []);  // a plotter has no Z
     if (box) facts.push([].concat(...box.map(told)).join(", ") + " mm");
     if (tools && tools.length) facts.push(_("tools {tools}", { tools: tools.join(", ") }));
     if (pauses) facts.push(_("pauses: {pauses}", { pauses }));
