@@ -6,7 +6,6 @@ import sys
 
 from host_tools.failure import Failure
 from host_tools.language import _
-from host_tools.programs.interrupted import number_of
 from passo import errors
 
 _SIGN_S = 0.3
@@ -18,9 +17,7 @@ def announce(client, lines, name):
     from host_tools.clients.grbl import Refused
     from host_tools.programs import begun
 
-    number = number_of(lines)
-    moving = [at for at, line in lines if any(letter in line.upper() for letter in b"XYZ")]
-    begun.remember(number, name, moving[-1] if moving else 0)
+    number = begun.remember_program(lines, name)
     try:
         client.command(f"$JR={number:08x}")
     except Refused as refused:

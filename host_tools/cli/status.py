@@ -55,7 +55,7 @@ def _grbl(port, baud):
         except LinkError:
             fields = {**fields, **client.ask_status()}  # raises if the link is gone; else lines that were sent before hold $LOG up
             return [*grbl_rows(fields, [], []), ("", _("no log, no encoders: they are answered after the lines sent before"))]
-        job = _job(client, fields["state"])
+        job = _job(client, fields)
         encoders = []
         if "En" in fields:  # the board has some
             encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")]
@@ -63,13 +63,13 @@ def _grbl(port, baud):
     return rows[:1] + job + rows[1:]
 
 
-def _job(client, state):
+def _job(client, fields):
     """The row that tells which job has not been done to its end: where the board keeps a journal, and stands."""
     from host_tools.clients.refusal import Refused
     from host_tools.programs import begun, stored_job
     from host_tools.programs.job_record import Record
 
-    if state not in ("Idle", "Alarm"):
+    if fields["state"] not in ("Idle", "Alarm"):
         return []
     try:
         options = "".join(line.split(",")[0] for line in client.command("$I") if line.startswith("[OPT:"))
@@ -87,7 +87,8 @@ def _job(client, state):
         return []  # it has been done to its end
     name = name or _("a program that this PC has not begun ({})", f"{record.job:08x}")
     text = _("stopped after line {} of {}", record.line, name) if record.done else _("stopped amid line {} of {}", record.line, name)
-    return [(N_("job"), text + _("; passo resume goes on with it"))]
+    turns = _(", the spindle turns") if set("SC") & set(fields.get("A", "")) else _(", spindle off")
+    return [(N_("job"), text + turns + _("; passo resume goes on with it"))]
 
 
 def grbl_rows(fields, encoders, log):

@@ -1,21 +1,23 @@
 """Goes on with a job of the panel that was interrupted, where the board's journal says: what `passo resume` does, for the page.
 
     machine.job = RecoverableJobs(machine, tell, store)
-    machine.state["recover"]        # {"name", "line", "known", "next"}: offered; "next": what the tool does when it goes down
+    machine.state["recover"]        # {"name", "line", "known", "next"}: offered; "next": what the tool does when it goes down; "absent": there is
+                                    # no such job here, it was begun by `passo stream` or by a panel with another folder
     machine.orders["recover"]({"do": "recover", "what": "begin"})   # tool up, over the place, outputs on; then it asks
     machine.orders["recover"]({"do": "recover", "what": "down"})    # the rest of the program; "drop": tool up, spindle and coolant off; "forget"
     machine.orders["recover"]({"do": "recover", "what": "from", "name": "part.gcode", "line": 120})     # offered: begin at a line, as passo stream --from
 
 What will hold where a line begins is in the offer, "held" (see Replay.held), before anything moves.
 
-The journal is asked once the machine is at rest: at the start, after homing, and when a job has ended. Each job tells the board its
+The journal is asked once the machine is at rest: at the start, after homing, when a job has ended, and when a file has been added. Each job tells the board its
 number before its first line goes, for the board writes down each line under the number that it was told last. A job that does not
 begin tells none: the one that was interrupted before is still to be offered.
 """
 
 from host_tools.failure import Failure
-from host_tools.programs import replay
+from host_tools.programs import begun, replay
 from host_tools.programs.interrupted import ended, interrupted, number_of, staged
+from host_tools.programs.job_record import Record
 from host_tools.programs.replayed_machine import Machine
 from passo import errors
 from passo.protocols.page import orders
@@ -33,6 +35,7 @@ class RecoverableJobs(StoredJobs):
         self._tell_all = tell
         self._files = store
         self._asked = False  # the journal is known, or has been asked for
+        self._changed = store.changed
         self._announcing = False  # the board has not yet answered that it knows which job begins
         self._collects = None  # lines of answers, while they are wanted
         self._stage = ""  # "over": on its way, "ask": over the place, and the operator is asked
@@ -50,7 +53,8 @@ class RecoverableJobs(StoredJobs):
 
     def report(self, state):
         machine = self._machine
-        if state == "Home":
+        if state == "Home" or self._changed != self._files.changed and not self._stage:
+            self._changed = self._files.changed
             self._asked = False
         if not self._asked and state in _REST and machine.settings and machine.options is not None and not self.running() and not machine.refusal():
             self._asked = "J" not in machine.options
@@ -83,7 +87,19 @@ class RecoverableJobs(StoredJobs):
             left = b"".join(line.upper() for known, line in lines if known >= number)
             if (name, number) != self._left and number > lines[0][0] and any(letter in left for letter in b"XYZ"):  # else only outputs were left, and are off
                 return {"name": name, "line": number, "known": known, "next": ""}
-        return None
+            return None
+        return self._elsewhere(said)
+
+    def _elsewhere(self, said):
+        """The offer of a job that is not among those here, but that this PC has begun; None if there is none, or it has been done."""
+        try:
+            record = Record.of(said)
+        except Failure:
+            return None
+        name, last = begun.found(record.job)
+        if not name or not record.line or record.done and record.line >= last or (name, record.line) == self._left:
+            return None
+        return {"name": name, "line": record.line, "known": record.known, "next": "", "absent": True}
 
     # --- orders
 
@@ -101,6 +117,8 @@ class RecoverableJobs(StoredJobs):
             return self._drop() if what == "drop" else self._forget()
         if machine.state["state"] != "Idle":
             return errors.LOCKED
+        if "absent" in offer:
+            return errors.NO_SUCH_JOB
         if what == "begin":
             return self._begin_again(bool(order.get("unverified")) or offer["known"])
         if what == "down" and self._stage == "ask":
@@ -238,7 +256,7 @@ class RecoverableJobs(StoredJobs):
 
     def _number(self, name, lines):
         """Of a job that is not among those looked through, a number by which it is not found: it is not offered, and no other is in its place."""
-        return next((number_of(text) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
+        return next((begun.remember_program(text, name) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
 
     def _announced(self, error):
         self._announcing = False

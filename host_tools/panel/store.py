@@ -42,6 +42,7 @@ class Store:
         folder.mkdir(parents=True, exist_ok=True)
         self._coming = {}  # name: pieces so far
         self._programs = {}  # (name, time, bytes): what has been read of them
+        self.changed = 0  # counts what has been kept
 
     def names(self):
         """[(name, bytes)] in alphabetical order."""
@@ -176,6 +177,7 @@ class Store:
         try:
             fresh.write_bytes(data)
             os.replace(fresh, path)
+            self.changed += 1
         except OSError:
             fresh.unlink(missing_ok=True)
             return errors.JOB_SIZE

@@ -1,6 +1,7 @@
 """The names of the programs that this PC has begun, by the number that a board's journal knows them by: so that a board whose sender
 has died can be told of by name.
 
+    begun.remember_program(lines, "rings.gcode")    # of gcode_file.read(); returns the number
     begun.remember(number, "rings.gcode", 251)      # the last line that moves
     begun.found(number)             # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
 """
@@ -8,6 +9,8 @@ has died can be told of by name.
 import json
 import os
 from pathlib import Path
+
+from host_tools.programs.interrupted import number_of
 
 KEPT = Path.home() / ".local" / "share" / "passo" / "begun.json"
 _MOST = 100
@@ -19,6 +22,13 @@ def _known():
     except (OSError, ValueError):
         return {}
     return known if isinstance(known, dict) else {}
+
+
+def remember_program(lines, name):
+    number = number_of(lines)
+    moving = [at for at, line in lines if any(letter in line.upper() for letter in b"XYZ")]
+    remember(number, name, moving[-1] if moving else 0)
+    return number
 
 
 def remember(number, name, last):

@@ -4,6 +4,7 @@ import pytest
 
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import Store, gcode_lines
+from host_tools.programs import begun
 from host_tools.sim.pages import Pages
 from panel_desk import Desk
 from passo import commands, errors
@@ -304,3 +305,35 @@ def test_a_line_that_cannot_be_begun_at_says_why(tmp_path, line, text):
     assert [event for event in made.told if event["t"] == "refused" and text in event["text"]], made.told
     assert made.order("recover", what="from", name="none.gcode", line=1) == errors.NO_SUCH_JOB
     assert made.order("recover", what="from", name="strange.gcode", line=0) == errors.ORDER_FIELD
+
+
+def test_a_job_of_another_folder_is_told_and_gone_on_with_once_its_file_is_here(tmp_path, monkeypatch):
+    """As one that `passo stream` has begun: the page names it, ends it, forgets it, and goes on with it behind the file."""
+    monkeypatch.setattr(begun, "KEPT", tmp_path / "begun.json")
+    made = ready(tmp_path)
+    for what in ("forget", "drop", "begin"):
+        made.machine.job = RecoverableJobs(made.machine, made.told.append, made.store)
+        home(made)
+        cut_amid(made)
+        made.store = made.api.store = Store(tmp_path / f"other {what}", gcode_lines)
+        made.machine.job = RecoverableJobs(made.machine, made.told.append, made.store)
+        made.run_ms(500)
+        offer = made.machine.state["recover"]
+        assert {**offer, "line": 0} == {"name": "part.gcode", "line": 0, "known": True, "next": "", "absent": True}
+        assert made.order("recover", what="begin") == errors.NO_SUCH_JOB
+        assert made.store.put("another.gcode", "G21\nG0X1\n") == 0
+        made.run_ms(500)
+        assert made.machine.state["recover"] == offer
+        if what != "begin":
+            assert made.order("recover", what=what) == 0
+            made.settle()
+        assert made.store.put("part.gcode", JOB) == 0
+        made.run_ms(500)
+        if what != "begin":
+            assert made.machine.state["recover"] is None
+    assert "absent" not in made.machine.state["recover"]
+    assert made.order("recover", what="begin") == 0
+    made.settle()
+    assert made.order("recover", what="down") == 0
+    made.settle()
+    assert made.machine.state["recover"] is None and made.board.world.tool == 0

@@ -67,7 +67,7 @@ def test_a_job_with_an_error_says_its_line(board, part, capsys):
 def told_job(port):
     with GrblClient(port) as client:
         client.wait_idle()
-        return status._job(client, client.ask_status()["state"])
+        return status._job(client, client.ask_status())
 
 
 def test_what_status_says_of_a_stored_job(tmp_path, part):
@@ -84,7 +84,7 @@ def test_what_status_says_of_a_stored_job(tmp_path, part):
         jobs.store(part, "BAD", "grbl", check=False, port=port)
         with pytest.raises(Refused, match="line 122"):
             jobs.run("BAD", False, True, port, 115200)
-        assert re.fullmatch(r"stopped (after|amid) line \d+ of BAD; passo resume goes on with it", told_job(port)[0][1])
+        assert re.fullmatch(r"stopped (after|amid) line \d+ of BAD, spindle off; passo resume goes on with it", told_job(port)[0][1])
         jobs.delete("BAD", port, 115200)
         assert "has not begun" in told_job(port)[0][1]
     finally:

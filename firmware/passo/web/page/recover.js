@@ -28,8 +28,8 @@ export class Recover {
     const text = offer.held ? this.told(offer) : this.stopped(offer, turns), head = offer.held ? _("Begin at a line") : _("A job was interrupted");
     if ($("recover-text").textContent !== text) $("recover-text").textContent = text;
     if ($("h-recover").textContent !== head) $("h-recover").textContent = head;
-    $("recover-doubt").hidden = offer.known || Boolean(offer.next);
-    $("recover-begin").hidden = Boolean(offer.next);
+    $("recover-doubt").hidden = offer.known || offer.absent || Boolean(offer.next);
+    $("recover-begin").hidden = offer.absent || Boolean(offer.next);
     $("recover-down").hidden = !offer.next;
     $("recover-drop").hidden = Boolean(offer.held) && !offer.next;
     $("recover-begin").disabled = !free || !idle || !(offer.known || $("recover-sure").checked);
@@ -42,6 +42,7 @@ export class Recover {
   stopped(offer, turns) {
     const text = turns ? _("{name} stopped in line {line}, the spindle turns.", offer) : _("{name} stopped in line {line}, spindle off.", offer);
     if (offer.next) return `${text} ${this.over(offer)}`;
+    if (offer.absent) return `${text} ${_("Its file is not among the jobs here: add it to go on.")}`;
     if (offer.known) return `${text} ${_("It can go on there: tool up, over the place, spindle and coolant on, then you are asked.")}`;
     return `${text} ${_("Where the machine stands is not known since then: home it first.")}`;
   }
