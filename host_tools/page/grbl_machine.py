@@ -167,6 +167,21 @@ class GrblMachine(_Cabled):
         if error != LOST:
             self._tell({"t": "said", "text": "error:%d" % error if error else "ok"})
 
+    def home(self):
+        return self._begin_anew(lambda: self._or_anew(b"$H"))
+
+    def unlock(self):
+        return self._begin_anew(lambda: self._or_anew(b"$X"))
+
+    def _or_anew(self, line):
+        """An alarm from before this page began may want a reset, too: the line is refused then, and said again behind one."""
+
+        def answered(error):
+            if error != errors.LOCKED or self.do(Command(commands.RESET), lambda _: self.say(line, self._typed)):
+                self._typed(error)
+
+        return self.say(line, answered)
+
     def _jog_to(self, place, speed, counted, answered=None):
         return self.say(b"$J=" + _FROM[counted] + b"G21" + words(place) + b"F%.1f" % speed, answered)
 
