@@ -127,7 +127,7 @@ def lasts(loaded, machine, bound, show):
     sender.note()
     uploads, resets = max(3, ORDERS * UPLOADS // 10_000), max(3, ORDERS * RESETS // 10_000)
     for part in range(uploads * resets):
-        while sender.orders < ORDERS * part // (uploads * resets):
+        while sender.orders < ORDERS * (part + 1) // (uploads * resets):
             sender.order()
         if part % resets == resets - 1:
             sender.upload()
