@@ -78,8 +78,8 @@ def main():
     router = gcode.fast_board((0.2,), mm_s=500, mm_s2=300_000)
     laser = gcode.fast_board((0.1,), laser=True)
     shares = [
-        counted(streamed(router[0], uf2, router[1]), lambda machine: gcode.lines_over_usb(machine, 0.2, 490, LINES)),
-        counted(streamed(laser[0], uf2, laser[1]), lambda machine: gcode.dots_over_usb(machine, 0.1, 200, LINES)),
+        counted(streamed(router[0], uf2, router[1]), lambda machine: gcode.lines_over(machine, "pc", 0.2, 490, LINES)),
+        counted(streamed(laser[0], uf2, laser[1]), lambda machine: gcode.dots_over(machine, "pc", 0.1, 200, LINES)),
         counted(streamed(router[0], uf2, router[1]), answered),
         counted(_started(uf2), asked),
     ]

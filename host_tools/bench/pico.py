@@ -20,6 +20,7 @@ BAUD = 115_200
 GCODE_LINES = 800
 THINK_US = 0, 1000  # that a PC takes to send more when it hears an answer
 CLOCKS_MHZ = 125, 200  # of the G-code
+GCODE_LINKS = {"pc": "USB", "serial": "a UART of 115 200 baud"}  # of router_3axis
 
 
 @lru_cache
@@ -152,7 +153,7 @@ def links():
 
 
 def gcode():
-    """G-code lines a second from memory, while they are stepped; what a command and a feed hold wait, over USB."""
+    """G-code lines a second from memory and over each link, while they are stepped; what a command and a feed hold wait, over USB."""
     rows = [(what, mhz, *figures) for mhz in CLOCKS_MHZ for what, *figures in _gcode(mhz)]
     return ("G-code on router_3axis", "MHz", "asked", "measured", "blocks ahead, least", "words late"), rows
 
@@ -161,22 +162,24 @@ def _gcode(mhz):
     machine = lines_of_gcode.fast_router(clock_mhz=mhz, mm_s=500, mm_s2=300_000)
     for length_mm, feed_mm_s in ((0.2, 100), (0.2, 490), (0.75, 187.5)):
         run = on_a_copy(lambda: lines_of_gcode.run_lines(machine, length_mm, feed_mm_s, GCODE_LINES))
-        what = f"lines of {length_mm} mm at {feed_mm_s} mm/s, a second"
+        what = f"lines of {length_mm} mm at {feed_mm_s} mm/s from memory, a second"
         yield what, round(feed_mm_s / length_mm), round(run["lines_s"]), run["least"], run["late"]
-    for think_us in THINK_US:
-        lines_s = on_a_copy(lambda: lines_of_gcode.lines_over_usb(machine, 0.2, 490, GCODE_LINES, think_us))
-        yield f"lines of 0.2 mm at 490 mm/s over USB, the PC takes {think_us} µs, a second", 2450, round(lines_s), "", ""
+    for link, name in GCODE_LINKS.items():
+        for think_us in THINK_US:
+            lines_s = on_a_copy(lambda: lines_of_gcode.lines_over(machine, link, 0.2, 490, GCODE_LINES, think_us))
+            yield f"lines of 0.2 mm at 490 mm/s over {name}, the PC takes {think_us} µs, a second", 2450, round(lines_s), "", ""
     laser = lines_of_gcode.fast_router((0.1,), laser=True, clock_mhz=mhz)
     for dot_mm, feed_mm_s, mode in ((0.1, 200, "M4"), (0.1, 200, "M3")):
         run = on_a_copy(lambda: lines_of_gcode.run_raster(laser, dot_mm, feed_mm_s, GCODE_LINES, mode))
-        what = f"a picture's dots of {dot_mm} mm at {feed_mm_s} mm/s, {mode}, a second"
+        what = f"a picture's dots of {dot_mm} mm at {feed_mm_s} mm/s, {mode}, from memory, a second"
         yield what, round(feed_mm_s / dot_mm), round(run["lines_s"]), run["least"], run["late"]
-    dots_s = on_a_copy(lambda: lines_of_gcode.dots_over_usb(laser, 0.1, 200, GCODE_LINES))
-    yield "dots of 0.1 mm at 200 mm/s, M4, over USB, the PC takes 0 µs, a second", 2000, round(dots_s), "", ""
+    for link, name in GCODE_LINKS.items():
+        dots_s = on_a_copy(lambda: lines_of_gcode.dots_over(laser, link, 0.1, 200, GCODE_LINES))
+        yield f"dots of 0.1 mm at 200 mm/s, M4, over {name}, the PC takes 0 µs, a second", 2000, round(dots_s), "", ""
     machine = lines_of_gcode.fast_router(clock_mhz=mhz)
     steps, holds = on_a_copy(lambda: _answers(machine))
-    yield "first step after a command at rest, ms", "", f"{max(steps):.1f}", "", ""
-    yield "a feed hold begins to slow at 100 mm/s, ms", "", f"{max(holds):.1f}", "", ""
+    yield "first step after a command at rest, over USB, ms", "", f"{max(steps):.1f}", "", ""
+    yield "a feed hold begins to slow at 100 mm/s, over USB, ms", "", f"{max(holds):.1f}", "", ""
 
 
 def _answers(machine):

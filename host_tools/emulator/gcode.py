@@ -4,7 +4,7 @@
     run = on_a_copy(lambda: run_lines(machine, 0.2, 100, 600))
     run["lines_s"], run["least"], run["late"]
     run_raster(fast_router(laser=True), 0.1, 100, 600)          # the same figures of a picture's dots
-    lines_over_usb(machine, 0.2, 490, 600, 1000)                # lines a second over USB; the PC takes a millisecond
+    lines_over(machine, "pc", 0.2, 490, 600, 1000)              # lines a second over USB; the PC takes a millisecond
     late_words(router(), ["G21G91", "F600", "G2X1Y1I1"])        # axes as the board file has them, a programme to its end
     talk_to(machine)                                            # or it is as flashed, on USB
     first_steps(machine), holds(machine)
@@ -254,25 +254,26 @@ def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000, pr
     return _run(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms, profiled)
 
 
-def lines_over_usb(machine, length_mm, feed_mm_s, count, think_us=0):
-    """Lines a second, of the last three quarters of `count`, over USB with at most 127 bytes under way."""
+def lines_over(machine, link, length_mm, feed_mm_s, count, think_us=0):
+    """Lines a second, of the last three quarters of `count`, over this link of the board file, at most 127 bytes under way."""
     start, text = chords(length_mm)
     head = b"$X\nG21G90G94\nG92X%.3fY50Z-20\nG1F%d\n" % (start, 60 * feed_mm_s)
-    return _over_usb(machine, head, text, count, think_us)
+    return _over(machine, link, head, text, count, think_us)
 
 
-def dots_over_usb(machine, dot_mm, feed_mm_s, count, think_us=0, mode="M4"):
+def dots_over(machine, link, dot_mm, feed_mm_s, count, think_us=0, mode="M4"):
     """The same of raster(dot_mm)."""
     text, order = raster(dot_mm)
     each = LINES_A_READ * DOT_BYTES
     head = b"$X\nG21G91G94\n%sS0F%d\nG0\n" % (mode.encode(), 60 * feed_mm_s)
-    return _over_usb(machine, head, b"".join(text[each * at : each * (at + 1)] for at in order), count, think_us)
+    return _over(machine, link, head, b"".join(text[each * at : each * (at + 1)] for at in order), count, think_us)
 
 
-def _over_usb(machine, head, text, count, think_us):
+def _over(machine, link, head, text, count, think_us):
     talk_to(machine)
-    asking = Asking(machine, machine.board["links"][0]["name"], think_us)
+    asking = Asking(machine, link, think_us)
     lines = [line.rstrip() + b"\n" for line in text.splitlines()]
+    head = b"$LINK=0\n" * (link != machine.board["links"][0]["name"]) + head  # the first link has the command
     asking.stream(head.splitlines(keepends=True) + (lines * (count // len(lines) + 1))[:count])
     begun = []
     for wanted in (count // 4, count):
