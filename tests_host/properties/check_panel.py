@@ -227,6 +227,7 @@ def check_a_target_beyond_the_travel():
         desk.run_ms(200)
         assert desk.machine.state["state"] == "Alarm" and desk.machine.state["alarm"] == errors.ALARM_SOFT_LIMIT
         assert desk.order("jog", lease=1, beat=desk.beats, way={"x": 1}, speed=SPEED) == errors.LOCKED
+        assert desk.order("step", by={"x": 1}, speed=SPEED) == desk.order("goto", to={"x": 1}, speed=SPEED) == errors.LOCKED
         if not seen:
             desk.machine.alarmed(0)
         assert desk.order(order) == 0

@@ -239,6 +239,10 @@ class PageMachine:
             return errors.BUSY
         return 0
 
+    def locked(self):
+        """0, or why nothing moves by hand: the machine is in alarm."""
+        return errors.LOCKED if self.state["state"] == "Alarm" else 0
+
     def stop(self):
         """Stop at once: who asks does not matter."""
         self.drop_jog()
@@ -276,8 +280,6 @@ class PageMachine:
 
     def begin_jog(self, number, beat, direction, speed):
         """A continuous jog; it lasts while its lease does. Returns 0 or an error."""
-        if self.state["state"] == "Alarm":
-            return errors.LOCKED
         if self.state["state"] not in self.jogs_from or self.jog.waiting or not self._may_jog(direction):
             return errors.BUSY
         if not self.lease.begin(number, beat, self._now_ms):
