@@ -39,11 +39,12 @@ from micropython import const
 
 from passo.ports.rp2 import clock
 from passo.ports.rp2.flash_files import BLOCK, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
-from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, shorten, table_of_names
+from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, look, move, shorten, take
 
 _IOCTL_COUNT = const(4)
 code = None  # see begin()
 _BUFFER_BYTES = const(4608)  # more than any file has before its functions
+_TEXTS_BYTES = const(4096)  # of names that do not lie in flash: more than there are
 _PAGE = const(256)  # as the interpreter mounts it
 _LAYOUT = "unknown layout of functions"
 _FLASH = const(0x10000000)
@@ -110,7 +111,7 @@ class FlashCode:
         self._functions = 0  # where what is known of its functions ends
         self._names = 0  # how many names it has, and where they begin; 0: in more than a block
         self._known = None  # see flash_names.py
-        self._newest = 0  # address
+        self._texts = None  # a piece of memory for texts of names
         self._text = None  # what the interpreter reads
         self._at = 0  # the next one
         self._address = self._inside = 0  # of the one made last: its code, its children or what else the interpreter has there
@@ -128,6 +129,8 @@ class FlashCode:
         self.functions = self.bytes = 0
         setattr(builtins, "_load", self._load)
         mount(Files(self._real, self))
+        self._texts = bytearray(_TEXTS_BYTES)
+        take(self._known, addressof(self._texts), _TEXTS_BYTES)
 
     def borrow(self, piece):
         """Use `piece`, an array of zeros, as the buffer of heads until finish(), which fills it with zeros again. It stays anyway; a buffer
@@ -142,7 +145,10 @@ class FlashCode:
         mount(self._real)
         for at in range(0, _BUFFER_BYTES, len(_ZEROS)):
             self._text[at : at + len(_ZEROS)] = _ZEROS
-        self._real = self._file = self._known = self._text = None
+        there = addressof(self._texts)
+        texts = bytearray(move(self._known, there, 0) or 1)  # the first of the names keeps it
+        move(self._known, there, addressof(texts))
+        self._real = self._file = self._known = self._text = self._texts = None
         delattr(builtins, "_load")
 
     def text(self):
@@ -184,7 +190,7 @@ class FlashCode:
             raise Unknown("the file system is not mapped")
         self._blocks = Blocks(flash, count, base)
         self._known = array("I", bytearray(KNOWN_BYTES))
-        self._newest = table_of_names(_RAM, _STATIC)
+        look(_RAM, _STATIC, self._known)
         self._text = memoryview(bytearray(_BUFFER_BYTES))
         self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
 
@@ -196,7 +202,7 @@ class FlashCode:
         function = _made()
         if self._names:
             learn(self._addresses[0], self._names, mem32[id(module) + _NUMBERS], self._known)
-        bound(self._newest)
+        bound(self._known)
         self._point(function, module)
         self._point_texts(mem32[id(module) + _CONSTANTS])
         self._file = self._rows = None
