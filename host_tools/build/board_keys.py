@@ -78,7 +78,8 @@ MEANINGS = {
     "commands": "Name of the link that may command at the start; empty: the first.",
     "drive.kind": "`step_dir`: drivers with STEP and DIR inputs. `unipolar`: four transistors a motor. `pbl3770a`: two such "
     "chips a motor.",
-    "drive.mode": "Coil drives: half steps, full steps, or wave (full steps, one coil at a time; not for `pbl3770a`).",
+    "drive.mode": "Coil drives: half steps, full steps, wave (full steps, one coil at a time; `unipolar` only), or quarters and eighths "
+    "of a full step by the windings' currents (`pbl3770a` only).",
     "drive.pulse_us": "STEP/DIR: length of a step pulse and least pause behind it, µs. `$0` overrides it.",
     "drive.setup_us": "STEP/DIR: from a change of DIR to the next step, µs.",
     "drive.step_active": "STEP/DIR: level of a step pulse. 0: the pin is high at rest.",

@@ -5,8 +5,10 @@
 
 `decode` returns the steps the rotor makes at this edge, and calls `report(tick, text)` for anything a real drive could
 not follow. The tables are those of the 2014 plotter's drivers (LEGACY.md, *plotter*). Coil decoders count electrical
-positions in eighths of an electrical turn: a half step is one, a full step two.
+positions in 32nds of an electrical turn: an eighth of a full step is one, a full step eight.
 """
+
+import math
 
 TICKS_PER_US = 12.5
 RELEASED = -1
@@ -14,12 +16,12 @@ ILLEGAL = -2
 
 # S1..S4 in the order of the half step's eight states; S1 is the lowest bit.
 UNIPOLAR_STATES = ("1000", "1100", "0100", "0110", "0010", "0011", "0001", "1001")
-# The signs of coils A and B in the same eight states.
-BIPOLAR_STATES = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
 # PBL3770A: percent of full current by I0 + 2 · I1.
 PBL_CURRENTS = (100, 60, 20, 0)
 
-MODES = {"wave": (2, 0), "full": (2, 1), "half": (1, 0)}  # eighths a step, first eighth that belongs to the mode
+TURN = 32
+# 32nds of an electrical turn a step, and the first that belongs to the mode.
+MODES = {"wave": (8, 0), "full": (8, 4), "half": (4, 0), "quarter": (2, 0), "eighth": (1, 0)}
 
 
 class StepDir:
@@ -71,14 +73,14 @@ class Coils:
 
     def __init__(self, mode, shift, inverted, report, table):
         self._stride, first = MODES[mode]
-        allowed = range(first, 8, self._stride)
+        allowed = range(first, TURN, self._stride)
         self._table = [state if state < 0 or state in allowed else ILLEGAL for state in table]
         self._shift = shift
         self._mask = len(table) - 1
         self.mask = self._mask << shift
         self._inverted = (inverted >> shift) & self._mask
         self._report = report
-        self.eighth = None  # electrical position 0..7; None until first energised
+        self.phase = None  # electrical position 0..31; None until first energised
         self.released = True
 
     def decode(self, tick, levels, changed):
@@ -90,14 +92,14 @@ class Coils:
             self.released = state == RELEASED
             return 0
         self.released = False
-        before = self.eighth
-        self.eighth = state
+        before = self.phase
+        self.phase = state
         if before is None or state == before:
             return 0
-        delta = ((state - before + 4) & 7) - 4
+        delta = (state - before + TURN // 2) % TURN - TURN // 2
         if delta > self._stride or -delta > self._stride:
-            self._report(tick, f"coils jumped from position {before} to {state} of 8")
-            if delta == -4:  # the opposite pole pulls neither way
+            self._report(tick, f"coils jumped from position {before} to {state} of {TURN}")
+            if delta == -TURN // 2:  # the opposite pole pulls neither way
                 return 0
         return delta // self._stride
 
@@ -113,14 +115,15 @@ class Unipolar(Coils):
         table = [ILLEGAL] * 16
         table[0] = RELEASED
         for state, coils in enumerate(UNIPOLAR_STATES):
-            table[int("".join(reversed(coils)), 2)] = state
+            table[int("".join(reversed(coils)), 2)] = state * TURN // 8
         super().__init__(mode, shift, inverted, report, table)
 
 
 class Pbl3770a(Coils):
-    """Two PBL3770A, pins PH I0 I1 of coil A and then of coil B, lowest bit first; PH high is positive.
+    """Two PBL3770A, pins PH I0 I1 of coil A and then of coil B, lowest bit first; PH high is positive. The rotor follows to where
+    the sum of both currents points.
 
-    `current` is the percent of full current in the windings that are on.
+    `current` is the percent of full current in the stronger winding.
     """
 
     def __init__(self, mode, shift, inverted, report):
@@ -128,13 +131,7 @@ class Pbl3770a(Coils):
         self._currents = []
         for pattern in range(64):
             a, b = self._coil(pattern & 7), self._coil(pattern >> 3)
-            signs = (a > 0) - (a < 0), (b > 0) - (b < 0)
-            if signs == (0, 0):
-                table.append(RELEASED)
-            elif a and b and abs(a) != abs(b):
-                table.append(ILLEGAL)  # unequal currents hold the rotor between two states
-            else:
-                table.append(BIPOLAR_STATES.index(signs))
+            table.append(round(math.atan2(b, a) / math.tau * TURN) % TURN if a or b else RELEASED)
             self._currents.append(max(abs(a), abs(b)))
         self.current = 0
         super().__init__(mode, shift, inverted, report, table)

@@ -9,6 +9,8 @@ from emulated import rig, timer_rig, uf2  # noqa: F401
 from host_tools.emulator.halting import INTERRUPT_PIN, amid_start
 from host_tools.emulator.rig import router
 from host_tools.emulator.traffic import points
+from host_tools.sim.decoders import Pbl3770a
+from passo.drives import pbl3770a
 
 pytestmark = [pytest.mark.on_a_copy]
 ONE_AXIS_HZ = (10_000, 50_000, 100_000, 200_000, 250_000, 480_000)
@@ -107,16 +109,31 @@ def test_four_axes(rig, hz, missed, show):
 
 
 @pytest.mark.xdist_group("rig")
-@pytest.mark.parametrize("mode", ["half", "full"])
+@pytest.mark.parametrize("mode", ["half", "full", "eighth"])
 def test_two_motors_with_two_winding_chips_each(rig, mode):
-    """Thirteen pins of one word."""
+    """Thirteen pins of one word. A motor follows the currents on them to the same position."""
     board = router(2, drive={"kind": "pbl3770a", "mode": mode}, outputs=[], tool={"pin": 14})
     for axis, first in zip(board["axes"], (2, 8)):
         axis["pins"] = list(range(first, first + 6))
     rig.fit(board)
     run = rig.play([((400, -300), 20_000), ((-100, 300), 5000)], COLLECT)
     assert run.off == run.late == 0 and run.steps == 400 + 300
-    assert run.position == [300, 0]
+    assert run.position == turned(rig.edges, mode) == [300, 0]
+
+
+def turned(edges, mode):
+    """Steps of two motors by the edges of their twelve pins."""
+    errors = []
+    motors = [Pbl3770a(mode, shift, 0, lambda *error: errors.append(error)) for shift in (0, 6)]
+    levels, places = pbl3770a.OFF * 0b1000001, [0, 0]
+    edges = sorted((cycle, bit, state) for bit, log in enumerate(edges[:12]) for cycle, state in log)
+    for cycle, together in itertools.groupby(edges, key=lambda edge: edge[0]):
+        before = levels
+        for _, bit, state in together:
+            levels = levels & ~(1 << bit) | state << bit
+        places = [place + motor.decode(cycle, levels, levels ^ before) for place, motor in zip(places, motors)]
+    assert errors == []
+    return places
 
 
 @pytest.mark.xdist_group("rig")

@@ -1,5 +1,6 @@
 """Coil drives against the tables of the machines they come from; motors that share a port never disturb each other."""
 
+import math
 from array import array
 
 from passo.drives import pbl3770a, unipolar
@@ -7,6 +8,7 @@ from passo.drives.coils import CoilDrive
 
 TABLES = (
     (unipolar.WAVE, 4), (unipolar.FULL, 4), (unipolar.HALF, 4), (pbl3770a.FULL, 6), (pbl3770a.HALF, 6),
+    (pbl3770a.MODES["quarter"], 6), (pbl3770a.MODES["eighth"], 6),
 )
 CASES = {
     "check_two_motors": (
@@ -64,6 +66,23 @@ def check_pbl3770a_hold_current():
             assert signs(levels) == signs(hold)
             assert set([abs(percent) for percent in windings(hold)]) <= set([0, 20])
     assert windings(pbl3770a.OFF) == (0, 0)
+
+
+def check_pbl3770a_microsteps():
+    """Each microstep turns the sum of the currents on: by 11.25 or 22.5 degrees, up to 4.1 more or less; standing windings have no
+    more current, and hold the same direction."""
+    for mode, steps in (("quarter", 16), ("eighth", 32)):
+        table, hold = pbl3770a.MODES[mode], pbl3770a.HOLD[mode]
+        assert len(table) == len(hold) == len(set(table)) == steps
+        for phase in range(steps):
+            a, b = windings(table[phase])
+            off = math.degrees(math.atan2(b, a)) - phase * 360 / steps
+            assert abs((off + 180) % 360 - 180) < 4.2, (mode, phase)
+            assert 63 <= math.sqrt(a * a + b * b) <= 117
+            resting_a, resting_b = windings(hold[phase])
+            assert abs(resting_a) <= abs(a) and abs(resting_b) <= abs(b)
+            assert abs(math.atan2(resting_b, resting_a) - math.atan2(b, a)) < 1e-6
+    assert [pbl3770a.MODES["eighth"][4 * phase] for phase in range(8)] == list(pbl3770a.HALF)
 
 
 def check_a_step_and_a_reversal_change_one_phase_only():

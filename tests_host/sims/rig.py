@@ -15,6 +15,7 @@ DRIVES = {
     "unipolar half": ("unipolar", "half"),
     "pbl3770a full": ("pbl3770a", "full"),
     "pbl3770a half": ("pbl3770a", "half"),
+    "pbl3770a eighth": ("pbl3770a", "eighth"),
 }
 
 

@@ -38,6 +38,20 @@ def bipolar_patterns(mode, percent=60):
     return [winding(a, percent) | winding(b, percent) << 3 for a, b in pairs]
 
 
+def microsteps(mode):
+    """One quarter as the currents are, the other three by turning it."""
+    quarter = {"quarter": ((100, 0), (60, 20), (60, 60), (20, 60))}.get(mode) or (
+        (100, 0), (100, 20), (60, 20), (100, 60), (60, 60), (60, 100), (20, 60), (20, 100),
+    )  # fmt: skip
+    patterns = []
+    for turn in range(4):
+        for a, b in quarter:
+            for _ in range(turn):
+                a, b = -b, a
+            patterns.append(winding("0+-"[(a > 0) - (a < 0)], abs(a)) | winding("0+-"[(b > 0) - (b < 0)], abs(b)) << 3)
+    return patterns
+
+
 class Errors(list):
     def __call__(self, tick, text):
         self.append((tick, text))
@@ -57,7 +71,7 @@ def walk(decoder, patterns, shift=0):
 
 CASES = [(Unipolar, mode, unipolar_patterns(mode)) for mode in UNIPOLAR] + [
     (Pbl3770a, mode, bipolar_patterns(mode, percent)) for mode in ("full", "half") for percent in (100, 60, 20)
-]
+] + [(Pbl3770a, mode, microsteps(mode)) for mode in ("quarter", "eighth")]
 
 
 @pytest.mark.parametrize("kind, mode, patterns", CASES)
@@ -82,14 +96,14 @@ def test_coils_follow_random_steps(kind, mode, patterns):
     assert errors == []
 
 
-def test_half_step_eighths():
+def test_half_steps_of_a_turn():
     decoder = Unipolar("half", 0, 0, Errors())
-    assert decoder.eighth is None and decoder.released
+    assert decoder.phase is None and decoder.released
     seen = []
     for pattern in unipolar_patterns("half"):
         decoder.decode(0, pattern, 15)
-        seen.append(decoder.eighth)
-    assert seen == list(range(8))
+        seen.append(decoder.phase)
+    assert seen == list(range(0, 32, 4))
 
 
 @pytest.mark.parametrize("kind, mode, patterns", CASES)
@@ -97,7 +111,7 @@ def test_a_skipped_state_is_an_error(kind, mode, patterns):
     errors = Errors()
     positions = walk(kind(mode, 0, 0, errors), [patterns[0], patterns[2]])
     assert [tick for tick, _ in errors] == [1] and "jumped" in errors[0][1]
-    assert positions == ([0, 2] if len(patterns) == 8 else [0, 0])
+    assert positions == ([0, 0] if len(patterns) == 4 else [0, 2])
 
 
 def test_opposite_coils_and_strange_patterns_are_errors():

@@ -140,7 +140,7 @@ def test_a_hundred_homings_agree():
 
 
 DRIVES = [("step_dir", "half"), ("unipolar", "wave"), ("unipolar", "full"), ("unipolar", "half"),
-          ("pbl3770a", "full"), ("pbl3770a", "half")]
+          ("pbl3770a", "full"), ("pbl3770a", "half"), ("pbl3770a", "quarter"), ("pbl3770a", "eighth")]
 
 
 def board_with(kind, mode):

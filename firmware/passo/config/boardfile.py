@@ -39,7 +39,7 @@ _AXIS = {
 }
 _DRIVE = {
     "kind": ("step_dir", "unipolar", "pbl3770a"),
-    "mode": ("half", "full", "wave"),
+    "mode": ("half", "full", "wave", "quarter", "eighth"),  # of coil drives; see _NO_MODE
     "pulse_us": (int, 2, 1, 100),
     "setup_us": (int, 5, 0, 1000),
     "step_active": _BIT,
@@ -158,6 +158,7 @@ _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
+_NO_MODE = {"step_dir": (), "unipolar": ("quarter", "eighth"), "pbl3770a": ("wave",)}  # a transistor gives one current only
 
 
 def check(board):
@@ -205,8 +206,9 @@ def check(board):
         raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _check_interlock(board)
-    if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
-        raise BoardError("drive.mode: a pbl3770a has no wave drive; 'half' or 'full'")
+    drive = board["drive"]
+    if drive["mode"] in _NO_MODE[drive["kind"]]:
+        raise BoardError("drive.mode: %(kind)s motors have no %(mode)r; take 'half' or 'full'" % drive)
     speed = board["speed"]
     if not speed["min"] <= speed["default"] <= speed["max"]:
         raise BoardError("speed.default: %(default)d is not between %(min)d and %(max)d" % speed)

@@ -3,6 +3,16 @@
 PH is the winding's direction; I0 and I1 choose its current: both low 100 %, I0 high 60 %, I1 high 20 %, both high none.
 Full step keeps both windings at 60 % and toggles one PH a step, so that a reversal changes one phase only. Half step
 has one winding off between two full steps; the winding that is then alone gets 100 %, to keep the torque even.
+
+Microsteps take the pair of currents whose direction comes nearest; torque follows the length of their sum:
+
+    eighth of a full step     0      1      2      3      4      5      6      7
+    A, B in percent        100 0  100 20  60 20 100 60  60 60 60 100  20 60 20 100
+    off, electrical degrees   0     0.1   -4.1   -2.8     0     2.8    4.1   -0.1
+    torque, percent          100    102     63    117     85    117     63    102
+
+A motor of 1.8° is off by 0.08° at most. At rest a winding pair has the least currents of the same direction; between half
+steps these are those that it moves with.
 """
 
 WIDTH = 6
@@ -14,31 +24,38 @@ HOLD_CURRENT = 0b100  # 20 %
 NO_CURRENT = 0b110
 _FORWARD = 0b001  # PH
 
-# Windings of the eight half steps: direction of A and of B; 0 is off. A full step is every state with both on.
-_HALF_STEPS = ((1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1))
+# Currents of A and B in the eighths of a full step.
+_QUARTER = (
+    (FULL_CURRENT, NO_CURRENT), (FULL_CURRENT, HOLD_CURRENT), (PART_CURRENT, HOLD_CURRENT), (FULL_CURRENT, PART_CURRENT),
+    (PART_CURRENT, PART_CURRENT), (PART_CURRENT, FULL_CURRENT), (HOLD_CURRENT, PART_CURRENT), (HOLD_CURRENT, FULL_CURRENT),
+)  # fmt: skip
+_AT_REST = ((HOLD_CURRENT, NO_CURRENT),) + _QUARTER[1:4] + ((HOLD_CURRENT, HOLD_CURRENT),) + _QUARTER[5:]
+_STEPS = {"full": (8, 4), "half": (4, 0), "quarter": (2, 0), "eighth": (1, 0)}  # eighths of a full step, and the first one
 
 
-def _winding(direction, current):
-    if not direction:
-        return NO_CURRENT
-    return current | (_FORWARD if direction > 0 else 0)
+def _winding(current, forward):
+    return current | _FORWARD if forward and current != NO_CURRENT else current
 
 
-def _table(states, alone, both):
+def _table(mode, quarter):
+    """Levels of an electrical turn: each of its quarters turns the one before it by 90°, A and B → −B and A."""
+    step, first = _STEPS[mode]
     table = []
-    for a, b in states:
-        current = both if a and b else alone
-        table.append(_winding(a, current) | _winding(b, current) << 3)
+    for eighth in range(first, 32, step):
+        a, b = quarter[eighth & 7]
+        turned = eighth >> 3
+        if turned & 1:
+            a, b = b, a
+        table.append(_winding(a, turned in (0, 3)) | _winding(b, turned < 2) << 3)
     return bytes(table)
 
 
-_FULL_STEPS = tuple([state for state in _HALF_STEPS if state[0] and state[1]])
+def modes(quarter=_QUARTER):
+    return {mode: _table(mode, quarter) for mode in _STEPS}
 
-HALF = _table(_HALF_STEPS, FULL_CURRENT, PART_CURRENT)
-FULL = _table(_FULL_STEPS, PART_CURRENT, PART_CURRENT)
-MODES = {"half": HALF, "full": FULL}
-HOLD = {
-    "half": _table(_HALF_STEPS, HOLD_CURRENT, HOLD_CURRENT),
-    "full": _table(_FULL_STEPS, HOLD_CURRENT, HOLD_CURRENT),
-}
+
+MODES = modes()
+HOLD = modes(_AT_REST)
+FULL = MODES["full"]
+HALF = MODES["half"]
 OFF = NO_CURRENT | NO_CURRENT << 3
