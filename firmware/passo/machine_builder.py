@@ -50,6 +50,7 @@ FEATURES = (
     ("digital", "DigitalOutputs", lambda board: [item for item in board["outputs"] if item["name"][0] == "p" and item["name"][1:].isdigit()]),
     ("inverter", "Inverter", lambda board: board["inverter"]),
     ("tachometer", "Tachometer", lambda board: board["tachometer"]),
+    ("servo", "PenServo", lambda board: board["servo"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),

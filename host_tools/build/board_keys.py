@@ -39,6 +39,10 @@ SECTIONS = {
         "M6 at a place of its own, and the new tool's length. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
         "the head stands.",
     ),
+    "servo": (
+        "servo",
+        "A servo that lifts and lowers the pen. It follows the tool; `tool.pin` stays, and may show it on a lamp.",
+    ),
     "tachometer": (
         "tachometer",
         "The spindle's speed by pulses: no cut begins before it is reached, and none goes on without. See [spindle](spindle.md#tachometer).",
@@ -78,8 +82,8 @@ MEANINGS = {
     "commands": "Name of the link that may command at the start; empty: the first.",
     "drive.kind": "`step_dir`: drivers with STEP and DIR inputs. `unipolar`: four transistors a motor. `pbl3770a`: two such "
     "chips a motor.",
-    "drive.mode": "Coil drives: half steps, full steps, wave (full steps, one coil at a time; `unipolar` only), or quarters and eighths "
-    "of a full step by the windings' currents (`pbl3770a` only).",
+    "drive.mode": "Coil drives: `half` steps, `full` steps, `wave` (full steps, one coil at a time; `unipolar` only), `quarter` or `eighth` "
+    "(of a full step, by the windings' currents; `pbl3770a` only).",
     "drive.pulse_us": "STEP/DIR: length of a step pulse and least pause behind it, µs. `$0` overrides it.",
     "drive.setup_us": "STEP/DIR: from a change of DIR to the next step, µs.",
     "drive.step_active": "STEP/DIR: level of a step pulse. 0: the pin is high at rest.",
@@ -174,6 +178,12 @@ MEANINGS = {
     "inverter.timeout_ms": "A request without an answer is sent again after this time, ms; thrice in all.",
     "inverter.at_speed_percent": "At this distance from S it is at speed.",
     "inverter.spin_up_ms": "If it is not at speed by then, ms: alarm 244.",
+    "servo.pin": "Its pulses, every 20 ms.",
+    "servo.up_us": "Length of the pulse that lifts the pen, µs.",
+    "servo.down_us": "Length of the pulse that presses it down, µs; shorter than `up_us` if the arm is on the other side.",
+    "servo.up_ms": "Time from down to up; `tool.off_ms` is 20 ms more, or longer.",
+    "servo.down_ms": "Time from up to down; `tool.on_ms` is 20 ms more, or longer.",
+    "servo.by_s": "S of G-code is the pressure: with `$30=1000`, `M3 S600` goes down 60 % of the way.",
     "tachometer.input": "The input of its pulses, on a pin of its own.",
     "tachometer.pulses": "Pulses a turn; 5000 a second at most.",
     "tachometer.at_speed_percent": "At this distance from the speed asked for it is at speed.",

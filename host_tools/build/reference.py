@@ -166,6 +166,8 @@ def _pins(board):
             yield item["pin"], f"edges of {item['inputs'].replace(' ', ', ')}", ""
         if board["registers"]["tool"] >= 0:
             yield board["registers"]["tool"], "out tool", _active(board["tool"])
+    if board["servo"]:
+        yield board["servo"]["pin"], "servo", ", 50 Hz"
     if board["inverter"]:
         yield board["inverter"]["tx"], "inverter TX", f", {board['inverter']['baud']} baud"
         yield board["inverter"]["rx"], "inverter RX", ""

@@ -291,6 +291,13 @@ class Plant:
         if self._solenoid.value:
             self._arrive(tick)
 
+    def servo(self, tick, us):
+        """Pulses of so many microseconds: the arm holds the pen as low as they say."""
+        up, down = self._board["servo"]["up_us"], self._board["servo"]["down_us"]
+        self.tool = 1000 * (us - up) // (down - up)
+        if self.trace is not None:
+            self.trace.row(tick, self.position, self.tool)
+
     def pulses(self, tick):
         """What the spindle's tachometer has given: (pulses, tick of the last)."""
         return self.spindle.pulses(tick)
@@ -377,6 +384,8 @@ class Plant:
         return carriage.move(tick, steps)
 
     def _arrive(self, tick):
+        if self._board.get("servo"):
+            return  # which sees to the pen
         self.tool = self._solenoid.value * self._power // 1000
         if self.spindle is not None:
             self.spindle.drive(tick, self.tool if self._board["spindle"]["pwm"] else self._solenoid.value)

@@ -30,6 +30,9 @@ class VcdTap:
         self._power = None
         if (board.get("spindle") or {}).get("pwm"):
             self._power = self._writer.register_var(MODULE, "power", "integer", size=16, init=0)
+        self._servo = None
+        if board.get("servo"):
+            self._servo = self._writer.register_var(MODULE, "servo_us", "integer", size=16, init=0)
         plant.pins = self
         self.run = plant.run
         self.next_event = plant.next_event
@@ -53,6 +56,10 @@ class VcdTap:
         if self._power is not None:
             self._change(tick, self._power, level)
         self._plant.power(tick, level)
+
+    def servo(self, tick, us):
+        self._change(tick, self._servo, us)
+        self._plant.servo(tick, us)
 
     def output(self, tick, name, level):
         self._change(tick, self._others[name], level)

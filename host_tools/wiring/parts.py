@@ -92,6 +92,9 @@ def _tools(board):
     kind, title, notes = _tool(board)
     power = [Terminal("PWM", spindle["pin"])] if spindle["pwm"] else []
     level = _("active high") if board["tool"]["active"] else _("active low")
+    if board["servo"]:
+        notes = [_("pulses of {} to {} µs", board["servo"]["up_us"], board["servo"]["down_us"])]
+        yield Part("servo", "coils", _("pen's servo"), [Terminal("PWM", board["servo"]["pin"])], notes, ("5V", "GND"))
     if follower >= 0:
         yield Part("tool", "none", _("tool's bit"), [Terminal("", pin)], [_("no wire: the output tool follows it")], ())
         yield Part("tool_out", kind, title, [Terminal("on", ("out", follower))], [_("tool, {}", level)], ("M+", "GND"))
@@ -110,6 +113,8 @@ def _tool(board):
         return "laser", _("Laser"), [_("PWM {} Hz, 10 kΩ to GND each", board["spindle"]["pwm_hz"])]
     if board["spindle"]["pwm"]:
         return "spindle", _("Spindle with PWM"), [f"PWM {board['spindle']['pwm_hz']} Hz → 0 … 10 V"]
+    if board["servo"]:
+        return "lamp", _("tool: on while it works"), []
     if "plotter" in languages:
         return "coil", _("Pen solenoid"), [_("transistor, diode across the coil")]
     if "torch" in languages:

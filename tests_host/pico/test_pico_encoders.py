@@ -102,7 +102,7 @@ def test_the_spindles_pulses_are_counted_in_their_interrupt(rig):
     """2 kHz beside three axes; a spike behind an edge is noise. The edge's handler allocates nothing."""
     rig.fit(board())
     rig.pico.exec(UNARMED)
-    rig.pico.exec("turns = port.pulses('index', 100)\nus = turns.us")
+    rig.pico.exec("turns = port.make('pulses', 'index')\nus = turns.us")
     for _ in range(40):
         for level, us in ((1, 20), (0, 10), (1, 20), (0, 450)):
             rig.pico.drive(INDEX_PIN, level)

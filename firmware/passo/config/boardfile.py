@@ -39,7 +39,7 @@ _AXIS = {
 }
 _DRIVE = {
     "kind": ("step_dir", "unipolar", "pbl3770a"),
-    "mode": ("half", "full", "wave", "quarter", "eighth"),  # of coil drives; see _NO_MODE
+    "mode": (str, "half", 4, 7),  # of coil drives
     "pulse_us": (int, 2, 1, 100),
     "setup_us": (int, 5, 0, 1000),
     "step_active": _BIT,
@@ -151,14 +151,13 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("card", "inverter", "jobs", "journal", "network", "registers", "tachometer", "tool_change", "weaving")  # device_keys.py
+DEVICES = ("card", "inverter", "jobs", "journal", "network", "registers", "servo", "tachometer", "tool_change", "weaving")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
-_NO_MODE = {"step_dir": (), "unipolar": ("quarter", "eighth"), "pbl3770a": ("wave",)}  # a transistor gives one current only
 
 
 def check(board):
@@ -206,9 +205,9 @@ def check(board):
         raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _check_interlock(board)
-    drive = board["drive"]
-    if drive["mode"] in _NO_MODE[drive["kind"]]:
-        raise BoardError("drive.mode: %(kind)s motors have no %(mode)r; take 'half' or 'full'" % drive)
+    modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
+    if board["drive"]["mode"] not in modes.split(", "):
+        raise BoardError("drive.mode: %r is none of %s" % (board["drive"]["mode"], modes))
     speed = board["speed"]
     if not speed["min"] <= speed["default"] <= speed["max"]:
         raise BoardError("speed.default: %(default)d is not between %(min)d and %(max)d" % speed)
@@ -300,7 +299,7 @@ def claimed_pins(board):
             claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
         for item in board["registers"]["edges"]:
             claims.append((item["pin"], "input of the registers' edges of " + item["inputs"]))
-    for device, keys in (("inverter", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs"))):
+    for device, keys in (("inverter", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs")), ("servo", ("pin",))):
         for key in keys if board[device] else ():
             claims.append((board[device][key], device + " " + key))
     for link in board["links"]:

@@ -1,5 +1,5 @@
-"""The keys `card`, `inverter`, `network`, `registers`, `tachometer`, `tool_change` and `weaving` of a board file: only boards that have one
-of them load this.
+"""The keys `card`, `inverter`, `network`, `registers`, `servo`, `tachometer`, `tool_change` and `weaving` of a board file: only
+boards that have one of them load this.
 
     RULES                           # in the notation of boardfile.py
     check(board)                    # raises BoardError
@@ -59,6 +59,14 @@ RULES = {
         "edges": [EDGES, 0, 4],  # pins whose edges have the inputs read at once
         "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
     },
+    "servo": {
+        "pin": (int, ..., 0, 48),
+        "up_us": (int, 1000, 400, 2600),  # pulses
+        "down_us": (int, 1500, 400, 2600),
+        "up_ms": (int, 100, 0, 5000),  # all the way
+        "down_ms": (int, 200, 0, 5000),
+        "by_s": (bool, False, 0, 1),
+    },
     "tachometer": {
         "input": (str, ..., 1, 16),  # that its pulses come on
         "pulses": (int, 1, 1, 1000),  # a turn
@@ -87,6 +95,7 @@ def check(board):
     _check_registers(board)
     _check_tool_change(board)
     _check_tachometer(board)
+    _check_servo(board)
     if board["network"]:
         from passo.config import network_keys  # most boards have none
 
@@ -194,6 +203,20 @@ def _check_tachometer(board):
         raise BoardError("tachometer: the inverter says the speed itself; a laser has none")
     if config["pulses"] * board["spindle"]["max_rpm"] > 300_000:
         raise BoardError("tachometer.pulses: no more than 5000 a second: %d a turn" % (300_000 // board["spindle"]["max_rpm"]))
+
+
+def _check_servo(board):
+    config, tool = board["servo"], board["tool"]
+    if config is None:
+        return
+    for way, wait in (("down_ms", "on_ms"), ("up_ms", "off_ms")):
+        least = config[way] + 20  # until the next pulse
+        if tool[wait] < least:
+            raise BoardError("tool.%s: the servo takes %d ms" % (wait, least))
+    if board["spindle"]["pwm"] or board["spindle"]["laser"]:
+        raise BoardError("servo: it is the tool; leave out spindle.pwm and spindle.laser")
+    if config["by_s"] and [link for link in board["links"] if link["protocol"] != "grbl"]:
+        raise BoardError("servo.by_s: only links that speak grbl know S")
 
 
 def _prompt(board, config):

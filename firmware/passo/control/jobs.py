@@ -32,7 +32,7 @@ class Jobs(Feature):
         if board["card"]:
             from passo.config.card_store import CardStore
 
-            self._card = machine.port.card(board["card"])
+            self._card = machine.port.make("memory_card", board["card"])
             self._store = CardStore(self._card.path + folder)
         else:
             self._store = JobStore(folder)

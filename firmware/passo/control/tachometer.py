@@ -25,7 +25,7 @@ class Tachometer(Feature):
         config = board["tachometer"]
         Feature.__init__(self, board, machine, queue)
         self._per_turn = config["pulses"]
-        self._pulses = machine.port.pulses(config["input"])
+        self._pulses = machine.port.make("pulses", config["input"])
         self._asked = AskedSpeed(machine, queue, config)
         self._by_s = board["spindle"]["pwm"]
         self.rpm = 0  # as measured

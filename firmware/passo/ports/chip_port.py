@@ -209,11 +209,10 @@ class ChipPort:
                 self.power(0)
         self._aside = False
 
-    def pulses(self, name, least_us=50):
-        """What counts the pulses of an input from now on; edges closer than `least_us` are noise."""
-        from passo.ports.pulses import PinPulses  # here: most boards have none
-
-        return PinPulses(self._inputs[name], self, least_us)
+    def make(self, kind, config):
+        """What few boards have, from a module of this folder: "pulses" counts those of an input, config: its name; "memory_card";
+        "servo", config: (pin, ns)."""
+        return __import__("passo.ports." + kind, None, None, ("make",)).make(self, config)
 
     def watch_limit(self, name, filter_us):
         """What stops the player as a limit becomes active, once that has lasted; None: its pin has no interrupt of its own."""
@@ -223,12 +222,6 @@ class ChipPort:
         from passo.ports.limit_watch import LimitWatch  # here: an interlock sees to its limits itself
 
         return LimitWatch(item, filter_us, getattr(self, "latches", {}).get(name), self)
-
-    def card(self, config):
-        """The memory card of the board file."""
-        from passo.ports.memory_card import MemoryCard  # here: most boards have none
-
-        return MemoryCard(config, self)
 
     def writing(self, on):
         """Flash is about to be erased or written, all interrupts off for up to 0.4 s at a time, or it has been."""

@@ -1,6 +1,6 @@
 """A memory card on SPI, with MicroPython's own driver `sdcard` (micropython-lib), and its FAT file system.
 
-    card = MemoryCard(board["card"], port)
+    card = port.make("memory_card", board["card"])
     card.mount()                    # at card.path from now on. Raises OSError, ImportError
     open(card.path + "/A")
 
@@ -32,7 +32,7 @@ class Select:
 class MemoryCard:
     path = "/sd"
 
-    def __init__(self, config, port):
+    def __init__(self, port, config):
         """`config`: the key `card` of a board file; `port`: has feed_watchdog()."""
         self._config = config
         self._select = Select(config["cs"], port.feed_watchdog)
@@ -47,3 +47,6 @@ class MemoryCard:
         config = self._config
         spi = SPI(config["spi"], sck=Pin(config["sck"]), mosi=Pin(config["mosi"]), miso=Pin(config["miso"]))
         vfs.mount(vfs.VfsFat(SDCard(spi, self._select)), self.path)
+
+
+make = MemoryCard

@@ -1,6 +1,6 @@
 """Counts the pulses of an input in its interrupt, and when the last one came.
 
-    pulses = PinPulses(item, port, least_us=100)    # an Input of the port; edges closer than that are noise
+    pulses = port.make("pulses", name)              # of an input; edges within 50 µs are noise
     pulses.count(), pulses.us                       # modulo 2²⁹ both; in this order, so that `us` is not older
 
 An edge takes about 20 µs of an RP2040.
@@ -10,13 +10,19 @@ from time import ticks_us
 
 import micropython
 from machine import Pin
+from micropython import const
 
 from passo.records import COUNT_MASK
 
+_LEAST_US = const(50)
+
+
+def make(port, name):
+    return PinPulses(port._inputs[name], port)
+
 
 class PinPulses:
-    def __init__(self, item, port, least_us):
-        self._least_us = least_us
+    def __init__(self, item, port):
         self._count = 0
         self.us = ticks_us() & COUNT_MASK
         port.watch(item.pin, self.edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
@@ -24,7 +30,7 @@ class PinPulses:
     @micropython.native
     def edge(self, pin):  # ISR: no allocation
         now = ticks_us() & COUNT_MASK
-        if (now - self.us) & COUNT_MASK >= self._least_us:
+        if (now - self.us) & COUNT_MASK >= _LEAST_US:
             self.us = now
             self._count = (self._count + 1) & COUNT_MASK
 

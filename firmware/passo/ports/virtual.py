@@ -21,6 +21,7 @@ The world sees electrical pin levels, polarity included, and each change with it
     listen(callback)                call callback(tick, name, level) as an input changes; only where the world has this method
     encoder(number) -> count        what an encoder has counted, of those of the board file; only if that names any
     pulses(tick) -> (count, tick of the last)   of the spindle; only if the board file has a tachometer
+    servo(tick, us)                 the pulses of a servo are so long from now on; only if the board file has one
     power(tick, level)              the tool's analogue power changed, 0 … 1000; only where the world has this method
     run(tick)                       let the world's own events up to `tick` happen
     next_event() -> tick or None    when the next of them is due
@@ -133,10 +134,6 @@ class VirtualPort:
     def feed_watchdog(self):
         pass
 
-    def card(self, config):
-        """The memory card of the board file."""
-        return VirtualCard()
-
     def input(self, name):
         """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
@@ -152,9 +149,9 @@ class VirtualPort:
         """What stops the player as a limit becomes active, once that has lasted; None: it is looked at once a cycle."""
         return self._limits.watch_limit(name, filter_us) if self._limits is not None else None
 
-    def pulses(self, name):
-        """What counts the pulses of an input. The world knows of the spindle's only."""
-        return _Pulses(self)
+    def make(self, kind, config):
+        """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
+        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
 
     def tripped(self):
         """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
@@ -244,7 +241,7 @@ class VirtualPort:
 class _Pulses:
     """As ports/pulses.py."""
 
-    def __init__(self, port):
+    def __init__(self, port, _):
         self._port = port
         self.us = 0
 
@@ -252,6 +249,17 @@ class _Pulses:
         count, tick = self._port.world.pulses(self._port.now)
         self.us = tick * 2 // 25 & COUNT_MASK
         return count & COUNT_MASK
+
+
+class _Servo:
+    """As a chip's PWM."""
+
+    def __init__(self, port, config):
+        self._port = port
+        self.duty_ns(config[1])
+
+    def duty_ns(self, ns):
+        self._port.world.servo(self._port.now, ns // 1000)
 
 
 class MemoryLine:
@@ -303,6 +311,9 @@ class VirtualCard:
     path = ""
     inside = True
 
+    def __init__(self, port, config):
+        pass
+
     def mount(self):
         if not self.inside:
             raise OSError("no SD card")
@@ -315,7 +326,7 @@ class MutedWorld:
         """`muted`: mask of the player's pins."""
         self._world = world
         self._muted = muted
-        for name in ("output", "input", "run", "next_event", "power", "listen", "encoder"):
+        for name in ("output", "input", "run", "next_event", "power", "servo", "listen", "encoder"):
             if hasattr(world, name):
                 setattr(self, name, getattr(world, name))
 
@@ -338,6 +349,9 @@ class Nothing:
         pass
 
     def output(self, tick, name, level):
+        pass
+
+    def servo(self, tick, us):
         pass
 
     def input(self, tick, name):

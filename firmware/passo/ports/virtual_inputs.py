@@ -19,7 +19,7 @@ class VirtualInputs:
         self.attach = world.attach
         self._switch = world.output
         self.input = world.input
-        for name in ("power", "pulses", "encoder"):
+        for name in ("power", "pulses", "servo", "encoder"):
             if hasattr(world, name):
                 setattr(self, name, getattr(world, name))
         self._pass_edges = world.edges
