@@ -1,14 +1,14 @@
-"""A drawing that is uploaded becomes a job in the plotter's words, as `passo draw` would place and order it: MOVE, LINE, END.
+"""A drawing that is uploaded becomes a job, as `passo draw` would place and order it: a plotter's words, or G-code.
 
-    made = job_of(board)
+    made = words_of(board)
     made("map.svg", text)                       # ("map.svg.txt", "MOVE 10 20\\nLINE …"), or the number of an error
     made("map.svg", text, (20.0, 30.0, 80.0))   # its outlines' lower left corner at 20, 30 mm, 80 mm wide; None for a width: as wide as it is
+    made = gcode_of(board, machine)             # ("map.svg.gcode", "G21 G90 …"); what is G-code stays as it is
 """
 
 import tempfile
 from pathlib import Path
 
-from host_tools.drawings.packets import packet_words
 from host_tools.failure import Failure
 from passo import errors
 
@@ -17,18 +17,40 @@ _NARROW_MM = 0.001  # a single upright line has no width
 _MOST_BYTES = 4 << 20  # of a file: the page's server waits for it
 
 
-def job_of(board):
+def words_of(board):
     """A function of name and text; `board`: the checked board file of the plotter."""
+    from host_tools.drawings.packets import packet_words
+    from host_tools.drawings.sources import SUFFIXES
 
+    def write(board, plan):
+        return "".join(packet_words(points) for points in plan.objects(_MOST_POINTS))
+
+    return _maker(lambda: board, SUFFIXES, ".txt", write)
+
+
+def gcode_of(board, machine):
+    """The same for a machine that speaks grbl; what its settings say (steps/mm, travel, laser, $30) stands above its board file."""
+    from host_tools.drawings import gcode
+    from host_tools.drawings.sources import GCODE, SUFFIXES
+
+    def write(board, plan):
+        cut = gcode.usual(board)
+        return "\n".join([*gcode.lines_of(plan, {part.number: cut for part in plan.parts}), ""])
+
+    return _maker(lambda: _as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write)
+
+
+def _maker(board_now, suffixes, suffix, write):
     def made(name, text, place=None):
-        if not name.lower().endswith(".svg"):
+        if not name.lower().endswith(suffixes):
             return name, text
         if len(text) > _MOST_BYTES:
             return errors.JOB_SIZE
         from host_tools.drawings import drawing
 
+        board = board_now()
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "drawing.svg"
+            path = (Path(folder) / "drawing").with_suffix(Path(name.lower()).suffix)
             path.write_text(text, encoding="utf-8")
             try:
                 plan = drawing.load(path, board)
@@ -36,9 +58,23 @@ def job_of(board):
                     plan = drawing.load(path, board, _placed(plan, *place))
             except Failure:
                 return errors.DRAWING
-        return name + ".txt", "".join(packet_words(points) for points in plan.objects(_MOST_POINTS))
+        return name + suffix, write(board, plan)
 
     return made
+
+
+def _as_set(board, settings):
+    """The board file with what a machine's settings ($$) say of it."""
+    axes, spindle = [], dict(board["spindle"])
+    for number, axis in enumerate(board["axes"]):
+        per_mm, travel_mm = (float(settings.get(first + number, 0)) for first in (100, 130))
+        if per_mm and travel_mm:
+            axis = {**axis, "steps_per_m": round(1000 * per_mm), "travel_steps": round(per_mm * travel_mm)}
+        if not settings or 100 + number in settings:
+            axes.append(axis)
+    if 32 in settings:
+        spindle.update(laser=float(settings[32]) > 0, max_rpm=float(settings.get(30, spindle["max_rpm"])))
+    return {**board, "axes": axes, "spindle": spindle}
 
 
 def _placed(plan, x, y, width):

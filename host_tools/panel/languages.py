@@ -5,7 +5,7 @@
 """
 
 from host_tools.clients import setting_names
-from host_tools.panel import job_facts, taught
+from host_tools.panel import drawn, job_facts, taught
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import gcode_lines
 from passo.config.boardfile import check
@@ -34,15 +34,16 @@ class Spoken:
 
 def create(language, board, write, tell, guest=None):
     """`board`: a board file's table; `write(bytes)`, `tell(event)`, `guest(bytes)` as a machine takes them."""
-    if language == "grbl":
-        return _grbl(write, tell, guest)
     board = check(board)
+    if language == "grbl":
+        return _grbl(board, write, tell, guest)
     about = {"scale": [axis["steps_per_m"] / 1000 for axis in board["axes"]]}
     return {"pulses": _pulses, "torch": _torch, "plotter": _plotter, "keys": _keys}[language](board, write, tell, about)
 
 
-def _grbl(write, tell, guest):
+def _grbl(board, write, tell, guest):
     machine = GrblMachine(write, tell, guest)
+    machine.can = (*machine.can, "place")
     teach = Teach(
         lambda points, ways: taught.program(points, ways, [float(machine.settings[100 + axis]) for axis in range(len(points[0]))])
     )
@@ -56,7 +57,7 @@ def _grbl(write, tell, guest):
         machine.can = (*machine.can, "from")
 
     machine.watcher = see
-    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join, facts=job_facts.gcode)
+    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join, drawn.gcode_of(board, machine), job_facts.gcode)
 
 
 def _pulses(board, write, tell, about):
@@ -78,14 +79,13 @@ def _torch(board, write, tell, about):
 
 def _plotter(board, write, tell, about):
     from host_tools.drawings.packets import packet_lines
-    from host_tools.panel import drawn
     from host_tools.page.plotter_machine import PlotterMachine
 
     speed = board["speed"]
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
     machine = PlotterMachine(write, tell, board)
     machine.can = (*machine.can, "place")
-    return Spoken(machine, None, packet_lines, about, made=drawn.job_of(board), facts=job_facts.packets_of(board))
+    return Spoken(machine, None, packet_lines, about, made=drawn.words_of(board), facts=job_facts.packets_of(board))
 
 
 def _keys(board, write, tell, about):

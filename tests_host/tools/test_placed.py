@@ -5,8 +5,8 @@ import pytest
 from host_tools import boards
 from host_tools.drawings.packets import packet_lines
 from host_tools.panel import job_facts
-from host_tools.panel.drawn import job_of
-from host_tools.panel.store import Store
+from host_tools.panel.drawn import gcode_of, words_of
+from host_tools.panel.store import Store, gcode_lines
 from passo import errors
 from passo.config.boardfile import check
 
@@ -19,7 +19,7 @@ SVG = (
 @pytest.fixture
 def store(tmp_path):
     board = check(boards.load("plotter_2014"))
-    return Store(tmp_path / "jobs", packet_lines, job_of(board), job_facts.packets_of(board))
+    return Store(tmp_path / "jobs", packet_lines, words_of(board), job_facts.packets_of(board))
 
 
 def box(store, name="map.svg.txt"):
@@ -43,6 +43,58 @@ def test_it_is_put_elsewhere_and_made_larger(store):
     assert box(store) == pytest.approx([10, 10, 70, 50], abs=0.2), "of the file, not of what was drawn small before"
     assert store.place("map.svg.txt", (left, low, right - left)) == 0
     assert box(store) == pytest.approx(before, abs=0.2)
+
+
+PLT = "IN;SP1;PU200,200;PD1400,200,1400,1000,200,200;PU;SP0;"  # 30 × 20 mm
+DXF = "0\nSECTION\n2\nENTITIES\n" + "".join(
+    f"0\nLINE\n8\n0\n10\n{a}\n20\n{b}\n11\n{c}\n21\n{d}\n" for a, b, c, d in ((5, 5, 35, 5), (35, 5, 35, 25), (35, 25, 5, 5))
+) + "0\nENDSEC\n0\nEOF\n"
+GCODE = "G21 G90 F600\nG0 Z2\nG0 X5 Y5\nG1 Z-1\nG1 X35\nY25\nX5 Y5\nG0 Z2\n"
+DRAWINGS = {"map.svg": SVG, "map.plt": PLT, "map.HPGL": PLT, "map.dxf": DXF, "map.nc": GCODE}
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_any_drawing_is_a_job_of_a_plotter(store, name):
+    assert store.add(name, 0, DRAWINGS[name], True) == 0
+    left, low, right, top = box(store, f"{name}.txt")
+    assert (right - left, top - low) == pytest.approx((30, 20), abs=0.2)
+    assert store.place(f"{name}.txt", (20, 12, 60)) == 0
+    assert box(store, f"{name}.txt") == pytest.approx([20, 12, 80, 52], abs=0.2)
+
+
+class Machine:
+    """What a board has told of its settings."""
+
+    def __init__(self, **settings):
+        self.settings = {int(number[1:]): value for number, value in settings.items()}
+
+
+LASER = Machine(s30="500", s32="1", s100="80.000", s101="80.000", s130="300.000", s131="200.000")
+
+
+@pytest.mark.parametrize("name", ["map.svg", "map.plt", "map.HPGL", "map.dxf"])
+@pytest.mark.parametrize("machine, down, axes", [(LASER, "M4 S150", "XY"), (Machine(s30="9000", s32="0", s100="80", s101="80", s130="300", s131="200"), "M3 S9000", "XY"),
+                                                 (Machine(), "G1 Z0 F300", "XYZ")])  # fmt: skip
+def test_any_drawing_is_a_program_of_a_laser_a_pen_or_a_router(tmp_path, name, machine, down, axes):
+    """By the machine's settings: those of router_3axis hold only until they are known."""
+    store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), machine), job_facts.gcode)
+    assert store.add(name, 0, DRAWINGS[name], True) == 0
+    ((made, _),) = store.names()
+    text = (tmp_path / "jobs" / made).read_text()
+    assert made == f"{name}.gcode" and down in text.splitlines() and {"Z"} & set(text) == set(axes) & {"Z"}
+    assert store.about(made, {})["placed"] and store.place(made, (20, 12, 60)) == 0
+    words = [word for line in (tmp_path / "jobs" / made).read_text().splitlines() if line[:2] == "G1" for word in line.split()]
+    xs, ys = ([float(word[1:]) for word in words if word[0] == axis] for axis in "XY")
+    assert [min(xs), max(xs), min(ys), max(ys)] == pytest.approx([20, 80, 12, 52], abs=0.2)
+    if machine is LASER:
+        assert store.place(made, (20, 12, 290)) == errors.DRAWING, "beyond $130"
+
+
+def test_g_code_is_a_router_s_own_language(tmp_path):
+    store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), LASER), job_facts.gcode)
+    assert store.add("map.nc", 0, GCODE, True) == 0
+    assert (tmp_path / "jobs" / "map.nc").read_text() == GCODE and "placed" not in store.about("map.nc", {})
+    assert store.add("none.dxf", 0, "hello", True) == errors.DRAWING and store.add("none.plt", 0, "", True) == errors.DRAWING
 
 
 def test_what_leaves_the_table_is_refused_and_the_job_stays(store):

@@ -12,7 +12,7 @@ const LACKS = { place: "the position", home: "seeking the origin", zero: "a zero
   single: "single steps", teach: "teach-in", outputs: "spindle and coolant", overrides: "overrides", signals: "input signals",
   line: "a command line", settings: "settings" };
 // What only a PC computes: shown greyed where there is none. [word of the machine, its name, languages]
-const ELSEWHERE = [["from", "Begin at a line", ["grbl"]], ["queue", "Queue", ["grbl", "plotter", "pulses"]], ["place", "Place the drawing", ["plotter"]]];
+const ELSEWHERE = [["from", "Begin at a line", ["grbl"]], ["queue", "Queue", ["grbl", "plotter", "pulses"]], ["place", "Place the drawing", ["grbl", "plotter"]]];
 const OWN = { keys: Keys, plotter: Plotter, pulses: PulseFile, torch: Torch };
 
 export class Cards {

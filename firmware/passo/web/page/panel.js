@@ -461,7 +461,7 @@ async function upload(file) {
   }
   job = { name: "", text: "", lines: [] };
   await order("jobs");
-  $("jobs").value = there(name) ? name : `${name}.txt`;  // a drawing has become a job
+  $("jobs").value = ["", ".txt", ".gcode"].map((end) => name + end).find(there) || "";  // a drawing has become a job
   await load();
 }
 
