@@ -82,7 +82,7 @@ class Written:
             record.resume()
             first = record.object
         with GrblClient(said.port or ports.only(), said.baud or _BAUD, max(said.timeout, _LEAST_TIMEOUT_S), said.log) as client:
-            stream.make_ready(client, said.home, False)
+            stream.make_ready(client, said.home and not said.unlock, said.unlock)
             seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._name, record.save)
         record.finish()
         console.print(_("drawn in {}: {} lines", gcode_file.clock(seconds), len(self._rows)))

@@ -45,6 +45,7 @@ class Said:
     speed: Annotated[Optional[int], typer.Option(min=1, max=65535, help="Drawing speed, in the board file's unit.")] = None
     points: Annotated[int, typer.Option(min=2, max=60000, help="Most points of an object sent before it is drawn.")] = 1000
     home: Annotated[bool, typer.Option("--home/--no-home", help="Seek the origin before drawing.")] = True
+    unlock: Annotated[bool, typer.Option("--unlock", help="G-code: leave an alarm without homing first.")] = False
     resume: Annotated[bool, typer.Option("--continue", help="Continue a drawing that was interrupted.")] = False
     journal: Annotated[Optional[Path], typer.Option(help="Where progress is kept; default FILE.svg.journal.")] = None
     yes: Annotated[bool, typer.Option("--yes", help="With --continue: do not ask before the tool goes down.")] = False

@@ -63,6 +63,8 @@ class Plotted:
 
     def run(self, console, record, said):
         """Draw it. Raises Failure."""
+        if self._said.unlock:
+            raise Failure("--unlock is for machines that speak grbl: a plotter seeks its origin, or draws from where it is by --no-home")
         way = Way(said.resume, said.home)
         run(console, self._objects, self._machine, record, said.port, said.baud or _BAUD, said.speed, way, said.log, said.timeout, changes=self._changes)
 
@@ -96,7 +98,11 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                     console.print(_("  interrupted {}", spot))
                     job.begin(spot)
                     drawn.announce(client, objects, spot)
-                elif not way.resume:
+                if way.resume and changes:
+                    pens = [part for number, part in changes.items() if number <= (spot.number if spot else record.object)]
+                    if pens:
+                        console.print(_("  pen {} draws on", pen_of(pens[-1])))
+                if not way.resume:
                     drawn.announce(client, objects, drawn.Spot(0, 0))
                 if spot and spot.done:
                     _lead(client, objects, spot, way)

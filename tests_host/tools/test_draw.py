@@ -364,6 +364,21 @@ def test_a_drawing_broken_off_by_ctrl_c_is_continued(tmp_path, start):
     assert len(wanted) - 20 <= len(done) < len(wanted) + 500  # no more than one line drawn a second time
 
 
+def test_the_pen_that_draws_is_named_when_a_drawing_goes_on(tmp_path, start):
+    path = svg(tmp_path, '<path d="M0 0 h40" stroke="red"/>' + "".join(f'<path d="M0 {y} h40" stroke="blue"/>' for y in range(3, 30, 3)))
+    options = ["--speed", "200", "--pens", "colours"]
+    board = start("board", "--time", "real", "--start", "30,20")
+    port = port_of(board)
+    first = start("draw", path, "--port", port, *options, stdin=subprocess.PIPE)
+    first.stdin.write("\n")
+    first.stdin.flush()
+    wait_for_points(first, path, 8)
+    first.send_signal(signal.SIGINT)
+    assert first.wait(20) == 1
+    again = start("draw", path, "--port", port, *options, "--continue", stdin=subprocess.PIPE)
+    assert again.wait(60) == 0 and re.search("pen 2 .*draws on", again.communicate()[0])
+
+
 def test_a_board_that_goes_away_leaves_a_journal_and_the_way_on(tmp_path, start):
     path = svg(tmp_path, "".join(f'<path d="M0 {y} h90"/>' for y in range(0, 96, 3)))
     board = start("board", "--time", "real", "--start", "30,20")

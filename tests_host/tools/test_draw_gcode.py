@@ -166,12 +166,13 @@ def test_a_file_is_written_for_boards_that_speak_neither(tmp_path, monkeypatch, 
     assert "G1 X40 Y40" in out.read_text() or "G1 X10 Y40" in out.read_text()
 
 
-def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys):
+@pytest.mark.parametrize("more", [(), ("--copies", "1x2", "--scale", "0.4", "--hatch", "0,3"), ("--repeat", "2", "--passes", "2", "--marks")])
+def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys, more):
     """Each line is cut once, but for the one amid which it was broken off."""
     body = "".join(f'<path d="M10 {y} h60"/>' for y in range(10, 100, 10))
     path = page_of(tmp_path, 100, 100, body)
     with Running("fast") as running:
-        where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--depth", 1, "--lift", 0]
+        where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--depth", 1, "--lift", 0, *more]
         said, status = command(monkeypatch, capsys, path, *where)
         assert not status and "drawn in" in said and not path.with_name("page.svg.journal").exists(), said
         assert running.position()[:2] == [0, 0]
