@@ -212,7 +212,13 @@ class ChipPort:
     def make(self, kind, config):
         """What few boards have, from a module of this folder: "pulses" counts those of an input, config: its name; "memory_card";
         "servo", config: (pin, ns)."""
-        return __import__("passo.ports." + kind, None, None, ("make",)).make(self, config)
+        if kind == "pulses":
+            from passo.ports.pulses import make
+        elif kind == "servo":
+            from passo.ports.servo import make
+        else:
+            from passo.ports.memory_card import make
+        return make(self, config)
 
     def watch_limit(self, name, filter_us):
         """What stops the player as a limit becomes active, once that has lasted; None: its pin has no interrupt of its own."""
