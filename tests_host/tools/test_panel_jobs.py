@@ -146,6 +146,23 @@ SVG = (
 )
 
 
+HPGL = "IN;SP1;PU400,200;PD1400,200,1400,1000,400,200;PU;PU1800,600;CI300;SP0;"
+
+
+def test_a_drawing_becomes_a_program(browser):
+    """HPGL dropped on a router's page: its picture, its lines, and the width that is typed."""
+    browser.driver.execute_script(DROP, [["map.plt", HPGL]])
+    browser.until(lambda: "map.plt.gcode" in browser.text("run") and browser.find("place-form").is_displayed())
+    assert "G0 Z2" in browser.text("lines")
+    box = [float(browser.find(f"place-{name}").get_attribute("value")) for name in ("x", "y", "width")]
+    assert box == pytest.approx([10, 5, 42.5], abs=0.1)
+    browser.shot("hpgl")
+    browser.fill("place-width", "85")
+    browser.driver.execute_script("document.getElementById('place-width').dispatchEvent(new Event('input'))")
+    browser.tap("#place-form .go")
+    browser.until(lambda: "X95" in browser.text("lines"))
+
+
 @pytest.mark.slow
 def test_a_drawing_is_placed_with_a_finger(tmp_path, driver):  # noqa: F811
     """Dropped as SVG, carried by a finger on the picture, made larger by a number, and placed: its words are others then."""
