@@ -15,11 +15,6 @@ LINES = const(0)
 POINTS = const(1)
 
 
-def thousandths(power):
-    """Of a power in millionths, at least 1 if it is not off."""
-    return max((power + 500) // 1000, 1) if power else 0
-
-
 class _Batch:
     def __init__(self, link):
         self.link = link  # its number

@@ -189,6 +189,11 @@ class Motion(Command):
         self.over_half = False
 
 
+def thousandths(power):
+    """Of a command's power, which is in millionths, at least 1 if it is not off."""
+    return max((power + 500) // 1000, 1) if power else 0
+
+
 class Run(Command):
     """RUN. `steps` of each axis, signed, ±FOREVER, 0 to change its rate only, None to leave it alone; `rates` of each:
     so many (steps, in so many milliseconds). `when` it may be: AT_REST, AS_JOG or LIVE. Of a live one the steps are added

@@ -6,7 +6,7 @@ from check_gcode import ALPHABET, Machine, Shop, made_of
 from draws import Random
 from passo import commands
 from passo.batch import Lines as Batch
-from passo.batch import thousandths
+from passo.commands import thousandths
 from passo.protocols.grbl.lines import ARC, Lines
 from passo.protocols.grbl.take_viper import take_lines
 from passo.protocols.gcode.parse_records import (

@@ -1,30 +1,30 @@
 """A stop, a reset and an alarm go through the features once: each hears of it once, however it began."""
 
 from passo import commands, errors
-from passo.control.feature import Feature
+from passo.control.feature import ANEW, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
 from router import Machine
 
-EVENTS = ("halt", "clear", "release", "switch_off", "restart", "dropped")
-ONCE = {
-    "reset": (1, 1, 1, 1, 1, 0),
-    "reset at rest": (1, 1, 0, 0, 1, 0),
-    "stop": (1, 1, 0, 0, 0, 0),
-    "hard limit": (1, 1, 1, 1, 0, 0),
-    "soft limit": (0, 1, 0, 1, 0, 1),
+ONCE = {  # how often the pins have stopped, and each time that features were told what has come
+    "reset": (1, [WORK_GONE | SAFE | OFF | ANEW]),
+    "reset at rest": (1, [WORK_GONE | ANEW]),
+    "stop": (1, [WORK_GONE]),
+    "hard limit": (1, [WORK_GONE | SAFE | OFF]),
+    "soft limit": (0, [WORK_GONE, QUEUE_GONE, OFF]),
 }
 
 
 class Counter(Feature):
+    heeds = -1
+
     def __init__(self):
-        self.heard = [0] * len(EVENTS)
-        for number in range(len(EVENTS)):
-            setattr(self, EVENTS[number], self._counted(number))
+        self.heard = []
+        self.halts = 0
 
-    def _counted(self, number):
-        def count():
-            self.heard[number] += 1
+    def halt(self):
+        self.halts += 1
 
-        return count
+    def heed(self, what):
+        self.heard.append(what)
 
 
 def heard(event):
@@ -44,7 +44,7 @@ def heard(event):
     else:
         machine.put("\x18")
     machine.settle()
-    return tuple(counter.heard)
+    return counter.halts, counter.heard
 
 
 def check_each_event_once():

@@ -8,11 +8,13 @@ when the app ends the outputs of role "ours" are off, which is how a machine wit
 """
 
 from passo import commands, errors
-from passo.control.feature import Feature
+from passo.control.feature import SAFE, Feature
 from passo.records import COUNT_MASK
 
 
 class Changeover(Feature):
+    heeds = SAFE
+
     def __init__(self, board, machine, queue):
         self._port = machine.port
         Feature.__init__(self, board, machine, queue)
@@ -38,7 +40,7 @@ class Changeover(Feature):
             self._switch(True)
         return self._due_ms is None
 
-    def release(self):
+    def heed(self, _=SAFE):
         """To the other controller, at once as far as this board's relays go: the safe state."""
         if self.ours:
             self._switch(False)
@@ -46,7 +48,7 @@ class Changeover(Feature):
     def poll(self, now_ms):
         machine = self._machine
         if (machine.alarm or machine.sleeping) and self._queue.still():
-            self.release()
+            self.heed()
         if self._due_ms is None:
             return
         machine.awake = True

@@ -10,13 +10,15 @@ A hold leaves them as they are. The door switches them off until the machine goe
 from micropython import const
 
 from passo import commands, errors
-from passo.control.feature import Feature
+from passo.control.feature import ANEW, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _MOST = const(16)  # changes that wait
 
 
 class DigitalOutputs(Feature):
+    heeds = QUEUE_GONE | WORK_GONE | SAFE | OFF | ANEW
+
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._port = machine.port
@@ -67,19 +69,17 @@ class DigitalOutputs(Feature):
 
     # --- stops
 
-    def clear(self):
-        self._waiting.clear()
-
-    dropped = clear
-
     def show_outputs(self, on):
         for name in self._on:
             self._port.output(name, on)
 
-    def switch_off(self):
+    def heed(self, what):
+        self._waiting.clear()
+        if what & (SAFE | OFF | ANEW):
+            self.halt()
+
+    def halt(self):
         self._waiting.clear()
         for name in self._on:
             self._port.output(name, False)
         self._on.clear()
-
-    halt = release = restart = switch_off

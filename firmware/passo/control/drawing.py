@@ -5,7 +5,7 @@ from micropython import const
 from passo import commands, errors
 from passo.batch import POINTS
 from passo.control.counted_job import CountedJob
-from passo.control.feature import Feature
+from passo.control.feature import HOMING, WORK_GONE, Feature
 from passo.control.point_buffer import PointBuffer
 from passo.errors import LATER
 from passo.motion.integers import length_nm
@@ -15,6 +15,8 @@ _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
 
 class Drawing(Feature):
+    heeds = WORK_GONE | HOMING
+
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._board = board
@@ -33,13 +35,11 @@ class Drawing(Feature):
             commands.JOG: self._jog,
         }
 
-    def clear(self):
-        """Forget the object; what comes next is of no job."""
+    def heed(self, what):
+        """Homing forgets the object, which refers to the old origin. Behind what drops all work the next is of no job."""
         self.points.clear()
-        self._job.counting = False
-
-    def homing(self):
-        self.points.clear()
+        if what & WORK_GONE:
+            self._job.counting = False
 
     def halt(self):
         self.drawn = self.count_drawn()

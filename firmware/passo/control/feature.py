@@ -9,6 +9,17 @@ The methods of a cycle and of a report are called only where a class has its own
 one function: on stock MicroPython each function takes 60 bytes of memory.
 """
 
+from micropython import const
+
+# What has come over the whole machine, masks:
+QUEUE_GONE = const(1)  # a hold has come to its stand, and what was queued behind it is gone
+WORK_GONE = const(2)  # all work is dropped
+HOMING = const(4)  # homing begins
+SAFE = const(8)  # the safe state, at once
+OFF = const(16)  # outputs off until the next reset
+HANDED_OVER = const(32)  # another link commands: switch the tool off; outputs stay, one may hold the work
+ANEW = const(64)  # as after power-up
+
 
 def _nothing(self, _=None):
     """Also an answer: no, none."""
@@ -42,13 +53,8 @@ class Feature:
     # Events:
     stopped = _nothing  # stopped(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
     halt = _nothing  # halt(): the pins have stopped; what is queued is dropped next
-    dropped = _nothing  # dropped(): a hold has come to its stand, and what was queued behind it is gone
-    clear = _nothing  # clear(): all work is dropped
-    homing = _nothing  # homing(): homing begins
-    release = _nothing  # release(): the safe state, at once
-    switch_off = _nothing  # switch_off(): outputs off until the next reset
-    handed_over = _nothing  # handed_over(): another link commands: switch the tool off; outputs stay, one may hold the work
-    restart = _nothing  # restart(): as after power-up
+    heeds = 0  # of the masks above: those that heed() is for
+    heed = _nothing  # heed(what): all that have come at once
     show_outputs = _nothing  # show_outputs(on): False: the door holds the machine; True: it goes on
 
 

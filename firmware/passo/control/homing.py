@@ -14,7 +14,7 @@ debouncing ended, so a bouncing sensor gives the same origin every time.
 from micropython import const
 
 from passo import commands, errors
-from passo.control.feature import Feature
+from passo.control.feature import HOMING, SAFE, WORK_GONE, Feature
 from passo.control.sensor import Sensor
 from passo.errors import LATER
 
@@ -52,6 +52,8 @@ class Seeker:
 
 
 class Homing(Feature):
+    heeds = WORK_GONE | SAFE
+
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]
@@ -82,12 +84,11 @@ class Homing(Feature):
     def handlers(self):
         return {commands.HOME: self._home}
 
-    def clear(self):
-        if self._squaring:
+    def heed(self, what):
+        if what & WORK_GONE and self._squaring:
             self._squaring.both()
-
-    def release(self):
-        self._known = 0
+        if what & SAFE:
+            self._known = 0
 
     def _home(self, command):
         machine = self._machine
@@ -103,7 +104,7 @@ class Homing(Feature):
             return LATER
         if machine.homed:
             self._known = self._all
-        machine.homing()
+        machine.inform(HOMING)
         machine.unlock()
         machine.homed = False
         machine.command = command
@@ -133,7 +134,8 @@ class Homing(Feature):
         """Every axis asked for stands at its origin."""
         machine = self._machine
         homed = machine.command.value
-        self.clear()
+        if self._squaring:
+            self._squaring.both()
         again = self._quality and self._quality.again(self._groups)
         self._queue.set_origin(homed or -1)
         if again:

@@ -14,7 +14,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.config import setting_numbers as table
-from passo.control.feature import Feature
+from passo.control.feature import OFF, WORK_GONE, Feature
 from passo.records import COUNT_MASK
 
 _SURE = const(3)  # questions in time
@@ -23,6 +23,8 @@ _Z = const(2)
 
 
 class HostWatch(Feature):
+    heeds = WORK_GONE
+
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._links = board["links"]
@@ -118,10 +120,10 @@ class HostWatch(Feature):
             queue.go(target, 0, 0, queue.tool, 0)
             queue.flush()
         else:
-            self.clear()
+            self.heed()
 
-    def clear(self):
+    def heed(self, _=WORK_GONE):
         """It is up, or all work is dropped."""
         if self._retracts:
             self._retracts = self._up = self._machine.retracts = False
-            self._machine.switch_off()
+            self._machine.inform(OFF)

@@ -15,7 +15,7 @@ import micropython
 from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
 from passo.config import setting_numbers as table
-from passo.control.feature import Feature
+from passo.control.feature import WORK_GONE, Feature
 from passo.errors import LATER
 from passo.motion.independent_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
@@ -24,6 +24,8 @@ _STANDING = ("idle", "alarm", "check", "sleep")
 
 
 class Independent(Feature):
+    heeds = WORK_GONE
+
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
         Feature.__init__(self, board, machine, queue)
@@ -55,8 +57,8 @@ class Independent(Feature):
         """Signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
         return [((now - then + COUNT_HALF) & COUNT_MASK) - COUNT_HALF for now, then in zip(self._queue.position(), self._from)]
 
-    def clear(self):
-        """All motion has been dropped."""
+    def heed(self, _=WORK_GONE):
+        """All motion has ended, or has been dropped."""
         self._command = self._jog = None
         self._moving = False
         self._off = 0
@@ -76,7 +78,7 @@ class Independent(Feature):
         command = self._command
         if self._off == self._all:
             self._machine.motors.drives(False)
-        self.clear()
+        self.heed()
         self._queue.settle()
         self._machine.tell(Event(FINISHED, command))
 

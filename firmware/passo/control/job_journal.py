@@ -27,7 +27,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_PLACE, SPOT_TIMES
-from passo.control.feature import Feature
+from passo.control.feature import QUEUE_GONE, Feature
 from passo.motion.block import WAIT
 from passo.records import COUNT_MASK, JOURNAL_BYTES, REST_MS, ROW_KIND, ROW_TAG
 
@@ -54,6 +54,8 @@ def unpacked(data):
 
 
 class JobJournal(Feature):
+    heeds = QUEUE_GONE
+
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._every_ms = board["journal"]["every_ms"]
@@ -269,8 +271,8 @@ class JobJournal(Feature):
         if self._job and self._counting() and self._walks():
             self._walked()
 
-    def dropped(self):
-        """A hold has come to its stand, which poll() has seen; what was queued behind it is gone."""
+    def heed(self, _):
+        """poll() has seen the stand of the hold."""
         if self._moving:
             self._write()
         self._broken = True

@@ -16,13 +16,15 @@ from passo import commands, errors
 from passo.commands import DROPPED, Event
 from passo.config.job_keys import LINK, name_fits
 from passo.config.job_store import Damaged, JobStore
-from passo.control.feature import Feature
+from passo.control.feature import OFF, WORK_GONE, Feature
 from passo.control.job_line import JobLine
 
 _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
 
 
 class Jobs(Feature):
+    heeds = WORK_GONE
+
     def __init__(self, board, machine, queue):
         config = board["jobs"]
         Feature.__init__(self, board, machine, queue)
@@ -314,7 +316,7 @@ class Jobs(Feature):
         if self._rest is not None:
             self._read_rest()
         elif self._failed:
-            machine.switch_off()
+            machine.inform(OFF)
             self._end(self._failed)
             if self._failed == errors.JOB_DAMAGED:
                 machine.raise_alarm(errors.ALARM_JOB_CHANGED, self._name)
@@ -322,8 +324,8 @@ class Jobs(Feature):
             self._announce(0)
             self._end(0)
 
-    def clear(self):
-        """All work has been dropped: by a stop, a reset, an alarm."""
+    def heed(self, _):
+        """All work is dropped, by a stop, a reset, an alarm."""
         self._close_rest()
         if self._reading is not None:
             self._store.close(self._reading)

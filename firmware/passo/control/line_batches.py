@@ -80,12 +80,11 @@ class LineBatches(Feature):
         settings = machine.settings
         if self._travel_of != settings.version:
             self._travel_of = settings.version
-            self._travel = self._find_travel() if settings.value(table.SOFT_LIMITS) else None
+            self._travel = None
+            if settings.value(table.SOFT_LIMITS):
+                ends = [self._queue.reach(axis) for axis in range(len(self._axes))]
+                self._travel = [low for low, _ in ends], [high for _, high in ends]
         return self._travel if machine.homed else None
-
-    def _find_travel(self):
-        ends = [self._queue.reach(axis) for axis in range(len(self._axes))]
-        return [low for low, _ in ends], [high for _, high in ends]
 
     def _inside(self, target):
         """True if `target` is within the travel, or no travel limits hold."""

@@ -2,7 +2,7 @@
 
 from passo import commands, errors
 from passo.config.setting_numbers import LASER
-from passo.control.feature import Feature
+from passo.control.feature import OFF, Feature
 from passo.records import COUNT_MASK
 
 
@@ -142,7 +142,7 @@ class Pauses(Feature):
             machine.drop()
             machine.end_hold()
             if (machine.alarm in errors.NEED_RESET or machine.alarm >= errors.ALARM_INVERTER_SILENT) and not machine.retracts:
-                machine.switch_off()
+                machine.inform(OFF)
             if kind == "door":
                 self._stop(kind)
         elif not machine.stood:

@@ -7,8 +7,9 @@ import micropython
 from micropython import const
 
 from passo import commands, errors
-from passo.batch import thousandths
+from passo.commands import thousandths
 from passo.config import setting_numbers as table
+from passo.control.feature import QUEUE_GONE, WORK_GONE
 from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.limits import Limits
@@ -27,6 +28,8 @@ def minute_ticks(command):
 
 
 class Program(LineBatches):
+    heeds = QUEUE_GONE | WORK_GONE
+
     def __init__(self, board, machine, queue):
         self._limits_of = None  # the settings' version whose limits the planner knows
         self._touch = None  # where the probe changed
@@ -42,8 +45,10 @@ class Program(LineBatches):
             commands.SYNC: self._sync,
         }
 
-    def clear(self):
-        """All motion has been dropped."""
+    def heed(self, what):
+        """Behind the stand of a hold a probe has done its work."""
+        if what & QUEUE_GONE and self._touch is not None and self._machine.busy_with(commands.PROBE):
+            self._machine.finish((self._touch, True))
         self._touch = None
 
     # --- motion
@@ -248,12 +253,6 @@ class Program(LineBatches):
         machine.command = command
         machine.finish((self._queue.position(), False))
         return 0
-
-    def dropped(self):
-        """A hold has come to its stand, and what was queued behind it is gone."""
-        if self._touch is not None and self._machine.busy_with(commands.PROBE):
-            self._machine.finish((self._touch, True))
-        self._touch = None
 
     # --- what waits for the motion before it
 

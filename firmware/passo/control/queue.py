@@ -156,12 +156,12 @@ class Queue:
         """Queue a line to `target` (steps, the first axes) that lasts ticks(deltas). Raises ValueError if the planner cannot."""
         if tool != self.tool:
             self._change_tool(tool, tag)
-        deltas = self._towards(target)
+        deltas = self.deltas(target)
         self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
         self.lead(target)
         self.waiting = True
 
-    def _towards(self, target):
+    def deltas(self, target):
         """Steps of each axis from the queue's end to `target`, in a list that the next call overwrites."""
         deltas = self._deltas
         here = self.target

@@ -1,7 +1,7 @@
 """Beginning anew, and being out of service: reset, unlock, check mode, sleep."""
 
 from passo import commands, errors
-from passo.control.feature import Feature
+from passo.control.feature import ANEW, Feature
 
 _STANDS = (commands.DWELL, commands.SPINDLE)  # while one of these takes its time the machine stands
 
@@ -27,11 +27,10 @@ class Resets(Feature):
         machine.command = None
         machine.checking = machine.sleeping = False
         if alarm:
-            machine.raise_alarm(alarm)
+            machine.raise_alarm(alarm, None, ANEW)
         else:
             machine.abort()
-            machine.forget()
-        machine.restart()
+            machine.forget(ANEW)
         machine.restarted(command)
         return machine.accepted(command)
 
@@ -60,8 +59,7 @@ class Resets(Feature):
 
     def _sleep(self, command):
         machine = self._machine
-        machine.shut_down()
-        machine.restart()
+        machine.shut_down(ANEW)
         machine.guarded = 0
         machine.sleeping = True
         machine.notice(errors.NOTICE_SLEEPING)

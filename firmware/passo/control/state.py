@@ -12,7 +12,7 @@ what FACE there names, and write nothing.
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
-from passo.control.feature import overriding
+from passo.control.feature import ANEW, HANDED_OVER, OFF, QUEUE_GONE, SAFE, WORK_GONE, overriding
 from passo.control.inputs import Inputs
 from passo.control.log import Log
 from passo.errors import LATER
@@ -230,9 +230,11 @@ class MachineState:
         for feature in self._features:
             feature.show_outputs(on)
 
-    def switch_off(self):
+    def inform(self, what):
+        """Tell all features what has come over the machine: masks of feature.py."""
         for feature in self._features:
-            feature.switch_off()
+            if feature.heeds & what:
+                feature.heed(what)
 
     def drop_at_stand(self):
         """Come to a stand, then drop what is queued."""
@@ -243,8 +245,7 @@ class MachineState:
     def drop(self):
         """Drop what is queued, at the stand of a hold."""
         self.queue.drop()
-        for feature in self._features:
-            feature.dropped()
+        self.inform(QUEUE_GONE)
         self.jogging = self.active = self.fresh = False
 
     def end_hold(self):
@@ -260,10 +261,9 @@ class MachineState:
         self.queue.drop()
         self.end_hold()
 
-    def forget(self):
-        """Drop all work, begun or waiting. What is queued is left to the caller."""
-        for feature in self._features:
-            feature.clear()
+    def forget(self, also=0):
+        """Drop all work, begun or waiting. What is queued is left to the caller. `also`: what else features heed."""
+        self.inform(WORK_GONE | also)
         self.drawing = self.jogging = self.active = self.fresh = False
         self.awake = True
         self.command = None
@@ -271,9 +271,7 @@ class MachineState:
     def hand_over(self, number):
         """Give the command to link `number`: drop all work, switch the tool off."""
         self.commander = number
-        self.forget()
-        for feature in self._features:
-            feature.handed_over()
+        self.forget(HANDED_OVER)
 
     def lose_place(self):
         """Nobody knows any more where the motors are."""
@@ -281,31 +279,28 @@ class MachineState:
         if self.job:
             self.job.kept = False
 
-    def shut_down(self):
-        """Stop at once, forget all work, outputs safe. The position is no longer known."""
-        self._make_safe()
+    def shut_down(self, also=0):
+        """Stop at once, forget all work, outputs safe, no current. The position is no longer known."""
+        self._make_safe(also)
         self.motors.release()
 
-    def _make_safe(self):
+    def _make_safe(self, also):
         self.abort()
-        self.forget()
         self.lose_place()
-        for feature in self._features:
-            feature.release()
+        self.forget(SAFE | also)
 
-    def raise_alarm(self, number, who=None):
-        """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log."""
+    def raise_alarm(self, number, who=None, also=0):
+        """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log; `also`: what else features heed."""
         command = self.command
         if number in errors.AT_STAND:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
-            self.forget()
+            self.forget(also)
         elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
             errors.ALARM_GANTRY):
-            self._make_safe()
-            self.switch_off()
+            self._make_safe(also | OFF)
         else:
-            self.shut_down()
+            self.shut_down(also)
         self.guarded = 0
         self.alarm = number
         self.note(number, who)
@@ -324,11 +319,6 @@ class MachineState:
         if self.guarded and self.alarm in (0, errors.ALARM_LOCKED):
             self.alarm = errors.ALARM_LOCKED if self.guarded >> self.commander & 1 else 0
 
-    def restart(self):
-        """Outputs and overrides as after power-up."""
-        for feature in self._features:
-            feature.restart()
-
     def restarted(self, command=None):
         """Tell all links that the machine begins anew, by `command` or because it was switched on; an active limit locks
         it, an open door holds it."""
@@ -342,13 +332,7 @@ class MachineState:
         if self.inputs.door_open() and not self.alarm:
             self.carry_out(commands.DOOR)
 
-    def homing(self):
-        """Homing begins: what was stored refers to the old origin."""
-        for feature in self._features:
-            feature.homing()
-
     def homing_failed(self, alarm):
         """Alarm and restart, as grbl does: whatever was sent behind the homing is dropped."""
-        self.raise_alarm(alarm)
-        self.restart()
+        self.raise_alarm(alarm, None, ANEW)
         self.restarted()

@@ -12,6 +12,7 @@ from micropython import const
 from passo import commands
 from passo.commands import FINISHED, Event
 from passo.control.counted_job import CountedJob
+from passo.control.feature import QUEUE_GONE, WORK_GONE
 from passo.control.step_program_intake import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN
 from passo.control.step_program_orders import StepProgramOrders
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
@@ -21,6 +22,8 @@ _GATHER = const(512)  # units that a stream sets out with, so that the board's p
 
 
 class StepProgramPlayer(StepProgramOrders):
+    heeds = QUEUE_GONE | WORK_GONE
+
     def __init__(self, board, machine, queue):
         StepProgramOrders.__init__(self, board, machine, queue)
         self._least_ticks = us_to_ticks(board["step_program"]["interval_us"])
@@ -66,7 +69,15 @@ class StepProgramPlayer(StepProgramOrders):
     def held(self):
         return self._midway and self._mode == IDLE
 
-    def clear(self):
+    def heed(self, what):
+        if what & WORK_GONE:
+            self._forget()
+        if what & QUEUE_GONE and self._mode != IDLE:  # the stand came behind poll(), and the walk is off the queue
+            self._next = None
+            self._off(self._mode)
+            self._drop()
+
+    def _forget(self):
         """All motion has been dropped, or is to be at its stand: back to the program's start; what was streamed is forgotten."""
         if self._machine.dropping and self._mode != IDLE:
             self._next = self._drop
@@ -77,13 +88,6 @@ class StepProgramPlayer(StepProgramOrders):
         self._walker.rewind()
         self._walker.pause(self._least_ticks)
         self._stand()
-
-    def dropped(self):
-        """The stand came behind poll(), and the walk is off the queue."""
-        if self._mode != IDLE:
-            self._next = None
-            self._off(self._mode)
-            self._drop()
 
     def _drop(self):
         """At the stand; the journal has a cycle to look where that is."""
@@ -159,7 +163,7 @@ class StepProgramPlayer(StepProgramOrders):
             machine.awake = True
         if self._dropped:
             self._dropped = False
-            self.clear()
+            self._forget()
             return
         if self._held and not machine.hold:  # resumed by a button
             if self._held == RETURN:

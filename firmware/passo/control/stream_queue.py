@@ -75,9 +75,9 @@ class StreamQueue(Queue):
                 self.fits(self.deltas(target), nm_s, ticks)  # what is refused leaves the tool as it is
             self._change_tool(tool, tag)
         if not self._planner.accelerates:
-            ticks = self._ticks(self._towards(target), nm_s, ticks)
+            ticks = self._ticks(self.deltas(target), nm_s, ticks)
             nm_s = 0
-        self._planner.line(self._towards(target), ticks, tool, tag, not nm_s and not ticks, nm_s)
+        self._planner.line(self.deltas(target), ticks, tool, tag, not nm_s and not ticks, nm_s)
         self.lead(target)
         self.waiting = True
 
@@ -133,12 +133,6 @@ class StreamQueue(Queue):
         nm_s = ellipse.length_nm * TICKS_PER_S // ticks if ticks else command.feed
         slowest, accelerations = self._planner.slowest(plane[:2])
         return self._make_chords(ellipse, nm_s, command.tool, command.number, steps_per_m, accelerations, slowest)
-
-    def deltas(self, target):
-        deltas = [0] * len(self._axes)
-        for axis in range(len(target)):
-            deltas[axis] = target[axis] - self.target[axis]
-        return deltas
 
     def ticks_at(self, deltas, nm_s):
         """How long a line lasts at a speed along the path."""

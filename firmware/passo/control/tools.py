@@ -3,10 +3,9 @@
 from micropython import const
 
 from passo import commands, errors
-from passo.batch import thousandths
-from passo.commands import SPINDLE_OFF
+from passo.commands import SPINDLE_OFF, thousandths
 from passo.config import setting_numbers as table
-from passo.control.feature import Feature
+from passo.control.feature import ANEW, HANDED_OVER, OFF, Feature
 from passo.errors import LATER
 from passo.records import SEEN_LIT
 
@@ -16,6 +15,8 @@ _HIGHEST = const(200)
 
 
 class Tools(Feature):
+    heeds = OFF | HANDED_OVER | ANEW
+
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._planner = queue.planner
@@ -25,32 +26,23 @@ class Tools(Feature):
         self._lasing = False
         self._own = False  # jogs, probing and homing are under way: none of them is the programme's
         self._dark = False  # at a stand: a laser whose power follows the speed is off
-        self._restart()
-
-    def _restart(self):
-        machine = self._machine
+        self._cools = 0  # coolant as it is; what it should be is the machine's
         machine.overrides = [100, 100, 100]  # feed, rapid, spindle
-        machine.spindle = SPINDLE_OFF
-        machine.power = 0
-        self._planner.set_power(0, False)
-        machine.coolant = self._cools = 0  # as it should be, and as it is
-        self._override_all()
 
-    def restart(self):
-        """As after power-up, outputs too."""
-        self._restart()
-        self.show_outputs(False)
-
-    def switch_off(self):
-        """Spindle and coolant off until the next reset. Only at a stand."""
+    def heed(self, what):
+        """Spindle and coolant off; with ANEW all is as after power-up."""
         machine = self._machine
         machine.spindle = SPINDLE_OFF
         machine.power = machine.coolant = 0
         if self._queue.lit():
             self._queue.rest(False)
+        self._dark = True
         self.show_outputs(False)
-
-    handed_over = switch_off
+        if what & ANEW:
+            self._planner.set_power(0, False)
+            if machine.overrides != [100, 100, 100]:
+                machine.overrides = [100, 100, 100]
+                self._override_all()
 
     def poll_end(self, still):
         """Switch off a laser whose power follows the speed while nothing moves (`still`)."""

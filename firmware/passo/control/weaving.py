@@ -5,11 +5,13 @@ program.py asks `machine.weave` at each of these.
 """
 
 from passo import commands, errors
-from passo.control.feature import Feature
+from passo.control.feature import ANEW, Feature
 from passo.motion import weave
 
 
 class Weaving(Feature):
+    heeds = ANEW
+
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
@@ -54,7 +56,7 @@ class Weaving(Feature):
         if command.kind == commands.ARC:
             plane = command.first, command.second
             circle = command.centre, command.clockwise, command.turns - 1, command.over_half
-        deltas = self._queue.deltas(command.target)
+        deltas = list(self._queue.deltas(command.target))
         return weave.Woven(deltas, plane, circle, self._spec, command.feed, command.tool, command.number, self._steps_per_m)
 
     def inside(self, command, inside):
@@ -69,5 +71,5 @@ class Weaving(Feature):
                 return False
         return True
 
-    def restart(self):
+    def heed(self, _):
         self._spec = self._machine.weave = None

@@ -82,4 +82,5 @@ class Power:
     def clear(self):
         """Forget all marks: everything not yet played is dropped. The power is off."""
         self.marks[POWER_TAIL] = self.marks[POWER_HEAD]
-        self.set(0)
+        self.value = self.level = 0
+        self._dark = False

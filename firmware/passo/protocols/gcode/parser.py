@@ -21,8 +21,7 @@ import micropython
 from micropython import const
 
 from passo import commands, errors
-from passo.batch import thousandths
-from passo.commands import Command
+from passo.commands import Command, thousandths
 from passo.protocols.gcode.codes import (
     CODES, COOLING, CYCLE, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PATH, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,

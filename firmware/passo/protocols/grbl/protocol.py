@@ -106,8 +106,13 @@ class Grbl:
         """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
         the answers to them. None: `data` is not kept, and all is for feed()."""
         if not self.batch.begun:
-            if data and (data[_FIRST] == _ASKS or data[_LAST] == _ASKS) and self._lines.take(data):
-                return b""  # the answer comes first: to open the batch takes 0.7 ms
+            if data:
+                last = data[_LAST]
+                if (last == _ASKS or data[_FIRST] == _ASKS) and self._lines.take(data):
+                    return b""  # the answer comes first: to open the batch takes 0.7 ms
+                if last > _HIGHEST or last in _BY_ITSELF:  # it need not wait for the machine's yes
+                    self._lines.fields[LINES_WAITS] = 0
+                    return None
             if not self._open(data):
                 return None
         text, lines, place, rows, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
@@ -122,8 +127,6 @@ class Grbl:
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
-        if data and (data[_LAST] > _HIGHEST or data[_LAST] in _BY_ITSELF):
-            return False  # it need not wait for the machine's yes
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
             or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
