@@ -127,7 +127,7 @@ class App:
         if board["jobs"]:
             self._add_jobs(languages, shared, most)
             self._prepare()
-        self.controller.start()
+        self.controller.machine.restarted()
         self._answer()
 
     def _prepare(self):
@@ -241,7 +241,7 @@ class App:
         coming = heard == _PART or not (heard & _LINES and moves) and self._coming()
         if heard & _WHOLE:
             if not coming:
-                self.controller.begin()
+                self.controller.queue.begin()
             if not moves:
                 self._feed()
             elif heard & _LINES:
@@ -365,7 +365,7 @@ class App:
     def _set_off(self, link):
         """The machine stands, and no more lines are coming: move first, answer then."""
         link.batch.close(link.batch)
-        self.controller.begin()
+        self.controller.queue.begin()
         self._feed()
 
     def _answer(self):
@@ -425,4 +425,4 @@ class App:
 
     def stop(self):
         """Halt, tool off, motors without current."""
-        self.controller.shut_down()
+        self.controller.machine.shut_down()

@@ -86,10 +86,10 @@ class FileRoom:
 
 def _make(kind, how, count):
     kept = _kept[0] if _kept else ()
-    for place in range(len(kept)):
-        piece = kept[place]
+    for index in range(len(kept)):
+        piece = kept[index]
         if piece and piece[0] == kind and (not count or len(piece[1]) == count):
-            kept[place] = ()
+            kept[index] = ()
             return piece[1]
     return how(count)
 

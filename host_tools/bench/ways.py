@@ -21,6 +21,7 @@ from passo.web.session import Session
 
 _BOARD = "router_3axis"
 _CYCLES = 500_000  # until a thing has been done
+_NEAR_THE_SENSORS = [1500, 1500, -1500]  # steps from machine zero
 
 
 @cache
@@ -65,9 +66,9 @@ class Passed:
         return len(self.functions), len({path for path, _ in self.functions})
 
 
-def _machine(*before):
-    """A router at rest that has carried out `before`, one after the other."""
-    machine = VirtualMachine(_BOARD, trace=None)
+def _machine(*before, start=None):
+    """A router at rest that has carried out `before`, one after the other. `start`: where it stands, in steps."""
+    machine = VirtualMachine(_BOARD, trace=None, start=start)
     for data in (b"$X\n", *before):
         machine.send(data)
         machine.run_ms(1500)
@@ -128,7 +129,7 @@ def _idle():
 
 
 def _homing():
-    machine = _machine()
+    machine = _machine(start=_NEAR_THE_SENSORS)
     machine.send(b"$H\n")
     return _until(machine, lambda: b"ok" in machine.received())
 

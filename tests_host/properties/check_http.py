@@ -348,7 +348,7 @@ def check_admission_ends():
     machine.send(forms_admit(5))
     machine.cycle()
     assert admission_of(machine).admitted()
-    machine.app.controller.raise_alarm(errors.ALARM_HARD_LIMIT)
+    machine.app.controller.machine.raise_alarm(errors.ALARM_HARD_LIMIT)
     machine.cycle()
     assert not admission_of(machine).admitted()
 

@@ -148,7 +148,7 @@ def check_a_lock_at_the_start_is_for_grbl_alone():
     two.machine.settle()
     two.machine.do("$LINK=2", "$LINK=1", "G0 X0")  # unlocked once is unlocked
     two.machine.settle()
-    two.controller.raise_alarm(errors.ALARM_TWO_MOTORS, "test")
+    two.controller.machine.raise_alarm(errors.ALARM_TWO_MOTORS, "test")
     two.machine.do("$LINK=2")
     assert two.packet("MOVE", 5, 5, turns=30) == b"" and status_from(two.packet("STATUS"))["state"] == "alarm"
 

@@ -99,8 +99,8 @@ class Two:
 
         self.controller.machine.handlers[kind] = watched
 
-    def raises_alarm(self, number, who=None):
-        self._raise_alarm(number, who)
+    def raises_alarm(self, number, who=None, also=0):
+        self._raise_alarm(number, who, also)
         self._mark()
 
     def arm(self):
@@ -139,7 +139,7 @@ class Two:
 
 def fail(machine, number):
     """An alarm, as one turn of the main loop raises and tells it."""
-    machine.app.controller.raise_alarm(number, "test")
+    machine.app.controller.machine.raise_alarm(number, "test")
     machine.app._answer()
 
 

@@ -415,7 +415,7 @@ def check_relays():
         assert ours or board.controller.machine.log.last == errors.NO_MOTORS
     board.send(torch.move(5000, 480, 0, 0))
     board.poll(1_000_000)
-    board.controller.raise_alarm(errors.ALARM_HARD_LIMIT, "test")
+    board.controller.machine.raise_alarm(errors.ALARM_HARD_LIMIT, "test")
     assert switched()[0][1:] == ("relay", 0)
     made = board.made()
     board.send(torch.frame("CONNECT") + torch.move(10, 480, 10, 480) + torch.frame("JOG_X+"))
@@ -445,7 +445,7 @@ def check_the_log():
     begun = board.port.machine_ms()
     board.send(torch.move(5, 0, 5, 480))
     board.cycle()
-    board.controller.raise_alarm(errors.ALARM_HARD_LIMIT, "emergency stop")
+    board.controller.machine.raise_alarm(errors.ALARM_HARD_LIMIT, "emergency stop")
     name, newest = asked(0)
     assert name == "LOG" and begun <= newest["ms"] <= board.port.machine_ms()
     assert (newest["number"], newest["older"], newest["who"]) == (errors.ALARM_HARD_LIMIT, 1, "emergenc")

@@ -97,7 +97,7 @@ def test_the_first_motion_takes_the_motors_where_the_board_file_says_so(language
     steps = [moved(machine, data)[0] for data in MOTION[language]]
     assert any(step != [0, 0] for step in steps)
     controller = machine.app.controller
-    controller.raise_alarm(errors.ALARM_HARD_LIMIT, "test")
+    controller.machine.raise_alarm(errors.ALARM_HARD_LIMIT, "test")
     machine.run_ms(50)
     position = list(machine.plant.position)
     machine.run_ms(500)

@@ -7,7 +7,7 @@ _DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
 def farthest(start, arc, steps_per_m):
-    """The places on `arc` (a Motion from `start`) that lie farthest out along the axes of its plane, to the nearest step.
+    """The points on `arc` (a Motion from `start`) that lie farthest out along the axes of its plane, to the nearest step.
     """
     i, j = arc.centre
     wide, high = steps_per_m[arc.second], steps_per_m[arc.first]  # brings both axes to one unit
@@ -19,14 +19,14 @@ def farthest(start, arc, steps_per_m):
     if arc.clockwise:
         begin, end = end, begin
     turns = arc.turns + turns_off(cross(begin, end), begin[0] * end[0] + begin[1] * end[1], arc.over_half)
-    places = []
+    points = []
     for direction in _DIRECTIONS:
         if turns > 1 or turns and swept(begin, direction, end):
-            place = list(arc.target)
-            place[arc.first] = centre[0] + reach[0] * direction[0]
-            place[arc.second] = centre[1] + reach[1] * direction[1]
-            places.append(place)
-    return places
+            point = list(arc.target)
+            point[arc.first] = centre[0] + reach[0] * direction[0]
+            point[arc.second] = centre[1] + reach[1] * direction[1]
+            points.append(point)
+    return points
 
 
 def swept(begin, direction, end):

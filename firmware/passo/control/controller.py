@@ -65,10 +65,6 @@ class Controller:
     def state(self):
         return self.machine.state
 
-    def start(self):
-        """Tell the links that the machine has been switched on."""
-        self.machine.restarted()
-
     def busy(self):
         """True while something moves, waits or is about to, or poll() does not know yet that it has ended: time matters."""
         machine = self.machine
@@ -188,13 +184,6 @@ class Controller:
         if settings.dirty and not settings.failed:
             machine.awake = True
 
-    def begin(self):
-        """Nothing more is coming for now: what waits sets out. A moving machine fetches on its own."""
-        self.queue.begin()
-
-    def raise_alarm(self, number, who=None):
-        self.machine.raise_alarm(number, who)
-
     def stopped_by(self, name):
         """An input has stopped the player: one that halts, or one that the interlock looks at; or a feature."""
         for stopped in self._stops:
@@ -203,10 +192,6 @@ class Controller:
         machine = self.machine
         limit = machine.interlock is None or machine.interlock.stops(name)
         machine.raise_alarm(errors.ALARM_HARD_LIMIT if limit else errors.ALARM_INTERLOCK, name)
-
-    def shut_down(self):
-        """Stop at once, drop all work, outputs safe. The position is no longer known."""
-        self.machine.shut_down()
 
     def tell(self, text):
         """Keep a line about this board for who asks what it is."""

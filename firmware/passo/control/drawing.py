@@ -94,10 +94,10 @@ class Drawing(Feature):
         machine = self._machine
         if machine.commander != batch.link or machine.unready() or machine.command is not None or machine.active:
             return False
-        places = self.points.reserve()
-        if places is None:
+        reserved = self.points.reserve()
+        if reserved is None:
             return False
-        batch.data, batch.offset, batch.room = places
+        batch.data, batch.offset, batch.room = reserved
         reach = self._queue.reach
         batch.most_x = reach(0)[1]
         batch.most_y = reach(1)[1]

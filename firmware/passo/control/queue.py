@@ -1,6 +1,6 @@
 """What has been handed to the planner: where it ends, whether the tool is on there, and how to drop it.
 
-Places are steps of each axis from machine position zero.
+Positions are steps of each axis from machine position zero.
 """
 
 from array import array
@@ -59,11 +59,11 @@ class Queue:
         return found
 
     def set_origin(self, axes=-1):
-        """Make this place machine zero, for the axes of a mask. Only at a stand, with nothing queued."""
-        place = self._feeder.position(self._player.played())
-        for axis in range(len(place)):
+        """Make this position machine zero, for the axes of a mask. Only at a stand, with nothing queued."""
+        position = self._feeder.position(self._player.played())
+        for axis in range(len(position)):
             if axes >> axis & 1:
-                self._origin[axis] = place[axis]
+                self._origin[axis] = position[axis]
         self.settle()
 
     def shift(self, axis, steps):
@@ -125,7 +125,7 @@ class Queue:
         return True
 
     def reach(self, axis):
-        """(lowest, highest) place of an axis. One that homes at its high end has its zero there."""
+        """(lowest, highest) position of an axis. One that homes at its high end has its zero there."""
         config = self._axes[axis]
         homing = self._board["homing"]
         if homing and config["name"] in homing["high_end"]:

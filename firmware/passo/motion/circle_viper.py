@@ -191,8 +191,8 @@ def third_axis(state: ptr32, length: int, count: int) -> int:  # ISR: no allocat
     length += state[CIRCLE_Z_OVER]
     state[CIRCLE_Z_OVER] = length & 0x3FFF
     climb = (length >> 14) * steep + ((length >> 14) * state[ARC_Z_LOW] >> 15)
-    place = state[CIRCLE_Z_SUM]
-    total = place + climb
+    height = state[CIRCLE_Z_SUM]
+    total = height + climb
     steps = total >> 21
     over = total & (_Z_ONE - 1)
     left = state[CIRCLE_Z_LEFT]
@@ -211,11 +211,11 @@ def third_axis(state: ptr32, length: int, count: int) -> int:  # ISR: no allocat
     each = 0
     if steps:
         each = climb // count
-        place += climb - each * count  # less than 2⁻¹⁰ step: nothing is lost at the end
+        height += climb - each * count  # less than 2⁻¹⁰ step: nothing is lost at the end
         if each == 0:
             each = 1  # its one step is due
     state[CIRCLE_Z_RISE] = each
-    state[CIRCLE_Z_BETWEEN] = place
+    state[CIRCLE_Z_BETWEEN] = height
     return count
 
 
@@ -299,18 +299,18 @@ def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
 def climb(out: ptr32, at: int, count: int, state: ptr32) -> int:  # ISR: no allocation
     """Add the third axis to the masks. Returns its steps."""
     rise = state[CIRCLE_Z_RISE]
-    place = state[CIRCLE_Z_BETWEEN]
+    height = state[CIRCLE_Z_BETWEEN]
     third = 1 << state[ARC_AXIS_Z]
     steps = 0
     end = at + count
     while at < end:
-        place += rise
-        if place >= _Z_ONE:
-            place -= _Z_ONE
+        height += rise
+        if height >= _Z_ONE:
+            height -= _Z_ONE
             out[at] = out[at] | third
             steps += 1
         at += 1
-    state[CIRCLE_Z_BETWEEN] = place
+    state[CIRCLE_Z_BETWEEN] = height
     return steps
 
 

@@ -321,7 +321,7 @@ class Planner:
         if at < 0:
             return None
         block = self._under_way
-        place = at // self._stride
+        slot = at // self._stride
         kind = rows[at + ROW_KIND]
         walker = None
         if kind == LINE:
@@ -329,7 +329,7 @@ class Planner:
             walker.load(rows, at + ROW_STEPS)
         elif kind == ARC:
             walker = self._circle
-            walker.load(self._arcs.plans, self._walkers[place])
+            walker.load(self._arcs.plans, self._walkers[slot])
         if walker is not None and rows[at + ROW_GAIN]:  # the ramp and the feeder read the row itself
             block.kind = kind
             block.rows = rows
@@ -338,18 +338,18 @@ class Planner:
             start = self.scratch[SCRATCH_START]
             block.start = q_of(start, rows, at, rows[at + ROW_LIMIT]) if start else 0
             return block
-        self._unpack(block, place)
+        self._unpack(block, slot)
         return block
 
-    def _unpack(self, block, place):  # ISR: no allocation
-        block.load(self.rows, place * self._stride)
+    def _unpack(self, block, slot):  # ISR: no allocation
+        block.load(self.rows, slot * self._stride)
         kind = block.kind
         if kind == LINE:
             block.walker = self._line
         elif kind == ARC:
             block.walker = self._circle
         else:
-            block.walker = None if kind == WAIT else self._walkers[place]
+            block.walker = None if kind == WAIT else self._walkers[slot]
 
     def row(self):
         """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
@@ -368,7 +368,7 @@ class Planner:
         retired = indices[QUEUE_RETIRED]
         if retired == indices[QUEUE_FETCHED]:
             return None
-        place = retired % QUEUE_SIZE
+        slot = retired % QUEUE_SIZE
         block = self._playing
-        self._unpack(block, place)
+        self._unpack(block, slot)
         return block

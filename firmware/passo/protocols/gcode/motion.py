@@ -45,27 +45,27 @@ class Motions(Reader):
                 steps[axis] = target[axis]
                 self.position[axis] = rounded(target[axis] * NM_PER_M, self.machine.steps_per_m[axis])
 
-    def _to_steps(self, place):
+    def _to_steps(self, target):
         steps = []
         for axis in range(self.axes):
-            steps.append(rounded(place[axis] * self.machine.steps_per_m[axis], NM_PER_M))
+            steps.append(rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M))
             if not -MAX_STEPS <= steps[axis] <= MAX_STEPS:
                 raise Refused(errors.TARGET)
         return steps
 
     def _target(self, machine_coordinates):
         """Where the axis words lead, in machine coordinates."""
-        place = self.position[:]
+        target = self.position[:]
         for axis in range(self.axes):
             if self._take(X + axis):
                 value = self._length(X + axis)
                 if machine_coordinates:
-                    place[axis] = value
+                    target[axis] = value
                 elif self._absolute:
-                    place[axis] = value + self.offsets.of(self._system, axis)
+                    target[axis] = value + self.offsets.of(self._system, axis)
                 else:
-                    place[axis] += value
-        return place
+                    target[axis] += value
+        return target
 
     # --- motion
 
@@ -77,17 +77,17 @@ class Motions(Reader):
         self._dynamic = self.laser and spindle == 4
         self._power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if self._lit else 0
 
-    def _move(self, kind, place, feed):
-        """Append the motion to `place`; from then on it starts there."""
+    def _move(self, kind, target, feed):
+        """Append the motion to `target`; from then on it starts there."""
         at = len(self.commands)
-        command = self._motion(self._moves[at] if at < len(self._moves) else Motion(kind), place, feed)
+        command = self._motion(self._moves[at] if at < len(self._moves) else Motion(kind), target, feed)
         command.kind = kind
         self.commands.append(command)
         return command
 
-    def _motion(self, command, place, feed):
+    def _motion(self, command, target, feed):
         """Fill in a motion of this line."""
-        command.target = self._to_steps(place)
+        command.target = self._to_steps(target)
         command.feed = feed
         command.per_min = self._per_min if feed else 0
         command.number = self._number
@@ -109,15 +109,15 @@ class Motions(Reader):
             return self._drill(motion)
         if motion in (200, 300):
             return self._arc(motion == 200), cycle
-        place = self._target(machine_coordinates)
+        target = self._target(machine_coordinates)
         if motion > 300:
-            if place == self.position:
+            if target == self.position:
                 raise Refused(errors.TARGET)
-            command = self._move(commands.PROBE, place, self._feed or 1)
+            command = self._move(commands.PROBE, target, self._feed or 1)
             command.value = (1 if motion >= 3840 else 0) | (2 if motion in (3830, 3850) else 0)
         else:
-            self._move(commands.LINE, place, (self._feed or 1) if motion else 0)
-        return place, cycle
+            self._move(commands.LINE, target, (self._feed or 1) if motion else 0)
+        return target, cycle
 
     def _sweeps(self, motion):
         """True if the line gives an arc's angle instead of its end. An extension."""
@@ -137,8 +137,8 @@ class Motions(Reader):
         if swept and self._left >> X & in_plane:
             raise Refused(errors.AXIS_WORDS_UNUSED)
         start = self.position
-        place = self._target(False)
-        across, along = place[first] - start[first], place[second] - start[second]
+        target = self._target(False)
+        across, along = target[first] - start[first], target[second] - start[second]
         error = i = j = 0
         over_half = None
         if not swept and self._take(R):
@@ -159,7 +159,7 @@ class Motions(Reader):
             if not sweep or not (i or j):
                 error = error or errors.TARGET
             across, along = arcs.end_of(i, j, sweep, clockwise)
-            place[first], place[second] = start[first] + across, start[second] + along
+            target[first], target[second] = start[first] + across, start[second] + along
             turns = (sweep - 1) // _DEGREES + 1
             over_half = (sweep - 1) % _DEGREES >= _DEGREES // 2
         elif not error:
@@ -171,7 +171,7 @@ class Motions(Reader):
                     error = errors.NOT_INTEGER
         if error:
             raise Refused(error)
-        command = self._move(commands.ARC, place, self._feed or 1)
+        command = self._move(commands.ARC, target, self._feed or 1)
         centre = start[:]
         centre[first] += i
         centre[second] += j
@@ -179,21 +179,21 @@ class Motions(Reader):
         command.first, command.second, command.clockwise, command.turns = first, second, clockwise, turns
         command.over_half = over_half
         command.centre = (centre[first] - self._steps[first], centre[second] - self._steps[second])
-        return place
+        return target
 
     def _go_home(self, number, axis_words):
         """G28, G30: by way of the axis words, if there are any; then only those axes go on."""
         stored = self.offsets.homes[number]
-        place = stored[:]
+        target = stored[:]
         if axis_words:
             between = self._target(False)
             self._move(commands.LINE, between, 0)
-            place = between[:]
+            target = between[:]
             for axis in range(self.axes):
                 if axis_words >> X + axis & 1:
-                    place[axis] = stored[axis]
-        self._move(commands.LINE, place, 0)
-        return place
+                    target[axis] = stored[axis]
+        self._move(commands.LINE, target, 0)
+        return target
 
     def _drill(self, motion):
         """G73, G81, G82, G83, an extension. (where it ends, heights, dwell and peck for the next hole.) `commands` are the way to the
@@ -202,7 +202,7 @@ class Motions(Reader):
         if self.axes < 3:
             raise Refused(errors.UNSUPPORTED)
         has_depth = self._left >> Z & 1
-        place = self._target(False)
+        target = self._target(False)
         x, y, z = self.position
         above, bottom, dwell, peck = self.cycle
         again = self.motion == motion
@@ -211,7 +211,7 @@ class Motions(Reader):
         elif not again:
             raise Refused(errors.VALUE_MISSING)
         if has_depth:
-            bottom = place[2] if self._absolute else above + place[2] - z
+            bottom = target[2] if self._absolute else above + target[2] - z
         elif not again:
             raise Refused(errors.VALUE_MISSING)
         if motion in (G73, G83) and self._take(Q):
@@ -229,7 +229,7 @@ class Motions(Reader):
             raise Refused(errors.TARGET)
         height = max(z, above)
         back = height if self._initial else above
-        way = (place[0] - x, place[1] - y, 0 if self._absolute else 1)
+        way = (target[0] - x, target[1] - y, 0 if self._absolute else 1)
         if height != z:
             self._move(commands.LINE, [x, y, height], 0)
         for hole in (1, times if way[2] else 1):

@@ -1,6 +1,6 @@
 """Work coordinates: the offsets between the machine's zero and the programme's, in nanometres of each axis.
 
-    programme place = machine place − (G54 … G59, the one selected) − G92 − tool length (Z only)
+    programme position = machine position − (G54 … G59, the one selected) − G92 − tool length (Z only)
 
 G54 … G59, G28, G30 and the lengths of tools are kept by `memory` (get(key) → text or None, put(key, text)); G92 and the tool length are
 forgotten by a reset. One object serves all links of a machine.
@@ -32,21 +32,21 @@ class Offsets:
         self.version += 1
 
     def of(self, system, axis):
-        """Machine place − programme place of `axis` with G54 + `system` selected."""
+        """Machine position − programme position of `axis` with G54 + `system` selected."""
         offset = self.systems[system][axis] + self.shift[axis]
         return offset + self.tool if axis == TOOL_AXIS else offset
 
-    def set_system(self, system, places):
-        self.systems[system] = places
-        self._keep("G%d" % (54 + system), places)
+    def set_system(self, system, positions):
+        self.systems[system] = positions
+        self._keep("G%d" % (54 + system), positions)
 
-    def set_home(self, number, places):
+    def set_home(self, number, positions):
         """`number` 28 or 30."""
-        self.homes[number] = places
-        self._keep("G%d" % number, places)
+        self.homes[number] = positions
+        self._keep("G%d" % number, positions)
 
-    def set_shift(self, places):
-        self.shift = places
+    def set_shift(self, positions):
+        self.shift = positions
         self.version += 1
 
     def set_tool(self, length):
@@ -61,20 +61,20 @@ class Offsets:
         """Put a tool into the table."""
         self._memory.put("T%d" % tool, str(length))
 
-    def measured(self, place):
-        """A tool has touched the sensor at this machine place of Z: the first is the reference of the others."""
+    def measured(self, position):
+        """A tool has touched the sensor at this machine position of Z: the first is the reference of the others."""
         if self._reference is None:
-            self._reference = place
-        self.set_tool(place - self._reference)
+            self._reference = position
+        self.set_tool(position - self._reference)
 
     def _recall(self, key):
         text = self._memory.get(key)
         try:
-            places = [int(part) for part in text.split(",")] if text else []
+            positions = [int(part) for part in text.split(",")] if text else []
         except ValueError:
-            places = []
-        return (places + [0] * self._axes)[: self._axes]
+            positions = []
+        return (positions + [0] * self._axes)[: self._axes]
 
-    def _keep(self, key, places):
-        self._memory.put(key, ",".join([str(place) for place in places]))
+    def _keep(self, key, positions):
+        self._memory.put(key, ",".join([str(position) for position in positions]))
         self.version += 1

@@ -59,10 +59,10 @@ class ToolChange:
         gcode.position = here + [top]
         gcode._steps = list(gcode._to_steps(gcode.position))
 
-    def _go(self, gcode, place, kind=commands.LINE, feed=0):
+    def _go(self, gcode, target, kind=commands.LINE, feed=0):
         """[a motion]."""
-        command = gcode._move(kind, place, feed)
+        command = gcode._move(kind, target, feed)
         command.value = 0
-        gcode.position = place
+        gcode.position = target
         gcode._steps = command.target
         return [command]

@@ -178,13 +178,10 @@ class PageMachine:
             self.drop_jog()
             self.note(event.error)
         elif event.kind == commands.DROPPED or event.kind == commands.RESTARTED:
-            self._forget(event)
+            PageMachine.drop(self, event)
 
     def drop(self, event):
         """What was said before is not done any more: another link, or an alarm, has stopped the machine."""
-        self._forget(event)
-
-    def _forget(self, event):
         self.drop_jog()
         self.said = []
         if event.kind == commands.RESTARTED:  # nothing that was under way is answered any more, but for what brought this about
