@@ -422,7 +422,7 @@ def check_board_errors_name_their_place():
         (("homing", "sensors"), {"x": "barrier"}, ("homing.sensors.x", "no input")),
         (("speed", "default"), 100, ("speed.default", "100")),
         (("drive",), {"kind": "pbl3770a", "mode": "wave"}, ("axis x",)),
-        (("drive", "mode"), "eighth", ("drive.mode", "unipolar", "'eighth'", "'half'")),
+        (("drive", "mode"), "eighth", ("drive.mode", "unipolar", "'eighth'", "half")),
         (("links", 0, "tx"), 10, ("pin 10", "tool", "pc")),
     ):
         try:

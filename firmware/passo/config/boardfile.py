@@ -207,7 +207,7 @@ def check(board):
     _check_interlock(board)
     modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
     if board["drive"]["mode"] not in modes.split(", "):
-        raise BoardError("drive.mode: %r is none of %s" % (board["drive"]["mode"], modes))
+        raise BoardError("drive.mode: %r is none of %s, those of %s" % (board["drive"]["mode"], modes, board["drive"]["kind"]))
     speed = board["speed"]
     if not speed["min"] <= speed["default"] <= speed["max"]:
         raise BoardError("speed.default: %(default)d is not between %(min)d and %(max)d" % speed)

@@ -37,6 +37,7 @@ KNOWN_BYTES = const(12304)
 _NEWEST = const(0)  # of the word that points to it
 _BEFORE = const(0)  # in a table of names: the one before it, and how many names those before it have
 _EARLIER = const(1)
+_COUNTED = const(0xFFFFFF)  # beside their number is a mark, its highest bit
 _ENTRIES = const(2)
 _USED = const(3)
 _HASHES = const(4)
@@ -138,9 +139,9 @@ def shorten(text: ptr8, sizes: int, first: int, known: ptr32) -> int:
 def text_of(number: int, known: ptr32) -> int:
     """The address of the word that points to a name's text, in one of the interpreter's tables in memory."""
     table = ptr32(ptr32(known[_TABLES])[_NEWEST])
-    while number < table[_EARLIER] & 0x7FFFFFFF:
+    while number < table[_EARLIER] & _COUNTED:
         table = ptr32(table[_BEFORE])
-    return int(table) + 4 * (_TEXTS + number - (table[_EARLIER] & 0x7FFFFFFF))
+    return int(table) + 4 * (_TEXTS + number - (table[_EARLIER] & _COUNTED))
 
 
 @micropython.viper
