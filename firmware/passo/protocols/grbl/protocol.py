@@ -47,6 +47,7 @@ _SEVERAL = const(2)
 _ASKS = const(0x3F)  # ?
 _BY_ITSELF = b"\x18!"  # real-time bytes; a read that ends with one of them goes to feed()
 _HIGHEST = const(0x7D)  # as are those above it
+_END_OF_LINE = const(10)
 _FIRST, _LAST = const(0), const(-1)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
@@ -110,7 +111,7 @@ class Grbl:
                 last = data[_LAST]
                 if (last == _ASKS or data[_FIRST] == _ASKS) and self._lines.take(data):
                     return b""  # the answer comes first: to open the batch takes 0.7 ms
-                if last > _HIGHEST or last in _BY_ITSELF:  # it need not wait for the machine's yes
+                if last != _END_OF_LINE and (last > _HIGHEST or last in _BY_ITSELF):  # it need not wait for the machine's yes
                     self._lines.fields[LINES_WAITS] = 0
                     return None
             if not self._open(data):
