@@ -21,8 +21,8 @@ from passo.control.motors import Motors
 from passo.errors import LATER
 from passo.memory import forget, keep
 from passo.motion.planner import Planner
-from passo.records import COUNT_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_S
-from passo.steps.ring import Ring, ring_size
+from passo.records import COUNT_MASK, DOTS_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_S
+from passo.steps.ring import Ring, power_room, ring_size
 from passo.steps.word import us_to_ticks
 
 LIVE_TICKS = const(12 * 12_500)  # ahead while what is under way may change at any moment: on the pins within 20 ms; a cycle, two segments
@@ -90,7 +90,7 @@ class App:
             self.planner.load()
         settings = Settings(board, Journal(slots or MemorySlots()), writing=getattr(port, "writing", None))
         forget("passo.config.setting_table")
-        self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
+        self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
         inverted = bool(settings.turned(ENABLE_INVERT)) and not board["interlock"]  # which knows the board file's only
         coils = None if self.layout.kind == "step_dir" else self._drive
@@ -161,8 +161,12 @@ class App:
         least = self.player.min_word_ticks
         builder.check_speed(board, least)
         settings.limit_steps(min(TICKS_PER_S // (2 * least), self.ring.size * _CALLS_S // 2))
+        burn = None
+        if self.ring.power.marks[DOTS_MASK]:
+            from passo.steps.dots_viper import burn
+
         setup = us_to_ticks(board["drive"]["setup_us"]) if self.layout.kind == "step_dir" else 0
-        self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least)
+        self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, burn)
         self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
         self._motors.release()
         return Queue(board, self.planner, self.feeder, self.player, self.port)

@@ -32,13 +32,14 @@ class Lines(_Batch):
 
     kind = LINES
 
-    def __init__(self, link, rows, most, slow_tool):
+    def __init__(self, link, rows, most, slow_tool, dots):
         """`rows`: array of BATCH_ROWS rows; `most`: lines that are taken at a time; `slow_tool`: a change of the tool takes time,
-        and no row may bring one about."""
+        and no row may bring one about; `dots`: where the powers of a row of dots go, DOTS_… of it."""
         _Batch.__init__(self, link)
         self.rows = rows
         self.most = most
         self.slow_tool = slow_tool
+        self.dots = dots
         # the controller's:
         self.taker = None  # (TRACE_… array, the kernel that queues rows, what it takes behind rows and count): one until these change
         self.target = None  # where the first row begins, steps of each axis: an array that is the machine's own

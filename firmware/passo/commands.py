@@ -174,6 +174,7 @@ class Motion(Command):
     """
 
     also = ()
+    dots = ()  # a LINE's powers at equal distances along it, in thousandths; `tool` and `power` are those of the last
     measures = False  # a PROBE that finds a tool's length
 
     def __init__(self, kind, target=None):

@@ -55,7 +55,7 @@ ROW_TIME_SHIFT = const(12)
 ROW_RATIO = const(13)  # its unit of speed over the previous block's: ROW_RATIO / 2 ** ROW_RATIO_SHIFT; 0: it begins at rest
 ROW_RATIO_SHIFT = const(14)
 ROW_UNIT = const(15)  # q of a square of 2²⁸: · ROW_UNIT / 2 ** ROW_UNIT_SHIFT
-ROW_POWER = const(16)  # of the tool, 0 … 1000, at the programmed speed
+ROW_POWER = const(16)  # of the tool, 0 … 1000, at the programmed speed; above POWER_MOST: a row of dots, as DOTS_COUNT says
 ROW_DYNAMIC = const(17)  # 1: power in proportion to the speed
 ROW_SPEED = const(18)  # as programmed, of 2²⁸
 ROW_SQUARE = const(19)  # its square
@@ -70,7 +70,7 @@ ROW_STEPS = const(26)  # then a line's signed steps, one number an axis
 BATCH_KIND = const(0)  # as ROW_KIND; of other than a LINE the planner's row is filled in already
 BATCH_FLAGS = const(1)  # 1: the tool is on; 2: rapid motion; 4: power in proportion to the speed
 BATCH_FEED = const(2)  # nm/s along the path; 0: as fast as may be; -1: SCRATCH_FEED and SCRATCH_GIVEN say
-BATCH_POWER = const(3)  # 0 … 1000, at the speed asked for
+BATCH_POWER = const(3)  # 0 … 1000, at the speed asked for; of a row of dots the last one's, with DOTS_COUNT and DOTS_FIRST
 BATCH_TAG = const(4)
 BATCH_FIRST = const(5)  # as ROW_FIRST
 BATCH_STEPS = const(6)  # a line's signed steps, one number an axis, four axes at most
@@ -268,16 +268,26 @@ MARK_PACE = const(4)
 MARK_FIELDS = const(5)
 MARKS = const(64)  # most segments made and not yet played, a power of two
 
-# Power.marks: how many have been put and how many played, for ever, modulo 2²⁹; then a ring of (word, level).
+# Power.marks: how many have been put and how many played, for ever, modulo 2²⁹; then a ring of (word, level), and one of dots.
 POWER_HEAD = const(0)
 POWER_TAIL = const(1)
-POWER_MARKS = const(2)
+POWER_MASK = const(2)  # marks, a power of two, − 1
+POWER_WAIT = const(3)  # marks that may wait if another segment is made
+DOTS_AT = const(4)  # where the dots begin: powers, 0 … POWER_MOST, of the rows that are queued
+DOTS_MASK = const(5)  # dots, a power of two, − 1; 0: this machine takes no rows
+DOTS_HEAD = const(6)  # index of the next dot to be put; the parser's
+DOTS_TAIL = const(7)  # and of the oldest one that has not been burnt; the feeder's
+POWER_MARKS = const(8)
 POWER_WORD = const(0)  # of a mark: the word that it counts from, modulo 2²⁹
 POWER_LEVEL = const(1)  # 0 … POWER_MOST
 POWER_FIELDS = const(2)
 POWER_MOST = const(1000)
 POWER_UNKNOWN = const(2000)
-POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
+# In ROW_POWER and BATCH_POWER, above ten bits: of ROW_POWER a scale, what each dot counts in thousandths.
+DOTS_COUNT = const(10)  # the bit from which on stands how many dots there are, at most DOTS_MOST; 0: no row
+DOTS_FIRST = const(18)  # and the index of the first
+DOTS_MOST = const(255)
+DOTS_POWER = const(0x3FF)  # mask of what lies below
 
 # Program._trace: where the lines of a batch may lead. Positions have 2²⁹ added, so that none is negative; four numbers each.
 TRACE_LOW = const(0)

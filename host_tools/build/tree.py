@@ -113,6 +113,7 @@ OF_KEYS = {
     "registers": ("shift_registers.py", "rp2/shift_registers.py"), "servo": ("servo.py",), "tachometer": ("pulses.py",),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
+OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
 
@@ -187,6 +188,8 @@ def selected(board, firmware=FIRMWARE, spared=None):
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and (board.get("card") or path not in OF_CARD)]
+    if not (board.get("spindle") or {}).get("laser"):
+        files.remove(OF_LASER)
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
         files = [path for path in files if path not in unused]

@@ -15,7 +15,7 @@ from passo.protocols.gcode.parse_records import (
 )  # fmt: skip
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
-    TRACE_FIELDS, TRACE_ROOM, TRACE_TAKEN,
+    DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK, DOTS_MOST, DOTS_POWER, DOTS_TAIL, POWER_MARKS, TRACE_FIELDS, TRACE_ROOM, TRACE_TAKEN,
 )  # fmt: skip
 from plain import plain
 
@@ -57,7 +57,7 @@ def draw_line(random):
     if random.between(0, 3) == 0:
         words += "F" + random.choice((number(random).strip("-"), "%d.%03d" % (random.between(0, 64_000), random.between(0, 999))))
     if random.between(0, 2) == 0:
-        words += random.choice((" S", "S")) + power(random)
+        words += random.choice((" S", "S")) + ":".join([power(random) for _ in range(random.choice((1, 1, 1, 2, 3, 9)))])
     if random.between(0, 9) == 0:
         words += "I" + number(random) + random.choice(("", "J" + number(random), "I1"))
     line = bytearray(words.encode())
@@ -89,7 +89,7 @@ class Straight(Machine):
         self.tool = False  # the queue's, and the planner's
         self.power = 0
         self.dynamic = False
-        self.batch = Batch(0, array("i", [0] * (BATCH_FIELDS * BATCH_ROWS)), BATCH_ROWS, False)
+        self.batch = Batch(0, array("i", [0] * (BATCH_FIELDS * BATCH_ROWS)), BATCH_ROWS, False, dots_ring(64))
         self.travel_fields = array("i", [0] * TRACE_FIELDS)
         self.batch.join(None, None, None, self.arc)
         self.refuses = False  # arcs
@@ -111,17 +111,27 @@ class Straight(Machine):
             target = [before[axis] + fields[BATCH_STEPS + axis] for axis in range(3)]
             flags, nm_s = fields[BATCH_FLAGS], fields[BATCH_FEED]
             assert fields[BATCH_KIND] == fields[BATCH_FIRST] == 0 and bool(flags & 2) == (not nm_s)
-            self.tool, self.power, self.dynamic = bool(flags & 1), fields[BATCH_POWER], bool(flags & 4)
-            self.took.append((target, nm_s, 0, fields[BATCH_TAG]) + self.light())
+            self.tool, self.power, self.dynamic = bool(flags & 1), fields[BATCH_POWER] & DOTS_POWER, bool(flags & 4)
+            self.took.append((target, nm_s, 0, fields[BATCH_TAG]) + self.light() + (self.burnt(fields[BATCH_POWER]),))
             self.blocks -= 1
         self.travel_fields[TRACE_ROOM] = self.blocks - 1
         self.travel_fields[TRACE_TAKEN] = count
+
+    def burnt(self, power):
+        """The dots of a row, which are given back at once."""
+        ring = self.batch.dots
+        first, count = power >> DOTS_FIRST, power >> DOTS_COUNT & DOTS_MOST
+        found = [ring[ring[DOTS_AT] + (first + dot & ring[DOTS_MASK])] for dot in range(count)]
+        if count:
+            assert found[-1] == self.power
+            ring[DOTS_TAIL] = first + count & ring[DOTS_MASK]
+        return found
 
     def arc(self, batch, command, power):
         if self.refuses:
             return False
         self.tool, self.power, self.dynamic = command.tool, power, command.dynamic
-        self.took.append((list(command.target), command.feed, arc_of(command), command.number) + self.light())
+        self.took.append((list(command.target), command.feed, arc_of(command), command.number) + self.light() + ([],))
         self.blocks -= 1
         return True
 
@@ -133,7 +143,7 @@ class Straight(Machine):
         if not gcode.opens(batch):
             return 0
         travel = self.travel_fields
-        count = take_lines(b"", 0, lines.text, lines.fields, gcode.place, batch.rows, most, travel, self.accept, travel, travel, travel, travel, travel)
+        count = take_lines(b"", 0, lines.text, lines.fields, gcode.place, batch.rows, batch.dots, most, travel, self.accept, travel, travel, travel, travel, travel)
         if count == ARC:
             count = lines.fields[LINES_TAKEN]
             if gcode.take_arc(batch):
@@ -151,7 +161,7 @@ class Straight(Machine):
                 self.power = 0 if laser and not command.tool else thousandths(command.power)
             elif command.target:
                 self.target = command.target[:]
-                self.tool, self.power, self.dynamic = facts(command)[-3:]
+                self.tool, self.power, self.dynamic = facts(command)[-4:-1]
 
     def light(self):
         return self.tool, self.power, self.dynamic
@@ -177,8 +187,16 @@ def arc_of(command):
 def facts(command):
     return (
         list(command.target), command.feed, arc_of(command) if command.kind == commands.ARC else command.per_min, command.number,
-        command.tool, thousandths(command.power), command.dynamic,
+        command.tool, thousandths(command.power), command.dynamic, list(command.dots),
     )  # fmt: skip
+
+
+def dots_ring(count):
+    """As Power.marks is, with room for `count` − 1 dots."""
+    ring = array("i", [0] * (POWER_MARKS + count))
+    ring[DOTS_AT] = POWER_MARKS
+    ring[DOTS_MASK] = count - 1
+    return ring
 
 
 def shops(count, laser, max_rpm=1_000_000, slow=False):
@@ -315,14 +333,16 @@ def check_machine_code(seed):
     random = Random(seed)
     place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * (PARSE_FIELDS - 13))
     batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))
-    sides = ((place, batch), (place[:], batch[:]))
+    sides = ((place, batch, dots_ring(64)), (place[:], batch[:], dots_ring(64)))
     for _ in range(50):
         text = b"G1\n" + b"\n".join([random.choice((draw_line, draw_arc))(random) for _ in range(random.between(1, 3))])
         text += random.choice((b"", b"\n", b"\nX1"))
         relative, inches = random.between(0, 1), random.between(0, 1)
         full = random.choice((0, 1, 255_000, 1_000_000, 100_000_000))
         most = random.between(1, 4)
-        for numbers, _ in sides:
+        room = random.between(1, 63)
+        for numbers, _, dots in sides:
+            dots[DOTS_TAIL] = dots[DOTS_HEAD] + room & 63
             numbers[PARSE_LOW : PARSE_LOW + 3] = array("i", [0, 0x1FFF0000, 0])
             numbers[PARSE_HIGH : PARSE_HIGH + 3] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF])
             numbers[PARSE_LEAST] = 700
@@ -390,7 +410,7 @@ def check_a_laser_raster_is_dealt_with():
             facts += shop.machine.take_of(shop.gcode, lines, 9)
         dark = (False, 0)
         lights = [dark, (True, 450), dark, (True, 1000), (True, 1000), dark, (True, 1), (True, 1000), dark, (True, 300)]
-        assert [fact[4:] for fact in facts] == [light + (mode == b"M4",) for light in lights]
+        assert [fact[4:-1] for fact in facts] == [light + (mode == b"M4",) for light in lights]
         lines.take(b"X1S5\n")  # no step to change it with
         assert shop.machine.follow(shop.gcode, lines, 9) == 0 and not waits(lines)
 
@@ -402,3 +422,31 @@ def check_a_spindle_changes_its_speed_at_a_stand():
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == short, line
+
+
+def check_rows_are_dealt_with():
+    """As LightBurn writes them; a row that finds no room for its dots waits."""
+    shop = Shop(Straight())
+    shop.gcode.laser = True
+    shop.do(b"G91 M4 F6000")
+    ring = shop.machine.batch.dots
+    for line in (b"G1X1.6S0:10:20:30:500.5:1000:0:7:8:9:10:11:12:13:14:15", b"G1 Y-0.8S875:0:0:0:875:0:0:1", b"X-3 S 1 : 2 F900", b"N9X1F600S9:0"):
+        lines = Lines()
+        lines.take(line + b"\n")
+        taken = shop.machine.take_of(shop.gcode, lines, 9)
+        assert len(taken) == 1 and not lines.waiting(), line
+        values = [float(value) for value in line.partition(b"S")[2].replace(b" ", b"").partition(b"F")[0].split(b":")]
+        assert taken[0][-1] == [int(value + 0.5) for value in values], line
+    for line in (b"X1S1:", b"X1S:1", b"X1S1::2", b"X1S1:-2", b"X1S1 X2:3", b"G0X1S1:2", b"X1:2", b"X1S1:2:", b"X1S1:2Z", b"X1S1:2S3", b"S1:2", b"G2X2I1S1:2", b"X1S1:2M3"):
+        lines = Lines()
+        lines.take(line + b"\n")
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and not waits(lines), line
+        assert line == b"X1S1:2M3" or shop.gcode.interpret(line) in (1, 2, 4, 25, 36), (line, shop.gcode.interpret(line))
+    lines = Lines()
+    lines.take(b"X1S1:2:3\nX2S4:5\n")
+    ring[DOTS_TAIL] = ring[DOTS_HEAD] + 4 & ring[DOTS_MASK]
+    assert len(shop.machine.take_of(shop.gcode, lines, 1)) == 1
+    ring[DOTS_TAIL] = ring[DOTS_HEAD] + 1 & ring[DOTS_MASK]
+    assert shop.machine.follow(shop.gcode, lines, 9) == 0 and waits(lines)
+    ring[DOTS_TAIL] = ring[DOTS_HEAD]
+    assert shop.machine.take_of(shop.gcode, lines, 9)[0][-1] == [4, 5]

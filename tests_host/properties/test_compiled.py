@@ -26,7 +26,7 @@ pytestmark = [
 COMPILED = CHECKS / "compiled.py"
 # Properties of kernels; the others are slow.
 OF_KERNELS = (
-    "check_arcs", "check_block", "check_circle", "check_drives", "check_following", "check_gantry", "check_gcode_parse", "check_grbl_motion",
+    "check_arcs", "check_block", "check_circle", "check_dots", "check_drives", "check_following", "check_gantry", "check_gcode_parse", "check_grbl_motion",
     "check_hold", "check_independent", "check_kernels", "check_laser", "check_line", "check_motion", "check_plotter", "check_s_curve", "check_steps",
 )  # fmt: skip
 QUICK = ("check_block", "check_gcode_parse", "check_kernels", "check_line", "check_steps")

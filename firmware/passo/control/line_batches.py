@@ -55,7 +55,7 @@ def go_along(rows: ptr32, row: int, at: ptr32, travel: ptr32):
         axis += 1
     travel[TRACE_MOVED] = 1
     travel[TRACE_FLAGS] = rows[row + BATCH_FLAGS]
-    travel[TRACE_POWER] = rows[row + BATCH_POWER]
+    travel[TRACE_POWER] = rows[row + BATCH_POWER] & DOTS_POWER
 
 
 class LineBatches(Feature):
@@ -113,6 +113,11 @@ class LineBatches(Feature):
     def rows(self):
         """The array of batches: one for all, each is taken before the next is filled."""
         return self._planner.batch
+
+    @property
+    def dots(self):
+        """Power.marks, where the dots of rows go."""
+        return self._queue.analogue.marks
 
     def slow_tool(self):
         return self._queue.slow_tool()

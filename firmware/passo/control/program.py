@@ -14,7 +14,7 @@ from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
-from passo.records import SEEN_FASTEST, SEEN_SHIFT
+from passo.records import DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK, DOTS_TAIL, POWER_MOST, SEEN_FASTEST, SEEN_SHIFT
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
@@ -68,6 +68,8 @@ class Program(LineBatches):
         if machine.interlock is not None and machine.interlock.denied:
             if self._forbidden(command, False):  # what is queued before it may lead out of it
                 return self._forbidden(command) if machine.settle() else LATER
+        if command.dots and not self.dots[DOTS_MASK]:
+            return errors.NO_MEMORY
         if command.also:
             error = self._refusal(command)
             if error:
@@ -114,6 +116,8 @@ class Program(LineBatches):
     def _begin(self, command):
         if self._queue.room() < _BLOCKS_A_MOTION:
             return LATER
+        if command.dots and self._lacks(command.dots):
+            return LATER
         error = self._queue_motion(command)
         if error:
             return error
@@ -157,7 +161,9 @@ class Program(LineBatches):
         planner = self._planner
         if self._limits_of != self._machine.settings.version:
             self._set_limits()
-        power = thousandths(command.power)
+        power = after = thousandths(command.power)
+        if command.dots and any(self._queue.deltas(command.target)):
+            power = self._keep_dots(command.dots, after)
         changes = power != planner.power or command.tool != self._queue.tool
         if changes or command.dynamic != planner.dynamic:
             planner.set_power(power, command.dynamic)
@@ -165,6 +171,7 @@ class Program(LineBatches):
                 if not any(self._queue.deltas(command.target)) and not self._circles(command):
                     self._queue.set_tool(command.tool, command.number)  # no step carries the laser's change
         ticks = minute_ticks(command) if command.per_min else 0
+        error = 0
         try:
             weave = self._machine.weave
             if weave is not None and command.feed and not ticks and command.kind in (commands.LINE, commands.ARC):
@@ -174,8 +181,27 @@ class Program(LineBatches):
             else:
                 self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
         except ValueError:
-            return errors.RADIUS if command.kind == commands.ARC else errors.TARGET
-        return 0
+            error = errors.RADIUS if command.kind == commands.ARC else errors.TARGET
+        if power > POWER_MOST:
+            planner.set_power(after, command.dynamic)
+            if error:
+                self.dots[DOTS_HEAD] = power >> DOTS_FIRST
+        return error
+
+    def _lacks(self, dots):
+        """True if there is no room for the dots of a row now."""
+        ring = self.dots
+        return len(dots) > (ring[DOTS_TAIL] - ring[DOTS_HEAD] - 1) & ring[DOTS_MASK]
+
+    def _keep_dots(self, dots, last):
+        """Put the dots of a row where the feeder finds them; the power of its block."""
+        ring = self.dots
+        first = head = ring[DOTS_HEAD]
+        for level in dots:
+            ring[ring[DOTS_AT] + head] = level
+            head = head + 1 & ring[DOTS_MASK]
+        ring[DOTS_HEAD] = head
+        return last | len(dots) << DOTS_COUNT | first << DOTS_FIRST
 
     def _circles(self, command):
         """True for an arc that comes back to its start."""

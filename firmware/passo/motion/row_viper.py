@@ -28,6 +28,10 @@ def room(indices: ptr32) -> int:
 def close(rows: ptr32, at: int, scratch: ptr32, indices: ptr32, kind: int, flags: int, tag: int, power: int, first: int) -> int:
     """The row at rows[at] is done, and is counted; `flags` as BATCH_FLAGS, the rest as in a row. 1 if motion goes through to
     this block from the one before it, at the speed that this one may begin with."""
+    dots = power & ~DOTS_POWER
+    if dots:
+        power = POWER_MOST
+        flags &= ~1
     if flags & 4 and scratch[SCRATCH_THROUGH] and scratch[SCRATCH_LIMITED]:  # power · speed / feed, in binary: it goes beyond 32 bits
         speed = scratch[SCRATCH_SPEED]
         feed = scratch[SCRATCH_FEED]
@@ -49,7 +53,7 @@ def close(rows: ptr32, at: int, scratch: ptr32, indices: ptr32, kind: int, flags
     rows[at + ROW_FIRST] = first
     rows[at + ROW_TAG] = tag
     rows[at + ROW_RAPID] = flags >> 1 & 1
-    rows[at + ROW_POWER] = power
+    rows[at + ROW_POWER] = power | dots
     rows[at + ROW_DYNAMIC] = flags >> 2 & 1
     lasts = LONG_TICKS
     if kind == 0 and rows[at + ROW_TICKS] < 0x4000 and scratch[SCRATCH_STEPS] < 0x4000:

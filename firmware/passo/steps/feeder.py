@@ -28,9 +28,10 @@ _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of directi
 
 
 class Feeder(Position):
-    def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks):
+    def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks, burn=None):
         """`drive` turns the step form into pin levels, or is None where the step form is what the pins want;
-        `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin)."""
+        `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin); `burn`: dots_viper.burn() if the
+        tool takes rows of dots."""
         Position.__init__(self, ring, layout, planner, drive)
         self.setup_ticks = setup_ticks
         self.min_word_ticks = min_word_ticks
@@ -52,7 +53,7 @@ class Feeder(Position):
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
         self._arrays = (  # fetched at once; the bound method too, which would allocate
             state, self.marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
-            ring.power, ring, self.settle,
+            ring.power, ring, self.settle, burn,
         )  # fmt: skip
         self._reset(0)
 
@@ -82,7 +83,7 @@ class Feeder(Position):
         a block had been begun, so that the player ought not to have stood still meanwhile."""
         if not self.open:
             return False
-        state, marks, words, rows, scratch, indices, path, power_marks, power, ring, settle = self._arrays
+        state, marks, words, rows, scratch, indices, path, power_marks, power, ring, settle, burn = self._arrays
         held = self.hold or self.brake
         if held and self.standing():
             self.retire(played)
@@ -97,7 +98,7 @@ class Feeder(Position):
         ramp = self.ramp
         while True:
             what = make(
-                state, marks, words, rows, scratch, indices, ramp.state, path, power_marks, ramp.cut, ramp.take_up, settle,
+                state, marks, words, rows, scratch, indices, ramp.state, path, power_marks, ramp.cut, ramp.take_up, settle, burn,
                 self._geometry, played, lead_ticks,
             )  # fmt: skip
             ring.head = state[FEED_HEAD]

@@ -8,16 +8,23 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
                    ^played          ^head        both count for ever, modulo 2²⁹
 """
 
+from micropython import const
+
 from passo.memory import numbers
 from passo.motion.line import MAX_RUN
-from passo.records import MARKS, MARK_FIELDS, POWER_FIELDS, POWER_MARKS, POWER_SIZE, TICKS_PER_MS
-from passo.steps.power import Power
+from passo.records import MARKS, MARK_FIELDS, TICKS_PER_MS
+from passo.steps.power import Power, power_items
+
+_FEW = const(8)  # marks of power that nothing shows
+_EACH_SEGMENT = const(128)  # marks: one a segment at most
+_EACH_DOT = const(512)
+_DOTS = const(1024)  # of the rows that are queued
 
 
 def arrays(board, lead_ticks):
     """The largest arrays that the steps of a checked board's machine will ask of passo.memory: (type code, items) of each."""
     rates = [(axis["steps_per_m"], 1000 * axis["max_mm_min"]) for axis in board["axes"]]
-    marks, power = MARKS * (MARK_FIELDS + len(rates)), POWER_MARKS + POWER_FIELDS * POWER_SIZE
+    marks, power = MARKS * (MARK_FIELDS + len(rates)), power_items(*power_room(board))
     return ("i", power), ("i", marks), ("I", ring_size(fastest(board["speed"], rates), lead_ticks))
 
 
@@ -40,8 +47,17 @@ def ring_size(steps_s, lead_ticks):
     return size
 
 
+def power_room(board):
+    """(marks, dots) of a checked board's tool: dots if it is a laser that switches at once."""
+    spindle, tool = board["spindle"], board["tool"]
+    if not spindle["pwm"]:
+        return _FEW, 0
+    return (_EACH_DOT, _DOTS) if spindle["laser"] and not (tool["on_ms"] or tool["off_ms"]) else (_EACH_SEGMENT, 0)
+
+
 class Ring:
-    def __init__(self, size=4096):
+    def __init__(self, size=4096, marks=_EACH_SEGMENT, dots=0):
+        """`size`: words; `marks` and `dots`: of Power."""
         if size & (size - 1):
             raise ValueError("the ring's size must be a power of two")
         self.size = size
@@ -49,4 +65,4 @@ class Ring:
         self.words = numbers(size)
         self.words[self.mask] = 0  # the levels before the first word
         self.head = 0
-        self.power = Power()  # of the tool, by the words' numbers
+        self.power = Power(marks, dots)  # of the tool, by the words' numbers

@@ -2,7 +2,7 @@
 and goes on with the lines behind it.
 
     what = make(state, marks, words, planner.rows, planner.scratch, planner.indices, ramp.state, line.state, power, cut, take_up,
-                settle, geometry, played, lead_ticks)
+                settle, burn, geometry, played, lead_ticks)
 
 For each segment: room, how many steps and how long (`cut`, the ramp's), directions, which axes step (line_viper.walk, or the
 geometry's), when (pace_viper.pace), a checkpoint; behind an accelerated line the next one released, if it is accelerated too.
@@ -17,7 +17,7 @@ One text for all interpreters; see motion/block_viper.py. Fields: records.py, FE
 
 `geometry` is None for a wait. An arc has `left`, `moving`, `negative`, `made` and walk(), as Circle has them; independent axes
 and step programs make whole words, as IndependentAxes does. `settle` is Feeder.settle(), called only if something is owed or
-a drive turns steps into levels. Returns why it ended:
+a drive turns steps into levels; `burn` is dots_viper.burn(), called for a row of dots. Returns why it ended:
 
     FULL    as much is made as may be now, or there is no room
     STANDS  a hold has come to its stand
@@ -27,6 +27,7 @@ a drive turns steps into levels. Returns why it ended:
 # Shared with interrupts: state, marks, indices, power
 # `cut` is usually passo.motion.ramp_viper.cut
 # `take_up` is usually passo.motion.ramp_viper.begin
+# `burn` is usually passo.steps.dots_viper.burn
 
 import micropython
 from micropython import const
@@ -48,7 +49,7 @@ SLOWEST = const(10)  # percent of the programmed speed, where lines hardly come
 @micropython.viper
 def make(
     state: ptr32, marks: ptr32, ring, queue, scratch: ptr32, indices: ptr32, cuts, line_state, power: ptr32, cut, take_up, settle,
-    geometry, played: int, lead_ticks: int,
+    burn, geometry, played: int, lead_ticks: int,
 ) -> int:  # ISR: no allocation
     """See above."""
     words = ptr32(ring)
@@ -56,7 +57,7 @@ def make(
     state[FEED_PLAYED] = played
     state[FEED_LEAD] = lead_ticks
     retire(state, marks, indices)
-    while int(has_room(state, marks, words)):
+    while int(has_room(state, marks, words, power)):
         if state[FEED_LEFT] == 0 and state[FEED_WAIT] == 0:
             if int(next_line(state, queue, scratch, indices, cuts, line_state, take_up)) == 0:
                 return ENDED
@@ -72,7 +73,7 @@ def make(
         if state[FEED_WAITS]:
             write_wait(state, words, settle)
         elif state[FEED_STEPS]:
-            write_steps(state, ring, line_state, settle, geometry)
+            write_steps(state, rows, ring, line_state, power, settle, burn, geometry)
         elif int(write_words(state, ring, settle, geometry)) == 0:
             return STANDS
         if state[FEED_WAITS] or state[FEED_KIND] == LINE:
@@ -99,12 +100,12 @@ def retire(state: ptr32, marks: ptr32, indices: ptr32):  # ISR: no allocation
 
 
 @micropython.viper
-def has_room(state: ptr32, marks: ptr32, words: ptr32) -> int:  # ISR: no allocation
-    """1 if one more segment may be made: there is a mark, there are words, and too few ticks lie ahead."""
+def has_room(state: ptr32, marks: ptr32, words: ptr32, power: ptr32) -> int:  # ISR: no allocation
+    """1 if one more segment may be made: there are marks, there are words, and too few ticks lie ahead."""
     oldest = state[FEED_OLDEST]
     head = state[FEED_HEAD]
     mark = (oldest & (MARKS - 1)) * (MARK_FIELDS + state[FEED_AXES])
-    if (state[FEED_NEWEST] - oldest) & COUNT_MASK >= MARKS - 1:
+    if (state[FEED_NEWEST] - oldest) & COUNT_MASK >= MARKS - 1 or (power[POWER_HEAD] - power[POWER_TAIL]) & COUNT_MASK > power[POWER_WAIT]:
         return 0
     if (head - marks[mark + MARK_WORD]) & COUNT_MASK > state[FEED_LIMIT]:
         return 0
@@ -252,18 +253,26 @@ def cut_segment(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, shape
 
 @micropython.viper
 def mark_power(state: ptr32, rows: ptr32, power: ptr32):  # ISR: no allocation
-    """Put a mark where the tool's power changes: as the row says, in proportion to the speed if it is dynamic."""
+    """Put a mark where the tool's power changes: as the row says, in proportion to the speed if it is dynamic; not for dots."""
     row = state[FEED_ROW]
     speed = state[FEED_PACE]
+    level = rows[row + ROW_POWER]
     if state[FEED_WAITS] and state[FEED_KIND] != WAIT or rows[row + ROW_DYNAMIC] == 0 and state[FEED_POWER] <= POWER_MOST:
         return
-    level = rows[row + ROW_POWER]
+    if level > POWER_MOST:
+        return
     if rows[row + ROW_DYNAMIC] and speed >> 30 & 1 == 0:
         level = level * speed // rows[row + ROW_TOP] if speed else 0
+    put_mark(state, power, state[FEED_HEAD], level)
+
+
+@micropython.viper
+def put_mark(state: ptr32, power: ptr32, word: int, level: int):  # ISR: no allocation
+    """The power is `level` from `word` on, if it is another one."""
     if level != state[FEED_POWER]:
         state[FEED_POWER] = level
-        mark = POWER_MARKS + POWER_FIELDS * (power[POWER_HEAD] & (POWER_SIZE - 1))
-        power[mark + POWER_WORD] = state[FEED_HEAD]
+        mark = POWER_MARKS + POWER_FIELDS * (power[POWER_HEAD] & power[POWER_MASK])
+        power[mark + POWER_WORD] = word
         power[mark + POWER_LEVEL] = level
         power[POWER_HEAD] = (power[POWER_HEAD] + 1) & COUNT_MASK
 
@@ -301,7 +310,7 @@ def write_wait(state: ptr32, words: ptr32, settle):  # ISR: no allocation
 
 
 @micropython.viper
-def write_steps(state: ptr32, ring, line_state, settle, geometry):  # ISR: no allocation
+def write_steps(state: ptr32, rows: ptr32, ring, line_state, power: ptr32, settle, burn, geometry):  # ISR: no allocation
     """Words of masks that share the time evenly, in two parts if they run over the ring's end."""
     words = ptr32(ring)
     path = ptr32(line_state)
@@ -323,6 +332,8 @@ def write_steps(state: ptr32, ring, line_state, settle, geometry):  # ISR: no al
             line_viper.walk(words, at, part, path)
         else:
             geometry.walk(ring, at, part)
+        if rows[state[FEED_ROW] + ROW_POWER] > POWER_MOST:
+            burn(state, rows, power, path, words, at, part, run)
         pace_viper.pace(words, at, part, state)
         if state[FEED_DEBT] or state[FEED_DRIVE]:
             settle(at, part)

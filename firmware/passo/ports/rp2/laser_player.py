@@ -90,7 +90,7 @@ class LaserPlayer(PioPlayer):
         last = marks[POWER_HEAD]
         dry = False
         while mark != last:
-            at = POWER_MARKS + POWER_FIELDS * (mark & POWER_SIZE - 1)
+            at = POWER_MARKS + POWER_FIELDS * (mark & marks[POWER_MASK])
             word = (marks[at + POWER_WORD] + _AHEAD) & COUNT_MASK
             if (head - word) & COUNT_MASK >= COUNT_HALF:
                 break

@@ -45,7 +45,10 @@ PARSE_ARCS = const(46)  # 1: G2 and G3 are plain too, with I or J: arcs of X and
 PARSE_I = const(47)  # nm
 PARSE_J = const(48)
 PARSE_ARC = const(49)  # where the line behind an arc begins, if parse() has stopped at one; 0: it has not
-PARSE_FIELDS = const(50)
+PARSE_DOTS = const(50)  # powers that S has: a row of dots; 0: it has one
+PARSE_LAST = const(51)  # the last of them, thousandths
+PARSE_NO_ROOM = const(52)  # 1: parse() has stopped at a row for whose dots there is no room yet
+PARSE_FIELDS = const(53)
 
 # Lines.fields: bytes of Lines.text.
 LINES_AT = const(0)  # where the oldest line begins

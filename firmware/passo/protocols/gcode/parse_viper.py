@@ -1,8 +1,9 @@
 """The most frequent lines of G-code, from their bytes to a batch of steps: G0 or G1 with axis words, and perhaps F, S or N.
 
-    lines = parse(text, at, len(text), place, batch, most)  # how many were understood, at most `most`: rows of the batch
+    lines = parse(text, at, len(text), place, batch, dots, most)    # how many were understood, at most `most`: rows of the batch
 
-A laser is on at the power that the line's S says, and off in a G0.
+A laser is on at the power that the line's S says, and off in a G0. `S0:500:1000` is a row of dots, whose powers go into `dots`, DOTS_…
+of Power.marks: a row that finds no room there ends the batch, and waits.
 
 The first line begins at text[at]; each ends with a line feed or the text. `place` says where the machine is and how lines
 count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and
@@ -16,18 +17,27 @@ Python; see motion/block_viper.py for what that asks of integers.
 
 import micropython
 
+from micropython import const
+
 from passo.protocols.gcode.parse_records import *
 from passo.records import *
 
+_LINE_BYTES = const(81)
+_ROW_BYTES = const(128)  # of a line with a row of dots
+
 
 @micropython.viper
-def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: int) -> int:
+def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, dots: ptr32, most: int) -> int:
     """See above."""
     lines = 0
     place[PARSE_ARC] = 0
+    place[PARSE_NO_ROOM] = 0
     while lines < most and begin < count:
-        after = int(read_line(text, begin, count, place))
-        if after == 0 or after - begin > 81 or place[PARSE_HAVE] & HAS_AXES == 0:
+        after = int(read_line(text, begin, count, place, dots))
+        row = place[PARSE_DOTS]
+        if after == 0 or after - begin > (_ROW_BYTES if row else _LINE_BYTES) or place[PARSE_HAVE] & HAS_AXES == 0:
+            break
+        if row and place[PARSE_MOTION] != 1:
             break
         if place[PARSE_MOTION] and place[PARSE_SPEED] < place[PARSE_LEAST]:
             break
@@ -40,7 +50,10 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
             if place[PARSE_MOTION] > 1 and centre and place[PARSE_ARCS] and place[PARSE_HAVE] & (HAS_X | HAS_X << 1):
                 place[PARSE_ARC] = after
             break
+        if row and int(add_row(place, dots)) == 0:
+            break
         accept(place, batch, lines * BATCH_FIELDS)
+        place[PARSE_POWER] = place[PARSE_POWER] & DOTS_POWER
         lines += 1
         begin = after
         place[PARSE_AFTER] = after
@@ -48,13 +61,14 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
 
 
 @micropython.viper
-def read_line(text: ptr8, at: int, count: int, place: ptr32) -> int:
+def read_line(text: ptr8, at: int, count: int, place: ptr32, dots: ptr32) -> int:
     """Read the words of the line at text[at]. Returns where the next line begins, 0 if this one has to be left to the parser."""
     place[PARSE_MOTION] = place[PARSE_MODAL]
     place[PARSE_SPEED] = place[PARSE_FEED]
     place[PARSE_TURNS] = place[PARSE_RPM]
     place[PARSE_LINE] = 0
     place[PARSE_HAVE] = 0
+    place[PARSE_DOTS] = 0
     place[PARSE_I] = 0
     place[PARSE_J] = 0
     axis = 0
@@ -74,6 +88,52 @@ def read_line(text: ptr8, at: int, count: int, place: ptr32) -> int:
         at = int(read_number(text, at, count, place))
         if at == 0 or int(read_word(place, letter)) == 0:
             return 0
+        if letter == 83 and at < count and text[at] == 58:
+            at = int(read_row(text, at, count, place, dots))
+            if at == 0:
+                return 0
+
+
+@micropython.viper
+def read_row(text: ptr8, at: int, count: int, place: ptr32, dots: ptr32) -> int:
+    """Read the powers of a row, the first being PARSE_TURNS, from the colon behind it on, and put them behind those that are queued, as far
+    as there is room. Returns where they end, 0 if this one has to be left to the parser."""
+    full = place[PARSE_FULL]
+    mask = dots[DOTS_MASK]
+    if full <= 1 or mask == 0:
+        return 0
+    head = dots[DOTS_HEAD]
+    room = (dots[DOTS_TAIL] - head - 1) & mask
+    value = place[PARSE_TURNS]
+    row = 0
+    while True:
+        level = int(thousandths(value, full))
+        if row < room:
+            dots[dots[DOTS_AT] + ((head + row) & mask)] = level
+        row += 1
+        if at == count or text[at] != 58:
+            break
+        at = int(read_number(text, at + 1, count, place))
+        value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 3, 50000000))
+        if at == 0 or place[PARSE_MINUS] or value < 0 or value > 500000000:
+            return 0
+    place[PARSE_DOTS] = row
+    place[PARSE_LAST] = level
+    return at
+
+
+@micropython.viper
+def add_row(place: ptr32, dots: ptr32) -> int:
+    """The dots of the row that has been read are queued with it; 0 if there is no room for them now."""
+    row = place[PARSE_DOTS]
+    mask = dots[DOTS_MASK]
+    head = dots[DOTS_HEAD]
+    if row > (dots[DOTS_TAIL] - head - 1) & mask:
+        place[PARSE_NO_ROOM] = 1
+        return 0
+    place[PARSE_POWER] = place[PARSE_LAST] | row << DOTS_COUNT | head << DOTS_FIRST
+    dots[DOTS_HEAD] = (head + row) & mask
+    return 1
 
 
 @micropython.viper
@@ -286,7 +346,10 @@ def set_power(place: ptr32) -> int:
         return 1
     lit = 1 if place[PARSE_MOTION] and place[PARSE_TURNS] else 0
     power = int(thousandths(place[PARSE_TURNS], place[PARSE_FULL])) if lit else 0
-    if lit != place[PARSE_LIT] or power != place[PARSE_POWER]:
+    if place[PARSE_DOTS]:
+        power = place[PARSE_LAST]
+        lit = 1 if power else 0
+    if place[PARSE_DOTS] or lit != place[PARSE_LIT] or power != place[PARSE_POWER]:
         axis = 0
         while place[PARSE_DELTAS + axis] == 0:
             axis += 1

@@ -261,9 +261,9 @@ class GCode(Motions):
             place = self._go_home(non_modal // 100, axis_words)
         elif moves:
             place, cycle = self._read_motion(motion, axis_words, non_modal == 5300)
-        if self._left & ~_ROUNDING or self._left and found[PATH] != 6400:
-            unused = motion == G80 and self._left & self._axis_mask
-            raise Refused(errors.AXIS_WORDS_UNUSED if unused else errors.WORDS_UNUSED)
+        self._check_rest(motion)
+        if self.words.row:
+            self._add_row(place and self._cutting and motion == 100, spindle)
 
         # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
         # before them.
@@ -287,6 +287,26 @@ class GCode(Motions):
         self.initial, self.cycle = self._initial, cycle
         if found[STOPPING] != NONE:
             self._stop_programme(found[STOPPING] - M_CODES)
+
+    def _check_rest(self, motion):
+        """Refuse words that nothing has taken."""
+        if self._left & ~_ROUNDING or self._left and self._found[PATH] != 6400:
+            unused = motion == G80 and self._left & self._axis_mask
+            raise Refused(errors.AXIS_WORDS_UNUSED if unused else errors.WORDS_UNUSED)
+
+    def _add_row(self, cuts, spindle):
+        """The motion gets the line's row of dots; `cuts`: it is a G1."""
+        if not cuts or len(self.commands) > 1:
+            raise Refused(errors.WORDS_UNUSED)
+        if spindle == 5:
+            return
+        if not self.laser:
+            raise Refused(errors.UNSUPPORTED)
+        powers = [min(rpm * 1_000_000 // self.max_rpm, 1_000_000) for rpm in self.words.row]
+        command = self.commands[0]
+        command.tool, command.power = powers[-1] > 0, powers[-1]
+        command.dots = [thousandths(power) for power in powers]
+        self._moves = new_moves()
 
     def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell, handed_on):
         """Commands of the line that are carried out before its motion."""

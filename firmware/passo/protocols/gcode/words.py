@@ -5,7 +5,7 @@
     words.codes[0]                                  # 100: G1, in hundredths; M codes from M_CODES on
     words.fixed(X, 6)                               # -1250000: the value in millionths
 
-Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A byte 00 is an
+`S0:500` gives S more than one power: a row of dots. Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A byte 00 is an
 error, in a comment too: it stands where a break or noise has taken another byte's place. A number has at most nine digits that count,
 and twelve decimals; further decimals are dropped.
 """
@@ -16,6 +16,7 @@ from micropython import const
 from passo import errors
 
 LONGEST = const(80)  # characters of a line, blanks and comments aside
+ROW_LONGEST = const(127)  # of one with a row of dots: all that a sender may have under way
 M_CODES = const(1_000_000)
 _CODES = const(40)  # G and M words a line of 80 characters can hold
 _NINE_DIGITS = const(100_000_000)
@@ -39,6 +40,7 @@ T = const(19)
 X = const(23)
 Y = const(24)
 Z = const(25)
+_DOT = const(26)  # a power behind S's first
 _POWERS = tuple([10**exponent for exponent in range(_DECIMALS + 1)])
 
 
@@ -58,6 +60,7 @@ class Words:
         self.have = 0  # mask of the letters that have a value, A is bit 0; G and M are not among them
         self.codes = array("i", [0] * _CODES)
         self.count = 0  # of codes
+        self.row = None  # thousandths: the values of S if it has several
         self._mantissa = array("i", [0] * 26)
         self._decimals = bytearray(26)
 
@@ -67,6 +70,7 @@ class Words:
     def scan(self, line):
         """Read a line. 0, or the number of the first error; then the words mean nothing."""
         self.have = self.count = 0
+        self.row = None
         letter = -1
         value = digits = decimals = sign = 0
         comment = 0  # the character that began it
@@ -103,6 +107,15 @@ class Words:
                 if digits or point or sign:
                     return errors.NUMBER
                 sign = 44 - byte
+            elif byte == 58 and (letter == S or letter == _DOT):
+                error = self._keep(letter, -value if sign < 0 else value, digits, decimals)
+                if error:
+                    return error
+                if letter == S:
+                    self.row = [self.fixed(S, 3)]
+                letter = _DOT
+                value = digits = decimals = sign = 0
+                point = False
             else:
                 if letter >= 0:
                     error = self._keep(letter, -value if sign < 0 else value, digits, decimals)
@@ -118,15 +131,18 @@ class Words:
     def _keep(self, letter, value, digits, decimals):
         if not digits:
             return errors.NUMBER
+        if letter == _DOT:
+            self.row.append(_fixed(value, decimals, 3))
+            return errors.NEGATIVE if value < 0 else 0
         bit = 1 << letter
         if letter == G or letter == M:
             return self._keep_code(letter, value, decimals)
         if not bit & _KNOWN:
             return errors.UNSUPPORTED
-        if bit & self.have:
-            return errors.REPEATED_WORD
         if value < 0 and bit & _NEVER_NEGATIVE:
             return errors.NEGATIVE
+        if bit & self.have:
+            return errors.REPEATED_WORD
         self.have |= bit
         self._mantissa[letter] = value
         self._decimals[letter] = decimals
@@ -150,15 +166,18 @@ class Words:
 
     def fixed(self, letter, places):
         """The value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
-        value = self._mantissa[letter]
-        places -= self._decimals[letter]
-        return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
+        return _fixed(self._mantissa[letter], self._decimals[letter], places)
 
     def inches_nm(self, letter):
         """The value of a word in inches, in nanometres: exact to five decimals."""
         places = 5 - self._decimals[letter]
         value = self._mantissa[letter] * 254
         return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
+
+
+def _fixed(value, decimals, places):
+    places -= decimals
+    return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
 
 
 def bare(line, unfinished=False):
@@ -181,6 +200,11 @@ def bare(line, unfinished=False):
     if unfinished and comment:
         kept.append(comment)
     return kept
+
+
+def longest(line):
+    """Characters that a line may have, blanks and comments aside."""
+    return ROW_LONGEST if b":" in line else LONGEST
 
 
 def rounded(value, by):

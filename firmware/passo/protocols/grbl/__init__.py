@@ -34,7 +34,7 @@ def create(link, number, board, controller, shared, most):
     if "offsets" not in shared:
         shared["offsets"] = Offsets(len(axes), machine.settings)
     program = controller.features["program"]
-    batch = Lines(number, program.rows, most, program.slow_tool())
+    batch = Lines(number, program.rows, most, program.slow_tool(), program.dots)
     made = Grbl(axes, shared["offsets"], machine, batch, (most + 7) >> 3)  # one that goes as a command costs as much as eight
     if board["tool_change"]:
         from passo.protocols.gcode.tool_change import ToolChange

@@ -30,7 +30,7 @@ from passo.protocols import HELLO_WIRE
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
-from passo.protocols.gcode.words import LONGEST, bare, rounded
+from passo.protocols.gcode.words import LONGEST, bare, longest, rounded
 from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, plain_text
 from passo.protocols.grbl.real_time import real_time
 from passo.protocols.grbl.report import Status
@@ -116,9 +116,9 @@ class Grbl:
                     return None
             if not self._open(data):
                 return None
-        text, lines, place, rows, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
+        text, lines, place, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
-            data, len(data), text, lines, place, rows, most, travel, queue_lines, target, blocks, scratch, indices, limits
+            data, len(data), text, lines, place, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
         )
         return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
 
@@ -142,7 +142,7 @@ class Grbl:
         if self._taker is not batch.taker:
             lines.make()
             self._taker = batch.taker
-            self._arrays = (lines.text, fields, self.gcode.place, batch.rows, batch.most) + batch.taker
+            self._arrays = (lines.text, fields, self.gcode.place, batch.rows, batch.dots, batch.most) + batch.taker
         return True
 
     def _took(self, taken, data):
@@ -269,7 +269,7 @@ class Grbl:
         self._start_line = None
         if self._version != self._settings.version:
             self._configure()
-        if line is None or len(line) > LONGEST and len(bare(line)) > LONGEST:
+        if line is None or len(line) > LONGEST and len(bare(line)) > longest(line):
             return [Command(commands.BAD, error=errors.LINE_TOO_LONG)]
         if isinstance(line, str):
             self._start_line = line

@@ -1,6 +1,6 @@
 """The one call of a batch of lines: from the bytes that have come to blocks in the planner's queue.
 
-    taken = take_lines(data, len(data), lines.text, lines.fields, gcode.place, batch.rows, batch.most, *batch.taker)
+    taken = take_lines(data, len(data), lines.text, lines.fields, gcode.place, batch.rows, batch.dots, batch.most, *batch.taker)
 
     data ─► keep() ─► text ─► parse() ─► rows ─► queue_lines(), the machine's ─► blocks
 
@@ -18,8 +18,8 @@ from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
 
 @micropython.viper
 def take_lines(
-    data: ptr8, count: int, text: ptr8, lines: ptr32, place: ptr32, rows, most: int, travel, queue_lines, target, blocks, scratch,
-    indices, limits,
+    data: ptr8, count: int, text: ptr8, lines: ptr32, place: ptr32, rows, dots: ptr32, most: int, travel, queue_lines, target, blocks,
+    scratch, indices, limits,
 ) -> int:
     """Keep `count` bytes of `data`, and have the machine take the plain lines of what is kept: as many as it has room for, `most`
     at most, none while `?` waits. Returns how many; or what keep() says, or LEFT or ARC, and LINES_TAKEN is how many."""
@@ -40,7 +40,7 @@ def take_lines(
         lines[LINES_WAITS] = 1
         if part <= 0:
             break
-        filled = int(parse(text, lines[LINES_AT], lines[LINES_WHOLE], place, ptr32(rows), part))
+        filled = int(parse(text, lines[LINES_AT], lines[LINES_WHOLE], place, ptr32(rows), dots, part))
         if filled:
             lines[LINES_AT] = place[PARSE_AFTER]
             lines[LINES_FILLED] = filled
@@ -50,7 +50,7 @@ def take_lines(
             if machine[TRACE_TAKEN] < filled:
                 return LEFT
         if filled < part:
-            if lines[LINES_AT] < lines[LINES_WHOLE]:
+            if lines[LINES_AT] < lines[LINES_WHOLE] and place[PARSE_NO_ROOM] == 0:
                 lines[LINES_WAITS] = 0
                 if place[PARSE_ARC]:
                     return ARC

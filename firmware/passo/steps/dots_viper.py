@@ -1,0 +1,68 @@
+"""Rows of dots: a line whose power changes at equal distances along it, exact to the step.
+
+    burn(state, rows, power, path, words, at, part, run)    # segments_viper.py: while it writes a segment of a row
+
+    row      |  0  |  1  |  2  |        n dots over s steps: dot i begins at the step nearest to i · s / n
+    steps    . . . . . . . . . .
+    marks    ^     ^     ^              none if the power stays
+
+The tool's bit is on in the steps of each dot that burns, so it is exact to the step, too. A row with more dots than steps leaves out
+those that have none. One text for all interpreters; see motion/block_viper.py. Fields: records.py.
+"""
+# Shared with interrupts: state, power
+
+import micropython
+
+from passo.records import *
+from passo.steps.segments_viper import put_mark
+
+
+@micropython.viper
+def burn(state: ptr32, rows: ptr32, power: ptr32, path: ptr32, words: ptr32, at: int, part: int, run: int):  # ISR: no allocation
+    """Put the marks of the steps words[at : at + part], and the tool's bit, before they are paced; the segment has `run` steps from there
+    on. Behind the row's last step its dots are given back."""
+    tool = state[FEED_TOOL]
+    row = rows[state[FEED_ROW] + ROW_POWER]
+    count = row >> DOTS_COUNT & DOTS_MOST
+    first = row >> DOTS_FIRST
+    total = path[LINE_FALL] >> 1
+    step = state[FEED_INDEX] - run
+    word = state[FEED_HEAD] + state[FEED_STEPS] - run - step
+    end = step + part
+    at -= step
+    dot = step * count // total
+    burns = 0
+    while step < end:
+        until = int(end_of(dot, count, total))
+        if until > end:
+            until = end
+        if step < until:
+            burns = power[power[DOTS_AT] + ((first + dot) & power[DOTS_MASK])]
+            put_mark(state, power, (word + step) & COUNT_MASK, int(level_of(state, rows, burns)))
+            if burns:
+                burns = tool
+            while step < until:
+                words[at + step] = words[at + step] | burns
+                step += 1
+        dot += 1
+    state[PACE_SHORT] = state[PACE_SHORT] & ~tool
+    state[FEED_LEVELS] = state[FEED_LEVELS] & ~tool | burns
+    if end == total:
+        power[DOTS_TAIL] = (first + count) & power[DOTS_MASK]
+
+
+@micropython.viper
+def end_of(dot: int, count: int, total: int) -> int:  # ISR: no allocation
+    """The step at which the next dot begins."""
+    return (2 * (dot + 1) * total + count) // (2 * count)
+
+
+@micropython.viper
+def level_of(state: ptr32, rows: ptr32, burns: int) -> int:  # ISR: no allocation
+    """A dot's power in the segment under way, to the nearest thousandth."""
+    row = state[FEED_ROW]
+    speed = state[FEED_PACE]
+    level = (burns * (rows[row + ROW_POWER] & DOTS_POWER) + 500) // 1000
+    if rows[row + ROW_DYNAMIC] and speed >> 30 & 1 == 0:
+        level = (level * speed + (rows[row + ROW_TOP] >> 1)) // rows[row + ROW_TOP]
+    return level if level < POWER_MOST else POWER_MOST
