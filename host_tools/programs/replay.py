@@ -9,6 +9,7 @@ the other: the operator is asked before the one called DOWN. `rest` are the line
 millimetres in machine coordinates.
 """
 
+import itertools
 import re
 from dataclasses import replace
 from functools import partial
@@ -21,6 +22,7 @@ from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.reader import NONE
+from passo.steps.dots_viper import end_of
 
 OFFSETS, UP, OVER, OUTPUTS, DOWN, GO = "offsets", "tool up", "to the place", "spindle and coolant", "tool down", "go on"
 _CLEARANCE_MM = 1.0
@@ -28,6 +30,7 @@ _PLUNGE_MM_MIN = 100.0  # where the program has no feed yet
 _NEAR_STEPS = 2  # from the path: what rounding may make
 _CHANGES = re.compile(rb"G0*10(?!\d)|G(28|30)\.1")  # lines that change what outlasts the program
 _OTHER_MM = 1.0
+_DOTS_A_LINE = 8  # so that it is no line too long
 
 
 def _all(made):
@@ -89,8 +92,13 @@ class Replay:
         self._board.target = list(motion.target)
         if list(place) == list(motion.target):
             return self._stages(list(place), None), self._rest(at + 1)
-        *modes, moving = self._remainder(motion, start, place)
-        return self._stages(list(place), [*modes, self._numbered(at, moving)]), self._rest(at + 1)
+        if motion.dots:
+            modes, moving, after = [f"G90G21{self._feed(motion)}"], self._dots_left(motion, start, place), [f"S{self._gcode.rpm / 1000:.3f}"]
+        else:
+            *modes, last = self._remainder(motion, start, place)
+            moving, after = [last], []
+        moving = [self._numbered(at, line) for line in moving]
+        return self._stages(list(place), [*modes, *moving, *after]), self._rest(at + 1)
 
     def _numbered(self, at, line):
         """`line` with the number of line `at`: to the journal it is that line."""
@@ -287,6 +295,23 @@ class Replay:
         )
         plane = {(0, 1): 17, (2, 0): 18, (1, 2): 19}[motion.first, motion.second]
         return [f"G90G21G{plane}{self._feed(motion)}", f"G{2 if motion.clockwise else 3}{ends}{ways}"]
+
+    def _dots_left(self, motion, start, place):
+        """The lines that burn what is left of a row of dots: of the one under way, then of the others, several a line."""
+        if motion.per_min:
+            raise Failure("a row of dots in G93 cannot be gone on with amid its way; begin at its line with --from")
+        long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
+        span = motion.target[long] - start[long]
+        powers = [f"{power / 1000:.3f}".rstrip("0").rstrip(".") for power in self._gcode.words.row]
+        ends = [end_of(dot, len(powers), abs(span)) for dot in range(len(powers))]
+        begun = sum(end <= abs(place[long] - start[long]) for end in ends)
+        lines, before = [], list(place)
+        for first, behind in itertools.pairwise([begun, *range(begun + 1, len(powers), _DOTS_A_LINE), len(powers)]):
+            end = [at + round((to - at) * ends[behind - 1] / abs(span)) for at, to in zip(start, motion.target)]
+            if end != before:
+                lines.append(f"G53G1{self._words(end)}S{':'.join(powers[first:behind])}")
+                before = end
+        return lines
 
     def _stages(self, place, remainder):
         """[(what, lines)] up to the state that holds now, at `place`."""

@@ -182,6 +182,11 @@ def check_refused():
         assert not machine.world.steps
 
 
+def check_the_board_says_it():
+    assert "[CLUSTER:16]" in Machine(spindle=LASER).ready().ask("$I")
+    assert "[CLUSTER:16]" not in Machine().ready().ask("$I")
+
+
 def check_the_first_power_counts_on():
     """Behind a row S is its first power, as in grblHAL."""
     machine = laser("M3", "G91", "G1 F600", "X1S300:0:200", "X.5", "M5")

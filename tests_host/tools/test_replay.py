@@ -4,7 +4,7 @@ import pytest
 
 from host_tools.failure import Failure
 from host_tools.programs import gcode_file, replay, replayed_machine
-from router import Machine, World, answers, home
+from router import LASER, Machine, World, answers, home
 
 slow = pytest.mark.slow
 PROGRAM = b"""G21 G90 G17
@@ -174,6 +174,45 @@ def test_amid_a_line(tmp_path, whole, number):
         at = way[len(way) * part // 10][1:3]
         extra = {point for point in again - around(around(cut(whole.world))) if point[:2] != at}
         assert not extra, (number, part, list(extra)[:3])
+
+
+@pytest.mark.parametrize("mode, share", [("M3", 0.3), ("M3", 0.55), ("M3", 0.999), ("M4", 0.4)])
+def test_amid_a_row_of_dots(tmp_path, mode, share):
+    """From the very step on, each dot with its power: nothing is burnt twice, and nothing left out."""
+    powers = [10, 700, 1000, 1000, 0, 20.5, 300, 400, 500, 600, 700, 800, 900, 1000, 50, 999]
+    text = f"G21G91\n{mode}S0\nG1X2F1200S0\nX3.3S{':'.join(map(str, powers))}\nX1\nX-1S500:0\nM5\nM2\n".encode()
+    lines = lines_of(text, tmp_path)
+    whole, part = ready(spindle=LASER), ready(spindle=LASER)
+    made = []
+    for machine, count in ((whole, 5), (part, 3)):
+        machine.world.burnt = []
+        run(machine, [line for _, line in lines[:count]])
+        made.append(machine.world.burnt)
+    total = 1056  # of X
+    way = [row[1:] for row in made[0][len(made[1]) : len(made[1]) + total]]
+    steps = round(share * total) if share < 0.99 else total - 1
+    x, y = way[steps - 1][:2] if steps else made[1][-1][1:3]
+    at = part.controller.position()
+    place = [at[0] + x - part.world.place[0], at[1] + y - part.world.place[1], at[2]]
+    resumed = ready(spindle=LASER)
+    resumed.world.burnt = []
+    stages, rest = replay.Replay(facts(resumed), lines).from_place(4, place)
+    for what, sent in stages:
+        if what == replay.GO:
+            assert resumed.controller.position() == place and not [row for row in resumed.world.burnt if row[3]]
+            resumed.world.burnt = []
+        run(resumed, sent)
+    again = [row[1:] for row in resumed.world.burnt]
+    run(resumed, [line for _, line in rest])
+    run(whole, [line for _, line in lines[5:]])
+    assert resumed.controller.position() == whole.controller.position()
+    assert [row[:2] for row in again] == [row[:2] for row in way[steps:]]
+    if mode == "M4":
+        way, again = ([(*row[:2], row[2] > 0) for row in rows] for rows in (way, again))
+    apart = [index for index, (was, now) in enumerate(zip(way[steps:], again)) if was != now]
+    assert len(apart) <= 16 and not any(two - one == 1 for one, two in zip(apart, apart[1:])), apart
+    end = [row[3] for row in resumed.world.burnt[len(again) : len(again) + 320]]
+    assert set(end) == {10} if mode == "M3" else 0 < max(end) <= 10, "behind the row S is its first"
 
 
 def test_what_cannot_be_replayed(tmp_path):

@@ -64,7 +64,7 @@ class Grbl:
         self._settings = settings = machine.settings
         self._machine = machine
         self._number, self._most = batch.link, most
-        self.system = System(self.gcode, settings, machine, batch.link)
+        self.system = System(self.gcode, settings, machine, batch)
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
         self._taker = self._arrays = None  # the batch's, and what take_lines() takes

@@ -12,10 +12,11 @@ from passo.commands import Command
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.words import X, Words
 from passo.protocols.grbl.lines import RX_BYTES
-from passo.records import SETTING_INCHES
+from passo.records import DOTS_MASK, SETTING_INCHES
 
 _A_FEW = const(6)
 _MOST_RUNS = const(100)
+_CLUSTER = const(16)  # dots of a row that fit into a line whatever its numbers
 _START_LINES = ("N0", "N1")
 INFO = "I"
 
@@ -36,11 +37,12 @@ def told(lines):
 
 
 class System:
-    def __init__(self, gcode, settings, machine, number):
+    def __init__(self, gcode, settings, machine, batch):
         self._gcode = gcode
         self._settings = settings
         self._machine = machine
-        self._number = number
+        self._number = batch.link
+        self._rows = batch.dots[DOTS_MASK]
         self._blocks = machine.blocks()
         self._words = Words()
         self.probed = [0] * gcode.axes
@@ -166,7 +168,8 @@ class System:
         about = self._machine.about
         handlers = self._machine.handlers
         more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
-        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self._blocks, RX_BYTES) + (grbl_report.message(about) if about else "")
+        rows = "[CLUSTER:%d]\r\n" % _CLUSTER if self._rows else ""
+        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self._blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
         before = self._settings.snapshot()
