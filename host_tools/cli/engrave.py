@@ -11,6 +11,7 @@ from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
 from host_tools.language import _, line_text
 
+DIALECTS = "plain", "cluster"
 EXAMPLES = """Engrave a picture with a laser: to its size, in rows of dots, as G-code that is sent or kept.
 
 Examples:
@@ -58,6 +59,7 @@ def engrave(
     constant: Annotated[bool, typer.Option("--constant", help="M3: the power does not follow the speed. Default M4.")] = False,
     air: Annotated[bool, typer.Option("--air", help="Air assist by M8.")] = False,
     frame: Annotated[Optional[float], typer.Option(min=0, max=10, help="Run around everything at so many % of full power first, and wait.")] = None,
+    dialect: Annotated[Optional[str], typer.Option(help="plain: a line for each power; cluster: up to 16 dots a line, which other boards of LightBurn's take as well. Default: what the machine at --port takes, plain for a file.")] = None,
     board: Annotated[str, typer.Option(help="Board by name, or the path of a board file: its speeds and full power.")] = "laser_xy",
     out: Annotated[Optional[Path], typer.Option("-o", "--out", help="Write the G-code to this file.")] = None,
     preview: Annotated[Optional[Path], typer.Option(metavar="PNG", help="A picture of what will burn, and in which order.")] = None,
@@ -72,6 +74,8 @@ def engrave(
         raise Failure("give a picture, or --card")
     if shade not in engraving.SHADES:
         raise Failure("--shade is one of {}, not {!r}", ", ".join(engraving.SHADES), shade)
+    if dialect not in (None, *DIALECTS):
+        raise Failure("--dialect is one of {}, not {!r}", ", ".join(DIALECTS), dialect)
     options = engraving.Options(
         width, height, dots, shade, threshold / 100, greys, black / 100, white / 100, gamma, invert,
         engraving.read_curve(curve) if curve else (), power / 100, min(least, power) / 100, speed, one_way, offset, overscan, corner(origin),
@@ -79,13 +83,13 @@ def engrave(
     )  # fmt: skip
     with contextlib.ExitStack() as ends:
         client = _client(ends, port, baud, home, unlock) if port else None
-        _carry_out(file, options, board, client, out, preview)
+        _carry_out(file, options, board, dialect, client, out, preview)
 
 
 engrave.__doc__ = EXAMPLES
 
 
-def _carry_out(file, options, board, client, out, preview):
+def _carry_out(file, options, board, dialect, client, out, preview):
     """Shade, describe, and write or send; the test card if there is no file. Raises Failure."""
     from rich.console import Console
 
@@ -95,6 +99,7 @@ def _carry_out(file, options, board, client, out, preview):
 
     console = Console()
     machine = engraving.Machine.of_settings(client.command("$$")) if client else engraving.Machine.of_board(boards.load(board), board)
+    _choose(dialect, machine, client)
     options.speed = _bounded(console, options.speed, machine)
     picture = engraving.open_picture(file) if file else engraving.card(options)
     with console.status(_("shading")) as status:
@@ -113,6 +118,18 @@ def _carry_out(file, options, board, client, out, preview):
         name = file.name if file else "card"
         seconds, count = send(client, lines, name, True, None, False, line_text)
         console.print(_("{}: {} lines in {}", name, count, gcode_file.clock(seconds)))
+
+
+def _choose(dialect, machine, client):
+    """How dots are written. Raises Failure if rows of them are asked for, and the machine does not take them."""
+    from host_tools.drawings import engraving
+
+    if client and not machine.takes_rows(client.command("$I")) and dialect == "cluster":
+        raise Failure("this machine takes no rows of dots: its $I says no CLUSTER; give --dialect plain")
+    if not client:
+        machine.cluster = engraving.CLUSTER if dialect == "cluster" else 0
+    elif dialect == "plain":
+        machine.cluster = 0
 
 
 def _client(ends, port, baud, home, unlock):

@@ -6,13 +6,14 @@
 
 A row runs along X at one speed. The head reaches that speed before the first dot and slows down behind the last one: the length of that,
 the overscan, is computed from speed and acceleration. Dots of one power side by side are one line. Blank rows are left out, and long
-blank stretches of a row are passed at rapid.
+blank stretches of a row are passed at rapid. On a machine that takes rows of dots several dots are one line, `X1.6S0:250:1000`.
 
 Error diffusion: R. W. Floyd and L. Steinberg, "An adaptive algorithm for spatial grey scale", 1976; J. F. Jarvis, C. N. Judice and
 W. H. Ninke, "A survey of techniques for the display of continuous tone pictures on bilevel displays", 1976.
 """
 
 import math
+import re
 from dataclasses import dataclass
 from functools import partial
 
@@ -33,6 +34,8 @@ _JARVIS = 48, (
 )  # fmt: skip
 _SAVED_S = 0.01  # a rapid move amid a row saves at least so much
 LINES_S = 1400  # dots a second over USB, if the PC answers after 1 ms: docs/benchmarks.md
+CLUSTER = 16  # dots of a line, if no machine says it
+_ROW_CHARACTERS = 100  # of a line's dots: it may have 127, with its other words
 CARD_PATCHES = 11  # 0, 10 … 100 % of the power
 
 
@@ -70,6 +73,7 @@ class Machine:
 
     limits: Limits
     full: float
+    cluster: int = 0  # dots that a line may have; 0: one power a line
 
     @classmethod
     def of_board(cls, board, name):
@@ -86,6 +90,12 @@ class Machine:
         if not found.get(32):
             raise Failure("set $32=1: without laser mode the machine stands at each dot with the beam on")
         return cls(Limits.of_settings(answer), found[30])
+
+    def takes_rows(self, answer):
+        """True if the answer to $I says so: then `cluster` is how many dots a line may have."""
+        found = re.search(r"\[CLUSTER:(\d+)\]", "\n".join(answer))
+        self.cluster = int(found[1]) if found else 0
+        return self.cluster > 0
 
     @property
     def speed(self):
@@ -265,14 +275,31 @@ def row_lines(row, options, machine):
     over = overscan(options, machine) * (-1 if row.backward else 1)
     yield f"G0X{number(row.runs[0][0] - over)}Y{number(row.y)}"
     yield f"G1X{number(row.runs[0][0])}S0"
-    rapid = False
+    mode = ""
+    dots = []  # powers of equally long dots up to `reached`, which will be one line
+
+    def line():
+        made = [f"{mode}X{number(reached)}S{':'.join(dots)}"] if dots else []
+        dots.clear()
+        return made
+
     for begin, end, power in row.runs:
-        if power == 0 and is_rapid(abs(end - begin), options, machine):
-            yield f"G0X{number(end)}"
-            rapid = True
+        count = round(abs(end - begin) * options.dots_mm)
+        rapid = power == 0 and is_rapid(abs(end - begin), options, machine)
+        if rapid or count > machine.cluster:
+            for each in line():
+                yield each
+                mode = ""
+            yield f"G0X{number(end)}" if rapid else f"{mode}X{number(end)}S{level(power, machine)}"
+            mode = "G1" if rapid else ""
             continue
-        yield f"{'G1' if rapid else ''}X{number(end)}S{level(power, machine)}"
-        rapid = False
+        for dot in range(count):
+            reached = begin + (end - begin) * (dot + 1) / count
+            dots.append(level(power, machine))
+            if len(dots) == machine.cluster or len(":".join(dots)) + len(dots[-1]) >= _ROW_CHARACTERS:
+                yield from line()
+                mode = ""
+    yield from line()
     yield f"X{number(row.runs[-1][1] + over)}S0"
 
 

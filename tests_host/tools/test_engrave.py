@@ -19,6 +19,7 @@ from passo.app import App
 from passo.steps.word import COUNT_MASK
 
 LASER = Machine(Limits([200.0] * 4, [1500.0] * 4), 1000)
+CLUSTERS = Machine(LASER.limits, 1000, 16)
 WORD = re.compile(r"([A-Z])(-?\d*\.?\d+)")
 pytestmark = pytest.mark.unmeasured
 
@@ -41,8 +42,10 @@ def moves(lines):
             rapid = words["G"] == "0"
         power = float(words.get("S", power))
         before, x, y = x, float(words.get("X", x)), float(words.get("Y", y))
-        if "X" in words and before != x:
-            yield before, x, y, power, rapid
+        powers = re.findall(r"(?<=[S:])[\d.]+", line) or [power]
+        for dot, burns in enumerate(powers):
+            if "X" in words and before != x:
+                yield *(before + (x - before) * end / len(powers) for end in (dot, dot + 1)), y, float(burns), rapid
 
 
 @st.composite
@@ -54,16 +57,19 @@ def pictures(draw):
 
 
 @settings(max_examples=60)
-@given(pictures(), st.booleans(), st.sampled_from((0.0, 0.07, -0.2)), st.sampled_from((3000, 9000)), st.sampled_from((10, 4)))
-def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, dots):
+@given(pictures(), st.booleans(), st.sampled_from((0.0, 0.07, -0.2)), st.sampled_from((3000, 9000)), st.sampled_from((10, 4)),
+       st.sampled_from((LASER, CLUSTERS, Machine(LASER.limits, 1, 5))))  # fmt: skip
+def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, dots, machine):
     options = Options(dots_mm=dots, one_way=one_way, offset_mm=offset, speed=speed, origin=(3.0, 5.0))
     rows = engraving.rows_of(powers, options)
     if not rows:
         with pytest.raises(Failure, match="nothing burns"):
-            list(engraving.gcode(rows, options, LASER))
+            list(engraving.gcode(rows, options, machine))
         return
+    lines = list(engraving.gcode(rows, options, machine))
+    assert max(map(len, lines)) < 120 and all(line.count(":") < max(1, machine.cluster) for line in lines)
     found = np.zeros_like(powers)
-    for before, x, y, power, rapid in moves(engraving.gcode(rows, options, LASER)):
+    for before, x, y, power, rapid in moves(lines):
         if rapid or power == 0:
             continue
         backward = x < before
@@ -73,7 +79,7 @@ def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, d
         assert [begin, end] == ends and not (backward and one_way)
         row = (y - 5.0) * dots - 0.5
         assert abs(row - round(row)) < 0.03
-        found[round(row), begin:end] += power / 1000
+        found[round(row), begin:end] += power / machine.full
     assert np.array_equal(found, powers)
 
 
@@ -149,13 +155,14 @@ def burn(lines, height, width, zero=(0, 0)):
     return port
 
 
+@pytest.mark.parametrize("machine", [LASER, CLUSTERS], ids=["plain", "cluster"])
 @pytest.mark.parametrize("overscan", [None, 0.0])
-def test_what_is_burnt_is_the_picture(overscan):
+def test_what_is_burnt_is_the_picture(overscan, machine):
     """From the words and the duty: each dot's energy is in proportion to its power, both directions in register to a step; in the ramps
     too, if there is no way beside the dots to gain speed on."""
     powers = np.array([[0.1, 0.2, 0.5, 0, 0, 1, 0.4, 0.4, 0, 0.1], [0.3, 0, 0.9, 0.1, 0.1, 0, 0, 0.7, 1, 1]] * 3)
     options = Options(dots_mm=10, speed=3000, power=1.0, overscan_mm=overscan)
-    port = burn(engraving.gcode(engraving.rows_of(powers, options), options, LASER), 48, 80)
+    port = burn(engraving.gcode(engraving.rows_of(powers, options), options, machine), 48, 80)
     rows = np.array([round(8 * (n + 0.5)) for n in range(6)])
     assert port.outside <= 1e-4 * port.plate.sum()  # 5 µs before the first step, in which DIR settles
     assert np.count_nonzero(port.plate.any(axis=1)) == 6
