@@ -19,7 +19,7 @@ RUNTIME = (Path(__file__).parent / "runtime.c").read_text(encoding="utf-8")
 STEPS = (
     "passo.steps.segments_viper", "passo.steps.pace_viper", "passo.steps.position_viper", "passo.motion.line_viper", "passo.motion.row_viper",
     "passo.motion.block", "passo.motion.integers", "passo.ports.rp2.pio_player",
-    "passo.steps.dots_viper",
+    "passo.steps.dots_viper", "passo.steps.power_viper",
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
 LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's

@@ -134,10 +134,10 @@ def test_each_dot_of_a_row_has_its_power(laser):
     """A thousand dots a second, both ways: the power within WITHIN_MS of its step, the tool's pin with the very step."""
     powers = [0 if dot % 5 == 4 else dot * 397 % 999 + 1 for dot in range(32)]
     rows = [":".join([str(power) for power in powers[first : first + 16]]) for first in (0, 16)]
-    laser.say("F6000", "M3S0", "G0X2", *["G1X1.6S" + row for row in rows], "G0X2", *["G1X-1.6S" + row for row in rows], "G0X-2", "M5", "F3000")
+    laser.say("F6000", "M3S0", "G0X2", *["G1X1.6S" + row for row in rows], "G0X3", "X-1", *["G1X-1.6S" + row for row in rows], "G0X-2", "M5", "F3000")
     laser.settle()
     begins = [2 * STEPS_MM + 8 * dot for dot in range(33)]
-    back = [4 * STEPS_MM + 8 * (32 + dot) for dot in range(33)]  # behind the way out and back
+    back = [6 * STEPS_MM + 8 * (32 + dot) for dot in range(33)]  # behind the way out and back
     marks = [(laser.at(step), power) for steps in (begins, back) for step, power in zip(steps, [*powers, 0])]
     changes = [mark for before, mark in zip([(0, 0), *marks], marks) if mark[1] != before[1]]
     follows(laser, changes)

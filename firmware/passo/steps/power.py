@@ -13,6 +13,7 @@ from micropython import const
 
 from passo.memory import zeros
 from passo.records import *
+from passo.steps.power_viper import passed, scaled
 
 _A_SEGMENT = const(256)  # more marks than a segment of a line has: it has 255 steps at most
 
@@ -28,10 +29,9 @@ class Power:
         self.value = 0  # of the last mark played
         self.level = 0  # what the output should show
         self._dark = False  # that is none, whatever the value, until the next mark
-        self._percent = 100
-        self._least = 0
         self.marks = made = zeros(power_items(marks, dots))
         made[POWER_MASK] = marks - 1
+        made[POWER_PERCENT] = 100
         made[POWER_WAIT] = marks - _A_SEGMENT if dots else marks
         made[DOTS_AT] = POWER_MARKS + POWER_FIELDS * marks
         made[DOTS_MASK] = max(dots - 1, 0)
@@ -46,25 +46,15 @@ class Power:
 
     def play(self, played):  # ISR: no allocation
         """`played` words have begun: take up the marks among them."""
-        marks = self.marks
-        tail = marks[POWER_TAIL]
-        if tail == marks[POWER_HEAD]:
-            return
-        value = self.value
-        while tail != marks[POWER_HEAD]:
-            at = POWER_MARKS + POWER_FIELDS * (tail & marks[POWER_MASK])
-            if (played - 1 - marks[at + POWER_WORD]) & COUNT_MASK >= COUNT_HALF:
-                break
-            value = marks[at + POWER_LEVEL]
-            tail = (tail + 1) & COUNT_MASK
-        marks[POWER_TAIL] = tail
-        self.set(value)
+        value = passed(self.marks, played)
+        if value >= 0:
+            self.set(value)
 
     def set(self, value):  # ISR: no allocation
         """The power is `value`, whatever the last mark said."""
         self.value = value
         self._dark = False
-        self.level = self.scaled(value)
+        self.level = scaled(self.marks, value)
 
     def show(self, played, on):
         """At a stand, `played` words having begun: the value counts, or the output is off until the next mark."""
@@ -76,24 +66,14 @@ class Power:
         value = -1
         while value != self.value:  # an interrupt may take up a mark meanwhile
             value = self.value
-            self.level = 0 if self._dark else self.scaled(value)
+            self.level = 0 if self._dark else scaled(self.marks, value)
 
     def adjust(self, percent, least):
         """Every value counts `percent` of itself from now on; those up to `least`, but 0, show as the weakest level,
         those above it share the range that is left (a spindle's lowest speed at the weakest signal)."""
-        self._percent = percent
-        self._least = least
+        self.marks[POWER_PERCENT] = percent
+        self.marks[POWER_LEAST] = least
         self._show()
-
-    def scaled(self, value):  # ISR: no allocation
-        if not value:
-            return 0
-        value = value * self._percent // 100
-        if value >= POWER_MOST:
-            return POWER_MOST
-        if not self._least:
-            return value
-        return 1 if value <= self._least else 1 + (value - self._least) * (POWER_MOST - 1) // (POWER_MOST - self._least)
 
     def clear(self):
         """Forget all marks: everything not yet played is dropped. The power is off."""

@@ -10,7 +10,7 @@ takes it up at its next wrap.
 Where so few words have been made that these eight are not there yet, below 750 steps/s or so, the interrupt that feeds
 sees to the mark within 3 ms of its word.
 """
-# Shared with interrupts: state
+# Shared with interrupts: state, power
 
 from array import array
 
@@ -25,6 +25,7 @@ from passo.ports.rp2.fields import *
 from passo.ports.rp2.pio_player import STUCK, PioPlayer, append
 from passo.ports.rp2.registers import CHANNEL_READ
 from passo.records import *
+from passo.steps.power_viper import scaled
 
 _AHEAD = const(9)  # words handed over as a mark counts, its own included
 _TABLE = const(256)  # bytes: one number for each run
@@ -32,9 +33,12 @@ _TABLE_RING = const(8)
 _CC = const(12)  # registers of a PWM slice
 _TOP = const(16)
 _SLICE = const(20)
-# Addresses, in an array of our own.
-_DUTIES = const(0)
+# An array of our own.
+_DUTIES = const(0)  # addresses
 _COMPARE = const(1)
+_FULL = const(2)  # the duty that is always on
+_MARK = const(3)  # the next one that D has not been told of; they count for ever, modulo 2²⁹
+_DUTY = const(4)  # behind the last one that it has
 
 
 class LaserPlayer(PioPlayer):
@@ -42,13 +46,10 @@ class LaserPlayer(PioPlayer):
 
     def __init__(self, pin, ring, *rest):
         compare = chip.PWM + _SLICE * (pin >> 1 & 7) + _CC
-        self._full = mem32[compare - _CC + _TOP] + 1
         self._table = bytearray(2 * _TABLE)
         table = (uctypes.addressof(self._table) + _TABLE - 1) & ~(_TABLE - 1)
-        self._laser = array("I", [table, compare])
+        self._laser = array("I", [table, compare, mem32[compare - _CC + _TOP] + 1, 0, 0])
         self._power = ring.power
-        self._mark = 0  # the next one that D has not been told of; they count for ever, modulo 2²⁹
-        self._duty = 0  # behind the last one that it has
         PioPlayer.__init__(self, ring, *rest)
 
     def _set_up_dma(self, channel_a, request, after_a=None):
@@ -67,7 +68,7 @@ class LaserPlayer(PioPlayer):
         told before does not show again."""
         state = self._state
         if state[PIO_HELD] or state[PIO_PLAYING] != 1 or self._ring.head == self.played():
-            _show(state, self._laser, level * self._full // 1000, 0)
+            _show(state, self._laser, level * self._laser[_FULL] // 1000, 0)
 
     @micropython.native
     def start(self):  # ISR: no allocation
@@ -75,38 +76,52 @@ class LaserPlayer(PioPlayer):
         state = self._state
         if state[PIO_STUCK]:
             raise STUCK
-        if state[PIO_HELD]:
-            return False
         power = self._power
-        marks = power.marks
-        mark = self._mark
-        if state[PIO_PLAYING] != 1 or (mark - marks[POWER_TAIL]) & COUNT_MASK >= COUNT_HALF:
-            mark = marks[POWER_TAIL]
-        laser = self._laser
-        if mark == marks[POWER_TAIL]:
-            self._duty = power.level * self._full // 1000
-            _show(state, laser, self._duty, PIO_RUNS)
-        head = self._ring.head
-        last = marks[POWER_HEAD]
-        dry = False
-        while mark != last:
-            at = POWER_MARKS + POWER_FIELDS * (mark & marks[POWER_MASK])
-            word = (marks[at + POWER_WORD] + _AHEAD) & COUNT_MASK
-            if (head - word) & COUNT_MASK >= COUNT_HALF:
-                break
-            duty = power.scaled(marks[at + POWER_LEVEL]) * self._full // 1000
-            if not _tell(state, laser, word, self._duty, duty):
-                break
-            if append(state, word):
-                dry = True
-            if state[PIO_ARMED] != word:  # no room for more runs
-                self._mark = mark
-                return dry
-            self._duty = duty
-            mark = (mark + 1) & COUNT_MASK
-        self._mark = mark
-        _tell(state, laser, head, self._duty, self._duty)
-        return append(state, head) or dry
+        return hand_over(state, self._laser, power.marks, self._ring.head, power.level)
+
+
+@micropython.viper
+def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -> bool:
+    """Append the words up to `head`, in runs that end with the marks; `level`: what shows. True if the player ran dry meanwhile."""
+    if state[PIO_HELD]:
+        return False
+    mark = int(first_mark(state, laser, power, level))
+    last = power[POWER_HEAD]
+    full = laser[_FULL]
+    dry = False
+    while mark != last:
+        at = POWER_MARKS + POWER_FIELDS * (mark & power[POWER_MASK])
+        word = (power[at + POWER_WORD] + _AHEAD) & COUNT_MASK
+        if (head - word) & COUNT_MASK >= COUNT_HALF:
+            break
+        duty = int(scaled(power, power[at + POWER_LEVEL])) * full // 1000
+        if not _tell(state, laser, word, laser[_DUTY], duty):
+            break
+        if append(state, word):
+            dry = True
+        if state[PIO_ARMED] != word:  # no room for more runs
+            laser[_MARK] = mark
+            return dry
+        laser[_DUTY] = duty
+        mark = (mark + 1) & COUNT_MASK
+    laser[_MARK] = mark
+    _tell(state, laser, head, laser[_DUTY], laser[_DUTY])
+    if append(state, head):
+        dry = True
+    return dry
+
+
+@micropython.viper
+def first_mark(state: ptr32, laser: ptr32, power: ptr32, level: int) -> int:
+    """The next mark that D has not been told of. If all that it has have been played, `level` shows."""
+    mark = laser[_MARK]
+    tail = power[POWER_TAIL]
+    if state[PIO_PLAYING] != 1 or (mark - tail) & COUNT_MASK >= COUNT_HALF:
+        mark = tail
+    if mark == tail:
+        laser[_DUTY] = level * laser[_FULL] // 1000
+        _show(state, laser, laser[_DUTY], PIO_RUNS)
+    return mark
 
 
 @micropython.viper

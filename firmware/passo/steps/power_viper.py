@@ -1,0 +1,41 @@
+"""The marks of power that a tool's output asks for again and again: which have been played, and what one shows.
+
+    value = passed(power, played)       # of the last mark that began among `played` words, which are given back; -1: none did
+    level = scaled(power, value)        # with the override, and a spindle's lowest speed
+
+`power` is Power.marks. One text for all interpreters; see motion/block_viper.py. Fields: records.py.
+"""
+# Shared with interrupts: power
+
+import micropython
+
+from passo.records import *
+
+
+@micropython.viper
+def passed(power: ptr32, played: int) -> int:  # ISR: no allocation
+    """See above."""
+    tail = power[POWER_TAIL]
+    value = -1
+    while tail != power[POWER_HEAD]:
+        at = POWER_MARKS + POWER_FIELDS * (tail & power[POWER_MASK])
+        if (played - 1 - power[at + POWER_WORD]) & COUNT_MASK >= COUNT_HALF:
+            break
+        value = power[at + POWER_LEVEL]
+        tail = (tail + 1) & COUNT_MASK
+    power[POWER_TAIL] = tail
+    return value
+
+
+@micropython.viper
+def scaled(power: ptr32, value: int) -> int:  # ISR: no allocation
+    """What the output shows of a value."""
+    if value == 0:
+        return 0
+    value = value * power[POWER_PERCENT] // 100
+    least = power[POWER_LEAST]
+    if value >= POWER_MOST:
+        return POWER_MOST
+    if least == 0:
+        return value
+    return 1 if value <= least else 1 + (value - least) * (POWER_MOST - 1) // (POWER_MOST - least)
