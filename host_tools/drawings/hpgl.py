@@ -36,7 +36,7 @@ _SILENT = frozenset(
 
 def is_hpgl(data):
     """True if a file's first bytes are HPGL."""
-    text = _ESCAPE.sub("", data[:400].decode("latin-1")).strip("; \r\n\t").upper()
+    text = _ESCAPE.sub("", data[:400].decode("latin-1")).strip("; \r\n\t\0\x03").upper()
     return bool(re.match(r"(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*|IP|SC|PS|RO|NP|BP|CO|LT)\s*(;|[-\d.\s]|[A-Z]{2}|$)", text))
 
 
@@ -93,24 +93,30 @@ class HpglFile:
     def _parsed(self, text):
         """(instruction, numbers, or the text of a label)."""
         text = _ESCAPE.sub("", text)
-        at, end_of_label = 0, "\x03"
+        at, end_of_label, buffered = 0, "\x03", ""
         while True:
             match = _INSTRUCTION.search(text, at)
             if match is None:
                 return
             name, at = match[0].upper(), match.end()
+            if name == "PB":
+                yield "LB", buffered
+                continue
             if name in ("LB", "BL", "SM", "DT", "CO"):
                 if name == "LB" or name == "BL":
                     end = text.find(end_of_label, at)
                     end = len(text) if end < 0 else end
                     if name == "LB":
                         yield name, text[at:end]
+                    else:
+                        buffered = text[at:end]
                     at = end + len(end_of_label)
                 elif name == "DT":
                     end_of_label = text[at : at + 1] if text[at : at + 1] not in ("", ";") else "\x03"
                     at += 1
                 elif name == "CO":
-                    at = text.find('"', text.find('"', at) + 1) + 1 or len(text)
+                    quoted = text[at:].lstrip()[:1] == '"'
+                    at = (text.find('"', text.find('"', at) + 1) if quoted else text.find(";", at)) + 1 or len(text)
                 else:
                     at += 1
                 continue

@@ -7,6 +7,7 @@
 
 import cmath
 import math
+import re
 from collections import Counter
 
 import numpy
@@ -42,7 +43,7 @@ class Pen:
         self._size = None  # of a letter, relative to P1 and P2
         self._letter = 0.19 * _CM, 0.27 * _CM
         self._along, self._slant, self._origin = 1 + 0j, 0.0, 1
-        self._margin = 0j
+        self._return, self._labelled = 0j, None  # where a carriage return goes, and where the last label ended
         self._polygon = None  # [[places], ...] while one is defined
         self._rings = []
 
@@ -309,20 +310,27 @@ class Pen:
     # --- text
 
     def _label(self, text):
+        """A line feed goes one line down, a carriage return to where labels have begun since the pen was moved, or DI turned them."""
         self._lift()
         width, height = self._size_of_letters()
-        lines = text.replace("\r\n", "\n").split("\n")
-        begin = self._place
-        for index, line in enumerate(lines):
-            long = len(line.rstrip("\r")) * 1.5 * width - 0.5 * width if line else 0.0
-            row, column = (self._origin - 1) % 10 % 3, (self._origin - 1) % 10 // 3
-            back = complex(-(long / 2, long)[column - 1] if column else 0.0, -height * row / 2)
-            if self._origin > 10:
-                back += complex((0.5, 0.0, -0.5)[column] * width, (0.5, 0.0, -0.5)[row] * height)
-            at = begin - self._along * 1j * index * 2 * height
-            for number, each in enumerate(line.rstrip("\r")):
-                self._write(each, at, back + number * 1.5 * width, width, height)
-            self._place = at + self._along * (back + len(line) * 1.5 * width)
+        if self._place != self._labelled:
+            self._return = self._place
+        row, column = (self._origin - 1) % 10 % 3, (self._origin - 1) % 10 // 3
+        for line in re.split("([\r\n])", text):
+            if line == "\r":
+                self._place = self._return
+            elif line == "\n":
+                self._place -= self._along * 2j * height
+                self._return -= self._along * 2j * height
+            elif line:
+                long = len(line) * 1.5 * width - 0.5 * width
+                back = complex(-(long / 2, long)[column - 1] if column else 0.0, -height * row / 2)
+                if self._origin > 10:
+                    back += complex((0.5, 0.0, -0.5)[column] * width, (0.5, 0.0, -0.5)[row] * height)
+                for number, each in enumerate(line):
+                    self._write(each, self._place, back + number * 1.5 * width, width, height)
+                self._place += self._along * (back + len(line) * 1.5 * width)
+        self._labelled = self._place
 
     def _write(self, each, at, shift, width, height):
         strokes = stroke_font.letter(each)
@@ -351,6 +359,7 @@ class Pen:
             span = self._ends[1] - self._ends[0]
             along = complex(along.real * span.real, along.imag * span.imag)
         self._along = along / abs(along) if along else 1 + 0j
+        self._labelled = None
 
     def _set_slant(self, given):
         self._slant = given[0] if given else 0.0
@@ -359,11 +368,13 @@ class Pen:
         self._origin = int(given[0]) if given else 1
 
     def _cells(self, given):
-        """CP: move by cells of letters."""
+        """CP: move by cells of letters; without numbers to the next line."""
+        self._label("" if given else "\r\n")
         width, height = self._size_of_letters()
-        self._lift()
-        across, down = (given + [0, 0])[:2] if given else (0, -1)
-        self._place += self._along * complex(across * 1.5 * width, down * 2 * height)
+        across, up = (given + [0, 0])[:2]
+        self._place += self._along * complex(across * 1.5 * width, up * 2 * height)
+        self._return += self._along * 2j * up * height
+        self._labelled = self._place
 
     def _tick(self, given):
         length = getattr(self, "_ticks", (0.5, 0.5))

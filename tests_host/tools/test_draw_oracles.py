@@ -202,7 +202,39 @@ def test_hpgl_labels_stand_where_hp2xx_has_them(tmp_path, words):
     assert numpy.abs(numpy.subtract(*(box_of([each]) for each in letters))).max() < 60 * UNIT_PX
 
 
-@pytest.mark.parametrize("text", ["PU0,0;PD400,0;", "\x1b.(;IN;PU0,0\nPD400,0", "in;pu0 0;pd400 0;", "IN;PUPA0,0;PDPA400,0;PU", "IN;PA;PU0,0;PR;PD400,0;"])
+def test_hpgl_labels_go_on_where_the_last_one_ended(tmp_path):
+    """A carriage return goes back to where labels began since the pen was moved or turned, a line feed down only; as hp2xx's samples do."""
+
+    def begins(text):
+        path = tmp_path / "a.plt"
+        path.write_text(f"IN;SI0.4,0.5;PU3000,3000;{text}")  # a cell is 240 by 400 units
+        lines = sources.opened(path).outlines(0.01).layers[1]
+        left, low = box_of([lines])[0], box_of([lines])[3]
+        return sorted({(round((line.real.min() - left) / UNIT_PX / 240), round((low - line.imag.max()) / UNIT_PX / 400)) for line in lines})
+
+    assert begins("LBI\x03LBI\x03") == [(0, 0), (1, 0)]
+    assert begins("LBI\r\nI\x03LBI\x03") == [(0, 0), (0, 1), (1, 0)]
+    assert begins("LBI\nI\x03") == [(0, 1), (1, 0)]
+    assert begins("LBI\r\x03LBII\x03") == [(0, 0), (1, 0)]
+    assert begins("LBII\x03PR0,-400;LBI\r\x03LBI\x03") == [(0, 1), (1, 1), (2, 0)]
+    assert begins("BLII\x03PR0,-400;PB;") == begins("PR0,-400;LBII\x03") == [(0, 0), (1, 0)]
+    assert begins("LBII\x03CP;LBI\x03") == [(0, 0), (0, 1), (1, 1)]
+    assert begins("LBII\x03CP1,-1;LBI\r\x03LBI\x03") == [(0, 0), (0, 1), (1, 1), (3, 0)]
+    star = "".join(f"DI{way};LB  I\r\x03" for way in ("1,0", "0,1", "-1,0", "0,-1"))
+    path = tmp_path / "b.plt"
+    path.write_text(f"IN;SI0.4,0.5;PU3000,3000;{star}")
+    box = box_of([sources.opened(path).outlines(0.01).layers[1]])
+    assert abs((box[2] - box[0]) - (box[3] - box[1])) < 1 < 500 * UNIT_PX < box[2] - box[0], "four ways from one place"
+
+
+def test_an_hpgl_comment_without_quotes_ends_at_its_semicolon(tmp_path):
+    for comment in ("CO circles; of these;", 'CO "circles; of these";'):
+        path = tmp_path / "a.plt"
+        path.write_text(f"{comment}PU500,500;CI100;")
+        assert len(sources.opened(path).outlines(0.01).layers[1]) == 1
+
+
+@pytest.mark.parametrize("text", ["PU0,0;PD400,0;", "\x1b.(;IN;PU0,0\nPD400,0", "in;pu0 0;pd400 0;", "IN;PUPA0,0;PDPA400,0;PU", "IN;PA;PU0,0;PR;PD400,0;", "\x03INCA2PAPU0,0PD400,0"])
 def test_hpgl_as_people_write_it(tmp_path, text):
     path = tmp_path / "a.plt"
     path.write_text(text)
