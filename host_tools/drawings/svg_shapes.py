@@ -7,6 +7,8 @@
 
 import math
 
+import numpy
+
 from host_tools.drawings import svg_area, svg_geometry, svg_style
 from host_tools.drawings.page import Ink
 from host_tools.language import N_
@@ -41,6 +43,8 @@ class Shapes:
         stroked, filled = svg_style.painted(style, "stroke"), svg_style.painted(style, "fill")
         if not filled and not stroked:
             self._page.unpainted += 1
+        if filled and not stroked:  # the edge of an area is closed
+            lines = [numpy.append(line, line[0]) if len(line) > 2 and line[0] != line[-1] else line for line in lines]
         rings = svg_geometry.placed(lines, context.matrix) if self._fills and filled and tag != "line" else []
         for name in ("marker-start", "marker-mid", "marker-end"):
             if style.get(name, "none") != "none":

@@ -88,6 +88,23 @@ SVG = {
 }
 
 
+@pytest.mark.parametrize("shape, ends", [
+    ('path fill="black" d="M10 10v20h50v-20"', True), ('polyline fill="black" points="10,10 10,30 60,30 60,10"', True),
+    ('path stroke="black" fill="black" d="M10 10v20h50v-20"', False), ('path stroke="black" fill="none" d="M10 10v20h50v-20"', False),
+    ('path fill="black" d="M10 10v20h50v-20M70 10v20"', True),
+])
+def test_the_edge_of_an_area_is_closed(tmp_path, shape, ends):
+    """As found in 16 of 120 icons of @mdi/svg: rsvg-convert fills up to the edge that no one has written."""
+    path = tmp_path / "a.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="200" height="120"><{shape}/></svg>')
+    page = SvgFile(path).outlines(0.02)
+    first, *others = [line for lines in page.layers.values() for line in lines]
+    assert (first[0] == first[-1]) == ends and all(len(line) == 2 for line in others)
+    if ends and not others:
+        ink = rsvg_ink(path, tmp_path)
+        assert abs(numpy.array(box_of([[first]])) - [*(ink.min(0)), *(ink.max(0))]).max() < 0.5
+
+
 # What rsvg-convert 2.54 does not do.
 BROWSER = ("css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters")
 
