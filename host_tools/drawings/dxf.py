@@ -8,7 +8,6 @@ that the file names, else in mm. Layers that are off or frozen are left out; pic
 """
 
 import logging
-import math
 
 import numpy
 
@@ -19,6 +18,7 @@ _MM_PX = 96 / 25.4
 _LEAST_PX = 1.0
 _MM = {0: 1.0, 1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 0.0254, 10: 914.4, 13: 0.001, 14: 100.0}  # $INSUNITS
 _FARTHEST_MM = 1e6
+_EXACT = 1e9  # of a size: how far away numbers are still exact enough
 
 
 def is_dxf(first):
@@ -50,8 +50,10 @@ class DxfFile:
         found = self._drawn(0.1 / self._mm, False)
         places = numpy.concatenate([line for inks in found.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
         box = places.real.min(), places.imag.min(), places.real.max(), places.imag.max()
-        if not all(math.isfinite(side) and abs(side) * self._mm < _FARTHEST_MM for side in box):
-            raise Failure("{}: {} mm is too far away for a drawing", path, max(map(abs, box)) * self._mm)
+        size, far = max(box[2] - box[0], box[3] - box[1]), max(map(abs, box))
+        # A survey lies far from its zero.
+        if not (size * self._mm < _FARTHEST_MM and (far * self._mm < _FARTHEST_MM or far < _EXACT * size)):
+            raise Failure("{}: {} mm is too far away for a drawing", path, far * self._mm)
         self._left, self._bottom = box[:2]
         self.size_px = tuple(max(_LEAST_PX, side * self._mm * _MM_PX) for side in (box[2] - box[0], box[3] - box[1]))
 
@@ -84,6 +86,9 @@ class DxfFile:
             max_flattening_distance=deviation, hatch_policy=HatchPolicy.NORMAL, text_policy=TextPolicy.OUTLINE,
             circle_approximation_count=256,
         )  # fmt: skip
+        for entity in self._document.entitydb.values():
+            if entity.dxftype() == "INSERT" and not entity.dxf.zscale:
+                entity.dxf.zscale = 1.0  # of a flat block: ezdxf would divide by it
         try:
             Frontend(RenderContext(self._document), backend, config=config).draw_layout(self._document.modelspace())
         except (ArithmeticError, ValueError, TypeError, LookupError, AttributeError) as error:

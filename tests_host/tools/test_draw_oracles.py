@@ -338,6 +338,36 @@ def test_dxf_entities_are_drawn_where_they_are(tmp_path, seed, units, mm):
     assert set(page.names.values()) <= {"CUT", "PEN", "0"} and not page.left_out
 
 
+def test_a_dxf_survey_far_from_its_zero(tmp_path):
+    import ezdxf
+
+    document = ezdxf.new("R2010", setup=True, units=6)  # metres
+    document.modelspace().add_lwpolyline([(550_000, 7_500_000), (550_000.4, 7_500_000), (550_000.4, 7_500_000.3)])
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    page = sources.opened(path).outlines(0.02)
+    assert page.size_px == pytest.approx((400 * 96 / 25.4, 300 * 96 / 25.4), rel=1e-4)
+    (line,) = page.layers[1]
+    assert abs(line - [0 + 300j * 96 / 25.4, (400 + 300j) * 96 / 25.4, 400 * 96 / 25.4]).max() < 0.01
+
+
+def test_dxf_blocks_that_were_made_flat(tmp_path):
+    """Blocks in blocks, their third scale 0: some programs write them so."""
+    import ezdxf
+
+    document = ezdxf.new("R2010", setup=True, units=4)
+    document.blocks.new("I").add_circle((0, 0), 2)
+    document.blocks.new("O").add_blockref("I", (10, 0), dxfattribs={"zscale": 0, "xscale": 2, "yscale": 2})
+    for place in ((0, 0), (30, 0)):
+        document.modelspace().add_blockref("O", place, dxfattribs={"zscale": 0})
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    lines = sources.opened(path).outlines(0.02).layers[1]
+    scale = 96 / 25.4
+    assert sorted(round(float(line.real.min() / scale), 1) for line in lines) == [0, 30]
+    assert all(line.real.max() - line.real.min() == pytest.approx(8 * scale, rel=0.01) for line in lines)
+
+
 def test_dxf_hatches_are_areas_and_text_is_outlines(tmp_path):
     import ezdxf
 
