@@ -138,12 +138,12 @@ class Orders:
     def _goto(self, order):
         place = places(order, "to", self.machine.axes)
         speed = number(order, "speed", 0.1, _MOST_SPEED)
-        return self.machine.refusal() or self.machine.locked() or self.machine.go(place, speed)
+        return self.machine.refusal(by_hand=True) or self.machine.go(place, speed)
 
     def _step(self, order):
         way = places(order, "by", self.machine.axes)
         speed = number(order, "speed", 0.1, _MOST_SPEED)
-        return self.machine.refusal() or self.machine.locked() or self.machine.step(way, speed)
+        return self.machine.refusal(by_hand=True) or self.machine.step(way, speed)
 
     def _jog(self, order):
         lease = number(order, "lease", 1, _MOST_NUMBER)
@@ -155,7 +155,7 @@ class Orders:
             raise Wrong("way")
         direction = [part / most if abs(part) >= most * _LEAST_WAY else 0 for part in direction]
         speed = number(order, "speed", 0.1, _MOST_SPEED)
-        return self.machine.refusal() or self.machine.locked() or self.machine.begin_jog(lease, beat, direction, speed)
+        return self.machine.refusal(by_hand=True) or self.machine.begin_jog(lease, beat, direction, speed)
 
     def _keep(self, order):
         lease = number(order, "lease", 1, _MOST_NUMBER)

@@ -218,13 +218,13 @@ class PageMachine:
 
     # --- orders
 
-    def refusal(self):
-        """0, or why the page may not move the machine now."""
+    def refusal(self, by_hand=False):
+        """0, or why the page may not move the machine now: by hand not in an alarm either."""
         if not self.state["link"]:
             return errors.NO_ANSWER
         if self.state["owner"] != "page":
             return errors.COMMANDED_ELSEWHERE
-        return 0
+        return errors.LOCKED if by_hand and self.state["state"] == "Alarm" else 0
 
     def stands(self):
         """True if nothing moves, as far as is known."""
@@ -235,10 +235,6 @@ class PageMachine:
         if self.jog.active or self.state["state"] not in self.stood or [1 for command, _ in self.unanswered if command.kind != commands.JOB]:
             return errors.BUSY
         return 0
-
-    def locked(self):
-        """0, or why nothing moves by hand: the machine is in alarm."""
-        return errors.LOCKED if self.state["state"] == "Alarm" else 0
 
     def stop(self):
         """Stop at once: who asks does not matter."""
