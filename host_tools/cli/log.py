@@ -11,6 +11,7 @@ from passo.protocols.plotter.host import COMMANDS, STATUS_LENGTH, packet
 _ANSWER_S = 1.0
 _QUIET_S = 0.02  # silence that separates the next bytes from the question
 _STATUS = packet(COMMANDS["STATUS"])  # its first byte is grbl's `?`
+_WHY_LENGTH = 2  # a board of keys: `?` and the error of the last key
 BAUD = {"grbl": 115_200, "torch": 115_200, "pulses": 115_200, "plotter": 57_600}
 
 
@@ -38,14 +39,19 @@ def link(port, baud, protocol):
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
-        raise Failure("--protocol {}: it has no word for the status and the log; ask on a link that speaks {}", protocol, ", ".join(BAUD))
+        raise _wordless(protocol)
     port = port or ports.only()
     baud = baud or BAUD[protocol or "grbl"]
     return protocol or spoken(port, baud), port, baud
 
 
+def _wordless(language):
+    return Failure("--protocol {}: it has no word for the status and the log; ask on a link that speaks {}", language, ", ".join(BAUD))
+
+
 def spoken(port, baud):
     """Find the language of a link. `?` moves nothing in any, and no log has it: grbl and pulses answer with their status.
+    A board of keys says why it refused the last key: two bytes, and nothing else may be sent there, for each byte may be a key.
     If nothing answers, five bytes more make a plotter's packet STATUS of it; a torch takes no notice of either, and is asked last.
     A link that a killed program left in frames does not answer in plain text: end that session, then ask again.
     `passo --no-frames` skips that. A link of another baud rate is not found: say --protocol and --baud."""
@@ -63,6 +69,8 @@ def spoken(port, baud):
         return said
 
     said = _with(open_port(port, baud), question)
+    if said[:1] == _STATUS[:1] and len(said) == _WHY_LENGTH:
+        raise _wordless("keys")
     if not said and _is_torch(port, baud):
         return "torch"
     if (not said or b"\0" in said) and serial_port.frames is not False:

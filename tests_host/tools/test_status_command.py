@@ -1,6 +1,7 @@
 """`passo status`: what it makes of reports, and of boards of each language."""
 
 import pytest
+import serial
 from typer.testing import CliRunner
 
 from host_tools import boards
@@ -99,3 +100,15 @@ def test_a_link_that_a_killed_program_has_left_in_frames(reports, tmp_path):
 def test_a_language_without_a_word_for_it():
     result = CliRunner().invoke(app, ["status", "--port", "/dev/nothing", "--protocol", "keys"])
     assert isinstance(result.exception, Failure) and "no word for the status" in str(result.exception)
+
+
+@pytest.mark.unmeasured
+@pytest.mark.parametrize("verb", ["status", "log"])
+def test_a_board_of_keys_is_sent_one_byte_and_named(verb, monkeypatch):
+    sent = []
+    write = serial.Serial.write
+    monkeypatch.setattr(serial.Serial, "write", lambda port, data: (sent.append(bytes(data)), write(port, data))[1])
+    with Board("--board", "two_motor_kit", "--time", "fast") as running:
+        result = CliRunner().invoke(app, [verb, "--port", running.port])
+    assert isinstance(result.exception, Failure) and str(result.exception).startswith("--protocol keys: it has no word")
+    assert b"".join(sent) == b"?", "each byte more might be a key"
