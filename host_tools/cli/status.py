@@ -52,13 +52,12 @@ def _grbl(port, baud):
                 break
         try:
             log = client.command("$LOG")
+            job = _job(client, fields)
+            # `En`: the board has some
+            encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")] if "En" in fields else []
         except LinkError:
-            fields = {**fields, **client.ask_status()}  # raises if the link is gone; else lines that were sent before hold $LOG up
+            fields = {**fields, **client.ask_status()}  # raises if the link is gone; else lines that were sent before hold the answers up
             return [*grbl_rows(fields, [], []), ("", _("no log, no encoders: they are answered after the lines sent before"))]
-        job = _job(client, fields)
-        encoders = []
-        if "En" in fields:  # the board has some
-            encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")]
     rows = grbl_rows(fields, encoders, log)
     return rows[:1] + job + rows[1:]
 
