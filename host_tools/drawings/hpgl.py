@@ -30,7 +30,7 @@ _INSTRUCTION = re.compile(r"[A-Za-z]{2}")
 # No ink, or none that a pen could draw otherwise: speeds, forces, widths, pauses, answers to a PC.
 _SILENT = frozenset(
     "VS FS AS VA VN PW WU PT FT NP NR PG PS EC MG OA OC OD OE OF OG OH OI OK OL OO OP OS OT OW IM RP BP MC SB SA SS CS CA AP CC "
-    "GM GP DC DP CV LA TR ST SV RF AC UL BL PB CF AD SD TD FI FN IV LM QL AF AH CT CR PC SM".split()
+    "GM GP DC DP CV LA TR ST SV RF AC UL BL PB CF AD SD TD FI FN IV LM QL AF AH CT CR PC".split()
 )
 
 
@@ -118,6 +118,7 @@ class HpglFile:
                     quoted = text[at:].lstrip()[:1] == '"'
                     at = (text.find('"', text.find('"', at) + 1) if quoted else text.find(";", at)) + 1 or len(text)
                 else:
+                    yield name, text[at : at + 1].strip(";")
                     at += 1
                 continue
             if name == "PE":

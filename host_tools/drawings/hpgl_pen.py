@@ -43,6 +43,7 @@ class Pen:
         self._size = None  # of a letter, relative to P1 and P2
         self._letter = 0.19 * _CM, 0.27 * _CM
         self._along, self._slant, self._origin = 1 + 0j, 0.0, 1
+        self._symbol = ""  # SM: a letter at each place
         self._return, self._labelled = 0j, None  # where a carriage return goes, and where the last label ended
         self._polygon = None  # [[places], ...] while one is defined
         self._rings = []
@@ -95,6 +96,9 @@ class Pen:
     def _moves(self, given):
         for x, y in zip(given[::2], given[1::2]):
             self._go(self._units(x, y) if self._absolute else self._place + self._units(x, y, True))
+            if self._symbol and self._polygon is None:
+                width, height = self._size_of_letters()
+                self._write(self._symbol, self._place, -complex(width, height) / 2, width, height)
 
     def _pen(self, down):
         if not down:
@@ -361,6 +365,9 @@ class Pen:
         self._along = along / abs(along) if along else 1 + 0j
         self._labelled = None
 
+    def _set_symbol(self, symbol):
+        self._symbol = symbol.strip()
+
     def _set_slant(self, given):
         self._slant = given[0] if given else 0.0
 
@@ -409,6 +416,6 @@ class Pen:
         "EW": lambda self, given: self._wedge(given, False), "WG": lambda self, given: self._wedge(given, True),
         "PM": _mode, "EP": lambda self, given: self._edges(given, False), "FP": lambda self, given: self._edges(given, True),
         "LB": _label, "SI": _absolute_size, "SR": _relative_size, "DI": _direction,
-        "DR": lambda self, given: self._direction(given, True), "SL": _set_slant, "LO": _set_origin, "CP": _cells,
+        "DR": lambda self, given: self._direction(given, True), "SL": _set_slant, "SM": _set_symbol, "LO": _set_origin, "CP": _cells,
         "XT": _x_tick, "YT": _y_tick, "TL": _tick_length, "LT": _line_type, "UC": _user_letter, "ES": lambda self, given: None,
     }  # fmt: skip

@@ -3,10 +3,12 @@
 Without these programs the tests skip.
 """
 
+import gzip
 import random
 import re
 import shutil
 import subprocess
+from pathlib import Path
 
 import numpy
 import pytest
@@ -207,6 +209,25 @@ def test_a_real_hpgl_file_as_hp2xx_has_it(corpus):
     assert on_ours > 0.999 and on_theirs > 0.999 and not page.left_out and list(page.layers) == [5]
 
 
+SAMPLES = Path("/usr/share/doc/hp2xx/hp-tests")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [
+    "286x192.5_lq.hpg.gz", "acad.hp.gz", "at.hpg", "bz.hp", "charsize.hp", "ci.hp", "colors.hp", "ew.hpg", "inter.hp.gz", "la.hp", "miter.hp",
+    "mycolors.hp", "win_1.hp.gz",
+])
+def test_hp2xx_s_own_samples(tmp_path, name):
+    """Those without letters of another font, gaps in lines, fills of a pen's width, and sheets that hp2xx chooses otherwise."""
+    if not (SAMPLES / name).exists():
+        pytest.skip("hp2xx's samples are not there: apt-get install hp2xx")
+    data = (SAMPLES / name).read_bytes()
+    path = tmp_path / name.removesuffix(".gz")
+    path.write_bytes(gzip.decompress(data) if name.endswith(".gz") else data)
+    (on_ours, on_theirs), _ = hpgl_agreement(path, 1.0)
+    assert on_ours > 0.99 and on_theirs > 0.99, (on_ours, on_theirs)
+
+
 @pytest.mark.parametrize("words", ["DI0,1;", "LO1;", "DI1,1;", "DR1,1;"])
 def test_hpgl_labels_stand_where_hp2xx_has_them(tmp_path, words):
     """Letters are others; cells and directions are the same."""
@@ -242,6 +263,16 @@ def test_hpgl_labels_go_on_where_the_last_one_ended(tmp_path):
     path.write_text(f"IN;SI0.4,0.5;PU3000,3000;{star}")
     box = box_of([sources.opened(path).outlines(0.01).layers[1]])
     assert abs((box[2] - box[0]) - (box[3] - box[1])) < 1 < 500 * UNIT_PX < box[2] - box[0], "four ways from one place"
+
+
+def test_hpgl_s_symbols_stand_on_the_places(tmp_path):
+    path = tmp_path / "a.plt"
+    path.write_text("IN;SI0.4,0.5;PU0,0;PD3000,0;SMX;PU1000,2000;PD2000,2000;SM;PU;PA2500,1000;")
+    lines = [line / UNIT_PX for line in sources.opened(path).outlines(0.01).layers[1]]
+    left, bottom = min(line.real.min() for line in lines), max(line.imag.max() for line in lines)
+    strokes = [line for line in lines if line.imag.min() != line.imag.max()]
+    middles = sorted({(round((line[0].real + line[-1].real) / 2 - left), round(bottom - (line[0].imag + line[-1].imag) / 2)) for line in strokes})
+    assert len(lines) == 2 + len(strokes) and middles == [(1000, 2000), (2000, 2000)]
 
 
 def test_an_hpgl_comment_without_quotes_ends_at_its_semicolon(tmp_path):
