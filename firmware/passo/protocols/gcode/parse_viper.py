@@ -17,13 +17,8 @@ Python; see motion/block_viper.py for what that asks of integers.
 
 import micropython
 
-from micropython import const
-
 from passo.protocols.gcode.parse_records import *
 from passo.records import *
-
-_LINE_BYTES = const(81)
-_ROW_BYTES = const(128)  # of a line with a row of dots
 
 
 @micropython.viper
@@ -35,7 +30,10 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, dots: 
     while lines < most and begin < count:
         after = int(read_line(text, begin, count, place, dots))
         row = place[PARSE_DOTS]
-        if after == 0 or after - begin > (_ROW_BYTES if row else _LINE_BYTES) or place[PARSE_HAVE] & HAS_AXES == 0:
+        longest = 81  # bytes, its end among them
+        if row:
+            longest = 128
+        if after == 0 or after - begin > longest or place[PARSE_HAVE] & HAS_AXES == 0:
             break
         if row and place[PARSE_MOTION] != 1:
             break
