@@ -29,6 +29,8 @@ OTHERWISE = {
     "tests/interp/g84/g19/g98/g19-g98-g84.ngc": "rs274 drills along Y",
     "tests/interp/g84/g19/g99/g19-g99-g84.ngc": "rs274 drills along Y",
 }
+# Compensation that LinuxCNC takes, and its own way out at the height of the cut crosses the contour.
+GOUGES = {"nc_files/comp.ngc", "tests/interp/crazy-paths/test.ngc"}
 ENDLESS = "nc_files/smartprobe.ngc"  # a menu that waits for its operator
 
 
@@ -63,6 +65,7 @@ def test_programs_of_linuxcnc(tmp_path):
         if kind == "differs":
             assert name in OTHERWISE, (name, text)
         if kind == "refused":
+            assert "error 34" not in text or name in GOUGES, (name, text)
             print(name, text)
     print(dict(found))
     assert found["equal"] >= 43 and found["refused"] <= 37 and found["differs"] <= len(OTHERWISE), found
