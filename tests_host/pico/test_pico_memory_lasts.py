@@ -2,7 +2,7 @@
 
     PASSO_ORDERS=10000 pytest -s -o faulthandler_timeout=0 tests_host/pico/test_pico_memory_lasts.py
 
-prints the largest piece as it goes on; it takes some hours. Without PASSO_ORDERS it is 300 orders a board.
+prints the largest piece as it goes on; it takes ten to twenty minutes of processor time a board. Without PASSO_ORDERS it is 300 orders a board.
 """
 
 import base64
