@@ -160,12 +160,12 @@ def _describe(console, powers, rows, options, machine, lines, seconds):
         _("  the head goes from X{:.1f} to X{:.1f} and from Y{:.1f} to Y{:.1f}: {:.1f} mm beside the dots, to speed up",
           left, right, bottom, top, engraving.overscan(options, machine))
     )  # fmt: skip
-    rate = max(len(row.runs) / max(1e-9, abs(row.runs[-1][1] - row.runs[0][0])) for row in rows) * options.speed / 60
-    if rate > engraving.LINES_S:
-        slower = options.speed * engraving.LINES_S / rate
+    rate, most = engraving.powers_s(rows, options, machine)
+    if rate > most:
+        slower = options.speed * most / rate
         console.print(
-            _("  [yellow]the densest row wants {:.0f} lines a second, and a link carries some {}: the machine slows down there. At {:.0f} mm/min it "
-              "would not.[/yellow]", rate, engraving.LINES_S, slower)
+            _("  [yellow]the densest row wants {:.0f} powers a second, and a link carries some {}: the machine slows down there. At {:.0f} mm/min it "
+              "would not.[/yellow]", rate, most, slower)
         )  # fmt: skip
 
 

@@ -34,6 +34,7 @@ _JARVIS = 48, (
 )  # fmt: skip
 _SAVED_S = 0.01  # a rapid move amid a row saves at least so much
 LINES_S = 1400  # dots a second over USB, if the PC answers after 1 ms: docs/benchmarks.md
+DOTS_S = 3800  # the same in rows
 CLUSTER = 16  # dots of a line, if no machine says it
 _ROW_CHARACTERS = 100  # of a line's dots: it may have 127, with its other words
 CARD_PATCHES = 11  # 0, 10 … 100 % of the power
@@ -301,6 +302,16 @@ def row_lines(row, options, machine):
                 mode = ""
     yield from line()
     yield f"X{number(row.runs[-1][1] + over)}S0"
+
+
+def powers_s(rows, options, machine):
+    """(powers a second that the densest row wants, those that a link brings)."""
+    def count(run):
+        dots = round(abs(run[1] - run[0]) * options.dots_mm)
+        return dots if dots <= machine.cluster else 1
+
+    rates = (sum(map(count, row.runs)) / max(1e-9, abs(row.runs[-1][1] - row.runs[0][0])) for row in rows)
+    return max(rates) * options.speed / 60, DOTS_S if machine.cluster else LINES_S
 
 
 def is_rapid(length, options, machine):
