@@ -352,6 +352,12 @@ def test_that_one_who_masks_them_is_seen(instruction):
             assert masks(module.linked(text, module.compiler(march)[1] + ["-O1"]))
 
 
+@pytest.mark.parametrize("board", ["router_3axis", "router_esp32"])
+def test_viper_compiles_all_kernels(board, monkeypatch, tmp_path):
+    monkeypatch.setenv("PASSO_KERNELS", "viper")
+    assert len(tree.build_tree(board, tmp_path)) > 100
+
+
 def test_the_build_says_how_many_words_look_like_pointers(monkeypatch, tmp_path):
     word = (0x20001230).to_bytes(4, "little")
     assert module.pointers(b"1234" + word + word + b"4321", "armv6m") == [4, 8]
