@@ -17,6 +17,7 @@ from host_tools.kernels import module
 from host_tools.kernels.inline import TIGHT, inlined
 from gcode_jobs import all_jobs
 import every_number
+from digest import board_named
 from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of
 
 LIMIT_US = 30_000_000
@@ -38,9 +39,9 @@ def compiled(sources, board="router_3axis"):
     return files
 
 
-def with_digest(board, job, data, *more):
-    """The files of digest.py, of the firmware that `board` needs, of one job, and of more programs of the checks."""
-    sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load(board))}
+def with_digest(board, job, data, *more, changes=None):
+    """The files of digest.py, of the firmware that `board` with its `changes` needs, of one job, and of more programs of the checks."""
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in selected({**boards.load(board), **(changes or {})})}
     files = compiled({**sources, **{name: CHECKS / name for name in ("digest.py", *more)}}, board)
     files["boards/__init__.py"] = b""
     files[f"boards/{board}.py"] = boards.path(board).read_bytes()
@@ -69,8 +70,8 @@ def test_the_pico_makes_the_words_of_gcode(uf2, by, show, monkeypatch):
     if by != "viper" and module.compiler("armv6m") is None:
         pytest.skip(f"no {by} for kernels")
     board, lines = all_jobs()["pico"]
-    name = board.partition("+")[0]
-    files = with_digest(name, "job.gcode", "".join(f"{line}\n" for line in lines).encode())
+    job = "".join(f"{line}\n" for line in lines).encode()
+    files = with_digest(board.partition("+")[0], "job.gcode", job, changes={"spindle": board_named(board)["spindle"]})
     pico = EmulatedPico(files=files, uf2=uf2).boot()
     before = pico.cycle
     code = "import gc\ngc.threshold(16000)\n" + IN_FLASH + "import digest\n"

@@ -48,7 +48,7 @@ FAR = (
     "    rows = array('i', [0] * 80)\n"
     "    at = 0\n"
     "    while at < len(text):\n"
-    "        count = parse(text, at, len(text), place, rows, 1)\n"
+    "        count = parse(text, at, len(text), place, rows, rows, 1)\n"
     "        print(count, list(place), list(rows))\n"
     "        at = text.find(b'\\n', at) + 1 if not count else place[%d]\n" % parse_records.PARSE_AFTER
 )
