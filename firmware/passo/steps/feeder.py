@@ -87,7 +87,8 @@ class Feeder(Position):
         held = self.hold or self.brake
         if held and self.standing():
             self.retire(played)
-            power.play(played)
+            if power_marks[POWER_TAIL] != power_marks[POWER_HEAD]:
+                power.play(played)
             self.stood = True
             state[FEED_POWER] = POWER_UNKNOWN
             return False

@@ -61,8 +61,8 @@ class Words:
         self.codes = array("i", [0] * _CODES)
         self.count = 0  # of codes
         self.row = None  # thousandths: the values of S if it has several
-        self._mantissa = array("i", [0] * 26)
-        self._decimals = bytearray(26)
+        self._mantissa = array("i", [0] * 27)
+        self._decimals = bytearray(27)
 
     def has(self, letter):
         return self.have >> letter & 1
@@ -132,7 +132,8 @@ class Words:
         if not digits:
             return errors.NUMBER
         if letter == _DOT:
-            self.row.append(_fixed(value, decimals, 3))
+            self._mantissa[_DOT], self._decimals[_DOT] = value, decimals
+            self.row.append(self.fixed(_DOT, 3))
             return errors.NEGATIVE if value < 0 else 0
         bit = 1 << letter
         if letter == G or letter == M:
@@ -166,18 +167,15 @@ class Words:
 
     def fixed(self, letter, places):
         """The value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
-        return _fixed(self._mantissa[letter], self._decimals[letter], places)
+        places -= self._decimals[letter]
+        value = self._mantissa[letter]
+        return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
 
     def inches_nm(self, letter):
         """The value of a word in inches, in nanometres: exact to five decimals."""
         places = 5 - self._decimals[letter]
         value = self._mantissa[letter] * 254
         return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
-
-
-def _fixed(value, decimals, places):
-    places -= decimals
-    return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
 
 
 def bare(line, unfinished=False):
