@@ -101,7 +101,7 @@ class Sender:
         if b"error" in said or self.random.between(0, 1):
             self.reset()
         elif b"[MSG:Job" not in said + self.machine.received():
-            assert b" done]" in self.await_(rb"\[MSG:Job [A-Z.]+( done|: error)", 120_000)
+            assert b" done]" in self.await_(rb"\[MSG:Job [A-Z.]+( done\]|: error)", 120_000)
 
 
 @pytest.mark.parametrize("board", LEAST)
