@@ -5,7 +5,10 @@ from random import Random
 import pytest
 from emulated import rig, uf2  # noqa: F401
 
-from host_tools.emulator.halting import INTERRUPT_PIN, PLAYER_PIN, amid_start, in_hand, resume, set_out, trials
+from host_tools.emulator.copies import on_a_copy
+from host_tools.emulator.cycles import CYCLES_PER_US
+from host_tools.emulator.halting import INPUTS, INTERRUPT_PIN, PLAYER_PIN, amid_start, in_hand, resume, set_out, trials
+from host_tools.emulator.rig import router, ticks_of
 from passo.ports.rp2.fields import PIO_FIELDS, PIO_STUCK
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
@@ -41,6 +44,45 @@ def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
     again = [cycle for cycle in rises if cycle > edge + 2000 * 125]
     assert len(again) == DELTAS[0] - index
     assert again[1] - again[0] > 20 * 1250, "from rest: twenty times slower than it was"
+
+
+HALTED = """
+from machine import Pin
+pin = Pin(20, Pin.IN)
+planner.line(%r, %d, False)
+planner.flush()
+controller.machine.awake = True
+while not pin.value():
+    app.cycle()
+while pin.value():
+    pass
+player.%s
+"""
+PULSE_US = 5
+
+
+@pytest.mark.parametrize("call", ["halt()", "stop(); player.halt()"])
+def test_a_halt_cuts_no_pulse_short(rig, call):
+    """Whenever it comes: a driver may miss a pulse that is too short, and the firmware has counted it."""
+    rig.fit(router(3, inputs=INPUTS, drive={"kind": "step_dir", "pulse_us": PULSE_US, "setup_us": 5}))
+    deltas = (1500, 1100, -800)
+    rig.clear()
+    rig.pico.console.start(HALTED % (deltas, ticks_of(deltas, 25_000), call))
+    while not any(rig.step_edges):
+        rig.pico.run(200)
+    rig.pico.run(6000)
+    rig.pico.drive(20, 1)
+    rig.pico.run(9000)
+
+    def widths_us(after_us):
+        rig.pico.run(after_us)
+        rig.pico.drive(20, 0)
+        rig.pico.run(300)
+        assert all(log[-1][1] == 0 for log in rig.step_edges)
+        return [(fall - rise) / CYCLES_PER_US for log in rig.step_edges for (rise, high), (fall, _) in zip(log, log[1:]) if high]
+
+    found = [on_a_copy(lambda: widths_us(turn * 0.83)) for turn in range(60)]
+    assert min(map(min, found)) >= PULSE_US and len(set(map(len, found))) > 1
 
 
 @pytest.mark.slow

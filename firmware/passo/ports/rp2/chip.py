@@ -1,5 +1,5 @@
 """Addresses that differ between the RP2040 and the RP2350, and register writes at start-up. Datasheets: 2.19.6 (GPIO),
-3.7 (PIO), 2.5.7 (DMA), 2.4.8 (NVIC), 4.5.3 (PWM), 2.10 (regulator), 2.15 (frequency counter) of the RP2040's; 9.11, 11.7,
+3.7 (PIO), 2.5.7 (DMA), 2.4.8 (NVIC, SysTick), 4.5.3 (PWM), 2.10 (regulator), 2.15 (frequency counter) of the RP2040's; 9.11, 11.7,
 12.6.10, 3.7, 12.5.3, 8.1 of the RP2350's.
 
 All as in the headers of the pico-sdk, src/{rp2040,rp2350}/hardware_regs/include/hardware/regs: addressmap.h, clocks.h,
@@ -34,6 +34,7 @@ _IN_OVER = 16
 _INVERT = 1
 _LOW = 2
 _NVIC_PRIORITY = 0xE000E400
+_SYSTICK = 0xE000E010
 _TIMER_IRQ_3 = 3  # what machine.Timer runs in
 
 
@@ -43,6 +44,12 @@ def cycles_per_tick():
     if clock % TICKS_PER_S or not 6 <= clock // TICKS_PER_S <= 32:
         raise ValueError("the system clock must be a multiple of 12.5 MHz up to 400 MHz, not %d Hz" % clock)
     return clock // TICKS_PER_S
+
+
+def count_cycles():
+    """SysTick counts the processor's cycles down, modulo 2²⁴."""
+    mem32[_SYSTICK + 4] = 0xFFFFFF
+    mem32[_SYSTICK] = 5
 
 
 def give_to_pio(pin, block, invert):

@@ -63,10 +63,11 @@ class PioPlayer:
             (PIO_PINS, out | (base << 5 | layout.motors << 26 if pulse_ticks else 0)),
             (PIO_TOOL, out | base + layout.bits - 1 << 5 | 1 << 26), (PIO_BITS, layout.bits),
             (PIO_CHANNELS, 1 << self._dma[0].channel | 1 << self._dma[1].channel | 1 << self._dma[2].channel),
-            (PIO_BUSY, chip.BUSY),
+            (PIO_BUSY, chip.BUSY), (PIO_CYCLES, pulse_ticks * cycles),
         ):  # fmt: skip
             self._state[index] = value
         self._set_up_dma(channels[0], 8 * block + number)
+        chip.count_cycles()
         _set_up(self._state)
         for bit in range(layout.bits):
             chip.give_to_pio(base + bit, block, invert >> bit & 1)
@@ -106,7 +107,7 @@ class PioPlayer:
         _stop(self._state)
 
     def halt(self):  # ISR: no allocation
-        """No further edge: pulses and tool drop now, the other pins keep their levels."""
+        """No further step: the tool drops now, a pulse once it has lasted as long as it should, the other pins keep their levels."""
         _halt(self._state)
 
     def busy(self):
@@ -237,17 +238,22 @@ def _busy(state: ptr32, head: int) -> bool:
 
 @micropython.viper
 def _halt(state: ptr32):
+    clock = ptr32(0xE000E010)
     ptr32(state[PIO_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = 1 << state[PIO_NUMBER]  # the state machine stands still from here
+    begun = clock[SYSTICK_NOW]
     if state[PIO_PLAYING] == 1:
         state[PIO_PLAYED] = int(_count(state))
     state[PIO_PLAYING] = 0
     ptr32(state[PIO_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = 16 << state[PIO_NUMBER]  # restart: no delay is left over
     sm = ptr32(state[PIO_MACHINE])
-    if state[PIO_PULSE] >= 0:
-        sm[MACHINE_INSTR] = 0xE000  # set(pins, 0)
     sm[MACHINE_PINCTRL] = state[PIO_TOOL]
-    sm[MACHINE_INSTR] = 0xE000
+    sm[MACHINE_INSTR] = 0xE000  # set(pins, 0)
     sm[MACHINE_PINCTRL] = state[PIO_PINS]
+    if state[PIO_PULSE] >= 0:
+        tries = state[PIO_CYCLES]  # each look takes a cycle at least: if SysTick stands still, the wait ends all the same
+        while tries > 0 and ((begun - clock[SYSTICK_NOW]) & 0xFFFFFF) < state[PIO_CYCLES]:
+            tries -= 1
+        sm[MACHINE_INSTR] = 0xE000
     _still(state)  # the FIFO stays as it is: an interrupted `_count` must still come out right
 
 

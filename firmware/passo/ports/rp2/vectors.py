@@ -3,8 +3,8 @@
     entry = enter(PIO_IRQ_1, kernel, state)     # kernel(state) is called in the interrupt, before all others
     leave(PIO_IRQ_1)                            # before MicroPython starts anew
 
-The kernel works with arrays and registers only: no attributes, no calls of objects. Datasheets: 2.3.2 (interrupts) and 2.4.5.4 (SysTick)
-of the RP2040's, 3.2 and 3.7 of the RP2350's; Armv6-M's and Armv8-M's manuals have NVIC, VTOR and SysTick.
+The kernel works with arrays and registers only: no attributes, no calls of objects. Datasheets: 2.3.2 (interrupts) of
+the RP2040's, 3.2 of the RP2350's; Armv6-M's and Armv8-M's manuals have NVIC and VTOR.
 """
 
 from array import array
@@ -16,7 +16,6 @@ from passo.ports.rp2.chip import RP2350
 
 PIO_IRQ_1 = 16 if RP2350 else 8  # the second one of PIO block 0; the next block's is two more. MicroPython has the first one
 IRQ1_INTE = 0x17C if RP2350 else 0x138  # register of a PIO block: the causes of its second interrupt
-_SYSTICK = 0xE000E010
 _ENABLE = 0xE000E100
 _DISABLE = 0xE000E180
 _PRIORITY = 0xE000E400
@@ -45,9 +44,3 @@ def enter(irq, kernel, argument):
 def leave(irq):
     """The interrupt comes no more."""
     mem32[_DISABLE] = 1 << irq
-
-
-def count_cycles():
-    """SysTick counts the processor's cycles down, modulo 2²⁴."""
-    mem32[_SYSTICK + 4] = 0xFFFFFF
-    mem32[_SYSTICK] = 5
