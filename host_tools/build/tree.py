@@ -187,9 +187,9 @@ def selected(board, firmware=FIRMWARE, spared=None):
     a protocol that there is not."""
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
-    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and (board.get("card") or path not in OF_CARD)]
-    if not (board.get("spindle") or {}).get("laser"):
-        files.remove(OF_LASER)
+    laser = (board.get("spindle") or {}).get("laser")
+    absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,))
+    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
         files = [path for path in files if path not in unused]

@@ -51,7 +51,7 @@ HEAPS = {"armv6m": (0x20000000, 0x20042000), "armv7emsp": (0x20000000, 0x2008200
 OPTIONS = "-Os -fno-reorder-blocks", "-Os", "-O2"  # the first made a line 3 % cheaper than -Os
 ZIG_OPTIONS = (  # without -g it leaves the names of functions out
     "-g -Os", "-g -Os -mllvm -disable-block-placement", "-g -Os -mllvm -disable-lsr", "-g -Os -mllvm -disable-machine-sink",
-    "-g -Os -mllvm -disable-block-placement -mllvm -regalloc=basic",
+    "-g -Os -mllvm -disable-block-placement -mllvm -regalloc=basic", "-g -Os -mllvm -disable-lsr -mllvm -disable-cgp",
 )  # fmt: skip
 ROUNDS = 5  # of moving functions
 KEEPS = 1000  # bytes that a word which looks like a pointer is taken to keep

@@ -110,7 +110,7 @@ ELSEWHERE = {0xE000E010, 0x50000000, 0x50200000, 0x50203000, 0x50300000, 0xD0000
 
 @pytest.mark.parametrize("number", [0, 1])
 def test_what_differs(number, monkeypatch):
-    fake = types.SimpleNamespace(Pin=None, mem32=None, freq=None)
+    fake = types.SimpleNamespace(Pin=None, mem32={}, freq=None)
     monkeypatch.setitem(sys.modules, "machine", fake)
     monkeypatch.setattr(sys.implementation, "_machine", "Raspberry Pi Pico with " + CHIPS[number].upper(), raising=False)
     chip = {"__name__": "chip"}

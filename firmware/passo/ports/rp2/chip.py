@@ -37,6 +37,10 @@ _NVIC_PRIORITY = 0xE000E400
 _SYSTICK = 0xE000E010
 _TIMER_IRQ_3 = 3  # what machine.Timer runs in
 
+# SysTick counts the processor's cycles down, modulo 2²⁴. No function: one name more and a plotter's table of names would double.
+mem32[_SYSTICK + 4] = 0xFFFFFF
+mem32[_SYSTICK] = 5
+
 
 def cycles_per_tick():
     """System clocks of one tick. Raises ValueError where the clock is no multiple of the tick's."""
@@ -44,12 +48,6 @@ def cycles_per_tick():
     if clock % TICKS_PER_S or not 6 <= clock // TICKS_PER_S <= 32:
         raise ValueError("the system clock must be a multiple of 12.5 MHz up to 400 MHz, not %d Hz" % clock)
     return clock // TICKS_PER_S
-
-
-def count_cycles():
-    """SysTick counts the processor's cycles down, modulo 2²⁴."""
-    mem32[_SYSTICK + 4] = 0xFFFFFF
-    mem32[_SYSTICK] = 5
 
 
 def give_to_pio(pin, block, invert):

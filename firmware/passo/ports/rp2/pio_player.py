@@ -67,7 +67,6 @@ class PioPlayer:
         ):  # fmt: skip
             self._state[index] = value
         self._set_up_dma(channels[0], 8 * block + number)
-        chip.count_cycles()
         _set_up(self._state)
         for bit in range(layout.bits):
             chip.give_to_pio(base + bit, block, invert >> bit & 1)

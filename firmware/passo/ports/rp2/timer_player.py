@@ -61,7 +61,6 @@ class TimerPlayer:
             self._state[TIMER_ALL] |= 1 << pins[bit]
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
         _set_up(self._state)
-        chip.count_cycles()
         self._irq = vectors.PIO_IRQ_1 + 2 * block
         self._entry = vectors.enter(self._irq, _begun, self._state)
         mem32[pio + vectors.IRQ1_INTE] = 256 << number
