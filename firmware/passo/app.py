@@ -373,7 +373,7 @@ class App:
         self._feed()
 
     def _answer(self):
-        """Tell the links all events. The answer to one may add another."""
+        """Tell the links all events. An answer may add further events."""
         events = self.controller.machine.events
         while events:
             event = events.pop(0)

@@ -99,7 +99,7 @@ TEXTS = {
     errors.NO_CARD: "no memory card answers: is it in, formatted with FAT, and is the driver sdcard on the board?",
     errors.JOB_MEMORY: "no memory is left to read the job with: reset the board, or take a link out of its board file",
     errors.PRESENCE: "over the network this needs somebody at the machine: hold the button there",
-    errors.DRAWING: "this file is no drawing that fits on the table: passo draw FILE --dry-run says why",
+    errors.DRAWING: "the file cannot be drawn, or does not fit on the table: run passo draw FILE --dry-run to see why",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked, because the position is not known: home the machine, or unlock it",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit, the position may be lost: free it, reset, and home",

@@ -11,7 +11,7 @@ class BoardError(Exception):
 
 
 def want_input(board, who, name):
-    """Raise BoardError if there is no input `name`; `who`: the key that asks for it."""
+    """Raise BoardError if the board has no input `name`. `who`: the board-file key that refers to it."""
     if name not in [item["name"] for item in board["inputs"]]:
         raise BoardError("%s: there is no input %r" % (who, name))
 

@@ -23,7 +23,7 @@ _COUNTS = const(3)
 
 
 def _state(path):
-    """(state of a file, its first line as parsed); state 0: there is no file, or it is a folder."""
+    """Return (state, parsed first line) of a file. The state is 0 if the path does not exist or is a folder."""
     try:
         with open(path, "rb") as file:
             line = file.readline(HEAD_BYTES)

@@ -11,7 +11,7 @@ one function: on stock MicroPython each function takes 60 bytes of memory.
 
 from micropython import const
 
-# What has come over the whole machine, masks:
+# Events of the whole machine, masks:
 QUEUE_GONE = const(1)  # a hold has come to its stand, and what was queued behind it is gone
 WORK_GONE = const(2)  # all work is dropped
 HOMING = const(4)  # homing begins
@@ -54,7 +54,7 @@ class Feature:
     stopped = _nothing  # stopped(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
     halt = _nothing  # halt(): the pins have stopped; what is queued is dropped next
     heeds = 0  # of the masks above: those that heed() is for
-    heed = _nothing  # heed(what): all that have come at once
+    heed = _nothing  # heed(what): all events of one moment, as masks
     show_outputs = _nothing  # show_outputs(on): False: the door holds the machine; True: it goes on
 
 

@@ -119,7 +119,7 @@ class JobJournal(Feature):
 
     def _ask(self, command):
         """`target` None: answer (job, line, flags, positions). A number: the job with this number begins. 0: the last job's
-        lines are done, so nothing is left to resume."""
+        lines are all done; nothing is left to resume."""
         machine = self._machine
         if command.target is None:
             flags = self._flags & ~HOMED | self._homed()

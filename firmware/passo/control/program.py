@@ -189,7 +189,7 @@ class Program(LineBatches):
         return error
 
     def _lacks(self, dots):
-        """True if there is no room for the dots of a row now."""
+        """True if the queue has no room for these dots yet."""
         ring = self.dots
         return len(dots) > (ring[DOTS_TAIL] - ring[DOTS_HEAD] - 1) & ring[DOTS_MASK]
 

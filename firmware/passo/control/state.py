@@ -231,7 +231,7 @@ class MachineState:
             feature.show_outputs(on)
 
     def inform(self, what):
-        """Tell all features what has come over the machine: masks of feature.py."""
+        """Call heed(what) of each feature that heeds an event in `what`, masks of feature.py."""
         for feature in self._features:
             if feature.heeds & what:
                 feature.heed(what)
