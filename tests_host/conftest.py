@@ -87,6 +87,8 @@ def pytest_collection_modifyitems(config, items):
     for item in items:
         if item.path.parent.name == "pico":
             item.add_marker("unmeasured")  # it runs none of the firmware here
+        if _marked(item, "slow"):
+            item.add_marker(pytest.mark.timeout(0))
     items.sort(key=lambda item: not _marked(item, "xdist_group"))
 
 

@@ -7,6 +7,7 @@ The work is done in a forked process and its result comes back pickled. Only whe
 
 import os
 import pickle
+import signal
 import sys
 import traceback
 
@@ -27,9 +28,14 @@ def on_a_copy(work):
         os.close(reading)
         _work(work, writing)
     os.close(writing)
-    with os.fdopen(reading, "rb") as pipe:
-        data = pipe.read()
-    _, status = os.waitpid(child, 0)
+    try:
+        with os.fdopen(reading, "rb") as pipe:
+            data = pipe.read()
+    except BaseException:  # Ctrl-C, or a test that has taken too long: the copy would go on for ever
+        os.kill(child, signal.SIGKILL)
+        raise
+    finally:
+        _, status = os.waitpid(child, 0)
     if not data:
         raise CopyFailed(f"the copy ended without a result, status {status}")
     failed, result, cycles = pickle.loads(data)
