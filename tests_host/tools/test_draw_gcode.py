@@ -169,31 +169,34 @@ def test_a_file_is_written_for_boards_that_speak_neither(tmp_path, monkeypatch, 
 @pytest.mark.parametrize("more", [(), ("--copies", "1x2", "--scale", "0.4", "--hatch", "0,3"), ("--repeat", "2", "--passes", "2", "--marks")])
 def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys, more):
     """Each line is cut once, but for the one amid which it was broken off."""
-    body = "".join(f'<path d="M10 {y} h60"/>' for y in range(10, 100, 10))
-    path = page_of(tmp_path, 100, 100, body)
-    with Running("fast") as running:
-        where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--depth", 1, "--lift", 0, *more]
-        said, status = command(monkeypatch, capsys, path, *where)
-        assert not status and "drawn in" in said and not path.with_name("page.svg.journal").exists(), said
-        assert running.position()[:2] == [0, 0]
-        plain = stream.Panel.cycle
+    body = "".join(f'<path d="M5 {y} h20"/>' for y in range(5, 35, 3))
+    path = page_of(tmp_path, 40, 40, body)
+    journal = path.with_name("page.svg.journal")
 
-        def broken(panel):
-            panel._asked = 0.0  # ask for the line at each turn: fast time leaps over lines
-            plain(panel)
-            if panel._line >= 12:
-                raise KeyboardInterrupt
+    def drawn(mode, *words):
+        with Running(mode) as running:
+            options = ("--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--depth", 1, "--lift", 0)
+            return *command(monkeypatch, capsys, path, *options, *more, *words), running.position()[:2]
 
-        monkeypatch.setattr(stream.Panel, "cycle", broken)
-        said, status = command(monkeypatch, capsys, path, *where)
-        assert status == 1 and "aborted at line" in said and path.with_name("page.svg.journal").exists()
-        monkeypatch.setattr(stream.Panel, "cycle", plain)
-        said, status = command(monkeypatch, capsys, path, *where, "--continue")
-        assert status == 1 and "nobody can be asked" in said
-        said, status = command(monkeypatch, capsys, path, *where, "--continue", "--yes")
-        assert not status and "drawn in" in said and running.position()[:2] == [0, 0]
-        said, status = command(monkeypatch, capsys, path, *where, "--continue")
-        assert status == 1 and "nothing to continue" in said
+    said, status, where = drawn("fast")
+    assert not status and "drawn in" in said and where == [0, 0] and not journal.exists(), said
+    plain = stream.Panel.cycle
+
+    def broken(panel):
+        plain(panel)
+        if panel._line >= 8:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as changed:
+        changed.setattr(stream.Panel, "cycle", broken)
+        said, status, _ = drawn("real")  # fast time leaps over the line
+    assert status == 1 and "aborted at line" in said and journal.exists(), said
+    said, status, _ = drawn("fast", "--continue")
+    assert status == 1 and "nobody can be asked" in said
+    said, status, where = drawn("fast", "--continue", "--yes")
+    assert not status and "drawn in" in said and where == [0, 0], said
+    said, status, _ = drawn("fast", "--continue")
+    assert status == 1 and "nothing to continue" in said
 
 
 def test_a_board_file_decides_the_tool():
