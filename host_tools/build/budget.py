@@ -6,6 +6,7 @@
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo.config.boardfile import claimed_pins
+from passo.steps.ring import power_room
 
 PICO_PINS = (*range(23), 26, 27, 28)  # that a Pico brings out
 RP2_BLOCKS = {"rp2040": 2, "rp2350": 3}
@@ -26,7 +27,7 @@ PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 148, "torch": 122, "keys": 122, "plotter": 122}
 KEYS_KB = {"weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1, "journal": 4, "jobs": 14}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB = 4, 10
+FRAMES_KB, JOB_KB, DOTS_KB = 4, 10, 12  # a laser's rows of dots, and what burns them
 
 
 def budget(board):
@@ -61,6 +62,7 @@ def heap_kb(board):
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
     taken += sum(cost for key, cost in KEYS_KB.items() if board[key])
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
+    taken += DOTS_KB * bool(power_room(board)[1])
     return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 
