@@ -17,8 +17,8 @@ from contextlib import contextmanager
 
 TIERS = ("check", "test", "all")
 FEW = 3
-SOME, PART = 12, 6  # CPython has tried all of them
-MEASURED_S = 0.1
+SOME, PART = 8, 8  # CPython has tried all of them
+MEASURED_S = 0.05
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"
 

@@ -49,7 +49,7 @@ def test_no_room_is_told():
         nesting.nested([shapely.box(0, 0, 40, 40)] * 2, 50, 50, 2)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(SHAPES, st.floats(-180, 180), st.floats(0.5, 5), st.booleans())
 def test_hatches_lie_in_their_area_and_leave_no_strip(area, angle, spacing, crossed):
     lines = hatch.hatched([area], hatch.Rule(angle, spacing, crossed))
