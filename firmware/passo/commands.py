@@ -131,7 +131,7 @@ STEPS_HAND_TOOL = const(7)  # `tool`
 STEPS_HAND_DRIVES = const(8)  # `tool`: on
 
 # Where a job is, as a feature's progress() tells the journal: fields of an array, see control/job_journal.py.
-SPOT_PLACE = const(0)  # units done
+SPOT_INDEX = const(0)  # units done
 SPOT_TIMES = const(1)  # times to be played, this one included
 SPOT_BACK = const(2)  # 1: towards the start
 SPOT_AXES = const(3)  # steps of each axis from here on

@@ -16,7 +16,7 @@ from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.grbl import AXES, GrblPage
 from passo.protocols.page.lease import since
 
-_FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # what a place counts from
+_FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # what a position counts from
 _Cabled = with_jobs(cabled(GrblPage))
 
 
@@ -35,7 +35,7 @@ class GrblMachine(_Cabled):
         self._known = False  # the settings have been asked for
         self.options = None  # letters of [OPT:…]: J, a journal; F, stored jobs; None: not known yet
         self._letters = ""
-        self.touched = None  # touched(place): told of each probe that has touched, mm of the work
+        self.touched = None  # touched(position): told of each probe that has touched, mm of the work
 
     # --- the board
 
@@ -60,7 +60,7 @@ class GrblMachine(_Cabled):
     def lost(self):
         _Cabled.lost(self)
         self.settings = {}
-        self.place = self._offset = None
+        self.position = self._offset = None
 
     def silent(self):
         self._known = False
@@ -129,7 +129,7 @@ class GrblMachine(_Cabled):
             state["stored"] = fields.get("SD", "")
             state["more"] = [[word, fields[word]] for _, word in commands.STATUS_WORDS if word in fields]
         if self.jog.active:
-            self.jog.report(self.place)
+            self.jog.report(self.position)
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking
 
     def _count_down(self, stands):
@@ -149,7 +149,7 @@ class GrblMachine(_Cabled):
         told = [float(part) for part in fields.get("MPos", fields.get("WPos", "0")).split(",")]
         offset = self._offset if self._offset and len(self._offset) == len(told) else [0.0] * len(told)
         machine = told if "MPos" in fields else [told[axis] + offset[axis] for axis in range(len(told))]
-        self.place = machine
+        self.position = machine
         self.state["m"] = machine
         self.state["w"] = [round(machine[axis] - offset[axis], 4) for axis in range(len(told))]
 
@@ -182,8 +182,8 @@ class GrblMachine(_Cabled):
 
         return self.say(line, answered)
 
-    def _jog_to(self, place, speed, counted, answered=None):
-        return self.say(b"$J=" + _FROM[counted] + b"G21" + words(place) + b"F%.1f" % speed, answered)
+    def _jog_to(self, position, speed, counted, answered=None):
+        return self.say(b"$J=" + _FROM[counted] + b"G21" + words(position) + b"F%.1f" % speed, answered)
 
     def _setting(self, number):
         return float(self.settings.get(number, "1"))
@@ -224,6 +224,6 @@ class GrblMachine(_Cabled):
         return 0
 
 
-def words(place):
+def words(position):
     """X… Y… of {axis: mm}."""
-    return b"".join([b"%s%.3f" % (axis.upper().encode(), place[axis]) for axis in AXES if axis in place])
+    return b"".join([b"%s%.3f" % (axis.upper().encode(), position[axis]) for axis in AXES if axis in position])

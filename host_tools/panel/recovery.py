@@ -41,7 +41,7 @@ class RecoverableJobs(StoredJobs):
         self._stage = ""  # "over": on its way, "ask": over the place, and the operator is asked
         self._rest = []
         self._left = None  # (name, line) of what is forgotten, until a job begins
-        self._place = None  # where it waits for the answer
+        self._position = None  # where it waits for the answer
         machine.state["recover"] = None
         machine.orders["recover"] = self._recover
 
@@ -224,7 +224,7 @@ class RecoverableJobs(StoredJobs):
         return parts[0], parts[1] + self._files.numbered(rest, lines), next_
 
     def _down(self):
-        if self._machine.place != self._place:
+        if self._machine.position != self._position:
             return errors.COMMANDED_ELSEWHERE  # it has been moved since
         offer = self._machine.state["recover"]
         run = StoredJobs.run if "held" not in offer else RecoverableJobs.run  # a line that was chosen begins the job anew, also to the journal
@@ -277,7 +277,7 @@ class RecoverableJobs(StoredJobs):
         offer = self._machine.state["recover"]
         if self._stage == "over" and offer and how == "done":
             self._stage = "ask"
-            self._place = list(self._machine.place)
+            self._position = list(self._machine.position)
             self._machine.state["recover"] = {**offer, "next": self._next}
         else:
             self._stage = ""

@@ -143,11 +143,11 @@ class Straight(Machine):
         if not gcode.opens(batch):
             return 0
         travel = self.travel_fields
-        count = take_lines(b"", 0, lines.text, lines.fields, gcode.place, batch.rows, batch.dots, most, travel, self.accept, travel, travel, travel, travel, travel)
+        count = take_lines(b"", 0, lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, most, travel, self.accept, travel, travel, travel, travel, travel)
         if count == ARC:
             count = lines.fields[LINES_TAKEN]
             if gcode.take_arc(batch):
-                lines.fields[LINES_AT] = gcode.place[PARSE_ARC]
+                lines.fields[LINES_AT] = gcode.fields[PARSE_ARC]
                 count += 1
         if count:
             self.target = list(self.took[-1][0])
@@ -250,7 +250,7 @@ def check_same_as_in_full(seed):
         refused = moved and short.machine.target == before and random.between(0, 5) == 0
         for shop in (short, full):
             if refused:
-                shop.gcode.forget_place()
+                shop.gcode.forget()
             elif whole or shop is full:
                 shop.machine.obey(following, full.gcode.laser)
         assert short.machine.light() == full.machine.light(), line

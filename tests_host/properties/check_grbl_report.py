@@ -5,7 +5,7 @@ from array import array
 from draws import Random
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.words import rounded
-from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell, tell_report, tell_speed
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, lengths, tell, tell_report, tell_speed
 from passo.protocols.grbl.report_records import (
     REPORT_AXIS, REPORT_FIELDS, REPORT_LINE, REPORT_LONGEST, REPORT_ROOM, REPORT_SPEED, REPORT_UNIT,
 )  # fmt: skip
@@ -50,8 +50,8 @@ def check_places(seed):
         places_in_steps[axis] = steps
         place = REPORT_AXIS + REPORT_FIELDS * axis
         figures[place : place + 3] = array("i", (per_m, offset // 1_000_000 + FARTHEST_MM, offset % 1_000_000))
-    places(figures, places_in_steps, axes)
-    assert told(b"|WPos:", figures, axes) == "|WPos:" + grbl_report.place(wanted, inches)
+    lengths(figures, places_in_steps, axes)
+    assert told(b"|WPos:", figures, axes) == "|WPos:" + grbl_report.position(wanted, inches)
 
 
 def check_numbers(seed):

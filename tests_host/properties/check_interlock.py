@@ -3,7 +3,7 @@
 from array import array
 
 from passo.records import (
-    COUNT_MASK, FEED_AXES, FEED_NEWEST, FEED_OLDEST, FEED_PLACE, MARKS, MARK_FIELDS, MARK_WORD,
+    COUNT_MASK, FEED_AXES, FEED_NEWEST, FEED_OLDEST, FEED_POSITION, MARKS, MARK_FIELDS, MARK_WORD,
 )  # fmt: skip
 from passo.steps.permits import INTERLOCK_TOOL, ahead, denied
 from router import Machine, World, answers
@@ -210,7 +210,7 @@ def check_ahead_is_what_is_not_played(moves, played, start, wanted):
     axes = 2
     stride = MARK_FIELDS + axes
     marks = array("i", [0] * (MARKS * stride))
-    state = array("i", [0] * (FEED_PLACE + axes))
+    state = array("i", [0] * (FEED_POSITION + axes))
     state[FEED_AXES] = axes
     oldest = start & COUNT_MASK
     state[FEED_OLDEST] = oldest

@@ -107,7 +107,7 @@ class Ride:
             rig.feeder.hold = True
             self.play(rig.take(lead))
             assert rig.feeder.standing()
-            assert rig.feeder.place(rig.played) == self.walker.place
+            assert rig.feeder.index(rig.played) == self.walker.index
             assert rig.feeder.cancel(rig.played) == self.at
             rig.planner.clear()
             rig.feeder.hold = False
@@ -135,7 +135,7 @@ def check_there_and_back(seed):
     ride = Ride(program, walker)
     ride.go()
     ride.check(steps)
-    assert walker.place == program.total and walker.at_end()
+    assert walker.index == program.total and walker.at_end()
     for before, after, step in zip(ride.steps, ride.steps[1:], steps):
         mask = sum([1 << axis for axis in range(3) if step[1][axis]])
         period = (LENGTHS[mask] + step[3] // 2) // step[3]
@@ -143,7 +143,7 @@ def check_there_and_back(seed):
     gone = len(ride.steps)
     ride.go(backward=True)
     ride.check(opposite(steps), gone)
-    assert walker.place == 0 and walker.at_start() and ride.at == [0, 0, 0]
+    assert walker.index == 0 and walker.at_start() and ride.at == [0, 0, 0]
 
 
 def check_turned_round_anywhere(seed):
@@ -156,17 +156,17 @@ def check_turned_round_anywhere(seed):
     walker.rewind()
     ride = Ride(program, walker)
     for _ in range(30):
-        before = walker.place
+        before = walker.index
         gone = len(ride.steps)
         backward = random.between(0, 1) == 1
         most = random.choice((ENDLESS, ENDLESS, 1, 2, 5))
         ride.go(backward, most, random.between(1, 5), random.choice((10_000, 100_000)))
-        low, high = min(before, walker.place), max(before, walker.place)
+        low, high = min(before, walker.index), max(before, walker.index)
         part = [step for step in steps if low <= step[0] < high]
         ride.check(opposite(part) if backward else part, gone)
         assert most == ENDLESS or high - low <= most
     gone = len(ride.steps)
-    rest = [step for step in steps if step[0] >= walker.place]
+    rest = [step for step in steps if step[0] >= walker.index]
     ride.go()
     ride.check(rest, gone)
     gaps = [after[0] - before[0] for before, after in zip(ride.steps, ride.steps[1:])]
@@ -199,12 +199,12 @@ def check_halted_anywhere(seed):
                 word = rig.ring.words[rig.played & rig.ring.mask]
                 ride.play([(word >> rig.layout.bits, word & rig.layout.levels_mask)])
                 rig.played = (rig.played + 1) & COUNT_MASK
-        shown = rig.feeder.place(rig.played)
+        shown = rig.feeder.index(rig.played)
         assert rig.feeder.cancel(rig.played) == ride.at
         ended = rig.planner.empty()
         rig.planner.clear()
         if ended:
-            assert shown in (None, walker.place)
+            assert shown in (None, walker.index)
             continue
         place = shown
         walker.seek(place)
@@ -242,8 +242,8 @@ def check_window(seed):
     ride.check(steps)
     gone = len(ride.steps)
     ride.go(backward=True)
-    assert walker.place == program.start and walker.at_start()
-    ride.check(opposite([step for step in steps if step[0] >= walker.place]), gone)
+    assert walker.index == program.start and walker.at_start()
+    ride.check(opposite([step for step in steps if step[0] >= walker.index]), gone)
 
 
 def check_dry_is_not_late():
@@ -309,9 +309,9 @@ def check_stations():
     assert len(ride.steps) == 5
     assert walker.pass_station() == 7 and walker.pass_station() is None
     ride.go()
-    assert len(ride.steps) == 8 and walker.place == 9
+    assert len(ride.steps) == 8 and walker.index == 9
     ride.go(backward=True)
-    assert len(ride.steps) == 16 and walker.place == 0
+    assert len(ride.steps) == 16 and walker.index == 0
 
 
 def check_full():

@@ -12,7 +12,7 @@ from passo.drives import unipolar
 from passo.motion import independent, line, planner, step_program, step_program_walker, step_program_words
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
-from passo.records import COUNT_MASK, ENDLESS, FEED_OLDEST, FEED_PLACE, FEED_TICKS, MARK_FIELDS, MARK_TICKS
+from passo.records import COUNT_MASK, ENDLESS, FEED_OLDEST, FEED_POSITION, FEED_TICKS, MARK_FIELDS, MARK_TICKS
 from passo.steps import position, power, ring
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -115,7 +115,7 @@ def test_counters_wrap():
     state, marks = rig.feeder.state, rig.feeder.marks
     state[FEED_TICKS] = COUNT_MASK - 5000
     marks[state[FEED_OLDEST] * (MARK_FIELDS + 2) + MARK_TICKS] = state[FEED_TICKS]
-    state[FEED_PLACE] = (1 << 28) - 20
+    state[FEED_POSITION] = (1 << 28) - 20
     rig.planner.line((100, -37), 100 * 3000, False)
     rig.planner.flush()
     words = 0
@@ -159,7 +159,7 @@ def test_no_step_program_reaches_a_wide_integer(items, backward):
     walker.rewind()
     if backward:
         walker.cell = path.end
-        walker.place = path.total
+        walker.index = path.total
     for _ in range(4):
         walker.gap = Small(0)
         walker.begin(backward)

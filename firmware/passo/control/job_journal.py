@@ -26,7 +26,7 @@ from binascii import crc32
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_PLACE, SPOT_TIMES
+from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_INDEX, SPOT_TIMES
 from passo.control.feature import QUEUE_GONE, Feature
 from passo.motion.block import WAIT
 from passo.records import COUNT_MASK, JOURNAL_BYTES, REST_MS, ROW_KIND, ROW_TAG
@@ -282,7 +282,7 @@ class JobJournal(Feature):
         spot = self._spot
         if not self._counted.progress(spot):
             return
-        count = max(spot[SPOT_PLACE] - self._lead, 0)
+        count = max(spot[SPOT_INDEX] - self._lead, 0)
         self._line = self._done - count if self._back else self._done + count
         back = self._back != bool(spot[SPOT_BACK])
         self._flags = DONE | self._homed() | (BACK if back else 0) | (self._times or spot[SPOT_TIMES]) << _TIMES

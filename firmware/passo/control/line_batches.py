@@ -39,8 +39,8 @@ def inside(rows: ptr32, row: int, at: ptr32, travel: ptr32) -> int:
     """1 if the line at rows[row] leads from the position `at` to one within the travel."""
     axis = 0
     while axis < travel[TRACE_AXES]:
-        place = (at[axis] + rows[row + BATCH_STEPS + axis] + 0x20000000) & 0x3FFFFFFF
-        if place < travel[TRACE_LOW + axis] or place > travel[TRACE_HIGH + axis]:
+        position = (at[axis] + rows[row + BATCH_STEPS + axis] + 0x20000000) & 0x3FFFFFFF
+        if position < travel[TRACE_LOW + axis] or position > travel[TRACE_HIGH + axis]:
             return 0
         axis += 1
     return 1
@@ -75,7 +75,7 @@ class LineBatches(Feature):
     # --- the travel
 
     def reach(self):
-        """(lowest, highest) places of the axes, or None if no travel limits hold now. The same object until that changes."""
+        """(lowest, highest) positions of the axes, or None if no travel limits hold now. The same object until that changes."""
         machine = self._machine
         settings = machine.settings
         if self._travel_of != settings.version:
@@ -102,8 +102,8 @@ class LineBatches(Feature):
             return False
         if command.kind != commands.ARC or not self.reach():
             return True
-        for place in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
-            if not self._inside(place):
+        for position in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
+            if not self._inside(position):
                 return False
         return True
 

@@ -210,14 +210,14 @@ class Queue:
         self._planner.walk(walker, walker.tool)
         self.flush()
 
-    def place(self):
-        """The place in the step program under way, exact at this moment; None if there is none."""
-        return self._feeder.place(self._player.played())
+    def index(self):
+        """The index in the step program under way, exact at this moment; None if there is none."""
+        return self._feeder.index(self._player.played())
 
     def spot(self):
-        """(place in the step program under way or None, position), of one moment; the position as found()."""
-        place, found = self._feeder.spot(self._player.played())
-        return place, self._from_origin(found)
+        """(index in the step program under way or None, position), of one moment; the position as found()."""
+        index, found = self._feeder.spot(self._player.played())
+        return index, self._from_origin(found)
 
     def independent(self):
         """The walker of axes that run on their own: one for all."""

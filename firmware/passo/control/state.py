@@ -273,7 +273,7 @@ class MachineState:
         self.commander = number
         self.forget(HANDED_OVER)
 
-    def lose_place(self):
+    def lose_position(self):
         """Nobody knows any more where the motors are."""
         self.homed = False
         if self.job:
@@ -286,7 +286,7 @@ class MachineState:
 
     def _make_safe(self, also):
         self.abort()
-        self.lose_place()
+        self.lose_position()
         self.forget(SAFE | also)
 
     def raise_alarm(self, number, who=None, also=0):

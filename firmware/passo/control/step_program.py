@@ -117,7 +117,7 @@ class StepProgramPlayer(StepProgramOrders):
         """The end of a walk, or of a part of it; the next one has current if the drives are on."""
         if self._without is not None:
             if self._queue.position() != self._without:
-                self._machine.lose_place()  # the motors are not where the steps lead to
+                self._machine.lose_position()  # the motors are not where the steps lead to
             self._without = None
             self._machine.motors.unpower(0)
 
@@ -138,7 +138,7 @@ class StepProgramPlayer(StepProgramOrders):
     def _start(self, backward=False, most=ENDLESS):
         self._backward = backward
         self._most = most
-        self._from = self._walker.place
+        self._from = self._walker.index
         if backward and self._powers and not self._drives and not self._barred:
             self._set_drives(True)  # as they were on the way forward, but for what lies before the program's first [
         self._walk(self._walker, RUN, backward, most)
@@ -231,7 +231,7 @@ class StepProgramPlayer(StepProgramOrders):
 
     def _arrive_in_program(self):
         walker = self._walker
-        done = self._most != ENDLESS and walker.place != self._from
+        done = self._most != ENDLESS and walker.index != self._from
         station = None if self._backward or done else walker.pass_station()
         if station == ASK:
             self._asked = True
@@ -275,23 +275,23 @@ class StepProgramPlayer(StepProgramOrders):
     def report(self, report):
         """Add what is known of the program: `program`, a dict."""
         walker = self._walker
-        place = walker.place
+        index = walker.index
         if self._mode == RUN:
-            place = self._queue.place()
-            if place is None:
-                place = walker.place
+            index = self._queue.index()
+            if index is None:
+                index = walker.index
         period_us = walker.step_us(1)
         seen = self._hand if self._mode in (HAND, RETURN) else walker
         stepping = self._mode != IDLE and seen.left and not seen.wait_ms
         report["step_program"] = {
-            "place": place,
+            "place": index,
             "total": self.program.total,
             "pass": self._pass,
             "passes": self._passes,
             "backward": self._backward,
             "paused": self._midway and self._mode != RUN,
             "asked": self._asked,
-            "manual": self._hand.place,
+            "manual": self._hand.index,
             "wait_ms": walker.wait_ms,
             # Tenths of a mm/min: what the whole microseconds of the first axis's period amount to.
             "speed": self._lengths[1] * 10 // period_us,

@@ -4,7 +4,7 @@ from array import array
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_PLACE, SPOT_TIMES
+from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_INDEX, SPOT_TIMES
 from passo.config import setting_numbers as table
 from passo.control.feature import Feature
 from passo.errors import LATER
@@ -146,15 +146,15 @@ class StepProgramIntake(Feature):
     def progress(self, spot):
         """For the journal: see job_journal.py. False if nothing of the program has been played."""
         walker = self._walker
-        place = walker.place
+        index = walker.index
         at = self._left_at
         if self._mode == RUN:
             found, at = self._queue.spot()
             if found is not None:
-                place = found
-        elif not self._midway and not (place and walker.at_end()):
+                index = found
+        elif not self._midway and not (index and walker.at_end()):
             return False
-        spot[SPOT_PLACE] = place
+        spot[SPOT_INDEX] = index
         spot[SPOT_TIMES] = self._passes - self._pass + 1
         spot[SPOT_BACK] = self._backward
         for axis in range(len(at)):
@@ -174,8 +174,8 @@ class StepProgramIntake(Feature):
         again = self._passes - 1
         for reach in (program.low, program.high):
             for times in (0, again):
-                place = [self._origin[axis] + times * program.at[axis] + reach[axis] for axis in range(program.axes)]
-                if not self._queue.inside(place):
+                position = [self._origin[axis] + times * program.at[axis] + reach[axis] for axis in range(program.axes)]
+                if not self._queue.inside(position):
                     return False
         return True
 

@@ -99,7 +99,7 @@ class StepProgramOrders(StepProgramIntake):
         return self._next is not None or bool(self._machine.hold)
 
     def _moved_by_hand(self):
-        return self._midway and self._hand.place != 0
+        return self._midway and self._hand.index != 0
 
     def _return(self, command):
         if self._mode in (RUN, RETURN):
@@ -132,8 +132,8 @@ class StepProgramOrders(StepProgramIntake):
             self._forget_moves()
         queue = self._queue
         machine = self._machine
-        place = [at + by for at, by in zip(queue.target, command.target)]
-        if machine.homed and machine.settings.value(table.SOFT_LIMITS) and not queue.inside(place):
+        position = [at + by for at, by in zip(queue.target, command.target)]
+        if machine.homed and machine.settings.value(table.SOFT_LIMITS) and not queue.inside(position):
             return errors.JOG_TRAVEL
         refusal = machine.barred(command.target)
         if refusal:
@@ -142,7 +142,7 @@ class StepProgramOrders(StepProgramIntake):
             steps = command.target[axis]
             if steps and not self._manual.append(run(1 << axis, (steps < 0) << axis, abs(steps))):
                 return errors.STEP_PROGRAM_FULL
-        queue.lead(place)
+        queue.lead(position)
         if self._mode == IDLE:
             self._at_stand(self._move)
         return machine.accepted(command)

@@ -60,7 +60,7 @@ class Weaving(Feature):
         return weave.Woven(deltas, plane, circle, self._spec, command.feed, command.tool, command.number, self._steps_per_m)
 
     def inside(self, command, inside):
-        """True if all edges of the seam are inside(place)."""
+        """True if all edges of the seam are inside(position)."""
         start = self._queue.target
         try:
             seam = self.woven(command)

@@ -44,7 +44,7 @@ class IndependentAxes:
         self.made = array("i", [0] * axes)  # signed steps since the feeder last cleared them
         self.moving = self.negative = 0  # masks of axes whose directions have to change before the words: its words do that
         self.tool = -1  # as its block says
-        self.place = 0  # there is none
+        self.index = 0  # there is none
         self.backward = False
         self.ticks = self.levels = 0  # of what walk() wrote: its length, and the directions and tool at its end
         self._state = array("i", [axes, least, setup + least if setup else 0, 0, 0, 0] + [0] * (AXIS_FIELDS * axes))

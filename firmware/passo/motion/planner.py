@@ -268,7 +268,7 @@ class Planner:
         at = self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
         self._stand(at, 0)
         self._walkers[self.indices[QUEUE_ADDED] % QUEUE_SIZE] = walker
-        self._add(at, walker.kind, tool, tag, False, walker.place)
+        self._add(at, walker.kind, tool, tag, False, walker.index)
 
     @micropython.native
     def _add(self, at, kind, tool, tag, rapid=False, first=0):

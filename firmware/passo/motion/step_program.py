@@ -1,4 +1,4 @@
-"""A step program: a path written down step by step, which can be walked both ways from any place.
+"""A step program: a path written down step by step, which can be walked both ways from any index.
 
     program = StepProgram(3, cells=1024)
     program.clear()
@@ -14,11 +14,11 @@ An item is one integer below 2³⁰. `count << 8 | negative << 4 | mask` is a ru
     WAS      mm/min up to here: append() puts one before each SPEED, it is no unit of its own
     STATION  the walk ends here; what for, `value` tells the program's owner; walking backward it is skipped
 
-A *place* is the number of units before it: every single step is one, and every mark. Equal runs are merged.
+An *index* is the number of units before it: every single step is one, and every mark. Equal runs are merged.
 
 The items lie in a ring of cells. A closed program is complete. An open one, `ring` set, goes on growing, and forgets its
 oldest items when the cells are used up. One producer, the main loop, one reader, which may be an interrupt: a cell is
-written before `end` counts it. Cells and places count modulo 2²⁹.
+written before `end` counts it. Cells and indices count modulo 2²⁹.
 """
 
 import micropython
@@ -70,8 +70,8 @@ class StepProgram:
     def clear(self, speed=0, ring=False):
         """Forget everything. `speed` (mm/min) is in force at the start; `ring`: the oldest items may be forgotten."""
         self.first = self.end = 0  # cells
-        self.start = 0  # place of the first cell
-        self.total = 0  # place of the end
+        self.start = 0  # index of the first cell
+        self.total = 0  # index of the end
         self.speed_before = speed  # in force at the start
         self.speed = speed  # in force at the end
         self.tool = 0
@@ -112,7 +112,7 @@ class StepProgram:
         """Add the runs that stand in new[at:], up to a mark or to where there is no room; returns where it stopped."""
         items = self.items
         mask = self.mask
-        places = self.at
+        positions = self.at
         low = self.low
         high = self.high
         axes = range(self.axes)
@@ -136,14 +136,14 @@ class StepProgram:
             for axis in axes:
                 if item >> axis & 1:
                     if item >> axis & 16:
-                        place = places[axis] - count
-                        if place < low[axis]:
-                            low[axis] = place
+                        position = positions[axis] - count
+                        if position < low[axis]:
+                            low[axis] = position
                     else:
-                        place = places[axis] + count
-                        if place > high[axis]:
-                            high[axis] = place
-                    places[axis] = place
+                        position = positions[axis] + count
+                        if position > high[axis]:
+                            high[axis] = position
+                    positions[axis] = position
         return at
 
     def _make_room(self, count):
@@ -160,15 +160,15 @@ class StepProgram:
         self.items[self.end & self.mask] = item
         self.end = (self.end + 1) & COUNT_MASK
 
-    def cut(self, cell, done, place):
-        """Forget what lies ahead of `place`, which is `done` units into `cell`."""
+    def cut(self, cell, done, index):
+        """Forget what lies ahead of `index`, which is `done` units into `cell`."""
         if done:
             item = self.items[cell & self.mask]
             if item & 15:
                 self.items[cell & self.mask] = done << 8 | item & 255
             cell = (cell + 1) & COUNT_MASK
         self.end = cell
-        self.total = place
+        self.total = index
 
     def correct_speed(self, cell, speed):
         """From `cell` on to the next SPEED, `speed` is what was in force: known only once the walk has come there."""

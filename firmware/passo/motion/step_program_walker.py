@@ -1,4 +1,4 @@
-"""Walks a step program, forward or backward from any place, and turns it into words as it goes.
+"""Walks a step program, forward or backward from any index, and turns it into words as it goes.
 
     walker = StepProgramWalker(program, lengths, tool_ticks=(0, 0))
     walker.rewind()
@@ -10,7 +10,7 @@ microsecond; half a tick left over goes to the next step, so that the mean is ex
 time: the interval under way lasts no longer than a new one would.
 
 A walk ends at `most` units, at the program's end, at its start, or before a STATION, which only pass_station() passes.
-At the end of an open program it goes on as soon as there is more. Its place is exact as the words made have it; whoever
+At the end of an open program it goes on as soon as there is more. Its index is exact as the words made have it; whoever
 plays them knows how many have played.
 """
 
@@ -31,7 +31,7 @@ class StepProgramWalker(StepProgramWords):
         """Stand at the start of the program, the tool off."""
         program = self.program
         self.cell = program.first
-        self.place = program.start
+        self.index = program.start
         self._done = self._togo = self.left = 0
         self.wait_ms = 0
         self.tool = False
@@ -71,16 +71,16 @@ class StepProgramWalker(StepProgramWords):
         if item & 255 != STATION << 4:
             return None
         self._done = 1
-        self.place = (self.place + 1) & COUNT_MASK
+        self.index = (self.index + 1) & COUNT_MASK
         return item >> 8
 
-    def seek(self, place):
-        """Stand at `place`, the tool and the speed as they are there; the next step comes a period later.
+    def seek(self, index):
+        """Stand at `index`, the tool and the speed as they are there; the next step comes a period later.
 
-        Raises ValueError where the program has no such place."""
+        Raises ValueError where the program has no such index."""
         self.gap = 0
-        while self.place != place:
-            ahead = (place - self.place) & COUNT_MASK
+        while self.index != index:
+            ahead = (index - self.index) & COUNT_MASK
             backward = ahead >= COUNT_HALF
             self.begin(backward, COUNT_MASK + 1 - ahead if backward else ahead)
             if self.gap:
@@ -90,14 +90,14 @@ class StepProgramWalker(StepProgramWords):
                 self._step_over()
             elif self.left and not self._dry:
                 self._advance(min(self._in_run(), self._togo))
-            elif self.place != place and self.pass_station() is None:
-                raise ValueError("no place %d in the program" % place)
+            elif self.index != index and self.pass_station() is None:
+                raise ValueError("no index %d in the program" % index)
         self.left = 0
         self.gap = self._each[self.moving] >> 1
 
     def cut(self):
         """Let the program end here."""
-        self.program.cut(self.cell, self._done, self.place)
+        self.program.cut(self.cell, self._done, self.index)
 
     def at_start(self):
         """True if there is nothing behind."""

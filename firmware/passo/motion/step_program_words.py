@@ -1,7 +1,7 @@
-"""The words of a step program, forward or backward from any place. The method stands in step_program_walker.py.
+"""The words of a step program, forward or backward from any index. The method stands in step_program_walker.py.
 
 What a segment may hold: the intervals of steps in the same directions, in about two milliseconds, up to the next mark; or
-a piece of a wait. Marks are passed between segments, so that within one the place advances by one a stepping word.
+a piece of a wait. Marks are passed between segments, so that within one the index advances by one a stepping word.
 
 All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
@@ -35,7 +35,7 @@ class StepProgramWords:
         self.gap = 0  # ticks until the next step may come
         self.wait_ms = 0  # of the wait under way
         self.backward = False
-        self.place = 0
+        self.index = 0
         self.cell = 0
         self.speed = 0  # mm/min
         self._done = 0  # units of the cell's item that lie behind, seen forward
@@ -114,7 +114,7 @@ class StepProgramWords:
         negative = self.negative
         cell = self.cell
         done = self._done
-        place = self.place
+        index = self.index
         togo = self._togo
         half = self._half
         count = ticks = 0
@@ -150,10 +150,10 @@ class StepProgramWords:
                 togo -= steps
             if backward:
                 done -= steps
-                place -= steps
+                index -= steps
             else:
                 done += steps
-                place += steps
+                index += steps
             if steps < left or not togo or self.gap or ticks >= _SEGMENT_TICKS or count >= room:
                 break
             if backward:
@@ -176,7 +176,7 @@ class StepProgramWords:
             negative = item >> 4 & 15
         self.cell = cell
         self._done = done
-        self.place = place & COUNT_MASK
+        self.index = index & COUNT_MASK
         self._togo = togo
         self._half = half
         self.moving = moving
@@ -198,10 +198,10 @@ class StepProgramWords:
     def _advance(self, steps):  # ISR: no allocation
         if self.backward:
             self._done -= steps
-            self.place = (self.place - steps) & COUNT_MASK
+            self.index = (self.index - steps) & COUNT_MASK
         else:
             self._done += steps
-            self.place = (self.place + steps) & COUNT_MASK
+            self.index = (self.index + steps) & COUNT_MASK
         if self._togo > 0:
             self._togo -= steps
 

@@ -73,7 +73,7 @@ class Feeder(Position):
         marks[MARK_TICKS] = marks[MARK_INDEX] = marks[MARK_PACE] = 0
         marks[MARK_ENDS] = 1
         for axis in range(self.layout.axes):
-            marks[MARK_FIELDS + axis] = state[FEED_PLACE + axis]
+            marks[MARK_FIELDS + axis] = state[FEED_POSITION + axis]
 
     # --- filling: may run in an interrupt
 
@@ -193,7 +193,7 @@ class Feeder(Position):
         self.ring.head = played
         self.ring.power.clear()
         for axis in range(self.layout.axes):
-            self.state[FEED_PLACE + axis] = position[axis]
+            self.state[FEED_POSITION + axis] = position[axis]
         if self.drive is not None:
             self.drive.seek(position)
         levels = self.state[FEED_LEVELS]

@@ -22,7 +22,7 @@ class Position:
         self._stepping = 0
         self._stride = MARK_FIELDS + axes
         self.marks = zeros(MARKS * self._stride)
-        self.state = array("i", [0] * (FEED_PLACE + axes))
+        self.state = array("i", [0] * (FEED_POSITION + axes))
         self._seen_of = self.state, self.marks, ring.words, planner.rows, planner.indices
 
     def position(self, played):
@@ -77,14 +77,14 @@ class Position:
         return (start + stepping) & COUNT_MASK
 
     def spot(self, played):
-        """(place(played), found(played)) of one moment."""
-        place = self.place(played)
-        if place is None:
+        """(index(played), found(played)) of one moment."""
+        index = self.index(played)
+        if index is None:
             self._walk(played)
-        return place, self._found
+        return index, self._found
 
-    def place(self, played):
-        """The place in the step program under way when `played` words have appeared on the pins; None if there is none."""
+    def index(self, played):
+        """The index in the step program under way when `played` words have appeared on the pins; None if there is none."""
         block = self.planner.playing()
         if block is None or block.kind != STEP_PROGRAM:
             return None

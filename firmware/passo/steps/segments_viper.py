@@ -358,7 +358,7 @@ def write_words(state: ptr32, ring, settle, geometry) -> int:  # ISR: no allocat
     state[FEED_STEPS] = steps
     state[FEED_LASTS] = int(geometry.ticks)
     state[FEED_LEVELS] = int(geometry.levels)
-    state[FEED_INDEX] = int(geometry.place)
+    state[FEED_INDEX] = int(geometry.index)
     if ends:
         state[FEED_LEFT] = 0
     if steps and (state[FEED_DEBT] or state[FEED_DRIVE]):
@@ -382,9 +382,9 @@ def checkpoint(state: ptr32, marks: ptr32, made: ptr32, made_at: int):  # ISR: n
     mark += MARK_FIELDS
     axis = 0
     while axis < axes:
-        place = ((state[FEED_PLACE + axis] + made[made_at + axis] + COUNT_HALF) & COUNT_MASK) - COUNT_HALF
-        state[FEED_PLACE + axis] = place
-        marks[mark + axis] = place
+        position = ((state[FEED_POSITION + axis] + made[made_at + axis] + COUNT_HALF) & COUNT_MASK) - COUNT_HALF
+        state[FEED_POSITION + axis] = position
+        marks[mark + axis] = position
         made[made_at + axis] = 0
         axis += 1
     state[FEED_NEWEST] = newest

@@ -1,14 +1,14 @@
-"""The fields of GCode.place, by which parse_viper.py understands plain lines, and of Lines.fields, which has these."""
+"""The fields of GCode.fields, by which parse_viper.py understands plain lines, and of Lines.fields, which has these."""
 
 from micropython import const
 
-# GCode.place: what plain lines are understood by, three numbers each if the axes'; places from PARSE_LOW on have 2²⁹ added.
+# GCode.fields: what plain lines are understood by, three numbers each if the axes'; positions from PARSE_LOW on have 2²⁹ added.
 PARSE_AXES = const(0)
 PARSE_RELATIVE = const(1)  # 1: G91
 PARSE_MODAL = const(2)  # the G that holds for lines without one: 0 … 3
 PARSE_FEED = const(3)  # nm/s
 PARSE_POSITION = const(4)  # machine coordinates, nm
-PARSE_OFFSET = const(7)  # machine place − programme place, nm
+PARSE_OFFSET = const(7)  # machine position − programme position, nm
 PARSE_RESOLUTION = const(10)  # steps a metre
 PARSE_TARGET = const(13)  # steps
 PARSE_TO = const(16)  # where the line leads as far as it has been read, nm

@@ -1,15 +1,15 @@
 """The most frequent lines of G-code, from their bytes to a batch of steps: G0 or G1 with axis words, and perhaps F, S or N.
 
-    lines = parse(text, at, len(text), place, batch, dots, most)    # how many were understood, at most `most`: rows of the batch
+    lines = parse(text, at, len(text), fields, batch, dots, most)    # how many were understood, at most `most`: rows of the batch
 
 A laser is on at the power that the line's S says, and off in a G0. `S0:500:1000` is a row of dots, whose powers go into `dots`, DOTS_…
 of Power.marks: a row that finds no room there ends the batch, and waits.
 
-The first line begins at text[at]; each ends with a line feed or the text. `place` says where the machine is and how lines
+The first line begins at text[at]; each ends with a line feed or the text. `fields` says where the machine is and how lines
 count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and
 has not changed what counts. An arc, a G2 or G3 with I or J, ends the batch too: PARSE_ARC says that it is read, GCode.take_arc() does the
 rest. What is unusual (any other word or character, more than six
-decimals, a place beyond the travel or 2.1 m, a very slow feed, another speed of a spindle, a beam that changes
+decimals, a position beyond the travel or 2.1 m, a very slow feed, another speed of a spindle, a beam that changes
 without a step, a mistake) is left to parser.py, which alone knows the rules; what is understood here gives what it
 gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
 Python; see motion/block_viper.py for what that asks of integers.
@@ -22,56 +22,56 @@ from passo.records import *
 
 
 @micropython.viper
-def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, dots: ptr32, most: int) -> int:
+def parse(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots: ptr32, most: int) -> int:
     """See above."""
     lines = 0
-    place[PARSE_ARC] = 0
-    place[PARSE_NO_ROOM] = 0
+    fields[PARSE_ARC] = 0
+    fields[PARSE_NO_ROOM] = 0
     while lines < most and begin < count:
-        after = int(read_line(text, begin, count, place, dots))
-        row = place[PARSE_DOTS]
+        after = int(read_line(text, begin, count, fields, dots))
+        row = fields[PARSE_DOTS]
         longest = 81  # bytes, its end among them
         if row:
             longest = 128
-        if after == 0 or after - begin > longest or place[PARSE_HAVE] & HAS_AXES == 0:
+        if after == 0 or after - begin > longest or fields[PARSE_HAVE] & HAS_AXES == 0:
             break
-        if row and place[PARSE_MOTION] != 1:
+        if row and fields[PARSE_MOTION] != 1:
             break
-        if place[PARSE_MOTION] and place[PARSE_SPEED] < place[PARSE_LEAST]:
+        if fields[PARSE_MOTION] and fields[PARSE_SPEED] < fields[PARSE_LEAST]:
             break
-        if place[PARSE_FULL] == 1 and place[PARSE_TURNS] != place[PARSE_RPM]:
+        if fields[PARSE_FULL] == 1 and fields[PARSE_TURNS] != fields[PARSE_RPM]:
             break
-        if int(set_deltas(place)) == 0 or int(set_power(place)) == 0:
+        if int(set_deltas(fields)) == 0 or int(set_power(fields)) == 0:
             break
-        centre = place[PARSE_HAVE] & (HAS_I | HAS_J)
-        if place[PARSE_MOTION] > 1 or centre:
-            if place[PARSE_MOTION] > 1 and centre and place[PARSE_ARCS] and place[PARSE_HAVE] & (HAS_X | HAS_X << 1):
-                place[PARSE_ARC] = after
+        centre = fields[PARSE_HAVE] & (HAS_I | HAS_J)
+        if fields[PARSE_MOTION] > 1 or centre:
+            if fields[PARSE_MOTION] > 1 and centre and fields[PARSE_ARCS] and fields[PARSE_HAVE] & (HAS_X | HAS_X << 1):
+                fields[PARSE_ARC] = after
             break
-        if row and int(add_row(place, dots)) == 0:
+        if row and int(add_row(fields, dots)) == 0:
             break
-        accept(place, batch, lines * BATCH_FIELDS)
-        place[PARSE_POWER] = place[PARSE_POWER] & DOTS_POWER
+        accept(fields, batch, lines * BATCH_FIELDS)
+        fields[PARSE_POWER] = fields[PARSE_POWER] & DOTS_POWER
         lines += 1
         begin = after
-        place[PARSE_AFTER] = after
+        fields[PARSE_AFTER] = after
     return lines
 
 
 @micropython.viper
-def read_line(text: ptr8, at: int, count: int, place: ptr32, dots: ptr32) -> int:
+def read_line(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int:
     """Read the words of the line at text[at]. Returns where the next line begins, 0 if this one has to be left to the parser."""
-    place[PARSE_MOTION] = place[PARSE_MODAL]
-    place[PARSE_SPEED] = place[PARSE_FEED]
-    place[PARSE_TURNS] = place[PARSE_RPM]
-    place[PARSE_LINE] = 0
-    place[PARSE_HAVE] = 0
-    place[PARSE_DOTS] = 0
-    place[PARSE_I] = 0
-    place[PARSE_J] = 0
+    fields[PARSE_MOTION] = fields[PARSE_MODAL]
+    fields[PARSE_SPEED] = fields[PARSE_FEED]
+    fields[PARSE_TURNS] = fields[PARSE_RPM]
+    fields[PARSE_LINE] = 0
+    fields[PARSE_HAVE] = 0
+    fields[PARSE_DOTS] = 0
+    fields[PARSE_I] = 0
+    fields[PARSE_J] = 0
     axis = 0
     while axis < 3:
-        place[PARSE_TO + axis] = place[PARSE_POSITION + axis]
+        fields[PARSE_TO + axis] = fields[PARSE_POSITION + axis]
         axis += 1
     while True:
         byte = int(text[at]) if at < count else 10
@@ -83,26 +83,26 @@ def read_line(text: ptr8, at: int, count: int, place: ptr32, dots: ptr32) -> int
         letter = byte & 0xDF
         if byte < 65 or letter > 90:
             return 0
-        at = int(read_number(text, at, count, place))
-        if at == 0 or int(read_word(place, letter)) == 0:
+        at = int(read_number(text, at, count, fields))
+        if at == 0 or int(read_word(fields, letter)) == 0:
             return 0
         if letter == 83 and at < count and text[at] == 58:
-            at = int(read_row(text, at, count, place, dots))
+            at = int(read_row(text, at, count, fields, dots))
             if at == 0:
                 return 0
 
 
 @micropython.viper
-def read_row(text: ptr8, at: int, count: int, place: ptr32, dots: ptr32) -> int:
+def read_row(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int:
     """Read the powers of a row, the first being PARSE_TURNS, from the colon behind it on, and put them behind those that are queued, as far
     as there is room. Returns where they end, 0 if this one has to be left to the parser."""
-    full = place[PARSE_FULL]
+    full = fields[PARSE_FULL]
     mask = dots[DOTS_MASK]
     if full <= 1 or mask == 0:
         return 0
     head = dots[DOTS_HEAD]
     room = (dots[DOTS_TAIL] - head - 1) & mask
-    value = place[PARSE_TURNS]
+    value = fields[PARSE_TURNS]
     row = 0
     while True:
         level = int(thousandths(value, full))
@@ -111,31 +111,31 @@ def read_row(text: ptr8, at: int, count: int, place: ptr32, dots: ptr32) -> int:
         row += 1
         if at == count or text[at] != 58:
             break
-        at = int(read_number(text, at + 1, count, place))
-        value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 3, 50000000))
-        if at == 0 or place[PARSE_MINUS] or value < 0 or value > 500000000:
+        at = int(read_number(text, at + 1, count, fields))
+        value = int(with_decimals(fields[PARSE_VALUE], fields[PARSE_DECIMALS], 3, 50000000))
+        if at == 0 or fields[PARSE_MINUS] or value < 0 or value > 500000000:
             return 0
-    place[PARSE_DOTS] = row
-    place[PARSE_LAST] = level
+    fields[PARSE_DOTS] = row
+    fields[PARSE_LAST] = level
     return at
 
 
 @micropython.viper
-def add_row(place: ptr32, dots: ptr32) -> int:
+def add_row(fields: ptr32, dots: ptr32) -> int:
     """The dots of the row that has been read are queued with it; 0 if there is no room for them now."""
-    row = place[PARSE_DOTS]
+    row = fields[PARSE_DOTS]
     mask = dots[DOTS_MASK]
     head = dots[DOTS_HEAD]
     if row > (dots[DOTS_TAIL] - head - 1) & mask:
-        place[PARSE_NO_ROOM] = 1
+        fields[PARSE_NO_ROOM] = 1
         return 0
-    place[PARSE_POWER] = place[PARSE_LAST] | row << DOTS_COUNT | head << DOTS_FIRST
+    fields[PARSE_POWER] = fields[PARSE_LAST] | row << DOTS_COUNT | head << DOTS_FIRST
     dots[DOTS_HEAD] = (head + row) & mask
     return 1
 
 
 @micropython.viper
-def read_number(text: ptr8, at: int, count: int, place: ptr32) -> int:
+def read_number(text: ptr8, at: int, count: int, fields: ptr32) -> int:
     """Read a word's number, blanks within it left out, as PARSE_VALUE, _DECIMALS, _MINUS and _POINT. Returns where it ends, 0 if
     it is none, or has more than nine digits."""
     value = 0
@@ -162,46 +162,46 @@ def read_number(text: ptr8, at: int, count: int, place: ptr32) -> int:
         elif byte != 32 and byte != 13 and byte != 9:
             break
         at += 1
-    place[PARSE_VALUE] = value
-    place[PARSE_DECIMALS] = decimals
-    place[PARSE_POINT] = point
-    place[PARSE_MINUS] = minus
+    fields[PARSE_VALUE] = value
+    fields[PARSE_DECIMALS] = decimals
+    fields[PARSE_POINT] = point
+    fields[PARSE_MINUS] = minus
     return at if digits else 0
 
 
 @micropython.viper
-def read_word(place: ptr32, letter: int) -> int:
+def read_word(fields: ptr32, letter: int) -> int:
     """What the word says; 0 if it is no plain one, or the line has it already."""
     if letter >= 88:
-        return int(axis_word(place, letter - 88))
+        return int(axis_word(fields, letter - 88))
     if letter == 73 or letter == 74:
-        return int(centre_word(place, letter - 73))
-    have = place[PARSE_HAVE]
-    value = place[PARSE_VALUE]
-    if place[PARSE_MINUS]:
+        return int(centre_word(fields, letter - 73))
+    have = fields[PARSE_HAVE]
+    value = fields[PARSE_VALUE]
+    if fields[PARSE_MINUS]:
         return 0
     if letter == 71:
-        if value > 3 or place[PARSE_POINT] or have & HAS_G:
+        if value > 3 or fields[PARSE_POINT] or have & HAS_G:
             return 0
-        place[PARSE_HAVE] = have | HAS_G
-        place[PARSE_MOTION] = value
+        fields[PARSE_HAVE] = have | HAS_G
+        fields[PARSE_MOTION] = value
     elif letter == 78:
-        if value > 10000000 or place[PARSE_POINT] or have & HAS_N:
+        if value > 10000000 or fields[PARSE_POINT] or have & HAS_N:
             return 0
-        place[PARSE_HAVE] = have | HAS_N
-        place[PARSE_LINE] = value
+        fields[PARSE_HAVE] = have | HAS_N
+        fields[PARSE_LINE] = value
     elif letter == 70:
-        speed = int(feed_of(value, place[PARSE_DECIMALS], place[PARSE_INCHES]))
+        speed = int(feed_of(value, fields[PARSE_DECIMALS], fields[PARSE_INCHES]))
         if speed < 0 or have & HAS_F:
             return 0
-        place[PARSE_HAVE] = have | HAS_F
-        place[PARSE_SPEED] = speed
+        fields[PARSE_HAVE] = have | HAS_F
+        fields[PARSE_SPEED] = speed
     elif letter == 83:
-        value = int(with_decimals(value, place[PARSE_DECIMALS], 3, 50000000))
+        value = int(with_decimals(value, fields[PARSE_DECIMALS], 3, 50000000))
         if value < 0 or value > 500000000 or have & HAS_S:
             return 0
-        place[PARSE_HAVE] = have | HAS_S
-        place[PARSE_TURNS] = value
+        fields[PARSE_HAVE] = have | HAS_S
+        fields[PARSE_TURNS] = value
     else:
         return 0
     return 1
@@ -235,76 +235,76 @@ def feed_of(value: int, decimals: int, inches: int) -> int:
 
 
 @micropython.viper
-def axis_word(place: ptr32, axis: int) -> int:
+def axis_word(fields: ptr32, axis: int) -> int:
     """PARSE_TO of the axis, in nanometres; 0 if it has none, is told twice, or leads beyond 2.1 m."""
-    have = place[PARSE_HAVE]
-    if axis >= place[PARSE_AXES] or have >> 4 + axis & 1:
+    have = fields[PARSE_HAVE]
+    if axis >= fields[PARSE_AXES] or have >> 4 + axis & 1:
         return 0
-    place[PARSE_HAVE] = have | HAS_X << axis
-    value = int(length_of(place))
+    fields[PARSE_HAVE] = have | HAS_X << axis
+    value = int(length_of(fields))
     if value < 0:
         return 0
-    if place[PARSE_MINUS]:
+    if fields[PARSE_MINUS]:
         value = 0 - value
     most = 0x3FFFFFFF
     most = most << 1 | 1  # 2³¹ − 1: as a constant it would be no small integer of a board
-    base = place[PARSE_POSITION + axis] if place[PARSE_RELATIVE] else place[PARSE_OFFSET + axis]
+    base = fields[PARSE_POSITION + axis] if fields[PARSE_RELATIVE] else fields[PARSE_OFFSET + axis]
     if base >> 31 & 1:  # where viper is 64 bits wide it reads a negative number as a positive one
         base = 0 - ((0 - base) & most)
         if value < 0 - most - base:
             return 0
     elif value > most - base:
         return 0
-    place[PARSE_TO + axis] = value + base
+    fields[PARSE_TO + axis] = value + base
     return 1
 
 
 @micropython.viper
-def length_of(place: ptr32) -> int:
+def length_of(fields: ptr32) -> int:
     """The word's number as nanometres, without its sign; -1 if it is beyond 2.1 m, or too fine."""
-    if place[PARSE_INCHES] == 0:
-        return int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 6, 214000000))
-    value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 5, 845000))
+    if fields[PARSE_INCHES] == 0:
+        return int(with_decimals(fields[PARSE_VALUE], fields[PARSE_DECIMALS], 6, 214000000))
+    value = int(with_decimals(fields[PARSE_VALUE], fields[PARSE_DECIMALS], 5, 845000))
     if value < 0 or value > 8450000:
         return -1
     return value * 254
 
 
 @micropython.viper
-def centre_word(place: ptr32, which: int) -> int:
+def centre_word(fields: ptr32, which: int) -> int:
     """PARSE_I (0) or PARSE_J (1); 0 if the line has it already, or it is too far."""
-    have = place[PARSE_HAVE]
-    value = int(length_of(place))
+    have = fields[PARSE_HAVE]
+    value = int(length_of(fields))
     if value < 0 or have & HAS_I << which:
         return 0
-    place[PARSE_HAVE] = have | HAS_I << which
-    place[PARSE_I + which] = 0 - value if place[PARSE_MINUS] else value
+    fields[PARSE_HAVE] = have | HAS_I << which
+    fields[PARSE_I + which] = 0 - value if fields[PARSE_MINUS] else value
     return 1
 
 
 @micropython.viper
-def set_deltas(place: ptr32) -> int:
+def set_deltas(fields: ptr32) -> int:
     """PARSE_DELTAS, the steps of each axis from where the machine is to PARSE_TO; 0 if that is beyond the travel, or too far."""
     axis = 0
-    while axis < place[PARSE_AXES]:
+    while axis < fields[PARSE_AXES]:
         delta = 0
-        if place[PARSE_HAVE] >> 4 + axis & 1:
-            nm = place[PARSE_TO + axis]
+        if fields[PARSE_HAVE] >> 4 + axis & 1:
+            nm = fields[PARSE_TO + axis]
             minus = nm >> 31 & 1
-            steps = int(steps_of(0 - nm if minus else nm, place[PARSE_RESOLUTION + axis]))
+            steps = int(steps_of(0 - nm if minus else nm, fields[PARSE_RESOLUTION + axis]))
             if steps < 0:
                 return 0
             if minus:
                 steps = 0 - steps
-            if steps + 0x20000000 < place[PARSE_LOW + axis] or steps + 0x20000000 > place[PARSE_HIGH + axis]:
+            if steps + 0x20000000 < fields[PARSE_LOW + axis] or steps + 0x20000000 > fields[PARSE_HIGH + axis]:
                 return 0
-            delta = place[PARSE_TARGET + axis]
+            delta = fields[PARSE_TARGET + axis]
             if delta >> 30 & 1:
                 delta = 0 - ((0 - delta) & 0x3FFFFFFF)
             delta = steps - delta
             if delta > 2097151 or delta < 0 - 2097151:
                 return 0
-        place[PARSE_DELTAS + axis] = delta
+        fields[PARSE_DELTAS + axis] = delta
         axis += 1
     return 1
 
@@ -338,23 +338,23 @@ def steps_of(nm: int, resolution: int) -> int:
 
 
 @micropython.viper
-def set_power(place: ptr32) -> int:
+def set_power(fields: ptr32) -> int:
     """PARSE_LIT and PARSE_POWER of a laser; 0 if they would change without a step."""
-    if place[PARSE_FULL] <= 1:
+    if fields[PARSE_FULL] <= 1:
         return 1
-    lit = 1 if place[PARSE_MOTION] and place[PARSE_TURNS] else 0
-    power = int(thousandths(place[PARSE_TURNS], place[PARSE_FULL])) if lit else 0
-    if place[PARSE_DOTS]:
-        power = place[PARSE_LAST]
+    lit = 1 if fields[PARSE_MOTION] and fields[PARSE_TURNS] else 0
+    power = int(thousandths(fields[PARSE_TURNS], fields[PARSE_FULL])) if lit else 0
+    if fields[PARSE_DOTS]:
+        power = fields[PARSE_LAST]
         lit = 1 if power else 0
-    if place[PARSE_DOTS] or lit != place[PARSE_LIT] or power != place[PARSE_POWER]:
+    if fields[PARSE_DOTS] or lit != fields[PARSE_LIT] or power != fields[PARSE_POWER]:
         axis = 0
-        while place[PARSE_DELTAS + axis] == 0:
+        while fields[PARSE_DELTAS + axis] == 0:
             axis += 1
-            if axis == place[PARSE_AXES]:
+            if axis == fields[PARSE_AXES]:
                 return 0
-        place[PARSE_LIT] = lit
-        place[PARSE_POWER] = power
+        fields[PARSE_LIT] = lit
+        fields[PARSE_POWER] = power
     return 1
 
 
@@ -377,27 +377,27 @@ def thousandths(part: int, full: int) -> int:
 
 
 @micropython.viper
-def accept(place: ptr32, batch: ptr32, row: int):
+def accept(fields: ptr32, batch: ptr32, row: int):
     """All is right: what the line says counts from here on, and its row is filled in."""
     axis = 0
-    while axis < place[PARSE_AXES]:
-        place[PARSE_POSITION + axis] = place[PARSE_TO + axis]
-        place[PARSE_TARGET + axis] = place[PARSE_TARGET + axis] + place[PARSE_DELTAS + axis]
-        batch[row + BATCH_STEPS + axis] = place[PARSE_DELTAS + axis]
+    while axis < fields[PARSE_AXES]:
+        fields[PARSE_POSITION + axis] = fields[PARSE_TO + axis]
+        fields[PARSE_TARGET + axis] = fields[PARSE_TARGET + axis] + fields[PARSE_DELTAS + axis]
+        batch[row + BATCH_STEPS + axis] = fields[PARSE_DELTAS + axis]
         axis += 1
-    motion = place[PARSE_MOTION]
-    place[PARSE_MODAL] = motion
-    place[PARSE_FEED] = place[PARSE_SPEED]
-    place[PARSE_NUMBER] = place[PARSE_LINE]
-    place[PARSE_RPM] = place[PARSE_TURNS]
-    flags = place[PARSE_LIT]
+    motion = fields[PARSE_MOTION]
+    fields[PARSE_MODAL] = motion
+    fields[PARSE_FEED] = fields[PARSE_SPEED]
+    fields[PARSE_NUMBER] = fields[PARSE_LINE]
+    fields[PARSE_RPM] = fields[PARSE_TURNS]
+    flags = fields[PARSE_LIT]
     if motion == 0:
         flags |= 2
-    if place[PARSE_DYNAMIC]:
+    if fields[PARSE_DYNAMIC]:
         flags |= 4
     batch[row + BATCH_KIND] = 0
     batch[row + BATCH_FLAGS] = flags
-    batch[row + BATCH_FEED] = place[PARSE_SPEED] if motion else 0
-    batch[row + BATCH_POWER] = place[PARSE_POWER]
-    batch[row + BATCH_TAG] = place[PARSE_LINE]
+    batch[row + BATCH_FEED] = fields[PARSE_SPEED] if motion else 0
+    batch[row + BATCH_POWER] = fields[PARSE_POWER]
+    batch[row + BATCH_TAG] = fields[PARSE_LINE]
     batch[row + BATCH_FIRST] = 0

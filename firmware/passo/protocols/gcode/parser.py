@@ -3,7 +3,7 @@
     gcode = GCode("xyz", offsets, machine)
     error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
     gcode.commands                              # a list that the next line overwrites, its commands too
-    gcode.opens(batch), gcode.place         # for parse_viper.parse(): much faster, for lines that are nothing but a G0 or G1
+    gcode.opens(batch), gcode.fields         # for parse_viper.parse(): much faster, for lines that are nothing but a G0 or G1
 
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
 execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
@@ -33,7 +33,7 @@ from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
 from passo.protocols.gcode.parse_records import *
 from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M
 
-# `place`, what plain lines are understood by; three numbers each where they are the axes'.
+# `fields`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
 _SAME = const(1)
 _OTHER = const(2000)  # no power
@@ -48,13 +48,13 @@ class GCode(Motions):
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
         self.changer = None  # of a board with tool_change
-        self.place = array("i", [0] * PARSE_FIELDS)  # for plain lines
-        self.place[PARSE_AXES] = len(axes)
-        self._ends = memoryview(self.place)[PARSE_TARGET : PARSE_TARGET + len(axes)]
+        self.fields = array("i", [0] * PARSE_FIELDS)  # for plain lines
+        self.fields[PARSE_AXES] = len(axes)
+        self._ends = memoryview(self.fields)[PARSE_TARGET : PARSE_TARGET + len(axes)]
         self._offsets_known = 0
         self._level = 0  # power of the modal state, thousandths
-        self._reach = None  # the travel that `place` knows
-        self._unknown = True  # `place` does not say where it is
+        self._reach = None  # the travel that `fields` knows
+        self._unknown = True  # `fields` does not say where it is
         self.reset()
 
     def reset(self):
@@ -75,14 +75,14 @@ class GCode(Motions):
         self.weaving = False  # lines become seams: the machine has to see each of them
         self.initial = True  # G98
         self.cycle = (0, 0, 0, 0)
-        self.forget_place()
+        self.forget_position()
 
     def weave(self, on):
         """Lines and arcs are woven from now on, or no more."""
         self.leave_batch()
         self.weaving = on
 
-    def forget_place(self):
+    def forget(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
         self.leave_batch()
         self._steps = [None] * self.axes
@@ -91,14 +91,14 @@ class GCode(Motions):
         """What the last plain lines have changed is known here, too; the next one finds out anew where it is."""
         if not self._unknown:
             self._unknown = True
-            place = self.place
-            self.feed = place[PARSE_FEED]
-            self.rpm = place[PARSE_RPM]
-            self.number = place[PARSE_NUMBER]
+            fields = self.fields
+            self.feed = fields[PARSE_FEED]
+            self.rpm = fields[PARSE_RPM]
+            self.number = fields[PARSE_NUMBER]
             self.ended = False
-            self.motion = place[PARSE_MODAL] * 100
+            self.motion = fields[PARSE_MODAL] * 100
             self._steps = list(self._ends)
-            self.position = list(place[PARSE_POSITION : PARSE_POSITION + self.axes])
+            self.position = list(fields[PARSE_POSITION : PARSE_POSITION + self.axes])
 
     def end_programme(self):
         """What M2 and M30 put back."""
@@ -142,21 +142,21 @@ class GCode(Motions):
             or self._reach is not batch.reach
         ) and not self._know(batch):  # fmt: skip
             return False
-        place = self.place
+        fields = self.fields
         dynamic = self._dynamic
-        if place[PARSE_FULL] > _SAME:  # each line brings its own tool and power
-            place[PARSE_LIT] = 1 if batch.tool else 0
-            place[PARSE_POWER] = batch.power if batch.dynamic == dynamic else _OTHER
+        if fields[PARSE_FULL] > _SAME:  # each line brings its own tool and power
+            fields[PARSE_LIT] = 1 if batch.tool else 0
+            fields[PARSE_POWER] = batch.power if batch.dynamic == dynamic else _OTHER
         elif self._lit != batch.tool or dynamic != batch.dynamic or self._level != batch.power:
             return False
         else:
-            place[PARSE_LIT] = 1 if self._lit else 0
-            place[PARSE_POWER] = batch.power
-        place[PARSE_DYNAMIC] = 1 if dynamic else 0
+            fields[PARSE_LIT] = 1 if self._lit else 0
+            fields[PARSE_POWER] = batch.power
+        fields[PARSE_DYNAMIC] = 1 if dynamic else 0
         return True
 
     def _know(self, batch):
-        """Fill in `place` from the modal state. False if that is not for plain lines."""
+        """Fill in `fields` from the modal state. False if that is not for plain lines."""
         self.leave_batch()
         if (
             self.weaving or self.motion not in (0, 100, 200, 300) or not self.per_minute
@@ -165,30 +165,30 @@ class GCode(Motions):
         ):  # fmt: skip
             return False
         self._settle()
-        place = self.place
-        place[PARSE_RELATIVE] = 0 if self.absolute else 1
-        place[PARSE_INCHES] = 1 if self.inches else 0
-        place[PARSE_MODAL] = self.motion // 100
-        place[PARSE_ARCS] = 1 if self.plane == 17 and self.axes > 1 and self.machine.arcs is not None else 0
-        place[PARSE_FEED] = self.feed
-        place[PARSE_NUMBER] = self.number
-        place[PARSE_LEAST] = 1
+        fields = self.fields
+        fields[PARSE_RELATIVE] = 0 if self.absolute else 1
+        fields[PARSE_INCHES] = 1 if self.inches else 0
+        fields[PARSE_MODAL] = self.motion // 100
+        fields[PARSE_ARCS] = 1 if self.plane == 17 and self.axes > 1 and self.machine.arcs is not None else 0
+        fields[PARSE_FEED] = self.feed
+        fields[PARSE_NUMBER] = self.number
+        fields[PARSE_LEAST] = 1
         self._reach = batch.reach
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
             if max(abs(self.position[axis]), abs(offset)) > _FARTHEST_NM or resolution > FARTHEST:
                 return False
-            place[PARSE_POSITION + axis] = self.position[axis]
-            place[PARSE_OFFSET + axis] = offset
-            place[PARSE_RESOLUTION + axis] = resolution
-            place[PARSE_TARGET + axis] = self._steps[axis]
-            place[PARSE_LEAST] += 25_000_000 // resolution
+            fields[PARSE_POSITION + axis] = self.position[axis]
+            fields[PARSE_OFFSET + axis] = offset
+            fields[PARSE_RESOLUTION + axis] = resolution
+            fields[PARSE_TARGET + axis] = self._steps[axis]
+            fields[PARSE_LEAST] += 25_000_000 // resolution
             low, high = (-FARTHEST, FARTHEST) if self._reach is None else (self._reach[0][axis], self._reach[1][axis])
-            place[PARSE_LOW + axis] = max(low, -FARTHEST) + BIAS
-            place[PARSE_HIGH + axis] = min(high, FARTHEST) + BIAS
-        place[PARSE_RPM] = self.rpm
-        place[PARSE_FULL] = self._full()
+            fields[PARSE_LOW + axis] = max(low, -FARTHEST) + BIAS
+            fields[PARSE_HIGH + axis] = min(high, FARTHEST) + BIAS
+        fields[PARSE_RPM] = self.rpm
+        fields[PARSE_FULL] = self._full()
         self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._level = thousandths(self._power)
         self._offsets_known = self.offsets.version
@@ -198,29 +198,29 @@ class GCode(Motions):
     def take_arc(self, batch):
         """Have the machine take the arc that parse() has come to, `batch` being open. False if it has to come as a command: to wait, or
         to be refused."""
-        place = self.place
+        fields = self.fields
         arcs = self.machine.arcs
-        x, y = place[PARSE_TO] - place[PARSE_POSITION], place[PARSE_TO + 1] - place[PARSE_POSITION + 1]
-        i, j = place[PARSE_I], place[PARSE_J]
+        x, y = fields[PARSE_TO] - fields[PARSE_POSITION], fields[PARSE_TO + 1] - fields[PARSE_POSITION + 1]
+        i, j = fields[PARSE_I], fields[PARSE_J]
         if arcs.check_centre(x, y, i, j):
             return False
         command = self._moves[0]
         command.kind = commands.ARC
-        command.target = [place[PARSE_TARGET + axis] + place[PARSE_DELTAS + axis] for axis in range(self.axes)]
-        command.feed = place[PARSE_SPEED]
+        command.target = [fields[PARSE_TARGET + axis] + fields[PARSE_DELTAS + axis] for axis in range(self.axes)]
+        command.feed = fields[PARSE_SPEED]
         command.per_min = 0
-        command.number = place[PARSE_LINE]
-        command.tool = place[PARSE_LIT] > 0
-        command.dynamic = place[PARSE_DYNAMIC] > 0
+        command.number = fields[PARSE_LINE]
+        command.tool = fields[PARSE_LIT] > 0
+        command.dynamic = fields[PARSE_DYNAMIC] > 0
         command.first, command.second, command.turns = 0, 1, 1
-        command.clockwise = place[PARSE_MOTION] == 2
+        command.clockwise = fields[PARSE_MOTION] == 2
         command.over_half = arcs.over_half(x, y, i, j, command.clockwise)
-        i = rounded((place[PARSE_POSITION] + i) * place[PARSE_RESOLUTION], NM_PER_M)
-        j = rounded((place[PARSE_POSITION + 1] + j) * place[PARSE_RESOLUTION + 1], NM_PER_M)
-        command.centre = i - place[PARSE_TARGET], j - place[PARSE_TARGET + 1]
-        if max(abs(i), abs(j)) > MAX_STEPS or not batch.arc(batch, command, place[PARSE_POWER]):
+        i = rounded((fields[PARSE_POSITION] + i) * fields[PARSE_RESOLUTION], NM_PER_M)
+        j = rounded((fields[PARSE_POSITION + 1] + j) * fields[PARSE_RESOLUTION + 1], NM_PER_M)
+        command.centre = i - fields[PARSE_TARGET], j - fields[PARSE_TARGET + 1]
+        if max(abs(i), abs(j)) > MAX_STEPS or not batch.arc(batch, command, fields[PARSE_POWER]):
             return False
-        accept(place, batch.rows, 0)
+        accept(fields, batch.rows, 0)
         return True
 
     def _full(self):
@@ -250,7 +250,7 @@ class GCode(Motions):
         handed_on = [self._hand_on(code) for code in self._on]
         self._prepare(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
         cycle = self.cycle
-        offsets = place = None
+        offsets = target = None
         if found[TOOL_LENGTH] != NONE:
             offsets = self.offsets.set_tool, self._read_length(found[TOOL_LENGTH], tool)
         elif non_modal in (1000, 2810, 3010, 9200, 9210):
@@ -258,12 +258,12 @@ class GCode(Motions):
         if non_modal == 5300 and motion not in (0, 100):
             raise Refused(errors.MACHINE_COORDINATES)
         if non_modal in (2800, 3000):
-            place = self._go_home(non_modal // 100, axis_words)
+            target = self._go_home(non_modal // 100, axis_words)
         elif moves:
-            place, cycle = self._read_motion(motion, axis_words, non_modal == 5300)
+            target, cycle = self._read_motion(motion, axis_words, non_modal == 5300)
         self._check_rest(motion)
         if self.words.row:
-            self._add_row(place and self._cutting and motion == 100, spindle)
+            self._add_row(target and self._cutting and motion == 100, spindle)
 
         # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
         # before them.
@@ -271,8 +271,8 @@ class GCode(Motions):
         if len(self.commands) > 1 and moves:
             self.commands[0].also = self.commands[1:]
             self._moves = new_moves()  # these may be looked at until the last has begun
-        if place:
-            self.position, self._steps = place, self.commands[-1].target
+        if target:
+            self.position, self._steps = target, self.commands[-1].target
         if moves and CODES[motion] & CYCLE:
             self.commands[1:] = [Command(commands.MORE, value=self._drilling)]
         if before:
@@ -348,24 +348,24 @@ class GCode(Motions):
         if not feed:
             raise Refused(errors.NO_FEED)
         self._prepare(0, feed, 0, number, self.spindle, self.rpm)
-        place = self._target(found[NON_MODAL] == 5300)
+        target = self._target(found[NON_MODAL] == 5300)
         if self._left:
             raise Refused(errors.WORDS_UNUSED)
-        self._move(commands.JOG_TO, place, feed)
-        self.position = place
+        self._move(commands.JOG_TO, target, feed)
+        self.position = target
         self._steps = self.commands[-1].target
 
-    def jog_to(self, place, feed, counted):
-        """A jog that was no line, in `commands`: to {axis: nanometres} at `feed`. `counted`: from where the places count, as G53 machine
+    def jog_to(self, lengths, feed, counted):
+        """A jog that was no line, in `commands`: to {axis: nanometres} at `feed`. `counted`: from where it counts, as G53 machine
         coordinates, as G54 those of work, as G91 from here. 0, or the error that refuses it."""
         self.leave_batch()
         self._settle()
         self.commands = []
         self._prepare(0, feed, 0, self.number, self.spindle, self.rpm)
         target = self.position[:]
-        for axis in place:
+        for axis in lengths:
             before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
-            target[axis] = before + place[axis]
+            target[axis] = before + lengths[axis]
         try:
             self._move(commands.JOG_TO, target, feed)
         except Refused as refusal:

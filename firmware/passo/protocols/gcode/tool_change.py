@@ -1,4 +1,4 @@
-"""M6 at a place of its own, and the length of the new tool: for boards that have `tool_change`.
+"""M6 at a position of its own, and the length of the new tool: for boards that have `tool_change`.
 
     changer = ToolChange(board)
     changer.append(gcode, tool, spindle, rpm, coolant)      # to gcode.commands

@@ -88,7 +88,7 @@ class Grbl:
         self._version = settings.version
         self.gcode.laser = bool(settings.value(SETTING_LASER))
         self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
-        self.gcode.forget_place()
+        self.gcode.forget()
 
     # --- bytes to batches
 
@@ -116,9 +116,9 @@ class Grbl:
                     return None
             if not self._open(data):
                 return None
-        text, lines, place, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
+        text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
-            data, len(data), text, lines, place, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
+            data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
         )
         return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
 
@@ -142,7 +142,7 @@ class Grbl:
         if self._taker is not batch.taker:
             lines.make()
             self._taker = batch.taker
-            self._arrays = (lines.text, fields, self.gcode.place, batch.rows, batch.dots, batch.most) + batch.taker
+            self._arrays = (lines.text, fields, self.gcode.fields, batch.rows, batch.dots, batch.most) + batch.taker
         return True
 
     def _took(self, taken, data):
@@ -156,7 +156,7 @@ class Grbl:
         if taken == ARC:
             taken = lines.fields[LINES_TAKEN]
             if self.gcode.take_arc(self.batch):
-                lines.fields[LINES_AT] = self.gcode.place[PARSE_ARC]
+                lines.fields[LINES_AT] = self.gcode.fields[PARSE_ARC]
                 taken += 1
         if taken != LEFT:
             return _OKS[1] * taken
@@ -307,7 +307,7 @@ class Grbl:
         text = getattr(command, "text", "")
         if event.kind == REFUSED and not self._failed_homing(event):
             self._rest = []
-            self.gcode.forget_place()
+            self.gcode.forget()
             if command.kind == commands.SPINDLE:
                 self.gcode.spindle = 5
             return (text + self._answer("error:%d" % event.error)).encode()

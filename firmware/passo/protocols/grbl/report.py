@@ -79,7 +79,7 @@ def length(nm, inches):
     return decimal(rounded(nm, _NM_PER_TENTH_MIL), 4) if inches else decimal(rounded(nm, 1000), 3)
 
 
-def place(lengths, inches):
+def position(lengths, inches):
     return ",".join([length(nm, inches) for nm in lengths])
 
 
@@ -100,11 +100,11 @@ def modes(gcode, inches):
 
 
 def parameters(gcode, probed, touched, inches, homed):
-    """The lines of $#; `probed` is the place of the last touch in nm, `touched` whether there was one."""
+    """The lines of $#; `probed` is the position of the last touch in nm, `touched` whether there was one."""
     offsets = gcode.offsets
-    lines = ["[G%d:%s]\r\n" % (54 + number, place(offsets.systems[number], inches)) for number in range(6)]
-    lines += ["[G%d:%s]\r\n" % (number, place(offsets.homes[number], inches)) for number in (28, 30)]
-    lines.append("[G92:%s]\r\n" % place(offsets.shift, inches))
+    lines = ["[G%d:%s]\r\n" % (54 + number, position(offsets.systems[number], inches)) for number in range(6)]
+    lines += ["[G%d:%s]\r\n" % (number, position(offsets.homes[number], inches)) for number in (28, 30)]
+    lines.append("[G92:%s]\r\n" % position(offsets.shift, inches))
     lines.append("[TLO:%s]\r\n" % length(offsets.tool, inches))
     for tool in range(1, MAX_TOOL + 1):
         text = offsets.length_of(tool)
@@ -116,7 +116,7 @@ def parameters(gcode, probed, touched, inches, homed):
 
 
 def probe(probed, touched, inches):
-    return "[PRB:%s:%d]\r\n" % (place(probed, inches), 1 if touched else 0)
+    return "[PRB:%s:%d]\r\n" % (position(probed, inches), 1 if touched else 0)
 
 
 class Status:
@@ -152,7 +152,7 @@ class Status:
         self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         self._fields[REPORT_SPEED + NUMBER_FIRST] = 1 if self._inches else 0
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
-        self._offset = ("|WCO:%s\0" % place(offsets, self._inches)).encode()
+        self._offset = ("|WCO:%s\0" % position(offsets, self._inches)).encode()
         at = REPORT_AXIS
         for axis in range(gcode.axes):
             offset = 0 if self._mask & 1 else offsets[axis]

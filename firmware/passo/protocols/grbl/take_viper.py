@@ -1,6 +1,6 @@
 """The one call of a batch of lines: from the bytes that have come to blocks in the planner's queue.
 
-    taken = take_lines(data, len(data), lines.text, lines.fields, gcode.place, batch.rows, batch.dots, batch.most, *batch.taker)
+    taken = take_lines(data, len(data), lines.text, lines.fields, gcode.fields, batch.rows, batch.dots, batch.most, *batch.taker)
 
     data ─► keep() ─► text ─► parse() ─► rows ─► queue_lines(), the machine's ─► blocks
 
@@ -18,7 +18,7 @@ from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
 
 @micropython.viper
 def take_lines(
-    data: ptr8, count: int, text: ptr8, lines: ptr32, place: ptr32, rows, dots: ptr32, most: int, travel, queue_lines, target, blocks,
+    data: ptr8, count: int, text: ptr8, lines: ptr32, fields: ptr32, rows, dots: ptr32, most: int, travel, queue_lines, target, blocks,
     scratch, indices, limits,
 ) -> int:
     """Keep `count` bytes of `data`, and have the machine take the plain lines of what is kept: as many as it has room for, `most`
@@ -40,9 +40,9 @@ def take_lines(
         lines[LINES_WAITS] = 1
         if part <= 0:
             break
-        filled = int(parse(text, lines[LINES_AT], lines[LINES_WHOLE], place, ptr32(rows), dots, part))
+        filled = int(parse(text, lines[LINES_AT], lines[LINES_WHOLE], fields, ptr32(rows), dots, part))
         if filled:
-            lines[LINES_AT] = place[PARSE_AFTER]
+            lines[LINES_AT] = fields[PARSE_AFTER]
             lines[LINES_FILLED] = filled
             queue_lines(rows, filled, target, travel, blocks, scratch, indices, limits)
             taken += machine[TRACE_TAKEN]
@@ -50,9 +50,9 @@ def take_lines(
             if machine[TRACE_TAKEN] < filled:
                 return LEFT
         if filled < part:
-            if lines[LINES_AT] < lines[LINES_WHOLE] and place[PARSE_NO_ROOM] == 0:
+            if lines[LINES_AT] < lines[LINES_WHOLE] and fields[PARSE_NO_ROOM] == 0:
                 lines[LINES_WAITS] = 0
-                if place[PARSE_ARC]:
+                if fields[PARSE_ARC]:
                     return ARC
             break
     return taken

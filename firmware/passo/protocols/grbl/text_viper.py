@@ -5,7 +5,7 @@
     fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * axes))
     fields[REPORT_UNIT:REPORT_AXIS] = MILLIMETRES
     fields[REPORT_AXIS + REPORT_STEPS_PER_M] = …     # of the first axis, and its offset
-    places(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
+    lengths(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
     at = tell(out, 0, b"MPos:\\1,\\2\\0", fields)      # MPos:0.000,-1.250
 
 The fields are REPORT_… and NUMBER_… of report_records.py. Positions are told to 100 km, offsets too.
@@ -32,7 +32,7 @@ INCHES = array("i", (254, 2540, 1000))
 @micropython.viper
 def tell_report(out: ptr8, form: ptr8, fields: ptr32, seen: ptr32, steps: ptr32, axes: int) -> int:
     """Write `form` as tell() does, its numbers from `seen`, and from where the axes are; returns where it ends."""
-    places(fields, steps, axes)
+    lengths(fields, steps, axes)
     fields[REPORT_BLOCKS + NUMBER_WHOLE] = seen[SEEN_ROOM]
     fields[REPORT_LINE + NUMBER_WHOLE] = seen[SEEN_LINE]
     tell_speed(fields, seen[SEEN_MM_S], seen[SEEN_NM_S])
@@ -54,13 +54,13 @@ def tell_speed(fields: ptr32, mm_s: int, nm_s: int):
 def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
     """Write `form`, which a zero byte ends, at out[at]; a byte of less than a line feed stands for a number of `fields`, 1 for
     the first. Returns where that ends; `at` where it might go beyond REPORT_LONGEST, which `out` has room for."""
-    place = 0
+    index = 0
     begin = at
-    while form[place]:
+    while form[index]:
         if at > REPORT_LONGEST - _LONGEST_NUMBER:
             return begin
-        byte = int(form[place])
-        place += 1
+        byte = int(form[index])
+        index += 1
         if byte > 9:
             out[at] = byte
             at += 1
@@ -90,7 +90,7 @@ def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
 
 
 @micropython.viper
-def places(fields: ptr32, steps: ptr32, axes: int):
+def lengths(fields: ptr32, steps: ptr32, axes: int):
     """Where the axes are, less the offsets, as numbers in the report's unit: of whole nanometres, which are rounded as
     they are, halves away from zero."""
     axis = 0

@@ -1,4 +1,4 @@
-"""The page of a machine that is told G-code on its other links: keys and places become commands, and so does the report; what belongs to
+"""The page of a machine that is told G-code on its other links: keys and positions become commands, and so does the report; what belongs to
 the modal state of G-code (work zeros, spindle and coolant, settings, a line as typed) is said as a line of the page's own link.
 
     machine = GrblPage(record, number, board, tell, spoken)     # `spoken`: what understands lines, and has their state
@@ -15,12 +15,12 @@ from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SETTING_MAX_RPM
 AXES = "xyza"
 _AXIS_SPEED = const(110)  # settings $110 …, thousandths
 _AXIS_ACCELERATION = const(120)
-_NM = const(1000)  # that a place of the page is told to: as three decimals of a millimetre
+_NM = const(1000)  # that a position of the page is told to: as three decimals of a millimetre
 _OVERRIDES = {"feed": commands.FEED, "rapid": commands.RAPID, "spindle": commands.POWER}
 _PERCENT = ("100", "+10", "-10", "+1", "-1")
 _RAPID = ("100", "50", "25")
 OUTPUTS = {"spindle_cw": "M3", "spindle_ccw": "M4", "spindle_off": "M5", "mist": "M7", "flood": "M8", "coolant_off": "M9"}
-_MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # what a place counts from
+_MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # what a position counts from
 
 
 def override_of(what, to):
@@ -77,7 +77,7 @@ class GrblPage(PageMachine):
         said = b"" if [1 for each in self.unanswered if each[0] is event.command] else self._spoken.reply(event)
         if not said:
             if event.kind == commands.REFUSED:
-                self._gcode.forget_place()
+                self._gcode.forget()
             return PageMachine.answered(self, event)
         error = 0
         for line in said.decode().split("\r\n"):
@@ -128,8 +128,8 @@ class GrblPage(PageMachine):
             state["why"] = ""
         offsets, system = self._gcode.offsets, self._gcode.system
         steps = report["position"]
-        place = self.place = state["m"] = [round(steps[axis] / self.scale[axis], 4) for axis in range(len(self.scale))]
-        state["w"] = [round(place[axis] - offsets.of(system, axis) / 1_000_000, 4) for axis in range(len(place))]
+        position = self.position = state["m"] = [round(steps[axis] / self.scale[axis], 4) for axis in range(len(self.scale))]
+        state["w"] = [round(position[axis] - offsets.of(system, axis) / 1_000_000, 4) for axis in range(len(position))]
         seen = report["seen"]
         state["feed"] = 60 * seen[SEEN_MM_S] + round(seen[SEEN_NM_S] * 3 / 50_000)
         state["rpm"] = (report["power"] * self._settings.value(SETTING_MAX_RPM) + 500_000_000) // 1_000_000_000
@@ -141,7 +141,7 @@ class GrblPage(PageMachine):
         if self._version != self._settings.version:
             self._take_settings()
         if self.jog.active:
-            self.jog.report(place)
+            self.jog.report(position)
 
     def _wait_ms(self):
         """How long a G4 still lasts."""
@@ -206,17 +206,17 @@ class GrblPage(PageMachine):
         command = override_of(what, to)
         return self.do(command) if command else errors.NUMBER
 
-    def go(self, place, speed):
+    def go(self, position, speed):
         """{axis: mm} of work coordinates, straight, as a jog that hold and STOP end."""
-        return self.still() or self._jog_to(place, speed, _WORK)
+        return self.still() or self._jog_to(position, speed, _WORK)
 
     def step(self, way, speed):
         """{axis: mm} from here."""
         return self.still() or self._jog_to(way, speed, _HERE)
 
-    def _jog_to(self, place, speed, counted, answered=None):
+    def _jog_to(self, position, speed, counted, answered=None):
         """A jog to {axis: mm}; `counted`: from where."""
-        nm = {AXES.find(axis): round(place[axis] * 1000) * _NM for axis in place}
+        nm = {AXES.find(axis): round(position[axis] * 1000) * _NM for axis in position}
         error = self._gcode.jog_to(nm, (round(speed * 10) * 100_000 + 30) // 60, counted)
         return error or self.do(self._gcode.commands[0], answered)
 
@@ -226,12 +226,12 @@ class GrblPage(PageMachine):
         self.do(Command(commands.JOG_CANCEL))
 
     def _limits(self):
-        axes = range(len(self.place))
+        axes = range(len(self.position))
         return Limits(*[[self._setting(first + axis) for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
 
     def _setting(self, number):
         return self._settings.value(number) / 1000
 
-    def _say_jog(self, place, speed):
-        places = {AXES[axis]: place[axis] for axis in range(len(place))}
-        return not self._jog_to(places, speed, _MACHINE, self.jog_answered)
+    def _say_jog(self, position, speed):
+        target = {AXES[axis]: position[axis] for axis in range(len(position))}
+        return not self._jog_to(target, speed, _MACHINE, self.jog_answered)

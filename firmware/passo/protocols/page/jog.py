@@ -1,8 +1,8 @@
 """A continuous jog out of short ones: never more is queued than a moment's way and the way to brake.
 
     jog = Jog(say)
-    jog.begin((1, 0, 0), 3000, limits, place)    # direction, mm/min
-    jog.report(place)                            # the machine is there now: what is missing is queued
+    jog.begin((1, 0, 0), 3000, limits, position)    # direction, mm/min
+    jog.report(position)                            # the machine is there now: what is missing is queued
 
 If whoever feeds it dies, or the cable is cut, the machine comes to its stand by itself: the queue ends at rest.
 """
@@ -29,31 +29,31 @@ class Limits:
 
 class Jog:
     def __init__(self, say):
-        """`say(place, mm/min)`: queue a straight jog to machine coordinates in mm; False if it cannot be said now."""
+        """`say(position, mm/min)`: queue a straight jog to machine coordinates in mm; False if it cannot be said now."""
         self._say = say
         self.active = False
         self.waiting = False  # a jog was said and is not answered
 
-    def begin(self, direction, speed, limits, place):
-        """Go from `place` (mm) along `direction`, at `speed` mm/min or what the axes allow."""
+    def begin(self, direction, speed, limits, position):
+        """Go from `position` (mm) along `direction`, at `speed` mm/min or what the axes allow."""
         size = sum([part * part for part in direction]) ** 0.5
         self._way = [part / size for part in direction]
         most, acceleration = limits.along(self._way)
         self._speed = min(speed, most)
         per_s = self._speed / 60
         self._ahead_mm = per_s * AHEAD_S + per_s * per_s / (2 * acceleration) + _LEAST_MM
-        self._start = list(place)
+        self._start = list(position)
         self._said_mm = 0.0  # along the way
         self._most_mm = _SHY_MM + self._ahead_mm  # of one piece: smaller near the end of the travel
         self.active = True
         self.waiting = False
-        self.report(place)
+        self.report(position)
 
-    def report(self, place):
-        """Queue what is missing ahead of `place` (mm)."""
+    def report(self, position):
+        """Queue what is missing ahead of `position` (mm)."""
         if not self.active or self.waiting:
             return
-        done = sum([(place[axis] - self._start[axis]) * self._way[axis] for axis in range(len(self._way))])
+        done = sum([(position[axis] - self._start[axis]) * self._way[axis] for axis in range(len(self._way))])
         piece = min(done + self._ahead_mm - self._said_mm, self._most_mm)
         if piece < _LEAST_MM:
             return

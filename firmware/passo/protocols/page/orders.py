@@ -1,4 +1,4 @@
-"""What a page may ask: an order as a dict in, an answer as a dict out. The only place that looks at what came from a network.
+"""What a page may ask: an order as a dict in, an answer as a dict out. The only code that looks at what came from a network.
 
     orders = Orders(machine)
     orders.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
@@ -70,7 +70,7 @@ def text(order, name, most):
     return value
 
 
-def places(order, name, axes):
+def positions(order, name, axes):
     """{axis: mm}. Raises Wrong."""
     value = order.get(name)
     if not isinstance(value, dict) or not value:
@@ -136,19 +136,19 @@ class Orders:
         return self.machine.refusal() or self.machine.zero(axes)
 
     def _goto(self, order):
-        place = places(order, "to", self.machine.axes)
+        position = positions(order, "to", self.machine.axes)
         speed = number(order, "speed", 0.1, _MOST_SPEED)
-        return self.machine.refusal(by_hand=True) or self.machine.go(place, speed)
+        return self.machine.refusal(by_hand=True) or self.machine.go(position, speed)
 
     def _step(self, order):
-        way = places(order, "by", self.machine.axes)
+        way = positions(order, "by", self.machine.axes)
         speed = number(order, "speed", 0.1, _MOST_SPEED)
         return self.machine.refusal(by_hand=True) or self.machine.step(way, speed)
 
     def _jog(self, order):
         lease = number(order, "lease", 1, _MOST_NUMBER)
         beat = number(order, "beat", 0, _MOST_NUMBER)
-        way = places(order, "way", self.machine.axes)
+        way = positions(order, "way", self.machine.axes)
         direction = [way.get(axis, 0) for axis in self.machine.axes]
         most = max([abs(part) for part in direction])
         if most < _LEAST_WAY:

@@ -58,7 +58,7 @@ class PageMachine:
         self.said = []  # (command, answered) to be carried out; answered(error): what came of it
         self.unanswered = []  # the same of those that have been
         self.kinds = {}  # kind of command: heard(event), of who wants to know more of its answers
-        self.place = None  # mm, machine coordinates
+        self.position = None  # mm, machine coordinates
         self._now_ms = self._measured_ms = 0
         self._measured = None  # steps, by the report before
         self._log = []
@@ -155,9 +155,9 @@ class PageMachine:
         """What only this machine has."""
 
     def _show_place(self, steps):
-        """A report of a machine that tells no speed: its place in mm, and the speed since the one before."""
+        """A report of a machine that tells no speed: its position in mm, and the speed since the one before."""
         axes = range(len(self.scale))
-        self.place = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]
+        self.position = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]
         passed = since(self._now_ms, self._measured_ms)
         if self._measured and passed:
             far = sum([((steps[axis] - self._measured[axis]) / self.scale[axis]) ** 2 for axis in axes]) ** 0.5
@@ -281,10 +281,10 @@ class PageMachine:
         return 0
 
     def _may_jog(self, direction):
-        return self.place is not None and len(direction) == len(self.place)
+        return self.position is not None and len(direction) == len(self.position)
 
     def _start_jog(self, direction, speed):
-        self.jog.begin(direction, speed, self._limits(), self.place)
+        self.jog.begin(direction, speed, self._limits(), self.position)
 
     def renew(self, number, beat):
         """True if the jog's lease lasts on."""
@@ -307,9 +307,9 @@ class PageMachine:
 
     def _limits(self):
         """Of a machine that goes at any of its speeds at once."""
-        return Limits([_HUGE] * len(self.place), [_HUGE] * len(self.place))
+        return Limits([_HUGE] * len(self.position), [_HUGE] * len(self.position))
 
-    def _say_jog(self, place, speed):
+    def _say_jog(self, position, speed):
         """Queue a straight jog to machine coordinates in mm; False if it cannot be said now."""
         return False
 

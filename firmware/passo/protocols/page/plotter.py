@@ -1,4 +1,4 @@
-"""The page of a machine that draws objects of points: keys jog it, a place is an object of one point, pen up; a held jog ends with STOP.
+"""The page of a machine that draws objects of points: keys jog it, a position is an object of one point, pen up; a held jog ends with STOP.
 
     machine = PlotterPage(record, number, board, tell, language)
 """
@@ -58,7 +58,7 @@ class PlotterPage(PageMachine):
         return self.refusal() or self.still() or self.do(Command(commands.SPEED, value=int(number(order, "speed", 1, MOST_PLACE))))
 
     def _move(self, wanted):
-        """Go to a place in steps, pen up: an object of one point."""
+        """Go to a position in steps, pen up: an object of one point."""
         error = self.still()
         if error:
             return error
@@ -73,11 +73,11 @@ class PlotterPage(PageMachine):
             return errors.BUSY
         return self._move([at + by for at, by in zip(self._steps, steps_by(way, self.axes, self.scale))])
 
-    def go(self, place, speed):
+    def go(self, position, speed):
         """{axis: mm}."""
         if self._steps is None:
             return errors.BUSY
-        return self._move(steps_to(place, self.axes, self.scale, self._steps))
+        return self._move(steps_to(position, self.axes, self.scale, self._steps))
 
     # --- the jog
 

@@ -56,7 +56,7 @@ class PulsesPage(PageMachine):
         if not self._plays(name) and name == "run":
             state["state"] = "Jog"
         self._steps = list(report["position"])
-        self.place = state["m"] = state["w"] = [round(self._steps[axis] / self.scale[axis], 4) for axis in range(len(self._steps))]
+        self.position = state["m"] = state["w"] = [round(self._steps[axis] / self.scale[axis], 4) for axis in range(len(self._steps))]
         state["feed"] = program["speed"] / 10
         state["wait"] = program["wait_ms"] / 1000
         state["tool"], state["drives"] = bool(program["tool"]), bool(program["drives"])
@@ -68,7 +68,7 @@ class PulsesPage(PageMachine):
             self._cut = False
             self._by_hand([0] * len(self.axes), None)
         if self.jog.active:
-            self.jog.report(self.place)
+            self.jog.report(self.position)
 
     def _plays(self, name):
         """True if what moves is the file; `name`: of the state."""
@@ -98,11 +98,11 @@ class PulsesPage(PageMachine):
         """{axis: mm} from here."""
         return self._move(steps_by(way, self.axes, self.scale))
 
-    def go(self, place, speed):
+    def go(self, position, speed):
         """{axis: mm}, one axis after the other."""
         if self._steps is None:
             return errors.BUSY
-        wanted = steps_to(place, self.axes, self.scale, self._steps)
+        wanted = steps_to(position, self.axes, self.scale, self._steps)
         return self._move([to - at for to, at in zip(wanted, self._steps)])
 
     def _may_jog(self, direction):
@@ -115,11 +115,11 @@ class PulsesPage(PageMachine):
 
     def _limits(self):
         limits = PageMachine._limits(self)
-        limits.speeds = [self.state["feed"]] * len(self.place)
+        limits.speeds = [self.state["feed"]] * len(self.position)
         return limits
 
-    def _say_jog(self, place, speed):
-        steps = [round(place[axis] * self.scale[axis]) - self._begun[axis] for axis in range(len(place))]
+    def _say_jog(self, position, speed):
+        steps = [round(position[axis] * self.scale[axis]) - self._begun[axis] for axis in range(len(position))]
         self._ahead = steps
         return not self._by_hand(steps, self.jog_answered)
 

@@ -10,6 +10,6 @@ def steps_by(way, axes, scale):
     return [round(way.get(axes[axis], 0) * scale[axis]) for axis in range(len(scale))]
 
 
-def steps_to(place, axes, scale, at):
-    """The place {axis: mm}; `at`: the steps of where the machine is, for axes that are not named."""
-    return [round(place[axes[axis]] * scale[axis]) if axes[axis] in place else at[axis] for axis in range(len(scale))]
+def steps_to(position, axes, scale, at):
+    """The position {axis: mm}; `at`: the steps of where the machine is, for axes that are not named."""
+    return [round(position[axes[axis]] * scale[axis]) if axes[axis] in position else at[axis] for axis in range(len(scale))]

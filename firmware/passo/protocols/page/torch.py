@@ -1,4 +1,4 @@
-"""The page of a torch, whose axes run on their own: straight places, moves with a speed of each axis, seams, preferences of jogs.
+"""The page of a torch, whose axes run on their own: straight positions, moves with a speed of each axis, seams, preferences of jogs.
 
     machine = TorchPage(record, number, board, tell, language)
 
@@ -12,7 +12,7 @@ from passo import commands, errors
 from passo.commands import AS_JOG, AT_REST, Command, Motion, Run
 from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.lease import since
-from passo.protocols.page.orders import Wrong, number, places, text
+from passo.protocols.page.orders import Wrong, number, positions, text
 
 REPEAT_MS = const(40)  # between two jogs of one that is held
 _MOST_JOG_MM = 100.0
@@ -43,7 +43,7 @@ def _speed_of(order, name, scale):
 
 def move_of(order, scale):
     """(steps, steps/s) of a move with a speed of each axis, in mm/min."""
-    by = places(order, "by", "xy")
+    by = positions(order, "by", "xy")
     return [round(by.get("xy"[axis], 0) * scale[axis]) for axis in range(2)], [_speed_of(order, "xy"[axis] + "v", scale[axis]) for axis in range(2)]
 
 
@@ -67,17 +67,17 @@ def preferences(jogs, speeds, scale):
 
 def seam_of(order, scale):
     """(spec of a weave, steps to the end from here, µm/s, steps to the centre or (0, 0)) of a seam to (x, y) mm; `centre`: it is an arc
-    about that place, also from here."""
+    about that position, also from here."""
     if text(order, "shape", 12) not in _SHAPES:
         raise Wrong("shape")
-    to = places(order, "to", "xy")
-    centre = places(order, "centre", "xy") if "centre" in order else {}
+    to = positions(order, "to", "xy")
+    centre = positions(order, "centre", "xy") if "centre" in order else {}
     spec = (
         _SHAPES.index(order["shape"]) + 1, round(number(order, "amplitude", 0.001, 100) * 1000), round(number(order, "pitch", 0.1, 1000) * 1000),
         int(number(order, "left", 0, 60_000, 0)), int(number(order, "right", 0, 60_000, 0)), 1 if order.get("along") else 0,
     )  # fmt: skip
     speed = max(1, min(_MOST_UM_S, round(number(order, "speed", 0.1, 50_000) * 1000 / 60)))
-    ends = [[round(place.get("xy"[axis], 0) * scale[axis]) for axis in range(2)] for place in (to, centre)]
+    ends = [[round(position.get("xy"[axis], 0) * scale[axis]) for axis in range(2)] for position in (to, centre)]
     return spec, ends[0], speed, ends[1]
 
 
@@ -142,11 +142,11 @@ class TorchPage(PageMachine):
         """{axis: mm} from here."""
         return self._straight([round(way.get("xy"[axis], 0) * self.scale[axis]) for axis in range(2)], speed)
 
-    def go(self, place, speed):
+    def go(self, position, speed):
         """{axis: mm}, straight."""
         if self._steps is None:
             return errors.BUSY
-        wanted = [round(place.get("xy"[axis], self.place[axis]) * self.scale[axis]) for axis in range(2)]
+        wanted = [round(position.get("xy"[axis], self.position[axis]) * self.scale[axis]) for axis in range(2)]
         return self._straight([wanted[axis] - self._steps[axis] for axis in range(2)], speed)
 
     def _move(self, order):
