@@ -69,6 +69,8 @@ class JobJournal(Feature):
         self._written = None  # what the newest record holds
         self._written_ms = 0
         self._empty = [0] * pages.BLOCKS  # slots of each block that are erased
+        self._left = 0  # and of all
+        self._half = pages.SLOTS * pages.BLOCKS // 2
         self._newest = 0  # the block with the newest record
         self._rest_ms = 0  # since when the machine stands
         self._late = False  # what is known at this stand is still to be written
@@ -89,6 +91,7 @@ class JobJournal(Feature):
                 data = pages.read(block, slot)
                 if data == _EMPTY:  # most are: 512 of them would be garbage
                     self._empty[block] += 1
+                    self._left += 1
                     continue
                 record = unpacked(bytes(data))
                 if record and (newest is None or (record[0] - newest[0]) & 0xFFFF < 0x8000):
@@ -139,7 +142,7 @@ class JobJournal(Feature):
         self._sample_position()
         self._begin(command.target)
         self._flags |= self._homed()
-        if self._few():
+        if self._left < self._half:
             while self._erase():
                 pass
         self._write()
@@ -183,7 +186,7 @@ class JobJournal(Feature):
         still = self._queue.still()
         if not still:
             self._rest_ms = now_ms
-        elif self._few():
+        elif self._left < self._half:
             machine.awake = True
             if now_ms - self._rest_ms & COUNT_MASK >= REST_MS:
                 self._rest_ms = now_ms
@@ -253,7 +256,7 @@ class JobJournal(Feature):
         self._line = line
         self._flags = DONE | self._homed()
         self._sample_position()
-        if self._few():
+        if self._left < self._half:
             self._late = True
         else:
             self._write()
@@ -290,18 +293,13 @@ class JobJournal(Feature):
             self._position[axis] = spot[SPOT_AXES + axis]
         self._write()
 
-    def _few(self):
-        """True if less than half of the slots are left."""
-        return sum(self._empty) < self._pages.SLOTS * self._pages.BLOCKS // 2
-
     def _interval(self):
         """Rarer, the fewer slots are left before the next erase."""
         if self._block < 0:
             return COUNT_MASK
         interval = self._every_ms
-        left = sum(self._empty)
-        share = self._pages.SLOTS * self._pages.BLOCKS // 2
-        while left < share and share > 4:
+        share = self._half
+        while self._left < share and share > 4:
             interval *= 2
             share //= 2
         return interval
@@ -320,6 +318,7 @@ class JobJournal(Feature):
         self._written = now
         self._newest = self._block
         self._empty[self._block] -= 1
+        self._left -= 1
         self._slot += 1
         self._next_free()
 
@@ -333,6 +332,7 @@ class JobJournal(Feature):
                 port.writing(True)
                 pages.erase(block)
                 port.writing(False)
+                self._left += pages.SLOTS - self._empty[block]
                 self._empty[block] = pages.SLOTS
                 if self._block < 0:
                     self._block, self._slot = block, 0

@@ -260,7 +260,8 @@ class Queue:
         self.power(0)
         self.tool = self.waiting = False
         self._feeder.set_hold(False)
-        self.lead([position[axis] - self._origin[axis] for axis in range(len(position))])
+        for axis in range(len(position)):
+            self.target[axis] = position[axis] - self._origin[axis]
 
     def dynamic(self):
         """True if the power of the block under way, or of the last one, follows the speed."""

@@ -69,7 +69,7 @@ class MachineState:
         self.arcs = queue.arcs
         self.handlers = {}  # of all features, by the kind of command
         self._features = ()
-        self.actives = self._held = self._reports = ()
+        self.actives = self._held = self._reports = self._halts = ()
         self.steps_per_m = settings.steps_per_m
         homing = board["homing"]
         self._homing_first = bool(homing and homing["required"])
@@ -81,6 +81,7 @@ class MachineState:
         self.actives = overriding(features, "active")
         self._held = overriding(features, "held")
         self._reports = overriding(features, "report")
+        self._halts = overriding(features, "halt")
         for feature in features:
             self.handlers.update(feature.handlers() or {})
         for feature in features:
@@ -256,8 +257,8 @@ class MachineState:
     def abort(self):
         """Stop inside the word under way, drop everything queued; the tool is off. The position stays exact."""
         self.queue.halt()
-        for feature in self._features:
-            feature.halt()
+        for halt in self._halts:
+            halt()
         self.queue.drop()
         self.end_hold()
 

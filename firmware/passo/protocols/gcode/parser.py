@@ -75,7 +75,7 @@ class GCode(Motions):
         self.weaving = False  # lines become seams: the machine has to see each of them
         self.initial = True  # G98
         self.cycle = (0, 0, 0, 0)
-        self.forget_position()
+        self._steps = [None] * self.axes
 
     def weave(self, on):
         """Lines and arcs are woven from now on, or no more."""

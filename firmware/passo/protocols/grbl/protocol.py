@@ -394,7 +394,6 @@ class Grbl:
         self._forget()
         self.gcode.reset()
         self.gcode.offsets.reset()
-        self._configure()
         self._status.reset()
         text = ("error:%d\r\n" % errors.MEMORY if self._settings.damaged else "") + grbl_report.BANNER
         if alarm:
