@@ -89,9 +89,10 @@ QUEUE_SIZE = const(96)  # blocks: 64 that are looked ahead at, 32 in flight
 
 # Planner.work: the planner's scratch, and what passes from one block to the next.
 SCRATCH_FEED = const(0)  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
-SCRATCH_GIVEN = const(1)  # ticks that a line is to last, as a float; 0: its length over its speed. An arc: its top
+SCRATCH_GIVEN = const(1)  # ticks that a line is to last, as a float; 0: its length over its speed
 SCRATCH_GIVEN_SHIFT = const(2)
 SCRATCH_STEPS_SHIFT = const(3)
+SCRATCH_ARC_TOP = const(4)  # of an arc: its top
 SCRATCH_IS_ARC = const(8)
 SCRATCH_LENGTH = const(9)  # of the path, nm as SCRATCH_LENGTH / 2 ** SCRATCH_LENGTH_SHIFT, of 27 or 28 bits
 SCRATCH_LENGTH_SHIFT = const(10)

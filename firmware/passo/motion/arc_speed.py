@@ -14,7 +14,7 @@ from passo.motion.block_viper import plan_block
 from passo.motion.limits import BIAS, MOST, ONE, TOP, floated
 from passo.records import (
     ARC_TAIL_A, ARC_TAIL_B, NM_PER_M, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, TICKS_PER_S, SCRATCH_ALONG, SCRATCH_BEFORE,
-    SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_STEPS, SCRATCH_STEPS_SHIFT,
+    SCRATCH_ARC_TOP, SCRATCH_FEED, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_STEPS, SCRATCH_STEPS_SHIFT,
     SCRATCH_STRENGTH,
 )  # fmt: skip
 
@@ -43,7 +43,7 @@ def set_speed(rows, at, scratch, limits, plan, path, swept, plane, center, delta
     top = min(TOP, MOST * path // (ticks << 10))
     scratch[SCRATCH_IS_ARC] = 1
     scratch[SCRATCH_FEED] = min(limits.part(asked), MOST) if asked else 0
-    scratch[SCRATCH_GIVEN] = top
+    scratch[SCRATCH_ARC_TOP] = top
     scratch[SCRATCH_LENGTH], shift = floated(length, 1, 28)
     scratch[SCRATCH_LENGTH_SHIFT] = 2 * BIAS - shift
     scratch[SCRATCH_STEPS], scratch[SCRATCH_STEPS_SHIFT] = floated(path, 1 << 10, 15)

@@ -31,7 +31,7 @@ from passo.records import *
 def plan_block(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:
     """Fill in the row of a line or arc, all but the corner. Returns 1; 0 if it has no steps, -1 if they are more than 43 s apart,
     -2 if there are too many."""
-    top = scratch[SCRATCH_GIVEN]
+    top = scratch[SCRATCH_ARC_TOP]
     if scratch[SCRATCH_IS_ARC]:
         choose_speed(scratch)
     else:
