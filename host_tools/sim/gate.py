@@ -4,8 +4,8 @@
     data = gate.take(received, now)         # what the board may have of it; None: hang up
     gate.answered(said)                     # what the board says
 
-A connection is hung up on, before more of it is read, if it begins with a request of HTTP or with TLS, and at the fifth line refused
-while none has been accepted: the body of a request that looks like nothing else is lines to a board. Until one line has been accepted
+A connection is hung up on, before more of it is read, if it begins with a request of HTTP, with TLS or with STUN (what a page's WebRTC
+says to a TURN server by TCP), or has no end of its first line, and at the fifth line refused while none has been accepted: the body of a request that looks like nothing else is lines to a board. Until one line has been accepted
 the next waits for an answer, or for WAIT_S: so none is carried out behind the fifth. Real-time bytes, and what a program has
 accepted answers to, pass at once.
 """
@@ -15,8 +15,10 @@ import re
 WAIT_S = 0.05  # a language need not answer
 _REFUSALS = 5
 _TLS = b"\x16\x03"
-_REQUEST = re.compile(rb"[A-Z]{3,16} [^\r\n]{0,8000} HTTP/\d")
-_MAY_BE = re.compile(rb"[A-Z]{0,16}(?: [^\r\n]{0,8000})?")  # of which a request may still come
+_STUN = re.compile(rb".{4,6}\x21\x12\xa4\x42", re.DOTALL)  # with a length before it, or without
+_REQUEST = re.compile(rb"[A-Z]{3,16} [^\r\n]* HTTP/\d")
+_MAY_BE = re.compile(rb"[A-Z]{0,16}(?: [^\r\n]*)?")  # of which a request may still come
+_LONGEST = 8000  # bytes of a first line that may be a request
 _PUSHED = b"<[GA\r\n"  # what a grbl says unasked begins so
 
 
@@ -37,10 +39,11 @@ class Gate:
             data, self._held = self._held, b""
             return data
         if self._first:
-            if self._held[:2] == _TLS or _REQUEST.match(self._held):
+            if self._held[:2] == _TLS or _STUN.match(self._held) or _REQUEST.match(self._held):
                 return None
             if self._held[:1] == _TLS[:1] and len(self._held) == 1 or self._held and _MAY_BE.fullmatch(self._held):
-                return b""  # what it is shows with the next bytes, or the line's end
+                # What it is shows with the next bytes, or the line's end.
+                return b"" if len(self._held) <= _LONGEST else None
             self._first = False
         if self._waits_since is not None and now - self._waits_since < WAIT_S:
             return b""

@@ -173,9 +173,35 @@ def _same(fd, path):
         return False
 
 
+class _Client:
+    """One connection of a TcpLine, with what keeps a browser out."""
+
+    def __init__(self, client):
+        client.setblocking(False)
+        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.socket, self.gate = client, Gate()
+
+    def read(self, name):
+        """Bytes for the board; None: it has hung up, or has been hung up on."""
+        try:
+            data = self.socket.recv(READ_BYTES)
+            if not data:
+                return None
+        except BlockingIOError:
+            data = b""
+        except OSError:
+            return None
+        if data or self.gate.held():
+            data = self.gate.take(data, time.monotonic())
+            if data is None:
+                print(_("{}: hung up on a client that is no sender", name), file=sys.stderr, flush=True)
+        return data
+
+
 class TcpLine(_Line):
-    """A TCP server on this machine with one client at a time; a new client takes the place of the old. Port 0: any. A browser's requests,
-    and who is refused from the first line on, are hung up on: gate.py."""
+    """A TCP server on this machine with one client at a time. A new client takes the place of the old with the first byte that it may say:
+    a browser's requests, and who is refused from the first line on, are hung up on (gate.py), and the old one notices nothing.
+    Port 0: any."""
 
     def __init__(self, port, host="127.0.0.1"):
         super().__init__()
@@ -185,45 +211,41 @@ class TcpLine(_Line):
             raise Failure("cannot serve TCP port {}: {}", port, reason(error)) from error
         self._server.setblocking(False)
         self._client = None
+        self._coming = None  # the last that has connected, and said nothing yet, beside _client
         self.clients = 0  # so many have come
-        self._gate = Gate()
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"
 
     def read(self):
         self._accept()
         data = b""
-        if self._client is not None:
-            try:
-                data = self._client.recv(READ_BYTES)
-                if not data:
-                    self._drop()
-            except BlockingIOError:
-                pass
-            except OSError:
+        if self._coming:
+            data = self._coming.read(self.name)
+            if data is None:
+                self._coming.socket.close()
+                self._coming = None
+            elif data:
                 self._drop()
-            if data or self._gate.held():
-                data = self._through(data)
+        if self._client and not data:
+            data = self._client.read(self.name)
+            if data is None:
+                self._drop()
         if self._unsent:
             self._send()
-        return data
+        return data or b""
 
     def write(self, data):
-        self._gate.answered(bytes(data))
+        if self._client:
+            self._client.gate.answered(bytes(data))
         super().write(data)
 
-    def _through(self, data):
-        data = self._gate.take(data, time.monotonic())
-        if data is None:
-            print(_("{}: hung up on a client that is no sender", self.name), file=sys.stderr, flush=True)
-            self._drop()
-            return b""
-        return data
-
     def watched(self):
-        return [self._server] if self._client is None else [self._server, self._client]
+        return [self._server] + [client.socket for client in (self._client, self._coming) if client]
 
     def close(self):
-        self._drop()
+        for client in (self._client, self._coming):
+            if client:
+                client.socket.close()
+        self._client = self._coming = None
         self._server.close()
 
     def _accept(self):
@@ -231,18 +253,19 @@ class TcpLine(_Line):
             client, _ = self._server.accept()
         except OSError:
             return
-        self._drop()
-        self._gate = Gate()
-        client.setblocking(False)
-        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self._client = client
-        self.clients += 1
+        if self._coming:
+            self._coming.socket.close()
+        self._coming = _Client(client)
+        if not self._client:
+            self._drop()
 
     def _drop(self):
-        if self._client is not None:
-            self._client.close()
-        self._client = None
+        """The one that comes, if any, is the client now."""
+        if self._client:
+            self._client.socket.close()
         self._unsent = b""
+        self._client, self._coming = self._coming, None
+        self.clients += bool(self._client)
 
     def _put(self, data):
-        return self._client.send(data) if self._client is not None else len(data)
+        return self._client.socket.send(data) if self._client else len(data)

@@ -12,6 +12,7 @@ from running_router import Running
 
 BODY = b"$LINK=0\n$X\n$J=G91X10F1000\nG91G1X5F600\n"
 HEAD = b"Host: 127.0.0.1:5000\r\nOrigin: http://evil.example\r\nContent-Type: text/plain\r\nContent-Length: %d\r\n\r\n" % len(BODY)
+STUN = bytes.fromhex("000300082112a442") + b"~\x18!~\n$X\n~\x91\x91" + bytes.fromhex("0019000411000000")  # of TURN; what looks like orders is its number
 REQUESTS = [method + b" / HTTP/1.1\r\n" + HEAD + BODY for method in (b"POST", b"GET", b"PUT", b"OPTIONS", b"PROPFIND")]
 
 
@@ -32,7 +33,7 @@ def board(data, gate):
     return given, False
 
 
-@pytest.mark.parametrize("request_", REQUESTS + [b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + BODY])
+@pytest.mark.parametrize("request_", REQUESTS + [b"GET /" + b"~" * 20_000 + b" HTTP/1.1\r\n" + HEAD, b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03" + BODY])
 @pytest.mark.parametrize("piece", [1, 3, 5000])
 def test_requests_and_tls(request_, piece):
     gate = Gate()
@@ -43,6 +44,11 @@ def test_requests_and_tls(request_, piece):
             break
         given += got
     assert got is None and given == b""
+
+
+@pytest.mark.parametrize("length", [b"", b"\x00\x1c"])
+def test_webrtc(length):
+    assert Gate().take(length + STUN, 0) is None
 
 
 @given(strategies.lists(strategies.text("abcxyz:/ ()", min_size=1, max_size=30), min_size=5, max_size=9))

@@ -152,6 +152,32 @@ def test_tcp_port_in_use_and_a_second_client():
     line.close()
 
 
+@pytest.mark.parametrize("said", [b"", b"GET / HTTP/1.1\r\nHost: x\r\n\r\n$X\n", bytes.fromhex("000300002112a442") + b"~" * 12])
+def test_a_browser_takes_nobodys_place(said):
+    """Not with a connection that it opens beforehand, either; the sender beside it goes on, and who speaks after it is served."""
+    line = TcpLine(0)
+    port = int(line.name.rpartition(":")[2])
+    with connect(line) as client:
+        for _ in range(3):
+            with socket.create_connection(("127.0.0.1", port)) as browser:
+                browser.sendall(said)
+                client.write(b"G1X1\n")
+                assert receive(line, 5) == b"G1X1\n"
+                line.write(b"ok\r\n")
+                assert client.read(4) == b"ok\r\n"
+                with socket.create_connection(("127.0.0.1", port)):
+                    line.read()
+        assert line.clients == 1
+        with socket.create_connection(("127.0.0.1", port)) as other:
+            other.sendall(b"?")
+            assert receive(line, 1) == b"?" and line.clients == 2
+    with socket.create_connection(("127.0.0.1", port)) as other:
+        line.read()
+        line.write(b"k")
+        assert other.recv(1) == b"k", "nobody else is there"
+    line.close()
+
+
 def test_a_link_in_use_is_not_stolen(tmp_path):
     """The second board is refused, the first one goes on; afterwards the name is free, and nothing is left behind."""
     link = tmp_path / "plotter"

@@ -22,12 +22,19 @@ PAGE = """<!doctype html><title>not ours</title><body>
 document.querySelector("textarea").value = "{orders}";
 document.getElementById("f").submit();
 fetch("http://127.0.0.1:{port}/", {{method: "POST", mode: "no-cors", body: "{orders}"}}).catch(() => 0);
+fetch("http://127.0.0.1:{port}/?" + "~".repeat(20000), {{mode: "no-cors"}}).catch(() => 0);
 try {{ new WebSocket("ws://127.0.0.1:{port}/"); }} catch (error) {{ }}
+for (const transport of ["turn:127.0.0.1:{port}?transport=tcp", "turns:127.0.0.1:{port}?transport=tcp"]) {{
+  const peer = new RTCPeerConnection({{iceServers: [{{urls: transport, username: "a", credential: "b"}}]}});
+  peer.createDataChannel("a");
+  peer.createOffer().then((offer) => peer.setLocalDescription(offer));
+}}
 setTimeout(() => {{ document.title = "done"; }}, 1500);
 </script>"""
 
 
-def test_a_form_a_fetch_and_a_socket_of_another_origin():
+def test_what_a_page_of_another_origin_can_have_sent():
+    """By a form, fetch, a URL longer than any, WebSocket and WebRTC."""
     running = Running(line=TcpLine(0))
     port = int(running.line.name.rsplit(":", 1)[1])
     heard = []
