@@ -78,6 +78,13 @@ def pytest_pycollect_makemodule(module_path, parent):
     return CheckModule.from_parent(parent, path=module_path) if module_path.name.startswith("check_") else None
 
 
+def pytest_ignore_collect(collection_path, config):
+    """Files of which the tier runs nothing are not imported: most of them, for `make check`."""
+    if collection_path.suffix == ".py" and collection_path.name.startswith("test_"):
+        return not tiers.reads(collection_path.read_text(encoding="utf-8"), config.getoption("--tier")) or None
+    return None
+
+
 def pytest_collection_modifyitems(config, items):
     """Only what belongs to the tier runs, and of that first what takes a worker longest: the groups of one machine."""
     left_out = [item for item in items if not tiers.runs(_marked(item, "slow"), _marked(item, "quick"))]

@@ -27,6 +27,11 @@ def examples(count, tier=None):
     return min(count, FEW) if (tier or current) == "check" else count
 
 
+def reads(text, tier):
+    """Whether a file of this text has a test that may run."""
+    return tier != "check" or "mark.quick" in text
+
+
 def runs(slow, quick, tier=None):
     """Whether a test with these marks runs."""
     tier = tier or current

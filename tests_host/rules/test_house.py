@@ -9,14 +9,15 @@ import re
 from pathlib import Path
 
 import pytest
+from parsed import Trees
 
-pytestmark = pytest.mark.quick
+pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = {path.relative_to(ROOT / "firmware").as_posix(): path for path in (ROOT / "firmware").rglob("*.py")}
 HOST_TOOLS = {path.relative_to(ROOT).as_posix(): path for path in (ROOT / "host_tools").rglob("*.py")}
-SOURCES = {name: path.read_text(encoding="utf-8") for name, path in {**FIRMWARE, **HOST_TOOLS}.items()}
-TREES = {name: ast.parse(source) for name, source in SOURCES.items()}
+PATHS = {**FIRMWARE, **HOST_TOOLS}
+TREES = Trees(PATHS)
 
 MOST_LINES = 400
 MOST_LINES_OF_A_FUNCTION = 60
@@ -157,7 +158,7 @@ def lines_of_code(source, tree):
 
 
 def test_no_file_is_long():
-    long = {name for name, source in SOURCES.items() if lines_of_code(source, TREES[name]) > MOST_LINES}
+    long = {name for name, path in PATHS.items() if lines_of_code(path.read_text(encoding="utf-8"), TREES[name]) > MOST_LINES}
     report([f"{name}: more than {MOST_LINES} lines of code" for name in long - LONG_FILES])
     report([f"{name}: is short enough by now" for name in LONG_FILES - long])
 

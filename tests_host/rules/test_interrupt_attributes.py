@@ -3,10 +3,11 @@
 import ast
 
 import pytest
+from parsed import parse
 
 from host_tools.build.tree import FIRMWARE, module_files
 
-pytestmark = pytest.mark.quick
+pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 
 ISR = "# ISR"
 
@@ -16,7 +17,7 @@ def classes():
     found = {}
     for path in module_files():
         text = (FIRMWARE / path).read_text(encoding="utf-8")
-        for node in ast.parse(text).body:
+        for node in parse(text).body:
             if isinstance(node, ast.ClassDef):
                 found.setdefault(node.name, []).append((path, node, text.splitlines()))
     return found

@@ -9,8 +9,9 @@ import re
 from pathlib import Path
 
 import pytest
+from parsed import parse
 
-pytestmark = pytest.mark.quick
+pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 
 ROOT = Path(__file__).resolve().parents[2]
 FIRMWARE = ROOT / "firmware"
@@ -84,15 +85,10 @@ def room_of(path):
     return parts[1] if parts[0] == "passo" else parts[0]
 
 
-@functools.cache
-def tree(source):
-    return ast.parse(source)
-
-
 def imports(source, package):
     """(line, full name) of all that is imported; `from a import b` is a.b, relative imports are resolved by `package`."""
     found = []
-    for node in ast.walk(tree(source)):
+    for node in ast.walk(parse(source)):
         if isinstance(node, ast.Import):
             found += [(node.lineno, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
@@ -118,7 +114,7 @@ def import_faults(source, path):
         if not (within(name, allowed) or top in built_ins and top != "passo"):
             faults.append(f"{path}:{line}: {room} may not import {name}")
     if room not in ("machine_builder", "network_builder", "main"):
-        for node in ast.walk(tree(source)):
+        for node in ast.walk(parse(source)):
             if isinstance(node, ast.Name) and node.id == "__import__":
                 faults.append(f"{path}:{node.lineno}: only builders load modules by name")
     return faults
@@ -127,7 +123,7 @@ def import_faults(source, path):
 def float_faults(source, path):
     """Places where a float could come into being."""
     faults = []
-    for node in ast.walk(tree(source)):
+    for node in ast.walk(parse(source)):
         if isinstance(node, ast.Constant) and isinstance(node.value, (float, complex)):
             faults.append(f"{path}:{node.lineno}: float {node.value}")
         elif isinstance(node, (ast.BinOp, ast.AugAssign)) and isinstance(node.op, ast.Div):
@@ -145,7 +141,7 @@ def language_faults(source, path):
     for line, name in imports(source, path.parent.parts):
         if LANGUAGE_NAMES & set(name.split(".")):
             faults.append(f"{path}:{line}: imports {name}")
-    for node in ast.walk(tree(source)):
+    for node in ast.walk(parse(source)):
         if isinstance(node, ast.Constant) and node.value in ("pulses", "keys"):
             faults.append(f"{path}:{node.lineno}: names the language {node.value}")
     return faults
@@ -180,7 +176,7 @@ def test_firmware_file(path):
 @pytest.mark.parametrize("path", sorted((ROOT / "boards").glob("[!_]*.py")), ids=lambda path: path.name)
 def test_boards_are_data(path):
     """A docstring and BOARD = a literal, nothing else."""
-    body = tree(path.read_text(encoding="utf-8")).body
+    body = parse(path.read_text(encoding="utf-8")).body
     assert ast.get_docstring(ast.Module(body, [])), f"{path.name}: no docstring says which machine this is"
     assert len(body) == 2 and isinstance(body[1], ast.Assign), f"{path.name}: more than a docstring and BOARD"
     assert [target.id for target in body[1].targets] == ["BOARD"]
@@ -287,7 +283,7 @@ def attributes(tree):
 def attributes_of_rooms():
     rooms = {}
     for path in FILES:
-        rooms.setdefault(room_of(path), set()).update(attributes(tree((FIRMWARE / path).read_text(encoding="utf-8"))))
+        rooms.setdefault(room_of(path), set()).update(attributes(parse((FIRMWARE / path).read_text(encoding="utf-8"))))
     return rooms
 
 
@@ -295,7 +291,7 @@ def assignment_faults(source, path, rooms):
     """Assignments to attributes that no class of this room, or of the vocabulary, has; or of an object that is another's."""
     own = rooms[room_of(path)] | rooms["commands"] | rooms["batch"]
     faults = []
-    for node, of_self in assigned(tree(source)):
+    for node, of_self in assigned(parse(source)):
         name = getattr(node.value, "attr", getattr(node.value, "id", "")).lstrip("_")
         others = OWNERS.get(name, room_of(path)) != room_of(path)
         if not of_self and (others or node.attr not in own) and node.attr not in ASSIGNED:
@@ -328,7 +324,7 @@ def test_a_foreign_assignment_is_found(path, source, faulty):
 def features():
     """Names of the features, by the machine builder's table."""
     source = (FIRMWARE / "passo/machine_builder.py").read_text(encoding="utf-8")
-    for node in tree(source).body:
+    for node in parse(source).body:
         if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "FEATURES":
             return [row.elts[0].value for row in node.value.elts]
     raise AssertionError("the machine builder has no FEATURES")

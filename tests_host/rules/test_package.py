@@ -8,6 +8,7 @@ import tomllib
 from importlib.metadata import packages_distributions
 
 import pytest
+from parsed import parse
 
 from host_tools.build import package_list
 from host_tools.resources import ROOT
@@ -35,7 +36,7 @@ def imported(folder):
     """Names of the packages that the files of a folder import, anywhere in them."""
     found = set()
     for path in folder.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Import):
                 found |= {alias.name.split(".")[0] for alias in node.names}
             elif isinstance(node, ast.ImportFrom) and node.level == 0:

@@ -62,11 +62,20 @@ def test_the_examples():
 def test_unmeasured():
     assert sys.gettrace() is None
 """
+PLAIN = """
+import tiers
+
+assert tiers.current != "check", "a file without quick tests is not imported"
+
+
+def test_of_a_plain_file():
+    pass
+"""
 WANTED = {
     "check": {"test_quick", "check_all", "test_the_examples"},
-    "test": {"test_quick", "check_all", "test_the_examples", "test_plain", "test_unmeasured"},
+    "test": {"test_quick", "check_all", "test_the_examples", "test_plain", "test_unmeasured", "test_of_a_plain_file"},
     "all": {"test_quick", "check_all", "test_the_examples", "test_plain", "test_unmeasured", "test_slow", "check_long",
-            "test_one_of_a_quick_file_that_is_slow"},
+            "test_of_a_plain_file", "test_one_of_a_quick_file_that_is_slow"},
 }  # fmt: skip
 
 
@@ -74,9 +83,10 @@ WANTED = {
 def test_what_runs(tmp_path, tier):
     (tmp_path / "check_sample.py").write_text(CHECKS)
     (tmp_path / "test_file.py").write_text(FILE)
+    (tmp_path / "test_plain.py").write_text(PLAIN)
     environ = {**os.environ, "PYTHONPATH": str(ROOT / "tests_host"), "CI": "1"}
     options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-s", "-v", "-c", ROOT / "pyproject.toml", "--rootdir", "."]
-    command = [sys.executable, "-m", "pytest", *options, "--tier", tier, "check_sample.py", "test_file.py"]
+    command = [sys.executable, "-m", "pytest", *options, "--tier", tier]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     ran = set(re.findall(r"::(\w+) (?:PASSED|examples)", done.stdout))

@@ -6,6 +6,7 @@ import sys
 import types
 
 import pytest
+from parsed import parse
 
 from host_tools.build.tree import FIRMWARE
 from passo.ports.rp2.fields import (
@@ -13,7 +14,7 @@ from passo.ports.rp2.fields import (
     PIO_FIRST, PIO_MACHINE, PIO_MASK, PIO_PLAYING, PIO_STUCK, PIO_WORDS,
 )  # fmt: skip
 
-pytestmark = pytest.mark.quick
+pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 PORTS = FIRMWARE / "passo" / "ports"
 ABORT, BUSY = 0x50000444, 1 << 24
 CHANNELS = 0b111
@@ -106,7 +107,7 @@ def test_a_player_that_is_stuck_plays_nothing_and_says_so(player):
 
 def loops():
     for path in sorted(PORTS.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.While):
                 yield pytest.param(node, id=f"{path.relative_to(PORTS).as_posix()}:{node.lineno}")
 

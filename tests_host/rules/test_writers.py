@@ -5,10 +5,11 @@ import ast
 from collections import defaultdict
 
 import pytest
+from parsed import parse
 
 from host_tools.resources import FIRMWARE
 
-pytestmark = pytest.mark.quick
+pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 
 # Attributes with several writers, and why.
 WRITERS = {
@@ -55,7 +56,7 @@ def writers():
     """{attribute: modules of control that assign it}"""
     found = defaultdict(set)
     for path in sorted((FIRMWARE / "passo/control").glob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parse(path.read_text(encoding="utf-8"))):
             for target in targets(node):
                 if isinstance(target, ast.Attribute) and ast.unparse(target.value) in _RECORD:
                     found[target.attr].add(path.stem)
@@ -73,7 +74,7 @@ def faces():
     found = defaultdict(set)
     for path in sorted((FIRMWARE / "passo/protocols").rglob("*.py")):
         names = ("record", "self._record") if path.parent.name == "page" else ("machine", "self._machine", "self.machine", "gcode.machine", "controller.machine")
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in ast.walk(parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Attribute) and ast.unparse(node.value) in names:
                 found[node.attr].add(path.stem)
     return found

@@ -11,6 +11,7 @@ import symtable
 import sys
 
 import pytest
+from parsed import Trees, parse
 
 from host_tools import language
 from host_tools.clients import setting_names
@@ -19,12 +20,12 @@ from host_tools.programs import program_errors
 from host_tools.programs.ngc import codes
 from host_tools.resources import FIRMWARE, HOST_TOOLS, ROOT
 
-pytestmark = pytest.mark.quick
+pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 WORDS = json.loads((HOST_TOOLS / "pt.json").read_text(encoding="utf-8"))
 BOARD_FILES = json.loads((HOST_TOOLS / "pt_boards.json").read_text(encoding="utf-8"))
 PAGE = json.loads((FIRMWARE / "passo" / "web" / "page" / "pt.json").read_text(encoding="utf-8"))
 SOURCES = [path for path in HOST_TOOLS.rglob("*.py") if path.parent.name != "bench"]  # that one speaks to those who build Passo
-TREES = {path.relative_to(HOST_TOOLS).as_posix(): ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+TREES = Trees({path.relative_to(HOST_TOOLS).as_posix(): path for path in SOURCES})
 # Calls that take a text and the values of its fields, and which argument the text is.
 TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "Unavailable": 0, "Aborted": 0, "Stopped": 0, "Broken": 0, "Failed": 0,
          "ProgramError": 1, "_misfit": 2}  # fmt: skip
@@ -170,7 +171,7 @@ def sentence(node):
 
 
 def test_what_is_wrong_with_board_files_has_its_words():
-    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (FIRMWARE / "passo").rglob("*.py")]
+    trees = [parse(path.read_text(encoding="utf-8")) for path in (FIRMWARE / "passo").rglob("*.py")]
     raised = {"the board file"}  # what a key may be missing in
     raised |= {sentence(call.args[0]) for tree in trees for _, name, call in calls(tree) if name == "BoardError"}
     plant = [TREES["sim/plant.py"], TREES["sim/parts.py"]]  # the machine of a virtual board, with what --start and --fault ask for
