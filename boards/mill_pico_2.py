@@ -109,7 +109,11 @@ BOARD = {
     "spindle": {"max_rpm": 18000, "min_rpm": 0, "spin_up_ms": 0, "coolant_ms": 0},
     "idle_release_ms": 0,
     "store_points": 500,
+    # Where a job is, for `passo resume` and the page, after the PC or the power has failed.
+    "journal": {"every_ms": 1000},
+    # A program that asks for the status, and then says nothing for three seconds amid a job, has died: the machine comes to a
+    # stand, Z goes up, the spindle goes off.
     "links": [
-        {"name": "pc", "port": "usb", "protocol": "grbl"},
+        {"name": "pc", "port": "usb", "protocol": "grbl", "lost": "retract"},
     ],
 }

@@ -44,5 +44,7 @@ BOARD = {
     "spindle": {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 32, "pwm_hz": 5000, "laser": True},
     "idle_release_ms": 0,
     "store_points": 1000,
-    "links": [{"name": "pc", "port": "usb", "protocol": "grbl"}],
+    # A program that asks for the status, and then says nothing for three seconds amid a job, has died: the machine comes to a
+    # stand, the beam is off.
+    "links": [{"name": "pc", "port": "usb", "protocol": "grbl", "lost": "stop"}],
 }

@@ -53,5 +53,7 @@ BOARD = {
     "spindle": {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 1000},
     "idle_release_ms": 0,
     "store_points": 1000,
-    "links": [{"name": "pc", "port": "usb", "protocol": "grbl"}],
+    # A program that asks for the status, and then says nothing for three seconds amid a job, has died: the machine comes to a
+    # stand, Z goes up if it has homed, the spindle goes off.
+    "links": [{"name": "pc", "port": "usb", "protocol": "grbl", "lost": "retract"}],
 }

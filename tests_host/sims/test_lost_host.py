@@ -5,6 +5,7 @@ import pytest
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
 from passo import errors
+from passo.config.boardfile import check
 from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.pulses.protocol import frame
 from passo.protocols.torch import protocol as torch
@@ -48,6 +49,15 @@ def test_a_lost_host(name, lost):
         assert machine.app.controller.state == "alarm" and told == [errors.ALARM_HOST_LOST]
     else:
         assert machine.app.controller.state == ("hold" if lost == "pause" else "idle") and told == [errors.HOST_LOST]
+
+
+def test_shipped_machines_mind_a_host_that_asks():
+    """None of them lets a spindle turn, or a beam burn, behind a program that has died; where flash can hold it, they know where it was."""
+    for name in boards.names():
+        board = check(boards.load(name))
+        cables = [link for link in board["links"] if link["protocol"] == "grbl" and link["port"] in ("usb", "uart0", "uart1", "uart2")]
+        assert {link["lost"] for link in cables} <= {"stop" if board["spindle"]["laser"] else "retract"}, name
+        assert not cables or board["chip"] == "esp32" or board["journal"], name
 
 
 def test_nothing_is_asked_for():
