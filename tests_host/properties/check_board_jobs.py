@@ -12,6 +12,7 @@ MM = 320  # steps
 JOB = b"G21\nG91\nF3000\n" + b"G1X4\nY4\nX-4\nY-4\n" * 40 + b"G1X2Y1\n"
 CASES = {"check_an_upload_that_is_damaged": (("at", 0, len(JOB)), ("bit", 0, 7))}
 RUNS = {"check_an_upload_that_is_damaged": 4}
+NOT_QUICK = ("check_an_upload_is_run",)
 
 
 def served(**changes):

@@ -12,6 +12,7 @@ CASES = {
     ),
 }
 RUNS = {"check_any_arc": 8}
+NOT_QUICK = ("check_long_arcs_need_no_room_for_all",)
 
 
 def machine_at_rest():

@@ -26,6 +26,7 @@ CASES = {
     "check_end_off_the_circle": (("radius", 1, 300), ("dx", -5, 5), ("dy", -5, 5), ("seed", "seed")),
 }
 RUNS = {"check_any_radius": 60, "check_large_radius": 8, "check_speed": 25, "check_helix": 40, "check_seek": 20}
+NOT_QUICK = ("check_full_circles", "check_every_radius")
 OUT = array("I", bytearray(4 * MAX_RUN))
 
 

@@ -22,6 +22,7 @@ CASES = {
     "check_sensor_noise": (("spikes", "list", 30, ("at", 0, 99)),),
 }
 RUNS = {"check_homing_from_anywhere": 15, "check_stop_anywhere": 12}
+NOT_QUICK = ("check_dead_and_stuck_sensors",)
 SQUARE = ((0, 50, 40), (1, 50, 90), (1, 110, 90), (1, 110, 40), (1, 50, 40))
 
 

@@ -10,6 +10,7 @@ from router import BANNER, LASER, PULL_OFF, UNHOMED, Machine, World, home
 
 CASES = {}
 RUNS = {}
+NOT_QUICK = ("check_homing_direction", "check_an_alarm_switches_off", "check_homing_alarms")
 
 
 def check_homing():

@@ -7,6 +7,7 @@ from router import BANNER, UNHOMED, Machine, answers, home
 
 CASES = {}
 RUNS = {}
+NOT_QUICK = ("check_more_arcs_than_are_queued_at_once",)
 
 
 def check_hold_and_resume():

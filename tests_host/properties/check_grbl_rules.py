@@ -5,6 +5,7 @@ from router import BANNER, LASER, UNHOMED, Machine, answers, home
 
 CASES = {}
 RUNS = {}
+NOT_QUICK = ("check_hard_limits_count_in_every_state",)
 
 
 def check_numbers_with_many_decimals():

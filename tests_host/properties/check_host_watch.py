@@ -6,6 +6,7 @@ from passo.protocols import HELLO_WIRE
 from passo.protocols.frames import codec
 from router import Machine
 
+NOT_QUICK = ("check_a_host_that_does_not_ask",)
 LOST_MS = 500
 
 

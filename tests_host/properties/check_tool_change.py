@@ -4,6 +4,7 @@ from router import BOARD, Machine, World, home
 
 CASES = {"check_the_length_is_found_to_the_step": (("first", -14000, -6000), ("second", -14000, -6000))}
 RUNS = {"check_the_length_is_found_to_the_step": 4}
+NOT_QUICK = ("check_the_length_is_found_to_the_step",)
 CHANGE = {"at": [10, 20], "sensor": [250, 150], "distance_mm": 40, "seek_mm_min": 600, "locate_mm_min": 25}
 STEPS_MM = (320, 320, 400)
 

@@ -4,7 +4,8 @@
 
 A check module is plain Python that also runs under MicroPython: `check_*` functions, with `CASES` giving the
 parameters of those that have any (see draws.py), `RUNS`, where it is there, how many examples each takes, `EXAMPLES` those
-that are tried every time, and `SLOW` the names of those that only `make test-all` runs.
+that are tried every time, and `SLOW` the names of those that only `make test-all` runs, `NOT_QUICK`
+of those that `make check` leaves out.
 """
 
 import functools
@@ -40,16 +41,16 @@ def make_tests(module):
     cases = getattr(module, "CASES", {})
     runs = getattr(module, "RUNS", {})
     examples = getattr(module, "EXAMPLES", {})
-    slow = getattr(module, "SLOW", ())
+    slow, long = getattr(module, "SLOW", ()), getattr(module, "NOT_QUICK", ())
     checks = {name: check for name, check in vars(module).items() if name.startswith("check_") and callable(check)}
-    unknown = (set(cases) | set(runs) | set(examples) | set(slow)) - set(checks)
+    unknown = (set(cases) | set(runs) | set(examples) | set(slow) | set(long)) - set(checks)
     if unknown:
         names = ", ".join(sorted(unknown))
-        raise ValueError(f"{module.__name__}: CASES, RUNS, EXAMPLES or SLOW name what is not there: {names}")
+        raise ValueError(f"{module.__name__}: CASES, RUNS, EXAMPLES, SLOW or NOT_QUICK name what is not there: {names}")
     tests = {}
     for name, check in checks.items():
         test = make_test(check, cases.get(name, ()), runs.get(name, DEFAULT_RUNS), examples.get(name, ()))
-        tests[name] = (pytest.mark.slow if name in slow else pytest.mark.quick)(test)
+        tests[name] = pytest.mark.slow(test) if name in slow else test if name in long else pytest.mark.quick(test)
     return tests
 
 

@@ -4,9 +4,9 @@
 
 Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
 generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. With --few only those
-with parameters run; with --most=N each at most N times; with --part=N an Nth of its RUNS, but three at least; what `SLOW` names runs with
---slow only. Prints every failure with its arguments
-and a closing count; the exit status is 1 if anything failed.
+with parameters run, but what `NOT_QUICK` names; with --most=N each at most N times; with --part=N an Nth of its RUNS, but three at
+least; what `SLOW` names runs with --slow only. Prints every failure with its arguments and a closing count; the exit status is 1 if
+anything failed.
 """
 
 import sys
@@ -53,7 +53,7 @@ def run_module(module_name, few=False, slow=True, most=1_000_000, part=1):
     cases = getattr(module, "CASES", {})
     counts = getattr(module, "RUNS", {})
     examples = getattr(module, "EXAMPLES", {})
-    left_out = () if slow else getattr(module, "SLOW", ())
+    left_out = (() if slow else getattr(module, "SLOW", ())) + (getattr(module, "NOT_QUICK", ()) if few else ())
     names = [name for name in dir(module) if name.startswith("check_") and callable(getattr(module, name))]
     names = sorted([name for name in names if name not in left_out and (not few or name in cases)])
     total = failures = 0

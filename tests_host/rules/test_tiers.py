@@ -13,16 +13,21 @@ pytestmark = pytest.mark.quick
 
 CHECKS = """
 tried = []
-CASES = {"check_all": (("value", 0, 100000),), "check_long": (("value", 0, 100000),)}
+CASES = {"check_all": (("value", 0, 100000),), "check_slow": (("value", 0, 100000),)}
 RUNS = {"check_all": 60}
-SLOW = ("check_long",)
+SLOW = ("check_slow",)
+NOT_QUICK = ("check_long",)
 
 
 def check_all(value):
     tried.append(value)
 
 
-def check_long(value):
+def check_long():
+    pass
+
+
+def check_slow(value):
     pass
 """
 FILE = """
@@ -73,8 +78,9 @@ def test_of_a_plain_file():
 """
 WANTED = {
     "check": {"test_quick", "check_all", "test_the_examples"},
-    "test": {"test_quick", "check_all", "test_the_examples", "test_plain", "test_unmeasured", "test_of_a_plain_file"},
-    "all": {"test_quick", "check_all", "test_the_examples", "test_plain", "test_unmeasured", "test_slow", "check_long",
+    "test": {"test_quick", "check_all", "check_long", "test_the_examples", "test_plain", "test_unmeasured",
+             "test_of_a_plain_file"},
+    "all": {"test_quick", "check_all", "check_slow", "test_the_examples", "test_plain", "test_unmeasured", "test_slow", "check_long",
             "test_of_a_plain_file", "test_one_of_a_quick_file_that_is_slow"},
 }  # fmt: skip
 

@@ -7,8 +7,6 @@ import pytest
 from host_tools.build.arguments import numbered
 from host_tools.build.tree import FIRMWARE, module_files
 
-pytestmark = pytest.mark.quick
-
 
 def of(text, others=""):
     return numbered({"passo/a.py": text, "passo/b.py": others})["passo/a.py"]

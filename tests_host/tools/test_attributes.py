@@ -2,13 +2,9 @@
 
 import ast
 
-import pytest
-
 from host_tools.build.arguments import numbered
 from host_tools.build.attributes import shortened
 from host_tools.build.tree import FIRMWARE, module_files
-
-pytestmark = pytest.mark.quick
 
 A = """class A:
     def __init__(self):

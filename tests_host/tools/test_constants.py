@@ -8,8 +8,6 @@ from host_tools.build.constants import folded, numbered_only
 from host_tools.build.tree import FIRMWARE, module_files
 from host_tools.failure import Failure
 
-pytestmark = pytest.mark.quick
-
 A = """from micropython import const
 
 FIVE = const(5)

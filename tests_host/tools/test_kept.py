@@ -5,7 +5,6 @@ import pytest
 from host_tools.build import kept, tree
 from host_tools.kernels import module
 
-pytestmark = pytest.mark.quick
 BOARD = "two_motor_kit"
 
 
