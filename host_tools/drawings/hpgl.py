@@ -29,7 +29,7 @@ _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _INSTRUCTION = re.compile(r"[A-Za-z]{2}")
 # No ink, or none that a pen could draw otherwise: speeds, forces, widths, pauses, answers to a PC.
 _SILENT = frozenset(
-    "VS FS AS VA VN PW WU PT FT NP NR PG PS EC MG OA OC OD OE OF OG OH OI OK OL OO OP OS OT OW IM RP BP MC SB SA SS CS CA AP CC "
+    "VS FS AS VA VN PW WU PT FT NP NR PS EC MG OA OC OD OE OF OG OH OI OK OL OO OP OS OT OW IM RP BP MC SB SA SS CS CA AP CC "
     "GM GP DC DP CV LA TR ST SV RF AC UL BL PB CF AD SD TD FI FN IV LM QL AF AH CT CR PC".split()
 )
 
@@ -37,7 +37,7 @@ _SILENT = frozenset(
 def is_hpgl(data):
     """True if a file's first bytes are HPGL."""
     text = _ESCAPE.sub("", data[:400].decode("latin-1")).strip("; \r\n\t\0\x03").upper()
-    return bool(re.match(r"(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*|IP|SC|PS|RO|NP|BP|CO|LT)\s*(;|[-\d.\s]|[A-Z]{2}|$)", text))
+    return bool(re.match(r"(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*|IP|SC|PS|PG|RO|NP|BP|CO|LT)\s*(;|[-\d.\s]|[A-Z]{2}|$)", text))
 
 
 class HpglFile:
@@ -85,10 +85,18 @@ class HpglFile:
         return affine_transform(area, [UNIT_PX, 0, 0, -UNIT_PX, -self._left * UNIT_PX, self.size_px[1] + self._bottom * UNIT_PX])
 
     def _drawn(self, deviation):
-        pen = Pen(deviation)
+        pen, sheets = Pen(deviation), []
         for name, given in self._instructions:
-            pen.do(name, given)
-        return pen.finished()
+            if name == "PG":
+                sheets.append(pen.finished().inks)
+                pen.inks = {}
+            else:
+                pen.do(name, given)
+        sheets = [inks for inks in [*sheets, pen.finished().inks] if inks]
+        pen.inks = sheets[0] if sheets else {}
+        if len(sheets) > 1:
+            pen.left_out[N_("sheet behind the first")] += len(sheets) - 1
+        return pen
 
     def _parsed(self, text):
         """(instruction, numbers, or the text of a label)."""
@@ -131,7 +139,7 @@ class HpglFile:
             stop = stop if stop >= 0 else end.start() if end else len(text)
             given = [float(each) for each in _NUMBER.findall(text[at:stop])]
             at = stop
-            if name in Pen.WORDS:
+            if name in Pen.WORDS or name == "PG":
                 if all(math.isfinite(each) and abs(each) < 1e9 for each in given):
                     yield name, given
                 else:

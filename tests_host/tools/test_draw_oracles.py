@@ -12,11 +12,12 @@ from pathlib import Path
 
 import numpy
 import pytest
+import shapely
 from PIL import Image
 from shapely import STRtree
 from shapely import points as shapely_points
 
-from host_tools.drawings import sources
+from host_tools.drawings import sources, svg_area
 from host_tools.drawings.hpgl import UNIT_PX
 from host_tools.drawings.placement import box_of
 from host_tools.drawings.svg_file import SvgFile
@@ -190,9 +191,14 @@ def hp2xx_lines(path, box):
     return [(line.real - theirs[0]) * scale + box[0] + 1j * ((line.imag - theirs[3]) * scale + box[3]) for line in lines]
 
 
-def hpgl_agreement(path, near=0.5):
-    page = sources.opened(path).outlines(0.01)
+def hpgl_agreement(path, near=0.5, window=None):
+    """`window`: the part that hp2xx draws, in plotter units."""
+    file = sources.opened(path)
+    page = file.outlines(0.01)
     lines = [line for lines in page.layers.values() for line in lines]
+    if window:
+        places = file._placed(numpy.array([complex(*window[:2]), complex(*window[2:])]))
+        lines = svg_area.clipped(lines, shapely.box(places[0].real, places[1].imag, places[1].real, places[0].imag))
     return agreement(samples(hp2xx_lines(path, box_of([lines]))), lines, near), page
 
 
@@ -210,12 +216,17 @@ def test_a_real_hpgl_file_as_hp2xx_has_it(corpus):
 
 
 SAMPLES = Path("/usr/share/doc/hp2xx/hp-tests")
+# Behind IW without numbers hp2xx cuts at P1 and P2, turned by RO; a plotter cuts at its sheet, and Passo at the machine's table.
+CUT = {
+    "286x192.5_lh.hpg.gz": (-11440, 0, 0, 7700), "286x192.5_qh.hpg.gz": (-10830, 0, 0, 7910), "286x192.5_qh2.hpg.gz": (-10830, 0, 0, 7910),
+    "286x192.5_qq.hpg.gz": (0, 0, 10830, 7910), "iw.hp": (0, 0, 11440, 7700),
+}  # fmt: skip
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [
     "286x192.5_lq.hpg.gz", "acad.hp.gz", "at.hpg", "bz.hp", "charsize.hp", "ci.hp", "colors.hp", "ew.hpg", "inter.hp.gz", "la.hp", "miter.hp",
-    "mycolors.hp", "win_1.hp.gz",
+    "mycolors.hp", "win_1.hp.gz", *CUT,
 ])
 def test_hp2xx_s_own_samples(tmp_path, name):
     """Those without letters of another font, gaps in lines, fills of a pen's width, and sheets that hp2xx chooses otherwise."""
@@ -224,8 +235,16 @@ def test_hp2xx_s_own_samples(tmp_path, name):
     data = (SAMPLES / name).read_bytes()
     path = tmp_path / name.removesuffix(".gz")
     path.write_bytes(gzip.decompress(data) if name.endswith(".gz") else data)
-    (on_ours, on_theirs), _ = hpgl_agreement(path, 1.0)
-    assert on_ours > 0.99 and on_theirs > 0.99, (on_ours, on_theirs)
+    (on_ours, on_theirs), _ = hpgl_agreement(path, 1.0, CUT.get(name))
+    least = 0.98 if name in CUT else 0.99  # a label of letters otherwise made
+    assert on_ours > least and on_theirs > least, (on_ours, on_theirs)
+
+
+def test_hpgl_s_later_sheets_are_named(tmp_path):
+    path = tmp_path / "a.plt"
+    path.write_text("PG;IN;SP1;PU0,0;PD400,0;PG;PU0,0;PD0,400;PG;PG;PU0,0;PD9,9;PG;")
+    page = sources.opened(path).outlines(0.01)
+    assert len(page.layers[1]) == 1 and page.left_out == {"sheet behind the first": 2}
 
 
 @pytest.mark.parametrize("words", ["DI0,1;", "LO1;", "DI1,1;", "DR1,1;"])
