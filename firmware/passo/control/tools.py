@@ -94,7 +94,7 @@ class Tools(Feature):
             machine.power = command.power if command.value != SPINDLE_OFF else 0
             machine.at_speed = not machine.waits_for_speed or command.value == SPINDLE_OFF
             self._planner.set_power(0 if laser and not command.tool else thousandths(machine.power), False)
-            self._put("reverse", command.value == 4)
+            self.show_outputs(machine.hold != "door")
             still = self._queue.still()
             lit = self._queue.lit() if still else self._queue.tool
             if command.tool != lit:
@@ -130,13 +130,9 @@ class Tools(Feature):
     def show_outputs(self, on):
         """Coolant and the spindle's direction; all of them off while the door holds the machine."""
         self._cools = self._machine.coolant if on else 0
-        self._put("flood", self._cools & 1)
-        self._put("mist", self._cools & 2)
-        self._put("reverse", on and self._machine.spindle == 4)
-
-    def _put(self, name, on):
-        if name in self._outputs:
-            self._port.output(name, bool(on))
+        for name, shown in (("flood", self._cools & 1), ("mist", self._cools & 2), ("reverse", on and self._machine.spindle == 4)):
+            if name in self._outputs:
+                self._port.output(name, bool(shown))
 
     def _override(self, command):
         which = command.value
