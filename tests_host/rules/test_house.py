@@ -346,6 +346,21 @@ def test_no_name_is_imported_twice():
     report([f"{name}: imports {each} twice" for name, tree in TREES.items() for each in imported_twice(tree)])
 
 
+def vague(tree):
+    """Names of variables, arguments and functions that are called `place`: an index, a position or a location is meant."""
+    names = [getattr(node, key, None) for node in ast.walk(tree) for key in ("id", "arg", "attr", "name")]
+    return [name for name in names if isinstance(name, str) and "place" in name.split("_")]
+
+
+def test_no_name_is_vague():
+    report([f"{name}: {each}" for name, tree in TREES.items() if name.startswith("passo/") for each in vague(tree)])
+
+
+def test_a_vague_name_is_found():
+    assert vague(ast.parse("def f(place):\n    self._to_place = place.index")) == ["place", "_to_place", "place"]
+    assert not vague(ast.parse("def f(index):\n    return text.replace('place', index)"))
+
+
 def test_only_steps_knows_the_feeders_state():
     """Geometries and the ramp answer "next segment"; the feeder alone writes its state, its marks and the ring."""
     own = {name for name, _ in constants(TREES["passo/records.py"]) if name.startswith(("FEED_", "MARK_"))}

@@ -79,7 +79,7 @@ class CardStore(JobStore):
     def _other(self, path):
         return path[:-4] + _ENDS[path.endswith(_ENDS[0])]
 
-    def _place(self, name):
+    def _target(self, name):
         path, state, _ = self._best(name)
         return self._other(path) if state == _COUNTS else path
 

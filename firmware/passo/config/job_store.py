@@ -269,13 +269,13 @@ class JobStore:
     def begin(self, name, language, size, crc, stored):
         """Begin an upload of `stored` bytes; another one under way is forgotten."""
         self.abort()
-        self._upload = self._place(name)
+        self._upload = self._target(name)
         self._file = self._room.open(self._upload, "wb")
         self._name = name
         self._left = stored
         self._file.write(first_line(language, size, crc, stored))
 
-    def _place(self, name):
+    def _target(self, name):
         """The file that an upload of this name goes to."""
         return self._folder + _UPLOAD
 

@@ -284,7 +284,7 @@ class StepProgramPlayer(StepProgramOrders):
         seen = self._hand if self._mode in (HAND, RETURN) else walker
         stepping = self._mode != IDLE and seen.left and not seen.wait_ms
         report["step_program"] = {
-            "place": index,
+            "index": index,
             "total": self.program.total,
             "pass": self._pass,
             "passes": self._passes,

@@ -38,9 +38,9 @@ class TimerPlayer:
         self._machine = rp2.StateMachine(machine_id, programs.clock(layout.bits, cycles))
         self._tables = array("I", [0] * 256)
         for bit in range(layout.bits):
-            half, place = divmod(bit, 7)
+            half, shift = divmod(bit, 7)
             for levels in range(128):
-                if levels >> place & 1:
+                if levels >> shift & 1:
                     self._tables[128 * half + levels] |= 1 << pins[bit]
         pio = 0x50200000 + 0x100000 * block
         inverted = 0

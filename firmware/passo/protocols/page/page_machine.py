@@ -154,7 +154,7 @@ class PageMachine:
     def _show(self, report):
         """What only this machine has."""
 
-    def _show_place(self, steps):
+    def _show_position(self, steps):
         """A report of a machine that tells no speed: its position in mm, and the speed since the one before."""
         axes = range(len(self.scale))
         self.position = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]

@@ -42,7 +42,7 @@ class PlotterPage(PageMachine):
 
     def _show(self, report):
         self._steps = list(report["position"][:2])
-        self._show_place(self._steps)
+        self._show_position(self._steps)
         state = self.state
         state["drawn"], state["free"] = report["drawn"], report["free"]
         if report["state"] != "hold":

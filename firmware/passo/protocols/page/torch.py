@@ -100,7 +100,7 @@ class TorchPage(PageMachine):
 
     def _show(self, report):
         self._steps = list(report["position"][:2])
-        self._show_place(self._steps)
+        self._show_position(self._steps)
         self.state["ours"] = report["ours"]
         self.state["dropped"] = self._dropped
         self._tell_error(report)

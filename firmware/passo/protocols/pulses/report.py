@@ -17,9 +17,9 @@ def port_byte(step, tool, drives, config):
                 image |= 2 << 2 * axis
     shown = 0
     for bit in range(8):
-        place = config["port_bits"][7 - bit]
-        if place != "-" and (image ^ config["port_invert"]) >> bit & 1:
-            shown |= 1 << int(place)
+        position = config["port_bits"][7 - bit]
+        if position != "-" and (image ^ config["port_invert"]) >> bit & 1:
+            shown |= 1 << int(position)
     return shown
 
 
@@ -35,14 +35,14 @@ def status(report, config):
     speed = program["speed"]
     fields = (
         ("state", report["state"]),
-        ("at", program["place"]),
+        ("at", program["index"]),
         ("of", program["total"]),
         ("pass", "%d/%d" % (program["pass"], program["passes"])),
         ("going", "-" if program["backward"] else "+"),
         ("speed", "%d.%d" % (speed // 10, speed % 10)),
         ("wait", program["wait_ms"]),
         ("ask", 1 if program["asked"] else 0),
-        ("place", ",".join([str(place) for place in report["position"]])),
+        ("place", ",".join([str(steps) for steps in report["position"]])),
         ("manual", program["manual"]),
         ("tool", 1 if program["tool"] else 0),
         ("drives", 1 if program["drives"] else 0),
