@@ -18,7 +18,7 @@ TEXTS = {
     errors.BUSY: "the machine is busy: wait until it stands still",
     errors.LOCKED: "the machine is in alarm: home it first, or unlock it",
     errors.LIMITS_NEED_HOMING: "soft limits need homing: set $22=1 first",
-    errors.LINE_TOO_LONG: "the line has more than 80 characters, or 127 with a row of dots, and was not done: shorten it",
+    errors.LINE_TOO_LONG: "the line has more than 80 characters, or 127 with a row of dots, 243 with a packed one, and was not done: shorten it",
     errors.STEP_RATE: "steps/mm × speed is more than the board can step: lower one of them",
     errors.DOOR_OPEN: "the safety door is open: close it",
     errors.START_LINE_TOO_LONG: "the start-up line or text is too long to be kept: shorten it",

@@ -11,7 +11,7 @@ from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
 from host_tools.language import _, line_text
 
-DIALECTS = "plain", "cluster"
+DIALECTS = "plain", "cluster", "frames"
 EXAMPLES = """Engrave a picture with a laser: to its size, in rows of dots, as G-code that is sent or kept.
 
 Examples:
@@ -59,7 +59,7 @@ def engrave(
     constant: Annotated[bool, typer.Option("--constant", help="M3: the power does not follow the speed. Default M4.")] = False,
     air: Annotated[bool, typer.Option("--air", help="Air assist by M8.")] = False,
     frame: Annotated[Optional[float], typer.Option(min=0, max=10, help="Run around everything at so many % of full power first, and wait.")] = None,
-    dialect: Annotated[Optional[str], typer.Option(help="plain: a line for each power; cluster: up to 16 dots a line, which other boards of LightBurn's take as well. Default: what the machine at --port takes, plain for a file.")] = None,
+    dialect: Annotated[Optional[str], typer.Option(help="plain: a line for each power; cluster: up to 16 dots a line, which other boards of LightBurn's take as well; frames: up to 100 packed dots a line, for Passo only, in frames if the link has them. Default: what the machine at --port takes, plain for a file.")] = None,
     board: Annotated[str, typer.Option(help="Board by name, or the path of a board file: its speeds and full power.")] = "laser_xy",
     out: Annotated[Optional[Path], typer.Option("-o", "--out", help="Write the G-code to this file.")] = None,
     preview: Annotated[Optional[Path], typer.Option(metavar="PNG", help="A picture of what will burn, and in which order.")] = None,
@@ -121,15 +121,20 @@ def _carry_out(file, options, board, dialect, client, out, preview):
 
 
 def _choose(dialect, machine, client):
-    """How dots are written. Raises Failure if rows of them are asked for, and the machine does not take them."""
+    """How dots are written: packed, if the machine takes that. Raises Failure if rows of them are asked for, and it does not take them."""
     from host_tools.drawings import engraving
 
-    if client and not machine.takes_rows(client.command("$I")) and dialect == "cluster":
-        raise Failure("this machine takes no rows of dots: its $I says no CLUSTER; give --dialect plain")
+    if dialect == "plain" or not (client or dialect):
+        return
     if not client:
-        machine.cluster = engraving.CLUSTER if dialect == "cluster" else 0
-    elif dialect == "plain":
-        machine.cluster = 0
+        machine.packed = dialect == "frames"
+        machine.cluster = engraving.PACKED if machine.packed else engraving.CLUSTER
+        return
+    answer = client.command("$I")
+    if dialect != "cluster" and machine.takes_rows(answer, True) or dialect != "frames" and machine.takes_rows(answer):
+        return
+    if dialect:
+        raise Failure("this machine takes no such rows of dots: its $I does not say so; give --dialect plain")
 
 
 def _client(ends, port, baud, home, unlock):

@@ -16,6 +16,7 @@ from host_tools.cli.options import Baud, Port
 from host_tools.clients.grbl import LinkError
 from host_tools.failure import Failure
 from host_tools.language import _, line_text
+from host_tools.programs.gcode_file import has_numbers
 from host_tools.programs.gcode_time import Remaining
 
 _STATUS_S = 0.25
@@ -129,7 +130,7 @@ class Panel:
         self._remaining = Remaining(seconds or [1.0] * len(lines))
         self._bar = None
         self._numbers = [number for number, _ in lines]
-        self.numbered = not any(b"N" in line.upper() for _, line in lines)  # the machine says where it is
+        self.numbered = not has_numbers(lines)  # the machine says where it is
         self._done = 0
         self._line = 0
         self._begun = time.monotonic()

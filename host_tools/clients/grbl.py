@@ -14,10 +14,11 @@ from host_tools.clients.refusal import Refused, explain
 from host_tools.clients.serial_port import LinkError, open_link
 from host_tools.language import _, error_text, line_text
 from host_tools.clients.grbl_wire import fields_of
+from passo.protocols.gcode.words import longest
 
-RX_BYTES = 128
+RX_BYTES = 128  # that a grbl keeps; more if its Bf: has said so
 _FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest
-_LONGEST_TAGGED = 72  # characters, of 80 with the number
+_TAG = 8  # characters of a number
 _HIGHEST = 9_999_999
 _SLICE_S = 0.02
 HOME_S = 600
@@ -34,6 +35,7 @@ class GrblClient(Client):
         super().__init__(port, opened or open_link(port, baud, _SLICE_S, True), log)
         self.timeout_s = timeout_s
         self.status = {}  # fields of the last report; "state" is its first
+        self.window = RX_BYTES  # bytes that may be under way
         self.rest = []  # lines that came behind the last ok of command(), and with it
         self.alarm = None
         self.banners = 0
@@ -71,6 +73,8 @@ class GrblClient(Client):
     def _notice(self, line):
         if line.startswith("<") and line.endswith(">"):
             self.status = fields_of(line)
+            if re.fullmatch(r"\d+,\d+", buffers := self.status.get("Bf", "")):
+                self.window = max(self.window, int(buffers.partition(",")[2]))
         elif line.startswith("ALARM:"):
             self.alarm = int(line[6:])
         elif line.startswith("Grbl "):
@@ -184,7 +188,7 @@ class GrblClient(Client):
     def stream(self, lines, count=True, idle=None, numbered=False, origin=line_text):
         """Send [(number, bytes)]; yields each number as its line is answered.
 
-        `count`: keep up to 128 bytes under way, 900 in frames; otherwise each line waits for the answer to the previous one. Calls `idle()`
+        `count`: keep as many bytes under way as the board takes, 900 in frames; otherwise each line waits for the answer to the previous one. Calls `idle()`
         while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
         error holds the machine, drops what is under way and raises Refused; `origin(number)` is what it calls a line.
         """
@@ -213,7 +217,8 @@ class GrblClient(Client):
     def _room(self, under_way, line, count):
         if not count:
             return not under_way
-        return sum(len(sent) + 1 for _, _, sent in under_way) + len(line) + 1 <= (_FRAMED_BYTES if self.framed else RX_BYTES)
+        known = sum(len(sent) + 1 for _, _, sent in under_way)
+        return not known or known + len(line) + 1 <= (_FRAMED_BYTES if self.framed else self.window)
 
     def halt(self):
         """Stop on the path and drop everything that is queued; the position is kept."""
@@ -235,7 +240,7 @@ class GrblClient(Client):
 
 def tagged(number, line):
     """`line` with its number, if there is room and it is no $ line."""
-    return line if line.startswith(b"$") or len(line) > _LONGEST_TAGGED or number > _HIGHEST else b"N%d%s" % (number, line)
+    return line if line.startswith(b"$") or len(line) > longest(line) - _TAG or number > _HIGHEST else b"N%d%s" % (number, line)
 
 
 def alarm_text(number):

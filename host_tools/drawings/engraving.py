@@ -6,7 +6,8 @@
 
 A row runs along X at one speed. The head reaches that speed before the first dot and slows down behind the last one: the length of that,
 the overscan, is computed from speed and acceleration. Dots of one power side by side are one line. Blank rows are left out, and long
-blank stretches of a row are passed at rapid. On a machine that takes rows of dots several dots are one line, `X1.6S0:250:1000`.
+blank stretches of a row are passed at rapid. On a machine that takes rows of dots several dots are one line, `X1.6S0:250:1000`; packed
+`X1.6S=@@GZ_H`, which goes in frames.
 
 Error diffusion: R. W. Floyd and L. Steinberg, "An adaptive algorithm for spatial grey scale", 1976; J. F. Jarvis, C. N. Judice and
 W. H. Ninke, "A survey of techniques for the display of continuous tone pictures on bilevel displays", 1976.
@@ -36,6 +37,7 @@ _SAVED_S = 0.01  # a rapid move amid a row saves at least so much
 LINES_S = 1400  # dots a second over USB, if the PC answers after 1 ms: docs/benchmarks.md
 DOTS_S = 3800  # the same in rows
 CLUSTER = 16  # dots of a line, if no machine says it
+PACKED = 100  # the same of a packed row
 _ROW_CHARACTERS = 100  # of a line's dots: it may have 127, with its other words
 CARD_PATCHES = 11  # 0, 10 … 100 % of the power
 
@@ -75,6 +77,7 @@ class Machine:
     limits: Limits
     full: float
     cluster: int = 0  # dots that a line may have; 0: one power a line
+    packed: bool = False  # two characters a dot
 
     @classmethod
     def of_board(cls, board, name):
@@ -92,10 +95,10 @@ class Machine:
             raise Failure("set $32=1: without laser mode the machine stands at each dot with the beam on")
         return cls(Limits.of_settings(answer), found[30])
 
-    def takes_rows(self, answer):
+    def takes_rows(self, answer, packed=False):
         """True if the answer to $I says so: then `cluster` is how many dots a line may have."""
-        found = re.search(r"\[CLUSTER:(\d+)\]", "\n".join(answer))
-        self.cluster = int(found[1]) if found else 0
+        found = re.search(rf"\[{'PACKED' if packed else 'CLUSTER'}:(\d+)\]", "\n".join(answer))
+        self.cluster, self.packed = int(found[1]) if found else 0, packed
         return self.cluster > 0
 
     @property
@@ -280,7 +283,7 @@ def row_lines(row, options, machine):
     dots = []  # powers of equally long dots up to `reached`, which will be one line
 
     def line():
-        made = [f"{mode}X{number(reached)}S{':'.join(dots)}"] if dots else []
+        made = [f"{mode}X{number(reached)}S{'=' + ''.join(dots) if machine.packed else ':'.join(dots)}"] if dots else []
         dots.clear()
         return made
 
@@ -296,8 +299,8 @@ def row_lines(row, options, machine):
             continue
         for dot in range(count):
             reached = begin + (end - begin) * (dot + 1) / count
-            dots.append(level(power, machine))
-            if len(dots) == machine.cluster or len(":".join(dots)) + len(dots[-1]) >= _ROW_CHARACTERS:
+            dots.append(packed(power) if machine.packed else level(power, machine))
+            if len(dots) == machine.cluster or not machine.packed and len(":".join(dots)) + len(dots[-1]) >= _ROW_CHARACTERS:
                 yield from line()
                 mode = ""
     yield from line()
@@ -322,6 +325,12 @@ def is_rapid(length, options, machine):
     peak = min(rapid, math.sqrt(speed**2 + machine.acceleration * length))
     ramps = (peak**2 - speed**2) / machine.acceleration
     return length / speed - (2 * (peak - speed) / machine.acceleration + max(0.0, length - ramps) / peak) > _SAVED_S
+
+
+def packed(power):
+    """A power, 0 to 1 of full power, as a packed row has it."""
+    value = min(1000, max(round(1000 * power), 1 if power else 0))
+    return chr(64 + (value >> 5)) + chr(64 + (value & 31))
 
 
 def level(power, machine):

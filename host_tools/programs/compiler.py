@@ -104,7 +104,7 @@ def detect(path):
     for number, line in gcode_file.lines(path):
         if line.startswith(b"$"):
             continue
-        words = line.decode("ascii").upper()
+        words = line.decode("ascii").upper().partition("S=")[0]  # behind it are a row's powers
         for dialect, sign in _SIGNS.items():
             match = dialect not in found and sign.search(words if dialect == "ngc" else _NAMES.sub("", words))
             if match:

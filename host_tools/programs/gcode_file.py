@@ -51,6 +51,11 @@ def strip(line):
     return line.translate(None, _DROPPED)
 
 
+def has_numbers(lines):
+    """True if a line of [(number, bytes)] has an N word; a packed row of dots, behind =, is none."""
+    return any(b"N" in line.partition(b"=")[0].upper() for _, line in lines)
+
+
 def clock(seconds):
     """Seconds as h:mm:ss, or m:ss below an hour."""
     minutes, seconds = divmod(int(round(seconds)), 60)

@@ -31,8 +31,9 @@ def interrupted(said, lines, stored=0):
 def _line_of(lines, number):
     """The line of the file that has the N word `number`; a file without N words gets the numbers of its lines. Raises Failure."""
     from host_tools.clients.grbl import N_WORD
+    from host_tools.programs.gcode_file import has_numbers
 
-    if not any(b"N" in line.upper() for _, line in lines):
+    if not has_numbers(lines):
         return number
     found = [known for known, line in lines if (word := N_WORD.match(line.upper())) and int(word[1]) == number]
     if len(found) != 1:

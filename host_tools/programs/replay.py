@@ -302,7 +302,9 @@ class Replay:
             raise Failure("a row of dots in G93 cannot be gone on with amid its way; begin at its line with --from")
         long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
         span = motion.target[long] - start[long]
-        powers = [f"{power / 1000:.3f}".rstrip("0").rstrip(".") for power in self._gcode.words.row]
+        row = self._gcode.words.row
+        values = [level * self._gcode.max_rpm / 1_000_000 for level in row] if self._gcode.words.packed else [value / 1000 for value in row]
+        powers = [f"{value:.3f}".rstrip("0").rstrip(".") for value in values]
         ends = [end_of(dot, len(powers), abs(span)) for dot in range(len(powers))]
         begun = sum(end <= abs(place[long] - start[long]) for end in ends)
         lines, before = [], list(place)

@@ -47,7 +47,7 @@ def gcode_job(path):
     from host_tools.programs import gcode_file
 
     lines = gcode_file.read(path)
-    numbered = not any(b"N" in line.upper() for _, line in lines)
+    numbered = not gcode_file.has_numbers(lines)
     rows = [b""] * lines[-1][0]
     for number, line in lines:
         rows[number - 1] = tagged(number, line) if numbered else line

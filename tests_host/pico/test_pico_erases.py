@@ -14,7 +14,7 @@ from passo.control.job_journal import packed
 
 BLOCKS, SLOTS, RECORD = 4, 128, 32
 USED = 3 * SLOTS + 60  # of the slots: three blocks are erased
-RX_BYTES = 128
+RX_BYTES = 512
 ANSWER = re.compile(rb"(ok|error:\d+|ALARM:\d+)\r\n")
 LINK = "serial"
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("erases")]
@@ -40,7 +40,7 @@ def machine(request, uf2):  # noqa: F811
 
 
 def stream(machine, lines, pauses=(), question_ms=0):
-    """Send lines as a sender does that counts 128 bytes; `pauses`: {number of a line: ms before it}. Returns the answers."""
+    """Send lines as a sender does that counts 512 bytes; `pauses`: {number of a line: ms before it}. Returns the answers."""
     said, sent, answered = b"", [], 0
     asked_ms = machine.now_ms()
     for number, line in enumerate(lines):

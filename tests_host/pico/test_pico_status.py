@@ -40,5 +40,5 @@ def test_places_are_told_to_the_last_digit(asked):
         return bytes(asking.said)
 
     assert b"<Idle|MPos:-1.250,12.500,-0.003|" in tell(b"G90G0X-1.25Y12.5Z-.003")
-    assert b"<Idle|WPos:-10001.250,12.500,-0.003|Bf:96,128|FS:0,0|" in tell(b"G10L2P1X10000", b"$10=2")
+    assert b"<Idle|WPos:-10001.250,12.500,-0.003|Bf:96,512|FS:0,0|" in tell(b"G10L2P1X10000", b"$10=2")
     assert b"<Idle|WPos:-393.7500,0.4921,-0.0001|" in tell(b"$13=1")

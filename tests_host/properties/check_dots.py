@@ -33,6 +33,14 @@ def text_of(rows):
     return ["G1%s%s%.2fS%s" % ("X", sign, pitch * len(powers), ":".join([str(power) for power in powers])) for powers, pitch, sign in rows]
 
 
+def packed(powers):
+    return "=" + "".join([chr(64 + (power >> 5)) + chr(64 + (power & 31)) for power in powers])
+
+
+def packed_of(rows):
+    return ["G1X%s%.2fS%s" % (sign, pitch * len(powers), packed(powers)) for powers, pitch, sign in rows]
+
+
 def lines_of(rows):
     return ["G1X%s%.2fS%d" % (sign, pitch, power) for powers, pitch, sign in rows for power in powers]
 
@@ -44,18 +52,18 @@ def burnt(machine):
 
 
 def check_rows_are_lines(seed):
-    """M3: at each step the power that one line a dot gives."""
+    """M3: at each step the power that one line a dot gives, packed too."""
     random = Random(seed)
     rows = draw_rows(random, 6)
     made = []
-    for texts in (text_of(rows), lines_of(rows)):
+    for texts in (text_of(rows), lines_of(rows), packed_of(rows)):
         machine = laser("M3", "G91", "G1 F%d" % (1000 + 500 * (seed % 9)))
         machine.do(*texts)
         machine.do("X.1S0", "M5")
         made.append(burnt(machine))
         dots = machine.app.ring.power.marks
         assert dots[DOTS_HEAD] == dots[DOTS_TAIL]
-    assert made[0] == made[1]
+    assert made[0] == made[1] == made[2]
 
 
 def check_begins_at_the_nearest_step(seed):
@@ -103,7 +111,7 @@ def check_held_amid_rows(seed):
     made = []
     for holds in (0, 3):
         machine = laser(mode, "G91", "G1 F600")
-        machine.do(*text_of(rows))
+        machine.do(*(packed_of if holds and seed & 1 else text_of)(rows))
         machine.put("X.1S0\nM5\n")
         for _ in range(holds):
             machine.cycles(random.between(2, 60))
@@ -150,6 +158,25 @@ def check_more_dots_than_there_is_room_for():
     assert [power for _, _, power in burnt(machine)][16::32] == [power for row in rows for power in row]
 
 
+def check_more_packed_dots_than_there_is_room_for():
+    machine = laser("M3", "G91", "G1 F6000")
+    rows = [[row * 37 % 900 + 1 + dot for dot in range(100)] for row in range(20)]
+    machine.do(*["N%d X10S%s" % (row, packed(rows[row])) for row in range(20)])
+    machine.do("M5")
+    assert [power for _, _, power in burnt(machine)][16::32] == [power for row in rows for power in row]
+
+
+def check_overrides_amid_packed_rows():
+    """Of the power at once, of the speed as with plain lines; each dot is burnt in its steps."""
+    machine = laser("M3", "G91", "G1 F600")
+    machine.put("X16S%s\n" % packed([800] * 100))
+    machine.cycles(60)
+    machine.put(b"\x9b\x92")
+    machine.do("M5")
+    made = [power for _, _, power in burnt(machine)]
+    assert len(made) == 16 * STEPS_MM and made[0] == 800 and made[-1] == 720 and sorted(made, reverse=True) == made
+
+
 def check_as_a_command_with_too_many_dots():
     """Lines that only the whole of G-code understands wait for room as well."""
     machine = laser("M3", "G91", "G1 F6000")
@@ -164,7 +191,11 @@ def check_refused():
     for line, error in (
         ("X1S1:", errors.NUMBER), ("X1S1::2", errors.NUMBER), ("X1S:1", errors.NUMBER), ("X1S1:-2", errors.NEGATIVE), ("X1:2", errors.LETTER),
         ("G0X1S1:2", errors.WORDS_UNUSED), ("S1:2", errors.WORDS_UNUSED), ("G2X2I1S1:2", errors.WORDS_UNUSED), ("G28X1S1:2", errors.WORDS_UNUSED),
-        ("X1S1:2S3", errors.REPEATED_WORD), ("X1S" + "1:" * 62 + "1", errors.LINE_TOO_LONG), ("$J=X1F600S1:2", errors.WORDS_UNUSED),
+        ("X1S1:2S3", errors.REPEATED_WORD), ("X1S" + "1:" * 62 + "1", errors.LINE_TOO_LONG),
+        ("X1S=", errors.NUMBER), ("X1S=@@@", errors.NUMBER), ("X1S=_I", errors.NUMBER), ("X1S=@a", errors.LETTER), ("G0X1S=@@", errors.WORDS_UNUSED),
+        ("S=OT", errors.WORDS_UNUSED), ("G2X2I1S=@@", errors.WORDS_UNUSED), ("X1S=" + "@A" * 120, errors.LINE_TOO_LONG), ("$J=X1F600S=@@", errors.WORDS_UNUSED),
+        ("X1S5S=@@", errors.NUMBER), ("X1S=@@X2", errors.LETTER),
+        ("$J=X1F600S1:2", errors.WORDS_UNUSED),
     ):  # fmt: skip
         assert machine.ask(line) == ["error:%d" % error], line
     assert not machine.world.burnt and not burnt(machine)
@@ -183,15 +214,18 @@ def check_refused():
 
 
 def check_the_board_says_it():
-    assert "[CLUSTER:16]" in Machine(spindle=LASER).ready().ask("$I")
+    said = Machine(spindle=LASER).ready().ask("$I")
+    assert "[CLUSTER:16]" in said and "[PACKED:100]" in said
     assert "[CLUSTER:16]" not in Machine().ready().ask("$I")
 
 
 def check_the_first_power_counts_on():
-    """Behind a row S is its first power, as in grblHAL."""
+    """Behind a row S is its first power, as in grblHAL; behind a packed one it is as before."""
     machine = laser("M3", "G91", "G1 F600", "X1S300:0:200", "X.5", "M5")
     made = burnt(machine)
     assert [power for _, _, power in made[320:]] == [300] * 160
+    machine = laser("M3", "G91", "G1 F600", "X1S300", "X1S" + packed([0, 700]), "X.5", "M5")
+    assert [power for _, _, power in burnt(machine)] == [300] * 320 + [0] * 160 + [700] * 160 + [300] * 160
 
 
 def check_a_row_of_no_steps():

@@ -58,6 +58,8 @@ def draw_line(random):
         words += "F" + random.choice((number(random).strip("-"), "%d.%03d" % (random.between(0, 64_000), random.between(0, 999))))
     if random.between(0, 2) == 0:
         words += random.choice((" S", "S")) + ":".join([power(random) for _ in range(random.choice((1, 1, 1, 2, 3, 9)))])
+    if random.between(0, 7) == 0:
+        words += random.choice((" S=", "S=", "s=")) + packed([random.between(0, random.choice((1, 1000, 1000, 1023))) for _ in range(random.between(0, 12))])
     if random.between(0, 9) == 0:
         words += "I" + number(random) + random.choice(("", "J" + number(random), "I1"))
     line = bytearray(words.encode())
@@ -65,6 +67,10 @@ def draw_line(random):
         at = random.between(0, len(line))
         line = line[:at] + bytes((random.choice(ALPHABET),)) + line[at:]
     return bytes(line)
+
+
+def packed(powers):
+    return "".join([chr(64 + (power >> 5)) + chr(64 + (power & 31)) for power in powers])
 
 
 def draw_arc(random):
@@ -437,6 +443,19 @@ def check_rows_are_dealt_with():
         assert len(taken) == 1 and not lines.waiting(), line
         values = [float(value) for value in line.partition(b"S")[2].replace(b" ", b"").partition(b"F")[0].split(b":")]
         assert taken[0][-1] == [int(value + 0.5) for value in values], line
+    for line in (b"G1X-1.6S=@@_H@A", b"N9 Y-.8F600S=" + packed(range(900, 960)).encode(), b"X-30 s=OT"):
+        lines = Lines()
+        lines.take(line + b"\n")
+        taken = shop.machine.take_of(shop.gcode, lines, 9)
+        assert len(taken) == 1 and not lines.waiting(), line
+        found = line.partition(b"=")[2]
+        assert taken[0][-1] == [(found[at] - 64) * 32 + found[at + 1] - 64 for at in range(0, len(found), 2)], line
+        ring[DOTS_TAIL] = ring[DOTS_HEAD]
+    for line in (b"X1S=", b"X1S=@", b"X1S=@@@", b"X1S=_I", b"X1S=@a", b"X1S=@@ X2", b"X1S=@@X2", b"X1S5=@@", b"X1S5S=@@", b"X=@@", b"G0X1S=@@", b"S=@@", b"X1S=@@S=@@", b"X1S=@@:5"):
+        lines = Lines()
+        lines.take(line + b"\n")
+        found = shop.machine.follow(shop.gcode, lines, 9) or shop.gcode.interpret(line)
+        assert found in (1, 2, 25, 36) and not waits(lines), (line, found)
     for line in (b"X1S1:", b"X1S:1", b"X1S1::2", b"X1S1:-2", b"X1S1 X2:3", b"G0X1S1:2", b"X1:2", b"X1S1:2:", b"X1S1:2Z", b"X1S1:2S3", b"S1:2", b"G2X2I1S1:2", b"X1S1:2M3"):
         lines = Lines()
         lines.take(line + b"\n")

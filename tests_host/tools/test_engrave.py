@@ -20,6 +20,7 @@ from passo.steps.word import COUNT_MASK
 
 LASER = Machine(Limits([200.0] * 4, [1500.0] * 4), 1000)
 CLUSTERS = Machine(LASER.limits, 1000, 16)
+PACKED = Machine(LASER.limits, 1000, 100, True)
 WORD = re.compile(r"([A-Z])(-?\d*\.?\d+)")
 pytestmark = pytest.mark.unmeasured
 
@@ -37,12 +38,15 @@ def moves(lines):
     x = y = power = 0.0
     rapid = False
     for line in lines:
+        line, _, row = line.partition("S=")
         words = dict(WORD.findall(line))
         if "G" in words and words["G"] in "01":
             rapid = words["G"] == "0"
         power = float(words.get("S", power))
         before, x, y = x, float(words.get("X", x)), float(words.get("Y", y))
         powers = re.findall(r"(?<=[S:])[\d.]+", line) or [power]
+        if row:
+            powers = [(ord(high) - 64) * 32 + ord(low) - 64 for high, low in zip(row[::2], row[1::2])]
         for dot, burns in enumerate(powers):
             if "X" in words and before != x:
                 yield *(before + (x - before) * end / len(powers) for end in (dot, dot + 1)), y, float(burns), rapid
@@ -58,7 +62,7 @@ def pictures(draw):
 
 @settings(max_examples=60)
 @given(pictures(), st.booleans(), st.sampled_from((0.0, 0.07, -0.2)), st.sampled_from((3000, 9000)), st.sampled_from((10, 4)),
-       st.sampled_from((LASER, CLUSTERS, Machine(LASER.limits, 1, 5))))  # fmt: skip
+       st.sampled_from((LASER, CLUSTERS, PACKED, Machine(LASER.limits, 1, 5))))  # fmt: skip
 def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, dots, machine):
     options = Options(dots_mm=dots, one_way=one_way, offset_mm=offset, speed=speed, origin=(3.0, 5.0))
     rows = engraving.rows_of(powers, options)
@@ -67,7 +71,7 @@ def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, d
             list(engraving.gcode(rows, options, machine))
         return
     lines = list(engraving.gcode(rows, options, machine))
-    assert max(map(len, lines)) < 120 and all(line.count(":") < max(1, machine.cluster) for line in lines)
+    assert max(map(len, lines)) < (235 if machine.packed else 120) and all(line.count(":") < max(1, machine.cluster) for line in lines)
     found = np.zeros_like(powers)
     for before, x, y, power, rapid in moves(lines):
         if rapid or power == 0:
@@ -163,7 +167,7 @@ def burn(lines, height, width, zero=(0, 0)):
     return port
 
 
-@pytest.mark.parametrize("machine", [LASER, CLUSTERS], ids=["plain", "cluster"])
+@pytest.mark.parametrize("machine", [LASER, CLUSTERS, PACKED], ids=["plain", "cluster", "packed"])
 @pytest.mark.parametrize("overscan", [None, 0.0])
 def test_what_is_burnt_is_the_picture(overscan, machine):
     """From the words and the duty: each dot's energy is in proportion to its power, both directions in register to a step; in the ramps

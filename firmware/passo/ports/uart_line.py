@@ -7,7 +7,7 @@ from micropython import const
 _RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
 _SEND_BYTES = const(256)
 _WAIT_MS = const(1000)  # for room there: without it the interpreter drops what does not fit
-_MOST = const(128)  # bytes read in one go
+_MOST = const(512)  # bytes read in one go: what a sender may have under way, so that `?` is seen behind it
 _PARITIES = {"none": None, "even": 0, "odd": 1}
 
 
@@ -53,7 +53,7 @@ class UartLine:
         return self._uart.any() + self._kept - self._given
 
     def read(self):
-        """Bytes that have come, at most 128, good until the next read; b"" if none."""
+        """Bytes that have come, at most 512, good until the next read; b"" if none."""
         if self._kept:
             return self._read_kept()
         count = self._uart.any()

@@ -1,4 +1,4 @@
-"""What comes on a UART while flash is erased or written, all interrupts off for up to 0.4 s: DMA keeps it, 256 bytes.
+"""What comes on a UART while flash is erased or written, all interrupts off for up to 0.4 s: DMA keeps it, 576 bytes.
 
     capture.begin(uart)         # bytes that are in the UART's buffer now come first
     count = capture.end()       # capture.view[:count] comes behind them
@@ -13,7 +13,7 @@ from uctypes import addressof
 
 from passo.ports.rp2 import chip
 
-_BYTES = const(256)  # twice what a sender that counts may have on its way
+_BYTES = const(576)  # what a sender that counts may have on its way, and some questions
 
 
 class Capture:

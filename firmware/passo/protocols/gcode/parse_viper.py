@@ -3,7 +3,8 @@
     lines = parse(text, at, len(text), fields, batch, dots, most)    # how many were understood, at most `most`: rows of the batch
 
 A laser is on at the power that the line's S says, and off in a G0. `S0:500:1000` is a row of dots, whose powers go into `dots`, DOTS_…
-of Power.marks: a row that finds no room there ends the batch, and waits.
+of Power.marks: a row that finds no room there ends the batch, and waits. `S=@@OT_H`, a packed row, ends its line: two characters a dot,
+`@` to `_`, are 32 · the first + the second, in thousandths of full power; S stays as it was.
 
 The first line begins at text[at]; each ends with a line feed or the text. `fields` says where the machine is and how lines
 count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and
@@ -32,7 +33,7 @@ def parse(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots:
         row = fields[PARSE_DOTS]
         longest = 81  # bytes, its end among them
         if row:
-            longest = 128
+            longest = 244 if fields[PARSE_HAVE] & HAS_S == 0 else 128
         if after == 0 or after - begin > longest or fields[PARSE_HAVE] & HAS_AXES == 0:
             break
         if row and fields[PARSE_MOTION] != 1:
@@ -83,6 +84,8 @@ def read_line(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> in
         letter = byte & 0xDF
         if byte < 65 or letter > 90:
             return 0
+        if letter == 83 and at < count and text[at] == 61:
+            return int(read_packed(text, at + 1, count, fields, dots))
         at = int(read_number(text, at, count, fields))
         if at == 0 or int(read_word(fields, letter)) == 0:
             return 0
@@ -118,6 +121,37 @@ def read_row(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int
     fields[PARSE_DOTS] = row
     fields[PARSE_LAST] = level
     return at
+
+
+@micropython.viper
+def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int:
+    """Read a packed row up to its line's end, as read_row(). Returns where the next line begins, 0 if this one has to be left to the parser."""
+    mask = dots[DOTS_MASK]
+    if fields[PARSE_FULL] <= 1 or mask == 0 or fields[PARSE_HAVE] & HAS_S:
+        return 0
+    head = dots[DOTS_HEAD]
+    room = (dots[DOTS_TAIL] - head - 1) & mask
+    level = 0
+    row = 0
+    while at + 1 < count:
+        high = int(text[at])
+        at += 1
+        low = int(text[at])
+        if (high ^ 0x40) >> 5 or (low ^ 0x40) >> 5:
+            at -= 1
+            break
+        level = (high & 31) << 5 | low & 31
+        if level > 1000:
+            return 0
+        if row < room:
+            dots[dots[DOTS_AT] + ((head + row) & mask)] = level
+        row += 1
+        at += 1
+    if row == 0 or at < count and text[at] != 10:
+        return 0
+    fields[PARSE_DOTS] = row
+    fields[PARSE_LAST] = level
+    return at + 1
 
 
 @micropython.viper

@@ -242,7 +242,7 @@ class GCode(Motions):
         moves = found[MOTION] not in (NONE, G80) or (not self._axis_command and (axis_words or self._sweeps(motion)))
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
-        rpm = self.words.fixed(S, 3) if self._take(S) else self.rpm
+        rpm = self.words.fixed(S, 3) if self._take(S) and not self.words.packed else self.rpm
         tool = self._read_tool(T)
         spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
         coolant = self._read_coolant(found[COOLING])
@@ -302,10 +302,15 @@ class GCode(Motions):
             return
         if not self.laser:
             raise Refused(errors.UNSUPPORTED)
-        powers = [min(rpm * 1_000_000 // self.max_rpm, 1_000_000) for rpm in self.words.row]
         command = self.commands[0]
-        command.tool, command.power = powers[-1] > 0, powers[-1]
-        command.dots = [thousandths(power) for power in powers]
+        if self.words.packed:
+            command.dots = self.words.row
+            last = 1000 * command.dots[-1]
+        else:
+            powers = [min(rpm * 1_000_000 // self.max_rpm, 1_000_000) for rpm in self.words.row]
+            last = powers[-1]
+            command.dots = [thousandths(power) for power in powers]
+        command.tool, command.power = last > 0, last
         self._moves = new_moves()
 
     def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell, handed_on):

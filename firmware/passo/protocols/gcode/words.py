@@ -5,7 +5,8 @@
     words.codes[0]                                  # 100: G1, in hundredths; M codes from M_CODES on
     words.fixed(X, 6)                               # -1250000: the value in millionths
 
-`S0:500` gives S more than one power: a row of dots. Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A byte 00 is an
+`S0:500` gives S more than one power: a row of dots. `S=@@OT_H` is a packed row, which ends the line: two characters a dot, `@` (0) to `_` (31), 32 · the first +
+the second, in thousandths of full power. Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A byte 00 is an
 error, in a comment too: it stands where a break or noise has taken another byte's place. A number has at most nine digits that count,
 and twelve decimals; further decimals are dropped.
 """
@@ -16,7 +17,8 @@ from micropython import const
 from passo import errors
 
 LONGEST = const(80)  # characters of a line, blanks and comments aside
-ROW_LONGEST = const(127)  # of one with a row of dots: all that a sender may have under way
+ROW_LONGEST = const(127)  # of one with a row of dots
+PACKED_LONGEST = const(243)  # of one with a packed row: it fits into a frame
 M_CODES = const(1_000_000)
 _CODES = const(40)  # G and M words a line of 80 characters can hold
 _NINE_DIGITS = const(100_000_000)
@@ -61,6 +63,7 @@ class Words:
         self.codes = array("i", [0] * _CODES)
         self.count = 0  # of codes
         self.row = None  # thousandths: the values of S if it has several
+        self.packed = False  # they are thousandths of full power
         self._mantissa = array("i", [0] * 27)
         self._decimals = bytearray(27)
 
@@ -70,11 +73,10 @@ class Words:
     def scan(self, line):
         """Read a line. 0, or the number of the first error; then the words mean nothing."""
         self.have = self.count = 0
-        self.row = None
-        letter = -1
+        self.row, self.packed = None, False
+        letter, point = -1, False
         value = digits = decimals = sign = 0
         comment = 0  # the character that began it
-        point = False
         for byte in line:
             if byte <= 32 or byte == 47:
                 if not byte:
@@ -113,9 +115,10 @@ class Words:
                     return error
                 if letter == S:
                     self.row = [self.fixed(S, 3)]
-                letter = _DOT
+                letter, point = _DOT, False
                 value = digits = decimals = sign = 0
-                point = False
+            elif byte == 61 and letter == S and not (digits or point or sign or self.have >> S & 1):
+                return self._unpack(bare(line).partition(b"=")[2])
             else:
                 if letter >= 0:
                     error = self._keep(letter, -value if sign < 0 else value, digits, decimals)
@@ -127,6 +130,18 @@ class Words:
                 value = digits = decimals = sign = 0
                 point = False
         return self._keep(letter, -value if sign < 0 else value, digits, decimals) if letter >= 0 else 0
+
+    def _unpack(self, text):
+        """The powers of a packed row, of digits to the base 32."""
+        for byte in text:
+            if byte & 0xE0 != 0x40:
+                return errors.LETTER
+        if not text or len(text) & 1:
+            return errors.NUMBER
+        self.row = [(text[at] & 31) << 5 | text[at + 1] & 31 for at in range(0, len(text), 2)]
+        self.packed = True
+        self.have |= 1 << S
+        return errors.NUMBER if max(self.row) > 1000 else 0
 
     def _keep(self, letter, value, digits, decimals):
         if not digits:
@@ -202,6 +217,8 @@ def bare(line, unfinished=False):
 
 def longest(line):
     """Characters that a line may have, blanks and comments aside."""
+    if b"=" in line:
+        return PACKED_LONGEST
     return ROW_LONGEST if b":" in line else LONGEST
 
 

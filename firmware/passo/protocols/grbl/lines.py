@@ -25,7 +25,7 @@ from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare
 from passo.records import LINES_BYTES
 
-RX_BYTES = const(128)  # that a sender may have under way
+RX_BYTES = const(512)  # that a sender may have under way
 REAL_TIME = const(-1)  # what keep() says: there are real-time bytes but `?`; nothing is kept
 SLOWLY = const(-2)  # take_each() has to keep it
 LONG = const(-3)  # it is kept; the line that has not ended yet has grown long

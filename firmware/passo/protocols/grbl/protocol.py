@@ -15,7 +15,7 @@ next line is not looked at before the one before it is answered, so each is unde
 Lines that are nothing but a G0 or G1, or an arc about I and J, go several at a time, in a batch, while nothing is unusual: take(), before feed() has the
 rest. They are answered when they are queued.
 
-A sender may have 128 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
+A sender may have 512 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
 answered by error:11 and nothing of it is done.
 """
 

@@ -17,6 +17,7 @@ from passo.records import DOTS_MASK, SETTING_INCHES
 _A_FEW = const(6)
 _MOST_RUNS = const(100)
 _CLUSTER = const(16)  # dots of a row that fit into a line whatever its numbers
+_PACKED = const(100)  # the same of a packed row
 _START_LINES = ("N0", "N1")
 INFO = "I"
 
@@ -168,7 +169,7 @@ class System:
         about = self._machine.about
         handlers = self._machine.handlers
         more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
-        rows = "[CLUSTER:%d]\r\n" % _CLUSTER if self._rows else ""
+        rows = "[CLUSTER:%d]\r\n[PACKED:%d]\r\n" % (_CLUSTER, _PACKED) if self._rows else ""
         return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self._blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
