@@ -111,7 +111,7 @@ def texts_of(name, firmware=FIRMWARE, more=(), march=None):
         sources["passo_pages.py"] = pages_text()
     sources.update(more)
     compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, march or MARCH[chip.mcu], COLD if chip.mcu.startswith("rp2") else ())
-    return inline.inlined(compiled.texts, bounds=inline.ROOMY), compiled.modules
+    return inline.inlined(compiled.texts), compiled.modules
 
 
 def names_text(paths):

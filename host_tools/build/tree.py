@@ -365,13 +365,13 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
 
 def _made(sources, board, march):
     """(texts of modules as they are compiled, kernels.Compiled) of a board's sources."""
-    left, bounds = _left(board), inline.TIGHT if board["chip"] == IN_PLACE else inline.ROOMY
+    left = _left(board)
 
     def make():
         compiled = kernels.compiled(*forms(sources), board, march, left)
-        return inline.inlined(short(compiled.texts), bounds=bounds), compiled._replace(texts={})
+        return inline.inlined(short(compiled.texts)), compiled._replace(texts={})
 
-    return kept((sorted(sources.items()), kernels.accelerates(board), march, left, bounds, modules.origin(march)), make)
+    return kept((sorted(sources.items()), kernels.accelerates(board), march, left, modules.origin(march)), make)
 
 
 def _check_flash(board, out):

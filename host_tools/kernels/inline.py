@@ -3,9 +3,9 @@ other compiler.
 
     texts = inlined(texts)               # {path: folded text} of a build
     texts = inlined(texts, keep=True)    # the same, and what has been put into others can still be called from Python
-    texts = inlined(texts, bounds=TIGHT) # for a chip that has little memory: fewer copies
 
-A kernel goes into those that call it if it has few statements; a longer one if only kernels call it, in one place or in few.
+A kernel goes into those that call it if it has few statements; a longer one if kernels call it in one place, or only kernels, in few.
+None goes in that is large with all that is in it: a board has to find memory for a function in one piece.
 Its arguments and locals become locals of the caller, `return` an assignment, and what Python
 evaluates before the call is kept in a local. A kernel that only kernels call is left out of its module then.
 
@@ -20,20 +20,14 @@ from host_tools.kernels.fall_through import FallThrough, assign, cast, name, ret
 from host_tools.kernels.program import INT, LOOPS, OBJECT, POINTERS, Program, ordered, parsed
 
 SMALL = 1 << 30
-# (statements that a kernel may have to go in anywhere; that all copies but the first may have, if only kernels call it)
-ROOMY, TIGHT = (12, 60), (8, 8)
+# Statements that a kernel may have to go in anywhere; that it may have if kernels call it in one place; that all copies but the first may
+# have, if only kernels call it; and that it may have with all that is in it.
+FEW, ONCE, COPIES, LARGEST = 12, 23, 30, 160
 
 
-def inlined(texts, keep=False, bounds=ROOMY):
-    few, most_more = bounds
+def inlined(texts, keep=False):
     program = Program(texts)
-    uses = program.uses()
-    chosen = {}
-    for full, kernel in program.kernels.items():
-        calls, others = uses[full]
-        size = sum(1 for _ in ordered(kernel.node.body))
-        if calls and (size <= few or not others and (calls - 1) * size <= most_more):
-            chosen[full] = others == 0
+    chosen = _chosen(program)
     made, under_way = {}, []
 
     def make(kernel):
@@ -55,6 +49,28 @@ def inlined(texts, keep=False, bounds=ROOMY):
         gone = set() if keep else {full for full, only in chosen.items() if only}
         out[path] = _edited(program, module, texts[path], mine, made, gone)
     return out
+
+
+def _chosen(program):
+    """{full name: whether only kernels call it} of the kernels that go in."""
+    uses, weights, found = program.uses(), {}, {}  # weights: statements, with those of the kernels that go in
+
+    def weigh(kernel):
+        full, called = kernel.full, program.calls(kernel)
+        if full in weights:
+            return
+        size = weights[full] = sum(1 for _ in ordered(kernel.node.body))
+        for each in called:
+            weigh(each)
+        weights[full] += sum(weights[each.full] for each in called if each.full in found)
+        calls, others = uses[full]
+        little = size <= FEW or calls == 1 and size <= ONCE or not others and (calls - 1) * size <= COPIES
+        if calls and little and weights[full] <= LARGEST:
+            found[full] = others == 0
+
+    for kernel in program.kernels.values():
+        weigh(kernel)
+    return found
 
 
 def _edited(program, module, text, kernels, made, gone):

@@ -128,11 +128,12 @@ class Program:
         for node in parsed(self.texts[path]).body:
             if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
                 value = node.value
-                if isinstance(value, ast.Call) and ast.unparse(value.func) == "const":
+                constant = isinstance(value, ast.Call) and ast.unparse(value.func) == "const"
+                if constant:
                     value = value.args[0]
                 if isinstance(value, ast.UnaryOp) and isinstance(value.op, ast.USub) and isinstance(value.operand, ast.Constant):
                     value = ast.Constant(-value.operand.value)
-                if isinstance(value, ast.Constant) and type(value.value) is int and node.targets[0].id.isupper():
+                if isinstance(value, ast.Constant) and type(value.value) is int and (constant or node.targets[0].id.isupper()):
                     numbers[node.targets[0].id] = value.value
 
     def named(self, module, node, passed_on=True):

@@ -14,7 +14,7 @@ from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.kernels import build as kernels
 from host_tools.kernels import module
-from host_tools.kernels.inline import TIGHT, inlined
+from host_tools.kernels.inline import inlined
 from gcode_jobs import all_jobs
 import every_number
 from digest import board_named
@@ -31,7 +31,7 @@ def compiled(sources, board="router_3axis"):
     made = kernels.compiled(*forms(texts), boards.load(board), "armv6m", COLD)
     files = {path: mpy.in_place(data) for path, data in made.modules.items()}
     with tempfile.TemporaryDirectory() as folder:
-        for path, text in inlined(short(made.texts), bounds=TIGHT).items():
+        for path, text in inlined(short(made.texts)).items():
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from host_tools.build.tree import compile_module
 from host_tools.failure import Failure
-from host_tools.kernels.inline import inlined
+from host_tools.kernels.inline import LARGEST, inlined
 
 HELPERS = '''
 import micropython
@@ -159,6 +159,34 @@ def test_a_long_kernel_goes_in_where_only_one_calls_it():
     many = one + "@micropython.viper\ndef two(x: int) -> int:\n    return int(long(x)) + int(long(x + 1))\n"
     assert inlined({"passo/a.py": many})["passo/a.py"] == many
     assert inlined({"passo/a.py": one, "passo/b.py": "from passo.a import long\nlong(3)\n"})["passo/a.py"] == one
+
+
+def test_none_goes_in_that_is_large_with_what_is_in_it():
+    """A board has to find memory for a function in one piece."""
+    parts = "".join(LONG.replace("long", f"part_{part}") for part in range(LARGEST // 42))
+    sums = " + ".join(f"part_{part}(x)" for part in range(LARGEST // 42))
+    texts = {"passo/a.py": f"{parts}@micropython.viper\ndef whole(x: int) -> int:\n    return {sums}\n"}
+    assert "def part_" not in inlined(texts)["passo/a.py"]
+    texts["passo/a.py"] += LONG + "@micropython.viper\ndef last(x: int) -> int:\n    return int(whole(x)) + int(long(x))\n"
+    assert "def whole" not in inlined(texts)["passo/a.py"]
+    texts["passo/a.py"] = texts["passo/a.py"].replace("def whole(x: int) -> int:\n", "def whole(x: int) -> int:\n" + "    x += 1\n" * 42)
+    made = inlined(texts)["passo/a.py"]
+    assert "def whole" in made and "def long" not in made and "def part_" not in made
+
+
+def test_a_kernel_that_python_calls_too_goes_in_where_one_calls_it():
+    short = LONG.replace("    x += 1\n" * 40, "    x += 1\n" * 20)
+    one = short + "@micropython.viper\ndef one(x: int) -> int:\n    return int(long(x))\n"
+    made = inlined({"passo/a.py": one, "passo/b.py": "from passo.a import long\nlong(3)\n"})["passo/a.py"]
+    assert "def long" in made and "long(x)" not in made
+
+
+def test_a_private_constant_of_a_kernel_that_goes_elsewhere_is_a_number():
+    texts = {
+        "passo/a.py": "from micropython import const\n_2 = const(7)\n@micropython.viper\ndef seven(x: int) -> int:\n    return x + _2\n",
+        "passo/b.py": "from passo.a import seven\n@micropython.viper\ndef one(x: int) -> int:\n    return int(seven(x))\n",
+    }
+    assert "7" in inlined(texts)["passo/b.py"] and "_2" not in inlined(texts)["passo/b.py"].replace("_int_2", "")
 
 
 def test_a_call_that_stays_is_a_number():

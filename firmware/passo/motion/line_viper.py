@@ -64,16 +64,22 @@ def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
             steps = count
         elif rise:
             bit = 1 << axis
-            decision = state[LINE_RISE + axes + axis]
-            i = at
+            i = fall + rise - state[LINE_RISE + axes + axis]
+            ahead = i // rise  # dominant steps before the next one of this axis
+            over = rise - (i - ahead * rise)  # the decision there, above `fall`
+            gap = fall // rise
+            rest = fall - gap * rise
+            i = at + ahead
             while i < end:
-                if decision > fall:
-                    out[i] = out[i] | bit
-                    decision -= fall
-                    steps += 1
-                decision += rise
-                i += 1
-            state[LINE_RISE + axes + axis] = decision
+                out[i] = out[i] | bit
+                steps += 1
+                i += gap
+                if over > rest:
+                    over -= rest
+                else:
+                    over += rise - rest
+                    i += 1
+            state[LINE_RISE + axes + axis] = over + fall - (i - end) * rise
         if (state[LINE_NEGATIVE] >> axis) & 1:
             steps = 0 - steps
         state[LINE_RISE + 2 * axes + axis] = state[LINE_RISE + 2 * axes + axis] + steps

@@ -178,7 +178,11 @@ def finish(rows: ptr32, at: int, state: ptr32, togo: int, percent: int):  # ISR:
     else:
         fast = after if peak == aim else int(root_of(peak, speed))
         ticks = int(path_ticks(state[RAMP_PATH], rows[at + ROW_SPAN], fast))
-        state[RAMP_TICKS] = ticks + int(change_ticks(rows, at, fast - speed, fast)) + int(change_ticks(rows, at, fast - after, fast))
+        if fast != speed:
+            ticks += int(change_ticks(rows, at, fast - speed, fast))
+        if fast != after:
+            ticks += int(change_ticks(rows, at, fast - after, fast))
+        state[RAMP_TICKS] = ticks
     state[RAMP_PACE] = (speed + after) >> 8
     state[RAMP_Q] = aim
     state[RAMP_V] = after
@@ -238,10 +242,8 @@ def even_ticks(rows: ptr32, at: int, state: ptr32) -> int:  # ISR: no allocation
 
 @micropython.viper
 def change_ticks(rows: ptr32, at: int, change: int, fast: int) -> int:  # ISR: no allocation
-    """What getting by `change` up to the speed `fast`, or down from it, costs more than going at it: t · change / 2 · fast, where t
-    is the time that the change takes."""
-    if change == 0:
-        return 0
+    """What getting by `change`, not 0, up to the speed `fast`, or down from it, costs more than going at it: t · change / 2 · fast, where
+    t is the time that the change takes."""
     ratio = change // fast
     rest = (change - ratio * fast) << 8
     ratio = (ratio << 8) + rest // fast

@@ -76,10 +76,12 @@ def make(
             write_steps(state, rows, ring, line_state, power, settle, burn, geometry)
         elif int(write_words(state, ring, settle, geometry)) == 0:
             return STANDS
-        if state[FEED_WAITS] or state[FEED_KIND] == LINE:
-            checkpoint(state, marks, ptr32(line_state), LINE_RISE + 2 * state[FEED_AXES])
-        else:
-            checkpoint(state, marks, ptr32(geometry.made), 0)
+        made = ptr32(line_state)
+        first = LINE_RISE + 2 * state[FEED_AXES]
+        if state[FEED_WAITS] == 0 and state[FEED_KIND] != LINE:
+            made = ptr32(geometry.made)
+            first = 0
+        checkpoint(state, marks, made, first)
     return FULL
 
 
@@ -181,16 +183,19 @@ def measure(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_stat
     if state[FEED_WAIT]:
         take_wait(state)
         return FULL
+    shape = line_state
     if kind == LINE:
         state[FEED_MOVING] = path[LINE_MOVING]
         state[FEED_NEGATIVE] = path[LINE_NEGATIVE]
-        return int(cut_segment(state, queue, scratch, indices, cuts, line_state, cut))
-    if kind != ARC and int(geometry.ready()) == 0:
-        return LATER
-    state[FEED_MOVING] = int(geometry.moving)
-    state[FEED_NEGATIVE] = int(geometry.negative)
-    if kind == ARC:
-        return int(cut_segment(state, queue, scratch, indices, cuts, geometry.state, cut))
+    else:
+        if kind != ARC and int(geometry.ready()) == 0:
+            return LATER
+        state[FEED_MOVING] = int(geometry.moving)
+        state[FEED_NEGATIVE] = int(geometry.negative)
+        if kind == ARC:
+            shape = geometry.state
+    if kind == LINE or kind == ARC:
+        return int(cut_segment(state, queue, scratch, indices, cuts, shape, cut))
     state[FEED_PACE] = -1
     if kind == STEP_PROGRAM:
         set_tool(state, int(geometry.tool))
