@@ -123,6 +123,22 @@ def check_a_host_that_stopped_asking():
         assert machine.world.place[0] == 3000 + 30 * 320 and not machine.controller.machine.alarm
 
 
+def check_who_looks_in_is_no_host():
+    """A program that asks forty times at once, twice, at a machine whose host never asks: nobody is lost as it goes. One that has asked
+    for three times lost_ms is a host."""
+    machine = machine_with("stop")
+    machine.put("M3S1000\nG1X90F300\n")
+    run_ms(machine, 2 * LOST_MS)
+    for _ in range(2):
+        run_ms(machine, 200, (5, "?"))
+        run_ms(machine, LOST_MS - 100)
+    run_ms(machine, 2 * LOST_MS)
+    assert machine.controller.state == "run" and machine.world.tool and not machine.controller.machine.log.entries
+    run_ms(machine, 3 * LOST_MS + 200, (100, "?"))
+    run_ms(machine, LOST_MS + 600)
+    assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
+
+
 def check_a_job_asks_anew():
     """What was late in one job counts in the next."""
     machine = machine_with("stop")
@@ -144,6 +160,7 @@ def check_retract():
         machine.do("G1X5Z-10" if homed else "G1X5", "M3S1000")
         machine.settle()
         machine.world.path = []
+        run_ms(machine, 4 * LOST_MS, (100, "?"))  # the spindle has turned for a while without a question
         begin(machine, "G1X20\nG1Y20\n")
         run_ms(machine, 6000)
         assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
@@ -159,6 +176,7 @@ def check_a_reset_amid_the_retreat():
     assert machine.ask("$H")[-1] == "ok"
     machine.do("G91F600", "G1X5Z-40", "M3S1000")
     machine.settle()
+    run_ms(machine, 4 * LOST_MS, (100, "?"))
     begin(machine, "G1X20\n")
     run_ms(machine, LOST_MS + 600)
     assert machine.controller.machine.retracts and machine.world.tool == 1

@@ -4,8 +4,8 @@ Per link of the board file: `lost`, what is done then, and `lost_ms`. Under way 
 but for homing, or a tool or spindle that is on. What says something on a framed link is a sound frame, not noise.
 
 Some senders of G-code say nothing while a line lasts. So one of grbl counts as lost only if it asks for the status by habit: at least
-once in every lost_ms, from the beginning of the work until it falls silent. If it has left out one such time, it must first ask three
-times in a row, each within lost_ms of the question before. In other languages any silent host is lost.
+once in every lost_ms, from the beginning of the work until it falls silent. If it has left out one such time, it must first ask so for
+three of them: whoever only looks in, a few questions at once, is no host. In other languages any silent host is lost.
 
 "retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
@@ -17,7 +17,7 @@ from passo.config import setting_numbers as table
 from passo.control.feature import OFF, WORK_GONE, Feature
 from passo.records import COUNT_MASK
 
-_SURE = const(3)  # questions in time
+_SURE = const(3)  # times lost_ms
 _MAY_BE_SILENT = "grbl"  # the language
 _Z = const(2)
 
@@ -33,7 +33,7 @@ class HostWatch(Feature):
         self._works = False  # something is under way
         self._asks = False  # the host of the link that commands has asked
         self._asked_ms = 0  # when it did so last, or when the work began
-        self._doubt = 0  # how many questions in time it owes, because it has let lost_ms pass without one
+        self._doubt = -1  # since when it asks in time again, because it has let lost_ms pass without a question; −1: it has not, or for long
         self._number = -1  # the link that commands
         homing = board["homing"]
         names = [axis["name"] for axis in board["axes"]]
@@ -68,14 +68,14 @@ class HostWatch(Feature):
         now_ms = machine.port.link_ms()
         if not worked:
             self._asked_ms = now_ms
-            self._doubt = 0
+            self._doubt = -1
         if line.was_heard() or not worked:
             self._since_ms = now_ms
             return
         link = self._links[number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
             in_time = (self._since_ms - self._asked_ms) & COUNT_MASK < link["lost_ms"]
-            if link["protocol"] != _MAY_BE_SILENT or self._asks and not self._doubt and in_time:
+            if link["protocol"] != _MAY_BE_SILENT or self._asks and self._doubt < 0 and in_time:
                 self._lost(link)
             self._since_ms = now_ms
 
@@ -84,10 +84,11 @@ class HostWatch(Feature):
         if link is None or link.number != self._number or link.number not in self._lines:
             return
         now_ms = self._machine.port.link_ms()
-        if (now_ms - self._asked_ms) & COUNT_MASK >= self._links[self._number]["lost_ms"]:
-            self._doubt = _SURE
-        elif self._doubt:
-            self._doubt -= 1
+        lost_ms = self._links[self._number]["lost_ms"]
+        if (now_ms - self._asked_ms) & COUNT_MASK >= lost_ms:
+            self._doubt = now_ms
+        elif self._doubt >= 0 and (now_ms - self._doubt) & COUNT_MASK >= _SURE * lost_ms:
+            self._doubt = -1
         self._asks = True
         self._asked_ms = now_ms
 
