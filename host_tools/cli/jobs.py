@@ -18,7 +18,6 @@ app = typer.Typer(help="Programs kept on the board: list, store, check, delete a
 
 _BYTES_A_LINE = 54
 _VERIFY_S = 120.0
-_MOST_REPORTS = 20  # asked for the job's name: not each has it
 _MOST_UNSAID = 100  # ten seconds: not every report has room for it
 _RUNNING = re.compile(r"\[JOB:([^|]*)\|(\d+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
@@ -42,23 +41,15 @@ def _connected(port, baud, protocol):
     if protocol not in kinds:
         raise Failure("--protocol is {}, not {!r}", ", ".join(kinds), protocol)
     with kinds[protocol](port or ports.only(), baud or BAUD[protocol]) as client:
+        if protocol == "grbl":
+            client.be_sure_it_stands()
         try:
             yield client
         except Refused as refused:
-            if refused.number == errors.COMMANDED_ELSEWHERE and (running := _running(client, protocol)):
-                raise Failure("the stored job {} runs: wait for its end, or stop it", running) from None
+            # grbl takes the `?` of `$F?` for its real-time command; there it has been asked.
+            if refused.number == errors.COMMANDED_ELSEWHERE and protocol != "grbl" and (running := _RUNNING.search("\n".join(client.ask("$F?")))):
+                raise Failure("the stored job {} runs: wait for its end, or stop it", running[1]) from None
             raise
-
-
-def _running(client, protocol):
-    """The name of the job that runs, or None."""
-    if protocol != "grbl":  # grbl takes the `?` of `$F?` for its real-time command
-        found = _RUNNING.search("\n".join(client.ask("$F?")))
-        return found and found[1]
-    for _report in range(_MOST_REPORTS):
-        if shown := client.ask_status().get("SD"):
-            return shown.partition(",")[2]
-    return None
 
 
 def _listed(client):

@@ -51,6 +51,7 @@ def settings(
         raise Failure("passo settings {} FILE: the file is missing", action)
     wanted, version = read(file) if action == "restore" else ([], VERSION)
     with GrblClient(port or ports.only(), baud) as client:
+        client.be_sure_it_stands()
         if action == "restore":
             changed = restore(client, meant(client, wanted, version))
             print(_("{} of {} lines were different and are restored", len(changed), len(wanted)))

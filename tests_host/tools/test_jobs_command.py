@@ -175,7 +175,7 @@ def test_while_a_job_runs(tmp_path, part):
             client.command("$X")
         jobs.run("PART", False, False, port, 115200)
         for what in (lambda: jobs.delete("part", port, 115200), lambda: jobs.list_(port, 115200), lambda: jobs.run("PART", False, True, port, 115200)):
-            with pytest.raises(Failure, match="the stored job PART runs"):
+            with pytest.raises(Failure, match="the stored job PART is running"):
                 what()
     finally:
         running.close()
