@@ -1,6 +1,7 @@
 """`passo stream`: sends a G-code file to a controller that speaks grbl."""
 
 import bisect
+import collections
 import contextlib
 import os
 import select
@@ -14,12 +15,16 @@ import typer
 from host_tools.cli.lead_in import announce, prepared
 from host_tools.cli.options import Baud, Port
 from host_tools.clients.grbl import LinkError
+from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
 from host_tools.language import _, line_text
 from host_tools.programs.gcode_file import has_numbers
 from host_tools.programs.gcode_time import Remaining
 
 _STATUS_S = 0.25
+_RATE_REPORTS = 10  # over which lines a second are counted
+_STARVES = 0.1  # part of the queue: with less the machine slows down
+_WORTH_S = 5  # of a job whose pace is told
 _KEEP_S = 1.0
 FirstLine = Annotated[
     Optional[int], typer.Option("--from", min=1, metavar="LINE", help="Begin at this line of the file, or of a compiled listing.")
@@ -92,12 +97,15 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
         for number in client.stream(lines, count, panel.cycle, panel.numbered, origin):
             panel.done(number)
         client.wait_idle(panel.cycle)
+    panel.tell()
     return panel.seconds(), len(lines)
 
 
 def make_ready(client, home, unlock):
     """Connect; out of an alarm by homing, or `unlock`. Raises Failure."""
     client.connect()
+    with contextlib.suppress(Refused):
+        client.command("$I")  # how many bytes may be under way
     if home:
         _home(client)
     elif unlock:
@@ -134,6 +142,8 @@ class Panel:
         self._done = 0
         self._line = 0
         self._begun = time.monotonic()
+        self._answered = collections.deque([(self._begun, 0)], _RATE_REPORTS)  # (time, lines done)
+        self._starved = []  # lines at which the queue was nearly empty, though there were more
         self._paused_s = 0.0
         self._paused_at = None
         self._asked = 0.0
@@ -193,10 +203,34 @@ class Panel:
             raise LinkError("port {}: no answer any more, at {}", self._client.port, self._origin(self._line))
         if now - self._asked >= _STATUS_S:
             self._asked = now
+            self._answered.append((now, self._done))
+            self._look_at_queue()
             if self._asks:
                 self._client.real_time(b"?")
             if self._bar:
                 self._show()
+
+    def _look_at_queue(self):
+        """Note where the machine waits for lines."""
+        full, status = self._client.full, self._client.status
+        more = 0 < self._done < len(self._numbers)
+        if full is not None and more and full < _STARVES and status.get("state") == "Run" and self._line not in self._starved[-1:]:
+            self._starved.append(self._line)
+
+    def tell(self):
+        """Say what the link did: lines a second, and where the machine waited for them."""
+        seconds = self.seconds()
+        if seconds < _WORTH_S or not self._done:
+            return
+        print(_("{:.0f} lines a second", self._done / seconds))
+        if self._starved:
+            print(_("the board's queue was nearly empty {} times, first at {}: the machine slowed down to the link's pace", len(self._starved),
+                    self._origin(self._starved[0])))  # fmt: skip
+
+    def rate(self):
+        """Lines a second, of the last seconds."""
+        (begun, before), (now, done) = self._answered[0], self._answered[-1]
+        return (done - before) / (now - begun) if now > begun else 0.0
 
     def _pause(self, paused, now):
         """Do not count time in a hold, whether by a key, the door, or M0 in the program."""
@@ -229,7 +263,9 @@ class Panel:
         place = status.get("MPos") or status.get("WPos") or ""
         keys = _("PAUSED: r resumes, a aborts") if self._paused_at is not None else _("p pause, a abort")
         times = _("{} gone, {} left", clock(gone), left)
-        return f"{self._remaining.share:4.0%} {self._origin(self._line)}  {status.get('state', '')} {place}  {times}  ({keys})"
+        full = self._client.full
+        link = _("{:.0f} lines/s", self.rate()) + ("" if full is None else ", " + _("queue {:.0%}", full))
+        return f"{self._remaining.share:4.0%} {self._origin(self._line)}  {status.get('state', '')} {place}  {link}  {times}  ({keys})"
 
 
 def progress_bar(transient=False):

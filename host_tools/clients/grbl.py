@@ -16,7 +16,8 @@ from host_tools.language import _, error_text, line_text
 from host_tools.clients.grbl_wire import fields_of
 from passo.protocols.gcode.words import longest
 
-RX_BYTES = 128  # that a grbl keeps; more if its Bf: has said so
+RX_BYTES = 128  # that a grbl keeps; more if its $I says so
+_OPTIONS = re.compile(r"\[OPT:[^,\]]*,(\d+),(\d+)\]")
 _FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest
 _TAG = 8  # characters of a number
 _HIGHEST = 9_999_999
@@ -36,6 +37,8 @@ class GrblClient(Client):
         self.timeout_s = timeout_s
         self.status = {}  # fields of the last report; "state" is its first
         self.window = RX_BYTES  # bytes that may be under way
+        self.blocks = 0  # that the board queues; 0: unknown
+        self.full = None  # part of them that is queued, if reports have Bf:, $10=3
         self.rest = []  # lines that came behind the last ok of command(), and with it
         self.alarm = None
         self.banners = 0
@@ -74,7 +77,10 @@ class GrblClient(Client):
         if line.startswith("<") and line.endswith(">"):
             self.status = fields_of(line)
             if re.fullmatch(r"\d+,\d+", buffers := self.status.get("Bf", "")):
-                self.window = max(self.window, int(buffers.partition(",")[2]))
+                free = int(buffers.partition(",")[0])
+                self.full = 1 - free / self.blocks if self.blocks >= max(free, 1) else None
+        elif found := _OPTIONS.fullmatch(line):
+            self.blocks, self.window = int(found[1]), max(RX_BYTES, int(found[2]))
         elif line.startswith("ALARM:"):
             self.alarm = int(line[6:])
         elif line.startswith("Grbl "):

@@ -83,7 +83,8 @@ def test_stream_tells_an_alarm(board, job):
 def test_keys(board, job):
     with GrblClient(board.line.name) as client:
         client.connect()
-        client.command("$X")
+        for line in ("$X", "$I", "$10=3"):
+            client.command(line)
         panel = stream.Panel(client, [(1, b"")])
         client.command("G1X50F3000")
         panel.key("p")
@@ -92,6 +93,7 @@ def test_keys(board, job):
         panel.cycle()
         gone = panel.seconds()
         assert "PAUSED: r resumes" in panel.text() and panel.seconds() == gone
+        assert "0 lines/s, queue 1%" in panel.text()
         assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 1" in panel.text()
         panel.key("r")
         board.until(lambda: board.app.controller.state == "idle")
@@ -126,6 +128,26 @@ def test_progress_is_that_of_the_motion(job, prefix, numbered):
             client.halt()
     finally:
         running.close()
+
+
+def test_where_the_queue_was_empty_is_told(board, capsys, monkeypatch):
+    """The machine runs, there are more lines, and the board says that nothing is queued."""
+    monkeypatch.setattr(stream, "_WORTH_S", 0)
+    with GrblClient(board.line.name) as client:
+        panel = stream.Panel(client, [(number, b"X1") for number in range(1, 100)])
+        panel.numbered, panel._asks = False, False
+        client._notice("[OPT:VNMZJ,96,512]")
+        for done, free in ((1, 96), (10, 95), (20, 40), (30, 94), (30, 94), (40, 10)):
+            while panel._done < done:
+                panel.done(panel._done + 1)
+            client._notice("<Run|MPos:0,0,0|Bf:%d,512|FS:1,0>" % free)
+            panel._asked = 0.0
+            panel._asks = True
+            panel.cycle()
+        assert panel._starved == [1, 10, 30] and client.window == 512
+        panel.tell()
+    said = capsys.readouterr().out
+    assert "lines a second" in said and "nearly empty 3 times, first at line 1" in said
 
 
 def test_what_may_be_numbered():
