@@ -282,10 +282,12 @@ POWER_PERCENT = const(8)  # every value counts so much of itself
 POWER_LEAST = const(9)  # a value up to this one, but 0, shows as the weakest level
 POWER_MARKS = const(10)
 POWER_WORD = const(0)  # of a mark: the word that it counts from, modulo 2²⁹
-POWER_LEVEL = const(1)  # 0 … POWER_MOST
+POWER_LEVEL = const(1)  # 0 … POWER_MOST << POWER_FINE
 POWER_FIELDS = const(2)
 POWER_MOST = const(1000)
-POWER_UNKNOWN = const(2000)
+POWER_AHEAD = const(9)  # words that a Pico has to have as a mark's begins, that one included: ports/rp2/laser_player.py
+POWER_FINE = const(4)  # bits of a mark behind the thousandths: in a ramp 1 % of a weak dot is less than one
+POWER_UNKNOWN = const(32_000)
 # In ROW_POWER and BATCH_POWER, above ten bits: of ROW_POWER a scale, what each dot counts in thousandths.
 DOTS_COUNT = const(10)  # the bit from which on stands how many dots there are, at most DOTS_MOST; 0: no row
 DOTS_FIRST = const(18)  # and the index of the first

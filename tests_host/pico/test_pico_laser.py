@@ -28,10 +28,10 @@ _HALF_RAPIDS = b"\x96"  # what makes the faults below happen
 
 
 class Laser:
-    """laser_xy, booted and unlocked. duty: [(cycle, thousandths)] as written; steps: cycles at which X steps."""
+    """laser_xy, or another board's laser, booted and unlocked. duty: [(cycle, thousandths)] as written; steps: cycles at which X steps."""
 
-    def __init__(self, uf2, files=None):
-        board = boards.load(BOARD)
+    def __init__(self, uf2, files=None, board=BOARD):
+        board = boards.load(board)
         if files is None:
             stop = {"name": "stop", "pin": _STOP, "active": 0, "pull": "up", "halt": True}
             board = {**board, "inputs": [*board["inputs"], stop]}
@@ -251,7 +251,7 @@ def test_an_override_counts_once(laser):
 @pytest.mark.slow
 def test_an_override_amid_dots_counts_once(laser):
     powers = [300 + 400 * (dot & 1) + dot for dot in range(40)]
-    old, new = powers, [power * 11 // 10 for power in powers]
+    old, new = powers, [round(power * 11 / 10) for power in powers]
     laser.say("M3S0", "G0X1", *["G1X.2S%d" % power for power in powers[:12]])
     laser.machine.run_until(laser.lit, 300)
 

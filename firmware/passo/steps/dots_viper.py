@@ -7,20 +7,30 @@
     marks    ^     ^     ^              none if the power stays
 
 The tool's bit is on in the steps of each dot that burns, so it is exact to the step, too. A row with more dots than steps leaves out
-those that have none. One text for all interpreters; see motion/block_viper.py. Fields: records.py.
+those that have none.
+
+Behind a row that ends at rest the last interval is cut into several words, `part` being 0: a Pico hears of a mark POWER_AHEAD words ahead of
+its own (ports/rp2/laser_player.py), and no other words may follow. One text for all interpreters; see motion/block_viper.py. Fields: records.py.
 """
 # Shared with interrupts: state, power
 
 import micropython
+from micropython import const
 
+from passo.motion.line import MAX_RUN
 from passo.records import *
 from passo.steps.segments_viper import put_mark
+
+_LEAST = const(125)  # ticks of such a word
 
 
 @micropython.viper
 def burn(state: ptr32, rows: ptr32, power: ptr32, path: ptr32, words: ptr32, at: int, part: int, run: int):  # ISR: no allocation
     """Put the marks of the steps words[at : at + part], and the tool's bit, before they are paced; the segment has `run` steps from there
     on. Behind the row's last step its dots are given back."""
+    if part == 0:
+        pad(state, words, rows[state[FEED_ROW] + ROW_DYNAMIC])
+        return
     tool = state[FEED_TOOL]
     row = rows[state[FEED_ROW] + ROW_POWER]
     count = row >> DOTS_COUNT & DOTS_MOST
@@ -52,6 +62,33 @@ def burn(state: ptr32, rows: ptr32, power: ptr32, path: ptr32, words: ptr32, at:
 
 
 @micropython.viper
+def pad(state: ptr32, words: ptr32, dynamic: int):  # ISR: no allocation
+    """The last interval of the segment in several words, the last of which is dark if the power follows the speed: it is 0 at a stand, which
+    the main loop would see to 3 ms later."""
+    at = state[FEED_HEAD] + state[FEED_STEPS] - 1
+    word = words[at & state[FEED_MASK]]
+    bits = state[FEED_BITS]
+    each = ((word >> bits) - _LEAST) // POWER_AHEAD
+    if each < _LEAST or state[FEED_STEPS] + POWER_AHEAD > MAX_RUN:
+        return
+    words[at & state[FEED_MASK]] = word - (((POWER_AHEAD - 1) * each + _LEAST) << bits)
+    levels = word & (1 << bits) - 1
+    if state[FEED_DRIVE] == 0:
+        levels &= ~((1 << state[FEED_AXES]) - 1)
+    left = POWER_AHEAD
+    while left:
+        at += 1
+        left -= 1
+        if left == 0:
+            each = _LEAST
+            if dynamic:
+                levels &= ~state[FEED_TOOL]
+                state[FEED_LEVELS] = state[FEED_LEVELS] & ~state[FEED_TOOL]
+        words[at & state[FEED_MASK]] = each << bits | levels
+    state[FEED_STEPS] = state[FEED_STEPS] + POWER_AHEAD
+
+
+@micropython.viper
 def end_of(dot: int, count: int, total: int) -> int:  # ISR: no allocation
     """The step at which the next dot begins."""
     return (2 * (dot + 1) * total + count) // (2 * count)
@@ -59,10 +96,10 @@ def end_of(dot: int, count: int, total: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def level_of(state: ptr32, rows: ptr32, burns: int) -> int:  # ISR: no allocation
-    """A dot's power in the segment under way, to the nearest thousandth."""
+    """A dot's power in the segment under way, as a mark's."""
     row = state[FEED_ROW]
     speed = state[FEED_PACE]
-    level = (burns * (rows[row + ROW_POWER] & DOTS_POWER) + 500) // 1000
+    level = ((burns * (rows[row + ROW_POWER] & DOTS_POWER) << POWER_FINE) + 500) // 1000
     if rows[row + ROW_DYNAMIC] and speed >> 30 & 1 == 0:
         level = (level * speed + (rows[row + ROW_TOP] >> 1)) // rows[row + ROW_TOP]
-    return level if level < POWER_MOST else POWER_MOST
+    return level if level < POWER_MOST << POWER_FINE else POWER_MOST << POWER_FINE

@@ -28,6 +28,7 @@ class Power:
         """Room for so many marks, and dots of rows, powers of two; `dots` 0: there are no rows."""
         self.value = 0  # of the last mark played
         self.level = 0  # what the output should show
+        self.fine = 0  # the same with POWER_FINE bits behind
         self._dark = False  # that is none, whatever the value, until the next mark
         self.marks = made = zeros(power_items(marks, dots))
         made[POWER_MASK] = marks - 1
@@ -48,13 +49,17 @@ class Power:
         """`played` words have begun: take up the marks among them."""
         value = passed(self.marks, played)
         if value >= 0:
-            self.set(value)
+            self._take(value)
 
     def set(self, value):  # ISR: no allocation
         """The power is `value`, whatever the last mark said."""
-        self.value = value
+        self._take(value << POWER_FINE)
+
+    def _take(self, value):  # ISR: no allocation
+        self.value = value >> POWER_FINE
         self._dark = False
-        self.level = scaled(self.marks, value)
+        self.fine = value = scaled(self.marks, value)
+        self.level = value >> POWER_FINE
 
     def show(self, played, on):
         """At a stand, `played` words having begun: the value counts, or the output is off until the next mark."""
@@ -66,7 +71,8 @@ class Power:
         value = -1
         while value != self.value:  # an interrupt may take up a mark meanwhile
             value = self.value
-            self.level = 0 if self._dark else scaled(self.marks, value)
+            self.fine = 0 if self._dark else scaled(self.marks, value << POWER_FINE)
+            self.level = self.fine >> POWER_FINE
 
     def adjust(self, percent, least):
         """Every value counts `percent` of itself from now on; those up to `least`, but 0, show as the weakest level,
@@ -80,5 +86,5 @@ class Power:
         marks = self.marks
         marks[POWER_TAIL] = marks[POWER_HEAD]
         marks[DOTS_TAIL] = marks[DOTS_HEAD]
-        self.value = self.level = 0
+        self.value = self.level = self.fine = 0
         self._dark = False

@@ -3,6 +3,8 @@
     value = passed(power, played)       # of the last mark that began among `played` words, which are given back; -1: none did
     level = scaled(power, value)        # with the override, and a spindle's lowest speed
 
+Both have POWER_FINE bits behind the thousandths.
+
 `power` is Power.marks. One text for all interpreters; see motion/block_viper.py. Fields: records.py.
 """
 # Shared with interrupts: power
@@ -34,8 +36,10 @@ def scaled(power: ptr32, value: int) -> int:  # ISR: no allocation
         return 0
     value = value * power[POWER_PERCENT] // 100
     least = power[POWER_LEAST]
-    if value >= POWER_MOST:
-        return POWER_MOST
+    if value >= POWER_MOST << POWER_FINE:
+        return POWER_MOST << POWER_FINE
     if least == 0:
         return value
-    return 1 if value <= least else 1 + (value - least) * (POWER_MOST - 1) // (POWER_MOST - least)
+    one = 1 << POWER_FINE
+    value -= least << POWER_FINE
+    return one if value <= 0 else one + value * (POWER_MOST - 1) // (POWER_MOST - least)

@@ -74,6 +74,8 @@ def make(
             write_wait(state, words, settle)
         elif state[FEED_STEPS]:
             write_steps(state, rows, ring, line_state, power, settle, burn, geometry)
+            if rows[state[FEED_ROW] + ROW_POWER] > POWER_MOST and state[FEED_LEFT] == 0 and int(stands(state, cuts, geometry)):
+                burn(state, rows, power, ptr32(line_state), words, 0, 0, 0)
         elif int(write_words(state, ring, settle, geometry)) == 0:
             return STANDS
         made = ptr32(line_state)
@@ -158,7 +160,7 @@ def begin_block(state: ptr32, rows: ptr32):  # ISR: no allocation
     state[FEED_BEGINS] = 0
     state[FEED_INDEX] = rows[row + ROW_FIRST]
     set_tool(state, rows[row + ROW_TOOL])
-    if rows[row + ROW_POWER] != state[FEED_POWER]:
+    if rows[row + ROW_POWER] << POWER_FINE != state[FEED_POWER]:
         state[FEED_POWER] = POWER_UNKNOWN
 
 
@@ -262,10 +264,11 @@ def mark_power(state: ptr32, rows: ptr32, power: ptr32):  # ISR: no allocation
     row = state[FEED_ROW]
     speed = state[FEED_PACE]
     level = rows[row + ROW_POWER]
-    if state[FEED_WAITS] and state[FEED_KIND] != WAIT or rows[row + ROW_DYNAMIC] == 0 and state[FEED_POWER] <= POWER_MOST:
+    if state[FEED_WAITS] and state[FEED_KIND] != WAIT or rows[row + ROW_DYNAMIC] == 0 and state[FEED_POWER] != POWER_UNKNOWN:
         return
     if level > POWER_MOST:
         return
+    level <<= POWER_FINE
     if rows[row + ROW_DYNAMIC] and speed >> 30 & 1 == 0:
         level = level * speed // rows[row + ROW_TOP] if speed else 0
     put_mark(state, power, state[FEED_HEAD], level)

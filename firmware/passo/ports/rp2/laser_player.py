@@ -27,7 +27,6 @@ from passo.ports.rp2.registers import CHANNEL_READ
 from passo.records import *
 from passo.steps.power_viper import scaled
 
-_AHEAD = const(9)  # words handed over as a mark counts, its own included
 _TABLE = const(256)  # bytes: one number for each run
 _TABLE_RING = const(8)
 _CC = const(12)  # registers of a PWM slice
@@ -39,6 +38,8 @@ _COMPARE = const(1)
 _FULL = const(2)  # the duty that is always on
 _MARK = const(3)  # the next one that D has not been told of; they count for ever, modulo 2²⁹
 _DUTY = const(4)  # behind the last one that it has
+_REST = const(5)  # of that: what rounding has left for the next, so that short segments of a ramp come to the energy they should
+_PARTS = const(16_000)  # POWER_MOST << POWER_FINE: of a mark's full power
 
 
 class LaserPlayer(PioPlayer):
@@ -48,7 +49,7 @@ class LaserPlayer(PioPlayer):
         compare = chip.PWM + _SLICE * (pin >> 1 & 7) + _CC
         self._table = bytearray(2 * _TABLE)
         table = (uctypes.addressof(self._table) + _TABLE - 1) & ~(_TABLE - 1)
-        self._laser = array("I", [table, compare, mem32[compare - _CC + _TOP] + 1, 0, 0])
+        self._laser = array("I", [table, compare, mem32[compare - _CC + _TOP] + 1, 0, 0, _PARTS >> 1])
         self._power = ring.power
         PioPlayer.__init__(self, ring, *rest)
 
@@ -77,12 +78,12 @@ class LaserPlayer(PioPlayer):
         if state[PIO_STUCK]:
             raise STUCK
         power = self._power
-        return hand_over(state, self._laser, power.marks, self._ring.head, power.level)
+        return hand_over(state, self._laser, power.marks, self._ring.head, power.fine)
 
 
 @micropython.viper
 def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -> bool:
-    """Append the words up to `head`, in runs that end with the marks; `level`: what shows. True if the player ran dry meanwhile."""
+    """Append the words up to `head`, in runs that end with the marks; `level`: what shows, as a mark's. True if the player ran dry meanwhile."""
     if state[PIO_HELD]:
         return False
     mark = int(first_mark(state, laser, power, level))
@@ -91,10 +92,11 @@ def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -
     dry = False
     while mark != last:
         at = POWER_MARKS + POWER_FIELDS * (mark & power[POWER_MASK])
-        word = (power[at + POWER_WORD] + _AHEAD) & COUNT_MASK
+        word = (power[at + POWER_WORD] + POWER_AHEAD) & COUNT_MASK
         if (head - word) & COUNT_MASK >= COUNT_HALF:
             break
-        duty = int(scaled(power, power[at + POWER_LEVEL])) * full // 1000
+        value = int(scaled(power, power[at + POWER_LEVEL])) * full + laser[_REST]
+        duty = value // _PARTS
         if not _tell(state, laser, word, laser[_DUTY], duty):
             break
         if append(state, word):
@@ -103,6 +105,7 @@ def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -
             laser[_MARK] = mark
             return dry
         laser[_DUTY] = duty
+        laser[_REST] = value % _PARTS
         mark = (mark + 1) & COUNT_MASK
     laser[_MARK] = mark
     _tell(state, laser, head, laser[_DUTY], laser[_DUTY])
@@ -113,14 +116,20 @@ def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -
 
 @micropython.viper
 def first_mark(state: ptr32, laser: ptr32, power: ptr32, level: int) -> int:
-    """The next mark that D has not been told of. If all that it has have been played, `level` shows."""
+    """The next mark that D has not been told of. If all that it has have been played, `level` shows; before the first word its own."""
     mark = laser[_MARK]
     tail = power[POWER_TAIL]
     if state[PIO_PLAYING] != 1 or (mark - tail) & COUNT_MASK >= COUNT_HALF:
         mark = tail
     if mark == tail:
-        laser[_DUTY] = level * laser[_FULL] // 1000
+        laser[_DUTY] = (level * laser[_FULL] + (_PARTS >> 1)) // _PARTS
         _show(state, laser, laser[_DUTY], PIO_RUNS)
+    if state[PIO_PLAYING] != 1 and mark != power[POWER_HEAD]:
+        at = POWER_MARKS + POWER_FIELDS * (mark & power[POWER_MASK])
+        if (power[at + POWER_WORD] - state[PIO_PLAYED]) & COUNT_MASK < 2:  # behind a word that only turns: so few words may be there
+            laser[_DUTY] = (int(scaled(power, power[at + POWER_LEVEL])) * laser[_FULL] + (_PARTS >> 1)) // _PARTS
+            _show(state, laser, laser[_DUTY], PIO_RUNS)
+            mark = (mark + 1) & COUNT_MASK
     return mark
 
 
