@@ -171,6 +171,25 @@ def test_every_code_has_an_example():
 SPLINES = "f90\ng5 x10 y0 i3 j9 p-4 q5\nx20 y5 p-2 q-6\ng5.1 x30 y0 i4 j3\ng5.2 l4\nx32 y6\nx38 y8 p3\nx44 y-4\nx50 y0 p0.5\ng5.3\ng0 z1"
 
 
+@pytest.mark.parametrize("unit, decimals", [("g21", 3), ("g21", 6), ("g20", 4), ("g20", 6)])
+@pytest.mark.parametrize("down", ["", " z-1.5"])
+def test_full_turns_stay_turns(unit, decimals, down):
+    """Wherever a circle begins, about any centre, told its end or not: what a program calls one turn is one arc, and no line or nothing."""
+    dice = random.Random(decimals)
+    size = 1 if unit == "g21" else 1 / 25.4
+
+    def number(most):
+        return f"{dice.uniform(-most, most) * size:.{decimals}f}"
+
+    for _ in range(60):
+        x, y = number(40), number(40)
+        end = dice.choice(("", f" x{x} y{y}"))
+        centre = dice.choice((f"i{number(20)}", f"j{number(20)}", f"i{number(20)} j{number(20)}"))
+        way = dice.choice("23")
+        listing = compiled(f"#1=10\n{unit} g90 g17 f#1\ng0 x{x} y{y}\ng1 z-0.1\ng{way}{end}{down} {centre}")
+        assert sum(line[:2] == b"G%s" % way.encode() for _, line in listing.lines()) == 1, (x, y, end, centre)
+
+
 def test_splines():
     """Points against the curves' own formulas (Bernstein's polynomials; de Boor's and Cox's functions), chords within 0.002 mm."""
     lines = [event for event in events(compiled(SPLINES).codes, ZERO) if event[0] == "feed"]
