@@ -1,6 +1,6 @@
 """How much of the tests runs: `pytest --tier check|test|all`, which `make check`, `make test` and `make test-all` give.
 
-    check   what is marked `quick`, and FEW examples of each property, under MicroPython nothing else: within 90 s
+    check   what is marked `quick`, and FEW examples of each property that NOT_QUICK does not name, under MicroPython nothing else: in 90 s
     test    all but what is marked `slow`, under MicroPython one PARTth of the examples, at most SOME: what guards a commit
     all     everything; also what pytest runs if nobody asks for less
 
