@@ -278,7 +278,7 @@ def check_status_report():
     assert fields["WCO"] == "1.500,0.000,0.000"
     machine.do("$10=2")
     fields = machine.status()
-    assert fields["WPos"] == "-1.500,0.000,0.000" and fields["Bf"] == "96,128" and "MPos" not in fields
+    assert fields["WPos"] == "-1.500,0.000,0.000" and fields["Bf"] == "96,512" and "MPos" not in fields
     machine.do("$13=1", "N7 G1 X30 F600 S500 M3")
     machine.cycles(20)
     fields = machine.status()
@@ -296,7 +296,7 @@ def check_bytes_are_counted():
     machine.cycles(3)
     machine.put(b"G0X1\nG0Y")
     machine.cycles(2)
-    assert machine.status()["Bf"].split(",")[1] == str(128 - 8)
+    assert machine.status()["Bf"].split(",")[1] == str(512 - 8)
 
 
 def check_every_real_time_byte():

@@ -35,6 +35,7 @@ def heard(event):
     counter = Counter()
     record = machine.controller.machine
     record._features.append(counter)
+    record._halts += (counter.halt,)
     if event == "stop":
         record.carry_out(commands.STOP)
     elif event == "hard limit":

@@ -9,7 +9,7 @@ from passo.protocols.pulses.report import status, status_from
 from passo.protocols.torch.forms import Forms
 
 PROGRAM = {
-    "place": 3, "total": 9, "pass": 1, "passes": 2, "backward": False, "speed": 10_002, "wait_ms": 0, "asked": False, "manual": 0,
+    "index": 3, "total": 9, "pass": 1, "passes": 2, "backward": False, "speed": 10_002, "wait_ms": 0, "asked": False, "manual": 0,
     "tool": False, "drives": True, "moving": 0, "negative": 0, "room": 5,
 }  # fmt: skip
 PORT = {"port_bits": "--------", "port_invert": 0}

@@ -216,8 +216,8 @@ def bare(line, unfinished=False):
 
 
 def longest(line):
-    """Characters that a line may have, blanks and comments aside."""
-    if b"=" in line:
+    """Characters that a line may have, whose blanks and comments are gone."""
+    if b"=" in line and line[:1] != b"$":
         return PACKED_LONGEST
     return ROW_LONGEST if b":" in line else LONGEST
 

@@ -269,7 +269,7 @@ class Grbl:
         self._start_line = None
         if self._version != self._settings.version:
             self._configure()
-        if line is None or len(line) > LONGEST and len(bare(line)) > longest(line):
+        if line is None or len(line) > LONGEST and len(bare(line)) > longest(bare(line)):
             return [Command(commands.BAD, error=errors.LINE_TOO_LONG)]
         if isinstance(line, str):
             self._start_line = line
