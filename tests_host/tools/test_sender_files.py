@@ -2,7 +2,7 @@
 without a leading zero, comments of both kinds, arcs in each plane by R and by IJK. Each line is taken, and ends where it should.
 
 Both half circles of UGS's form go down, to -3.175 mm: they are seen against the axis across their plane (RS274/NGC, 3.5.3). The forms are
-those of files that people keep: LightBurn's `GRBL device profile, absolute coords`, 1.2 to 1.7, and UGS's test_files/.
+those of files that people keep: LightBurn's `GRBL device profile, absolute coords`, 1.2 to 1.7, and `user origin`, 1.0, and UGS's test_files/.
 """
 
 import pytest
@@ -50,6 +50,35 @@ G90
 G0 X0 Y0
 M2
 """
+USER_ORIGIN = """; LightBurn 1.0.04
+; GRBL device profile, user origin
+; Bounds: X118 Y326 to X130 Y338
+
+;USER START SCRIPT
+M7;
+M8;
+;USER START SCRIPT
+
+G00 G17 G40 G21 G54
+G90
+G0 X0 Y0
+G91
+M4
+; Cut @ 50 mm/sec, 1% power
+G0X0Y0
+; Layer C00
+G1Y12S010F3000
+G1X12S10
+G1Y-12
+G1X-12
+M9
+G1S0
+M5
+G90
+; return to user-defined finish pos
+G0 X0 Y0
+M2
+"""
 UGS = """G17G20G90G94
 F50.00000 ;    Defines feed rate
 S1000.00000 ; Defines speed
@@ -72,8 +101,9 @@ G0 X0 Y0 Z5
 
 
 @pytest.mark.parametrize("name, board, text, low, high", (
-    ("lightburn.gc", "laser_xy", LIGHTBURN, (0, 0), (40, 25)), ("ugs.nc", "router_3axis", UGS, (0, 0, -3.175), (25.4, 12.7, 5)),
-), ids=("LightBurn", "UGS"))  # fmt: skip
+    ("lightburn.gc", "laser_xy", LIGHTBURN, (0, 0), (40, 25)), ("origin.gc", "laser_xy", USER_ORIGIN, (0, 0), (12, 12)),
+    ("ugs.nc", "router_3axis", UGS, (0, 0, -3.175), (25.4, 12.7, 5)),
+), ids=("LightBurn", "LightBurn, user origin", "UGS"))  # fmt: skip
 def test_each_line_is_taken(tmp_path, name, board, text, low, high):
     path = tmp_path / name
     path.write_text(text, newline="\r\n")
