@@ -55,7 +55,7 @@ class Hand(Browser):
         folded, tab = self.driver.execute_script(
             "const at = arguments[0], card = at.closest('details:not([open])'), pane = at.closest('.pane[hidden]');"
             "return [card && at.tagName !== 'SUMMARY' ? card.querySelector('summary') : null,"
-            " pane ? document.querySelector(`[data-tab=${pane.id.slice(5)}]`) : null]", element)
+            " pane ? document.querySelector(`[data-tab=${pane.dataset.of || pane.id.slice(5)}]`) : null]", element)
         for each in (tab, folded):
             if each:
                 self._press(each)

@@ -21,7 +21,7 @@ from passo.web.session import Hmac
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
 MM = 320  # steps
-LIMIT_S = 15
+LIMIT_S = 60
 AXE = Package("axe-core", "axe-core", "4.14.1", "FHfa+lmNjQZfJz1q8wKqIDwC6DExcHt/pkjNQb09a3NPjCKg2rhu5qb2S4r76ASyFNNtuFooJpZe37OgudVGtQ==")
 pytestmark = [
     pytest.mark.unmeasured,
@@ -35,7 +35,7 @@ SQUARE = "G21 G91\nF2000\nG1 X20\nG1 Y20\nG1 X-20\nG2 Y-20 J-10\n"
 BRING = """
 const control = arguments[0], card = control.closest("section > details:not([open])"), pane = control.closest(".pane[hidden]");
 if (card && !control.closest("summary")) card.querySelector("summary").click();
-if (pane) document.querySelector(`[data-tab=${pane.id.slice(5)}]`).click();
+if (pane) document.querySelector(`[data-tab=${pane.dataset.of || pane.id.slice(5)}]`).click();
 control.scrollIntoView({block: "center"});
 """
 
@@ -407,8 +407,8 @@ def junction(browser):
 
 
 def test_tool_overrides_line_and_settings(browser):
-    for name, text in (("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: off"), ("flood", "Coolant: on"),
-                       ("coolant_off", "Coolant: off"), ("mist", "Mist: on"), ("coolant_off", "Mist: off")):  # fmt: skip
+    for name, text in (("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: –"), ("flood", "Coolant: on"),
+                       ("coolant_off", "Coolant: –"), ("mist", "Mist: on"), ("coolant_off", "Mist: –")):  # fmt: skip
         browser.until(lambda: switched(browser, name, text))
     for button, what, text in (("feed+10", "feed", "110 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"), ("rapid100", "rapid", "100 %")):
         browser.tap(f"[data-override='{button}']")
@@ -569,12 +569,82 @@ def test_nothing_is_longer_than_two_screens(panel, driver, size):
         within_two_screens(browser, size)
 
 
-@pytest.mark.parametrize("board", ["torch_manipulator", "two_motor_kit"])
-def test_what_is_longest_in_portuguese(tmp_path, driver, board):
+DEEP = "G21 G90 G54\nT1 M6\nG0 Z5\n" + "G1 X80 Y65 F900 Z-2\nG0 Z5 X0 Y0\n" * 5 + "M30\n"  # two warnings: tools, and out of the travel
+SHEET = '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><path d="M5 5 L55 5 L55 35 L5 35 Z" fill="none" stroke="#000"/></svg>'
+
+
+@pytest.mark.parametrize("board, name, text", [
+    ("torch_manipulator", "", ""), ("two_motor_kit", "", ""), ("router_3axis", "deep.gcode", DEEP), ("plotter_2014", "sheet.svg", SHEET), ("lpt_router", "", ""),
+    pytest.param("laser_xy", "deep.gcode", DEEP, marks=pytest.mark.slow),
+], ids=lambda value: value if len(value) < 20 else "")  # fmt: skip
+def test_what_is_longest_in_portuguese(tmp_path, driver, board, name, text):
+    """With a job that is chosen, and all that is told of it."""
     with PanelProcess(tmp_path, "--board", board) as process, Browser(process, driver, query="lang=pt&theme=light") as browser:
         browser.until(lambda: browser.find("card-jog").is_displayed() or browser.find("card-keys").is_displayed())
+        if name:
+            (tmp_path / name).write_text(text)
+            browser.find("upload").send_keys(str(tmp_path / name))
+            browser.until(lambda: "cerca de" in browser.find("job-facts").get_attribute("textContent"))
         for size in SIZES:
             within_two_screens(browser, size)
+
+
+# What can be read on the page, name by name; places and times of now are no words.
+READ = """
+const seen = [...document.querySelectorAll("body *")].filter((e) => !e.children.length && e.textContent.trim() && !e.closest("script, noscript, option, #where, #places, #job-state, dialog"));
+return seen.map((e) => `${(e.closest("[id]") || {}).id}: ${e.textContent.trim()}`);
+"""
+
+
+def test_another_language_is_that_of_the_whole_page(panel, driver, tmp_path):
+    """Chosen on a page that stands, it changes every word that a page opened in it would show."""
+    (tmp_path / "deep.gcode").write_text(DEEP)
+    with Browser(panel, driver) as browser:
+        browser.find("upload").send_keys(str(tmp_path / "deep.gcode"))
+        browser.until(lambda: "tools T1" in browser.find("job-facts").get_attribute("textContent") and "deep.gcode" in browser.find("run").get_attribute("textContent"))
+        browser.choose("language", "pt")
+        browser.until(lambda: browser.find("h-job").get_attribute("textContent") == "Trabalho")
+        changed = driver.execute_script(READ)
+    with Browser(panel, driver, query="lang=pt&theme=light") as browser:
+        browser.until(lambda: "ferramentas T1" in browser.find("job-facts").get_attribute("textContent"))
+        assert set(driver.execute_script(READ)) == set(changed)
+
+
+def test_pause_is_always_in_sight(panel, driver, tmp_path):
+    """While a job runs it stands beside STOP, on each part of a phone's page; two quick taps have paused, and not gone on."""
+    (tmp_path / "paused.gcode").write_text("G21 G91 F600\n" + "G1 X9 Y9\nG1 X-9 Y-9\n" * 30)
+    screen = {"width": 360, "height": 640, "deviceScaleFactor": 1, "mobile": True}
+    with Browser(panel, driver) as browser:
+        if browser.find("unlock").is_enabled():
+            browser.click("unlock")
+        browser.until(lambda: browser.find("state").get_attribute("data-state") == "Idle")
+        assert not browser.find("pause").is_displayed()
+        browser.find("upload").send_keys(str(tmp_path / "paused.gcode"))
+        browser.until(lambda: "paused.gcode" in browser.text("run"))
+        browser.click("run")
+        browser.until(lambda: browser.find("state").get_attribute("data-state") == "Run")
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+        try:
+            for name in ("path", "machine", "move"):
+                browser.css(f"[data-tab={name}]").click()
+                pause, stop = browser.find("pause").rect, browser.find("stop").rect
+                assert browser.text("pause") == "Pause" and pause["height"] >= 48
+                assert pause["x"] + pause["width"] <= stop["x"] + 1 and stop["width"] > 0.6 * 360
+            browser.shot("pause")
+            browser.until(lambda: browser.find("pause").is_enabled())
+            driver.execute_script("const pause = document.getElementById('pause'); pause.click(); setTimeout(() => pause.click(), 300)")
+            browser.until_state("Held")
+            time.sleep(1)
+            assert browser.text("state") == "Held" and browser.text("pause") == "Resume"
+            browser.shot("paused")
+            browser.find("pause").click()
+            browser.until_state("Running")
+            browser.css("[data-tab=job]").click()
+        finally:
+            driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        browser.click("abort")
+        browser.until_state("Ready")
+        assert not browser.find("pause").is_displayed()
 
 
 def test_a_job_that_runs_makes_nothing_longer(panel, driver, tmp_path):

@@ -218,7 +218,7 @@ def chosen_and_queued(page, folder):
     page.click("recover-forget")
     page.until(lambda: not page.find("recover-row").is_displayed())
     page.tap("#pictures-row summary")
-    page.until(lambda: "square.gcode" in page.text("pictures"))
+    page.until(lambda: "square.gcode" in page.text("pictures") and "min · 20.0 × 20.0 mm" in page.text("pictures"))
     page.tap("#pictures button")
     page.tap("#queue-row summary")
     for count in (1, 2, 3):
@@ -290,8 +290,8 @@ def kept_jobs(page, folder):
 
 def tool(page, folder):
     page.type("rpm", "12000")
-    for name, text in (("spindle_ccw", "Spindle: on"), ("spindle_off", "Spindle: off"), ("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: off"),
-                       ("flood", "Coolant: on"), ("coolant_off", "Coolant: off"), ("mist", "Mist: on"), ("coolant_off", "Mist: off")):  # fmt: skip
+    for name, text in (("spindle_ccw", "Spindle: on"), ("spindle_off", "Spindle: –"), ("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: –"),
+                       ("flood", "Coolant: on"), ("coolant_off", "Coolant: –"), ("mist", "Mist: on"), ("coolant_off", "Mist: –")):  # fmt: skip
         page.until(lambda: switched(page, name, text))
     page.until_state("Ready")
     for button, what, text in (("feed+10", "feed", "110 %"), ("feed-10", "feed", "100 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"),

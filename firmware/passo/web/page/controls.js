@@ -3,7 +3,21 @@
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
+let laser = false;  // $32: what turns at a spindle is the power of a laser
 const OVERRIDES = [["feed", "Feed", ["-10", "+10", "100"]], ["rapid", "Rapid", ["25", "50", "100"]], ["spindle", "Spindle", ["-10", "+10", "100"]]];
+
+export const toolName = () => (laser ? _("Laser") : _("Spindle"));
+
+// The words of the tool's card, by the settings; a laser begins with a twentieth of its power. True if they are others than before.
+export function nameTool(settings) {
+  const before = laser, most = Number(settings[30]) || 0;
+  laser = Number(settings[32]) === 1;
+  const words = laser ? { unit: _("S, of {most}", { most }), short: "S", cw: _("On (M3)"), ccw: _("By speed (M4)") }
+    : { unit: _("rpm"), short: _("rpm"), cw: _("On"), ccw: _("Reversed") };
+  for (const place of document.querySelectorAll("[data-tool]")) place.textContent = { ...words, name: toolName() }[place.dataset.tool];
+  if (laser && Number($("rpm").value) > most) $("rpm").value = Math.round(most / 20);
+  return laser !== before;
+}
 
 // A row for each override: its name, its buttons, its value. order(name, fields).
 export function makeOverrides(order) {
@@ -11,7 +25,7 @@ export function makeOverrides(order) {
     const row = document.createElement("div");
     row.className = "override";
     row.innerHTML = "<span></span>";
-    row.firstChild.textContent = _(name);
+    row.firstChild.textContent = what === "spindle" ? toolName() : _(name);
     for (const to of steps) row.append(overrideButton(what, name, to, order));
     const value = document.createElement("output");
     value.id = `ov-${what}`;
@@ -26,7 +40,7 @@ function overrideButton(what, name, to, order) {
   button.type = "button";
   button.textContent = `${to.replace("-", "−")} %`;
   button.dataset.override = what + to;
-  button.setAttribute("aria-label", `${_(name)} ${button.textContent}`);
+  button.setAttribute("aria-label", `${what === "spindle" ? toolName() : _(name)} ${button.textContent}`);
   button.onclick = () => order("override", { what, to });
   return button;
 }

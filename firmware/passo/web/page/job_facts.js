@@ -53,9 +53,9 @@ export class JobFacts {
     const wrong = box.map(([low, high], axis) => {
       const [least, most] = table.box[axis];
       if (most <= least || low >= least - 0.01 && high <= most + 0.01) return "";
-      return `${"XYZ"[axis]} ${low.toFixed(1)} … ${high.toFixed(1)} mm (${least.toFixed(1)} … ${most.toFixed(1)} mm)`;
+      return `${"XYZ"[axis]} ${low.toFixed(1)} … ${high.toFixed(1)} mm (${_("travel")} ${least.toFixed(1)} … ${most.toFixed(1)} mm)`;
     }).filter(Boolean);
-    return wrong.length ? _("From this zero it leads out of the travel: {axes}", { axes: wrong.join(", ") }) : "";
+    return wrong.length ? _("From this zero it goes out of the travel: {axes}", { axes: wrong.join(", ") }) : "";
   }
 
   // The times of a job that runs; `now`: the state's.

@@ -2,7 +2,7 @@
 
 import "./old.js";
 import { Cards } from "./cards.js";
-import { makeOverrides, showControls, showWait } from "./controls.js";
+import { makeOverrides, nameTool, showControls, showWait, toolName } from "./controls.js";
 import { Jog } from "./jog.js";
 import { JobFacts, dropped } from "./job_facts.js";
 import { Kept } from "./kept.js";
@@ -20,6 +20,7 @@ import { Typed } from "./typed.js";
 import { _, choose as chooseWords, languages, preferred } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
+const TWICE_MS = 700;
 const PIECE = 30000;  // characters of a job in one message
 const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Probe", D: "Door", H: "Hold button", R: "Reset button", S: "Start button" };
 const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs" };  // words of a status that only some machines have
@@ -39,7 +40,7 @@ const jog = new Jog(link, () => report, refuse, refresh);
 const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).then((answer) => { refuse(answer.error === 102 ? 0 : answer.error); return answer; }),
   ask, () => report, () => $("jobs").value, say, () => language);
 const recover = new Recover((name, fields) => order(name, fields), () => $("jobs").value);
-const queue = new Queue((name, fields) => order(name, fields), { job: () => $("jobs").value, choose, text: textOf, moves: movesOf });
+const queue = new Queue((name, fields) => order(name, fields), { job: () => $("jobs").value, choose, text: textOf, about: (name) => link.order({ do: "job_about", name }), moves: movesOf });
 const picture = new Picture($("path"), touched);
 const place = new Place(order, picture, () => load());
 const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture, (about) => place.take(about));
@@ -157,8 +158,7 @@ function told(message) {
   } else if (message.t === "log") {
     showLog(message);
   } else if (message.t === "said") {
-    typed.say(message.text);
-    if (setup) setup.heard(message.text);
+    if (!(setup && setup.heard(message.text))) typed.say(message.text);
   }
 }
 
@@ -167,7 +167,7 @@ function anew() {
   job = { name: "", text: "", lines: [] };
   for (const id of ["jobs", "lines", "settings", "log"]) $(id).replaceChildren();
   for (const id of ["job-state", "said"]) $(id).textContent = "";
-  $("progress").value = 0;
+  $("progress").hidden = true;
   picture.show([]);
   say("");
   useKey();
@@ -195,7 +195,7 @@ function setAxes(wanted) {
   axes = wanted;
   $("places").replaceChildren(...[...axes].map((axis) => {
     const row = document.createElement("tr");
-    row.innerHTML = `<th scope="row">${axis.toUpperCase()}</th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${axis.toUpperCase()} = 0</button></td>`;
+    row.innerHTML = `<th scope="row">${axis.toUpperCase()} <small>mm</small></th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${axis.toUpperCase()} = 0</button></td>`;
     row.querySelector("button").onclick = () => order("zero", { axes: axis });
     row.lastChild.hidden = !cards.can("zero");
     return row;
@@ -235,6 +235,9 @@ function show() {
   if (report.alarm) {
     refuse(report.alarm);
     alarmText = $("message").textContent;
+  } else if (number === "Alarm") {
+    alarmText = _("Locked: press Home, or Unlock if the position is right as it is.");
+    if (!$("message").textContent) say(alarmText);
   } else if (alarmText) {
     if ($("message").textContent === alarmText) say("");
     alarmText = "";
@@ -270,6 +273,7 @@ function enable() {
   set("hold", ["Run", "Jog", "Home"].includes(report.state));
   set("resume", ["Hold", "Door"].includes(report.state) && mine);
   set("abort", busy);
+  showPause();
   set("give", idle && !busy);
   set("take", idle || report.state === "Alarm");
   $("give").hidden = !mine;
@@ -281,6 +285,18 @@ function enable() {
   queue.show(report.queue, mine && !busy && idle);
   recover.show(report.recover, mine && !busy, idle, /[SC]/.test(report.on || ""));
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
+}
+
+// Pause or Resume, always in sight while there is something to pause. It says the other thing after a moment: who taps twice has paused.
+function showPause() {
+  const pause = $("pause"), held = !$("resume").disabled, word = held ? "Resume" : "Pause";
+  pause.hidden = !(held || report.state === "Run" && !$("hold").disabled) || !cards.can("hold") || !$("wait-bar").hidden;
+  if (pause.textContent === _(word)) return;
+  pause.textContent = _(word);
+  pause.dataset.does = held ? "resume" : "hold";
+  pause.className = held ? "go" : "";
+  pause.disabled = true;
+  setTimeout(() => { pause.disabled = false; }, TWICE_MS);
 }
 
 // What was touched in the picture: a place to go to, and the line of the path there.
@@ -321,7 +337,7 @@ function showSignals() {
   const rows = Object.entries(SIGNALS).filter(([letter]) => "XYZA".indexOf(letter) < axes.length || letter > "B" && !"XYZ".includes(letter))
     .map(([letter, name]) => [_(name), on.includes(letter)]);
   if (/n/i.test(on)) rows.push([_("Somebody at the machine"), on.includes("N")]);
-  rows.push([_("Spindle"), /[SC]/.test(outputs)], [_("Coolant"), outputs.includes("F")], [_("Mist"), outputs.includes("M")]);
+  rows.push([toolName(), /[SC]/.test(outputs)], [_("Coolant"), outputs.includes("F")], [_("Mist"), outputs.includes("M")]);
   rows.push(...(report.more || []).filter(([word]) => word !== "SD").map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, text]));
   const text = JSON.stringify(rows);
   if ($("signals").dataset.shown === text) return;
@@ -330,7 +346,9 @@ function showSignals() {
     const item = document.createElement("li");
     item.innerHTML = "<span></span><b></b>";
     item.firstChild.textContent = `${name}: `;
-    item.lastChild.textContent = typeof active === "string" ? active : active ? _("on") : _("off");
+    item.lastChild.textContent = typeof active === "string" ? active : active ? _("on") : "–";
+    if (active === false) item.lastChild.setAttribute("aria-label", _("off"));
+    if (active === false) item.lastChild.setAttribute("role", "img");
     item.className = active === true ? "on" : "";
     return item;
   }));
@@ -345,6 +363,7 @@ function showJob() {
   waiting = waiting.filter(([wanted]) => !wanted(now));
   facts.show(now);
   if (!now) return;
+  $("progress").hidden = false;
   $("progress").value = now.lines ? now.done / now.lines : 0;
   let text = cards.told(now) || described(now, line);
   if (now.error) text += `. ${_("Error")} ${now.error}: ${_(errors[now.error] || "")}`;
@@ -398,6 +417,8 @@ function showLog(message) {
 function showSettings(told) {
   settings = told;
   list.show(told);
+  if (nameTool(told)) makeOverrides(order);
+  show();
 }
 
 // --- jobs
@@ -457,11 +478,13 @@ async function upload(file) {
   for (let at = 0; at === 0 || at < text.length; at += PIECE) {
     const answer = await order("job_part", { name, at, text: text.slice(at, at + PIECE), last: at + PIECE >= text.length });
     if (answer.error) return;
+    $("progress").hidden = false;
     $("progress").value = Math.min(1, (at + PIECE) / text.length);
   }
   job = { name: "", text: "", lines: [] };
   await order("jobs");
   $("jobs").value = ["", ".txt", ".gcode"].map((end) => name + end).find(there) || "";  // a drawing has become a job
+  $("progress").hidden = !report.job;
   await load();
 }
 
@@ -494,7 +517,7 @@ function makeSetup() {
     order, ask, say, errorText, stop, send: (name, fields) => link.order({ do: name, ...fields }), report: () => report, axes: () => axes, settings: () => settings,
     range: () => axes && rangeOf(), can: (what) => cards.can(what), busy: () => !link.ready() || !$("card-key").hidden,
     look: (on) => { if (on !== often && jog.seldom()) link.look(on ? 50 : refresh()); often = on; },
-    jog: (way, part, of) => jog.press(way, Math.max(1, speed() * part), of), letGo: (of) => jog.release(of), placed: () => tabs.show(), jobs: () => Array.from($("jobs").options).map(({ value }) => value).filter(Boolean),
+    jog: (way, part, of) => jog.press(way, Math.max(1, speed() * part), of), letGo: (of) => jog.release(of), placed: () => tabs.show(), offsets: (list) => { picture.offsets = list; picture.draw(); }, jobs: () => Array.from($("jobs").options).map(({ value }) => value).filter(Boolean),
     chosen: async (name) => { await order("jobs"); $("jobs").value = name; await load(); tabs.choose("job"); },
   });
   return setup;
@@ -552,6 +575,7 @@ $("unlock").onclick = () => order("unlock");
 $("hold").onclick = () => order("hold");
 $("resume").onclick = () => (report.job && report.job.single && report.state === "Idle" ? order("play", { what: "run" }) : order("resume"));
 $("wait-go").onclick = () => order($("wait-go").dataset.order, { what: "run" });
+$("pause").onclick = () => $($("pause").dataset.does).click();
 $("abort").onclick = () => order("abort");
 $("zero-all").onclick = async () => { if (await ask(_("Set the zero of all axes here?"))) order("zero", { axes }); };
 $("give").onclick = () => order("give", { to: "guest" });
@@ -634,11 +658,15 @@ function theme(name) {
 
 async function speak(language) {
   await chooseWords(language);
+  nameTool(settings);
   makeOverrides(order);
   const now = axes;
   axes = "";
   setAxes(now);
   if (setup) setup.speak();
+  cards.tellElsewhere();
+  facts.tell();
+  picture.draw();
   show();
   if (link.key && link.ready()) { link.order({ do: "settings" }); link.order({ do: "log" }); }
 }

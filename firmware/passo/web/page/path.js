@@ -14,6 +14,7 @@ export class Picture {
     this.chosen = chosen;
     this.moves = [];
     this.tool = this.aim = this.table = this.marked = null;
+    this.offsets = [];  // [[name, place of the machine]] of the work offsets that are not chosen
     this.done = 0;
     this.shade = "";
     this.base = document.createElement("canvas");
@@ -138,14 +139,24 @@ export class Picture {
   }
 
   ruler(ink, step) {
-    const dense = this.dense || 1, size = step * this.view.scale, y = this.canvas.height - 12 * dense, x = 12 * dense;
+    const dense = this.dense || 1, size = step * this.view.scale, text = `${Number(step.toPrecision(3))} mm`, y = this.canvas.height - 10 * dense;
+    ink.font = `${13 * dense}px system-ui, sans-serif`;
+    const x = this.canvas.width - 10 * dense - size - 6 * dense - ink.measureText(text).width;
     ink.fillStyle = ink.strokeStyle = colour("--text");
     ink.lineWidth = 2 * dense;
     ink.beginPath();
     ink.moveTo(x, y - 5 * dense); ink.lineTo(x, y); ink.lineTo(x + size, y); ink.lineTo(x + size, y - 5 * dense);
     ink.stroke();
-    ink.font = `${13 * dense}px system-ui, sans-serif`;
-    ink.fillText(`${Number(step.toPrecision(3))} mm`, x + size + 6 * dense, y);
+    this.word(ink, text, x + size + 6 * dense, y);
+  }
+
+  // Text on a ground of its own: it is read on lines, too.
+  word(ink, text, x, y) {
+    const dense = this.dense || 1, own = ink.fillStyle;
+    ink.fillStyle = colour("--sheet");
+    ink.fillRect(x - 2 * dense, y - 12 * dense, ink.measureText(text).width + 4 * dense, 15 * dense);
+    ink.fillStyle = own;
+    ink.fillText(text, x, y);
   }
 
   // The work's zero with its axes, and the machine's.
@@ -158,13 +169,19 @@ export class Picture {
     for (const [text, point, name] of [["X", [long * 1.15, 0, 0], "--axis-x"], ["Y", [0, long * 1.15, 0], "--axis-y"]]) {
       ink.fillStyle = colour(name);
       const [x, y] = this.view.at(point);
-      ink.fillText(text, x, y);
+      this.word(ink, text, x, y);
     }
-    if (!this.table || !this.table.zero.some((value) => Math.abs(value) > 0.01)) return;
-    this.cross(ink, this.table.zero, colour("--offset"));
-    const [x, y] = this.view.at(this.table.zero);
+    const { zero } = this.table || { zero: [0, 0, 0] };
+    if (zero.some((value) => Math.abs(value) > 0.01)) this.named(ink, zero, _("machine zero"));
+    for (const [name, place] of this.offsets) this.named(ink, place.map((value, axis) => value + zero[axis]), name);
+  }
+
+  // A zero that is not the work's of now.
+  named(ink, point, name) {
+    const [x, y] = this.view.at(point);
+    this.cross(ink, point, colour("--offset"));
     ink.fillStyle = colour("--offset");
-    ink.fillText(_("machine zero"), x + 8 * (this.dense || 1), y - 6 * (this.dense || 1));
+    this.word(ink, name, x + 8 * (this.dense || 1), y - 6 * (this.dense || 1));
   }
 
   strokes(ink, from, to, done) {
@@ -201,7 +218,22 @@ export class Picture {
       Object.assign(ink, { strokeStyle: `hsl(${230 - 230 * n / MOST_SHADES}, 75%, 45%)`, lineWidth: 2 * (this.dense || 1) });
       ink.stroke();
     });
-    this.range = cuts.length ? [low, high] : null;
+    if (cuts.length) this.legend(ink, low, high);
+  }
+
+  // What the colours of shaded() mean.
+  legend(ink, low, high) {
+    const dense = this.dense || 1, top = 10 * dense, unit = { feed: "mm/min", power: "S", depth: "mm" }[this.shade];
+    const least = `${Number(low.toFixed(2))}`, most = `${Number(high.toFixed(2))} ${unit}`;
+    ink.font = `${13 * dense}px system-ui, sans-serif`;
+    const left = 16 * dense + ink.measureText(least).width;
+    ink.fillStyle = colour("--text");
+    this.word(ink, least, 10 * dense, top + 11 * dense);
+    this.word(ink, most, left + (2 * (MOST_SHADES + 1) + 6) * dense, top + 11 * dense);
+    for (let n = 0; n <= MOST_SHADES; n++) {
+      ink.fillStyle = `hsl(${230 - 230 * n / MOST_SHADES}, 75%, 45%)`;
+      ink.fillRect(left + 2 * n * dense, top, 2 * dense, 12 * dense);
+    }
   }
 
   // The move that is meant, the place to go to, the tool.

@@ -1,5 +1,6 @@
 // The jobs that wait for one another, and all jobs with their pictures.
 
+import { clock } from "./job_facts.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -7,11 +8,12 @@ const MOST_PICTURES = 60, MOST_CHARACTERS = 400000;  // a longer job has no pict
 const WIDE = 132, HIGH = 88;
 
 export class Queue {
-  // order(name, fields): a promise of the answer; page: { job(): the chosen one's name, choose(name), text(name, most): its text, moves(text) }.
+  // order(name, fields): a promise of the answer; page: { job(): the chosen one's name, choose(name), text(name, most): its text, about(name): a promise of what it will do, moves(text) }.
   constructor(order, page) {
     this.order = order;
     this.page = page;
     this.known = new Map();  // name and size: the moves of a picture
+    this.times = new Map();  // name and size: seconds, where somebody computes them
     $("queue-add").onclick = () => this.ask("add", { name: page.job() });
     $("queue-run").onclick = () => this.ask("run");
     $("queue-clear").onclick = () => this.ask("clear");
@@ -78,18 +80,24 @@ export class Queue {
       $("pictures").append(item);
       if (size <= MOST_CHARACTERS && !this.known.has(key)) this.known.set(key, this.page.moves(await this.page.text(name, MOST_CHARACTERS)));
       if (this.shown !== jobs) return;
-      thumb(canvas, this.known.get(key) || []);
+      const box = thumb(canvas, this.known.get(key) || []);
+      if (!this.times.has(key)) this.times.set(key, (await this.page.about(name)).seconds);
+      if (this.shown !== jobs) return;
+      const facts = document.createElement("small"), seconds = this.times.get(key);
+      facts.textContent = [seconds === undefined ? "" : clock(seconds), box && _("{width} × {height} mm", { width: (box[1] - box[0]).toFixed(1), height: (box[3] - box[2]).toFixed(1) })]
+        .filter(Boolean).join(" · ");
+      button.append(facts);
     }
   }
 }
 
-// All of a path, seen from above, as large as it fits.
+// All of a path, seen from above, as large as it fits. Its box: [low x, high x, low y, high y], or null.
 function thumb(canvas, moves) {
   const ink = canvas.getContext("2d"), box = [Infinity, -Infinity, Infinity, -Infinity], cuts = moves.filter((move) => !move.rapid);
   for (const { points } of cuts) for (const [x, y] of points) {
     box[0] = Math.min(box[0], x); box[1] = Math.max(box[1], x); box[2] = Math.min(box[2], y); box[3] = Math.max(box[3], y);
   }
-  if (!cuts.length) return;
+  if (!cuts.length) return null;
   const scale = 0.9 * Math.min(canvas.width / (box[1] - box[0] || 1), canvas.height / (box[3] - box[2] || 1));
   const at = ([x, y]) => [canvas.width / 2 + (x - (box[0] + box[1]) / 2) * scale, canvas.height / 2 - (y - (box[2] + box[3]) / 2) * scale];
   ink.clearRect(0, 0, canvas.width, canvas.height);
@@ -97,4 +105,5 @@ function thumb(canvas, moves) {
   for (const { points } of cuts) points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...at(point)));
   Object.assign(ink, { strokeStyle: getComputedStyle(document.documentElement).getPropertyValue("--path").trim(), lineWidth: 2 });
   ink.stroke();
+  return box;
 }

@@ -12,6 +12,7 @@ import { wizards } from "./setup_wizards.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
+const AGAIN_MS = 2000;
 const BUSY_JOB = ["load", "run", "halting", "store"];
 
 // What there is: [key, name, view(setup)].
@@ -51,6 +52,7 @@ class Setup {
     this.lines = new Lines(page);
     this.facts = null;
     this.known = "";
+    this.later = 0;
     this.view = null;
     this.speak();
   }
@@ -93,7 +95,8 @@ class Setup {
     this.page.placed();
   }
 
-  heard(text) { this.lines.heard(text); }
+  // What the board has said; true: an answer that only this script has asked for.
+  heard(text) { return this.lines.heard(text); }
 
   // STOP was pressed here, or the link is lost.
   halt() { if (this.lines.runs) this.lines.halt(_("Stopped.")); }
@@ -101,9 +104,9 @@ class Setup {
   locked() { return this.lines.runs; }
 
   show() {
+    if (this.view || window.PassoMake) this.look();  // a board computes less unasked
     if (!this.view) return;
     this.page.look(this.lines.runs);
-    this.look();
     this.view.show(this.page.report());
   }
 
@@ -111,9 +114,17 @@ class Setup {
   look() {
     const { state, m, w } = this.page.report();
     const now = JSON.stringify([state, (m || []).map((value, n) => (value - w[n]).toFixed(3))]);
-    if (now === this.known || !["Idle", "Alarm"].includes(state) || this.lines.runs || this.lines.waiting || this.page.busy()) return;
+    if (now === this.known || !["Idle", "Alarm"].includes(state) || this.lines.runs || this.lines.waiting || this.page.busy() || Date.now() < this.later) return;
     this.known = now;
-    this.lines.facts().then((facts) => { this.facts = facts; if (!facts) this.known = ""; if (this.view) this.view.show(this.page.report()); });
+    this.lines.facts().then((facts) => this.learn(facts));
+  }
+
+  // What $# and $G have told; null: refused, it is asked again later.
+  learn(facts) {
+    this.facts = facts;
+    if (!facts) [this.known, this.later] = ["", Date.now() + AGAIN_MS];
+    else this.page.offsets(Object.entries(facts.systems).filter(([name, place]) => name !== facts.active && place.some(Boolean)));
+    if (this.view) this.view.show(this.page.report());
   }
 
   range(axis) { return (this.page.range() || [])[axis] || null; }

@@ -20,15 +20,18 @@ export class Lines {
     this.runs = false;
     this.halted = "";
     this.waiting = null;
+    this.asks = false;
     this.touched = {};
   }
 
-  // What the board has said to this page.
+  // What the board has said to this page. True: the answer of a question that is none of the user's.
   heard(text) {
+    const quiet = this.asks && Boolean(this.waiting) && text.slice(0, 4) !== RESTART;
     if (text.slice(0, 4) === RESTART) this.halt(_("Stopped."));
-    else if (this.waiting && text === "ok") this.waiting.end(0);
+    else if (this.waiting && text === "ok" && !(this.asks && !this.waiting.said.length)) this.waiting.end(0);  // else another order's: questions have answers
     else if (this.waiting && text.slice(0, 6) === "error:") this.waiting.end(Number(text.slice(6)));
     else if (this.waiting) this.waiting.said.push(text);
+    return quiet;
   }
 
   // STOP, a lost link: no line goes any more.
@@ -70,11 +73,13 @@ export class Lines {
   // What $# and $G tell: { systems: {G54: [mm]}, active, shift, tool, tools, homed, inches, relative }, or null.
   async facts() {
     const found = { systems: {}, tools: {}, homed: null };
+    this.asks = true;
     for (const line of ["$#", "$G"]) {
       const answer = await this.say(line);
-      if (answer.error) return null;
+      if (answer.error) { this.asks = false; return null; }
       for (const text of answer.said) this.read(text, found);
     }
+    this.asks = false;
     return found;
   }
 
