@@ -190,6 +190,9 @@ class Resting:
     def output(self, tick, name, level):
         pass
 
+    def servo(self, tick, us):
+        pass
+
     def input(self, tick, name):
         return self._resting[name]
 

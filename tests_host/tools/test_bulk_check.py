@@ -162,6 +162,17 @@ def test_a_board_with_flash_and_radio(tmp_path):
         assert not job.errors and job.high[0] == 2
 
 
+def test_a_pen_on_a_servo(tmp_path):
+    file = tmp_path / "pen.py"
+    board = boards.load("laser_xy")
+    pen = {"tool": {"pin": 6, "on_ms": 420, "off_ms": 120}, "servo": {"pin": 7, "up_us": 1800, "down_us": 1200, "up_ms": 100, "down_ms": 400}}
+    file.write_text(f"BOARD = {({**board, 'spindle': {'max_rpm': 1000}, **pen})!r}\n")
+    for inside in [True, False] if job_module.micropython() else [True]:
+        job = VirtualJob(str(file), inside=inside)
+        job.run(enumerate([b"M3S1000", b"G1X2F600", b"M5"], 1))
+        assert not job.errors and job.high[0] == 2 and job.seconds > 0.42 + 0.2  # the pen goes down, then the line
+
+
 @needs_micropython
 @pytest.mark.parametrize("name", ["laser_raster", "smooth", "units", "slow"])
 def test_the_same_under_both_interpreters(name):
