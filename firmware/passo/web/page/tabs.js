@@ -1,17 +1,18 @@
 // Which parts of the page are seen: one at a time on a phone, all of them in two columns on a tablet, in three on a wide screen.
 
 const COLUMNS = {
-  1: [["move", "job", "overrides", "path", "setup", "machine", "more"], [], []],
-  2: [["move", "setup", "machine", "more"], ["path", "job", "overrides"], []],
-  3: [["move"], ["path", "overrides", "setup", "machine"], ["job", "more"]],
-  "2 plain": [["move", "path"], ["job", "overrides", "setup", "machine", "more"], []],  // of a machine without a set-up, which has less to show
-  "3 plain": [["move"], ["path", "overrides", "setup", "machine", "more"], ["job"]],
+  1: [["move", "job", "overrides", "path", "setup", "machine", "more", "who"], [], []],
+  2: [["move", "setup", "machine", "more"], ["path", "job", "overrides", "who"], []],
+  3: [["move"], ["path", "overrides", "setup", "machine"], ["job", "more", "who"]],
+  "2 plain": [["move", "path"], ["job", "overrides", "setup", "machine", "more", "who"], []],  // of a machine without a set-up, which has less to show
+  "3 plain": [["move"], ["path", "overrides", "setup", "machine", "more", "who"], ["job"]],
 };
-const BESIDE = { job: "overrides", machine: "more" };  // part: what is seen with it, in another column
+const BESIDE = { job: ["overrides"], machine: ["more", "who"] };  // part: what is seen with it, in another column
 const TWO = matchMedia("(min-width: 44rem)"), THREE = matchMedia("(min-width: 72rem)");
 
 const tabs = () => Array.from(document.querySelectorAll("[data-tab]"));
 const pane = (name) => document.getElementById(`pane-${name}`);
+const partsOf = (name) => [name, ...(BESIDE[name] || [])].filter(used);
 
 function used(name) { return Array.from(pane(name).children).some((card) => !card.hidden); }
 
@@ -54,13 +55,13 @@ export class Tabs {
   // A part without cards has no tab; where all are seen at once, the machine's cards make room for a part of the set-up that is open; a column without any gives its room to the others.
   show() {
     this.place();
-    const there = tabs().map((tab) => tab.dataset.tab).filter((name) => used(name) || BESIDE[name] && used(BESIDE[name]));
+    const there = tabs().map((tab) => tab.dataset.tab).filter((name) => partsOf(name).length);
     if (!there.includes(this.chosen)) this.chosen = there[0] || "move";
     for (const tab of tabs()) {
       const name = tab.dataset.tab, shown = there.includes(name) && !(name === "machine" && this.count > 1 && document.body.dataset.setup);
       tab.hidden = !shown;
       tab.setAttribute("aria-current", String(name === this.chosen));
-      for (const each of [name, BESIDE[name]].filter(Boolean)) pane(each).hidden = !used(each) || !shown || this.count === 1 && name !== this.chosen;
+      for (const each of [name, ...(BESIDE[name] || [])]) pane(each).hidden = !used(each) || !shown || this.count === 1 && name !== this.chosen;
     }
     this.unfold();
     for (const column of document.querySelectorAll(".column")) column.hidden = !Array.from(column.children).some((each) => !each.hidden);
