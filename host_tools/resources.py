@@ -3,8 +3,11 @@
     FIRMWARE        the folder that holds passo/, the firmware's package
     MAIN            firmware/main.py
     BOARDS          the folder of the project's board files
+    version()       "0.1.0": one for tools, firmware and UF2
 """
 
+import tomllib
+from importlib import metadata
 from pathlib import Path
 
 HOST_TOOLS = Path(__file__).resolve().parent
@@ -18,3 +21,10 @@ else:  # package-dir in pyproject.toml says what lies where
     FIRMWARE = ROOT
     MAIN = HOST_TOOLS / "firmware" / "main.py"
     BOARDS = ROOT / "passo_boards"
+
+
+def version():
+    """What pyproject.toml says; of an installation, what pip has noted of it."""
+    if FIRMWARE == ROOT:
+        return metadata.version("passo")
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]

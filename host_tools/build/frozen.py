@@ -1,11 +1,11 @@
 """What is frozen into the UF2 of a chip: the firmware's modules, compiled, in a folder, and their stamp.
 
-    stamp("rp2040")                              # twelve hexadecimal digits
+    stamp("rp2040")                              # "0.1.0-0123456789ab"
     frozen_tree("rp2040", folder)                # folder/passo/…/*.mpy, folder/main.mpy, folder/passo_image.mpy
 
 All languages and features of the chip are in it, one image for all its machines; the board file stays in the file system. Names stay
-whole: in flash they cost no memory. The stamp is the hash of all sources, of the modules of this package that compile them, and of the
-compilers' versions: known without compiling anything.
+whole: in flash they cost no memory. The stamp is Passo's version and the hash of all sources, of the modules of this package that compile
+them, and of the compilers' versions: known without compiling anything.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
 from host_tools.kernels.module import compiler, number
-from host_tools.resources import FIRMWARE, HOST_TOOLS
+from host_tools.resources import FIRMWARE, HOST_TOOLS, version
 
 RELEASE = "v1.27.0"  # of MicroPython
 MARK = 0x6F737361  # begins the page behind the image
@@ -79,15 +79,14 @@ def stamp(name, firmware=FIRMWARE):
     files += [(path.name, path) for pattern in _MAKERS for path in sorted(HOST_TOOLS.glob(pattern))]
     for shown, path in files:
         found.update(shown.encode() + b"\0" + path.read_bytes() + b"\0")
-    return found.hexdigest()[:12]
+    return f"{version()}-{found.hexdigest()[:12]}"
 
 
 def image_text(name, firmware=FIRMWARE):
     """passo_image.py with what it is told by the build."""
     chip = chip_of(name)
     text = source_of(IMAGE, firmware).read_text(encoding="utf-8")
-    version = importlib.metadata.version("passo")
-    for key, value in (("STAMP", stamp(name, firmware)), ("CHIP", name), ("VERSION", version), ("MARK", MARK)):
+    for key, value in (("STAMP", stamp(name, firmware)), ("CHIP", name), ("VERSION", version()), ("MARK", MARK)):
         assert text.count(f"\n{key} = None\n") == 1
         text = text.replace(f"\n{key} = None\n", f"\n{key} = {value!r}\n")
     return text

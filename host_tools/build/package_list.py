@@ -6,20 +6,18 @@ A list of sources in mip's format. Boards need compiled files: `passo build` wri
 """
 
 import json
-import tomllib
 
 from host_tools.build.tree import PAGES, module_files, runs_on
-from host_tools.resources import FIRMWARE, ROOT
+from host_tools.resources import FIRMWARE, ROOT, version
 
 PACKAGE = ROOT / "package.json"
 
 
 def package():
     """What package.json should hold."""
-    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
     files = [path.as_posix() for path in module_files() if runs_on(path)]
     files += sorted(path.relative_to(FIRMWARE).as_posix() for path in (FIRMWARE / PAGES).iterdir())
-    return {"urls": [[path, f"firmware/{path}"] for path in files], "deps": [], "version": version}
+    return {"urls": [[path, f"firmware/{path}"] for path in files], "deps": [], "version": version()}
 
 
 def text():

