@@ -3,6 +3,7 @@
 PYTHON ?= python3
 VENV = .venv
 BIN = $(VENV)/bin
+PIP = $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check
 # What a target needs is installed for it, and no more: the command, what draws, the emulator, or all of it with the tests.
 TOOLS = $(VENV)/.installed-tools
 DRAW = $(VENV)/.installed-draw
@@ -15,14 +16,14 @@ PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --du
 MINOR = import sys; print(*sys.version_info[:2])
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run check test test-all soak bench build flash uf2 emulate site pictures wheel clean
+.PHONY: help venv run check test test-all soak bench build flash uf2 emulate site pictures wheel release lock clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
 	@echo
 	@echo 'build and flash take BOARD=name (a file of boards/), flash PORT=/dev/ttyACM0 and DRY=1; test takes ARGS=...'
 
-# $(1): extras of the project, $(2): what for, $(3): how much is new. Modules are compiled when they are first imported:
+# $(1): extras of the project, $(2): what for, $(3): how much is new, $(4): the lock that says which versions, if any. Modules are compiled when they are first imported:
 # compiling all of them would take longer than fetching them, and a third more room.
 define install
 @$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -31,7 +32,8 @@ define install
     echo "$(VENV) is of another Python than $(PYTHON): it is made anew."; rm -rf $(VENV); fi
 @test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 @echo "Installing what $(2) needs into $(VENV): some $(3) MB, a minute or two; once."
-@$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e '.$(1)'
+$(if $(4),@$(PIP) --require-hashes -r $(4))
+@$(PIP) $(if $(4),--no-deps --no-build-isolation) -e '.$(1)'
 @du -sm $(VENV) | { read size rest; echo "Installed: $(VENV) has $$size MB."; }
 @touch $@
 endef
@@ -49,8 +51,8 @@ $(EMULATE): pyproject.toml
 	$(call install,[emulate],the emulator,40)
 	@touch $(TOOLS)
 
-$(STAMP): pyproject.toml
-	$(call install,[test],testing,670)
+$(STAMP): pyproject.toml locks/test.txt
+	$(call install,[test],testing,670,locks/test.txt)
 	@touch $(TOOLS) $(DRAW) $(EMULATE)
 
 run: $(DRAW)  ## draw on the virtual board; pictures and traces in out/
@@ -58,16 +60,15 @@ run: $(DRAW)  ## draw on the virtual board; pictures and traces in out/
 
 # A sender that some tests drive, without the 60 MB of camera software it would bring along; they skip where it is missing.
 CLIENTS = $(VENV)/.clients
-$(CLIENTS): $(STAMP)
-	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps 'bCNC>=0.9.16,<0.10' 'shxparser>=0.0.2,<0.1'
+$(CLIENTS): $(STAMP) locks/clients.txt
+	-$(PIP) --no-deps --require-hashes -r locks/clients.txt
 	@touch $@
 
 # Type stubs of MicroPython's modules, each port's in a folder of its own, because they clash; without them a test skips.
 STUBS = $(VENV)/typings/.stubs
 $(STUBS): $(STAMP)
 	-for port in esp32 rp2 stdlib; do \
-	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
-	        --target $(VENV)/typings/$$port "micropython-$$port-stubs>=1.27,<2"; \
+	    $(PIP) --no-deps --upgrade --target $(VENV)/typings/$$port --require-hashes -r locks/stubs-$$port.txt; \
 	done
 	@mkdir -p $(VENV)/typings && touch $@
 
@@ -116,6 +117,19 @@ pictures: $(STAMP)  ## the wiring drawings of docs/ and README's picture of the 
 wheel: $(STAMP)  ## what pip installs, with the kernels compiled for every chip: dist/
 	$(BIN)/python -m host_tools.build.ship
 	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
+
+# Environment or command line: DRY=1, ARGS= for the tests, CHIPS="rp2040 …", PYTHONS="python3.11 …", MICROPYTHON=.
+release:  ## a release, built in a clean clone and tried: build/release/assets; DRY=1 without a tag
+	$(PYTHON) -m host_tools.build.release
+
+# The versions that a lock has stay, unless UPGRADE=--upgrade.
+LOCK = $(VENV)/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header $(UPGRADE)
+lock: $(STAMP)  ## what tests and releases install, with hashes: locks/; UPGRADE=--upgrade takes the newest versions
+	$(PIP) 'uv>=0.9,<1'
+	$(LOCK) --extra test pyproject.toml -o locks/test.txt
+	$(LOCK) --extra release --constraint locks/test.txt pyproject.toml -o locks/release.txt
+	printf '%s\n' 'bCNC>=0.9.16,<0.10' 'shxparser>=0.0.2,<0.1' | $(LOCK) --no-deps - -o locks/clients.txt
+	for port in esp32 rp2 stdlib; do echo "micropython-$$port-stubs>=1.27,<2" | $(LOCK) --no-deps - -o locks/stubs-$$port.txt; done
 
 clean:  ## remove what was made, except .venv
 	rm -rf out build dist host_tools/kernels/modules .pytest_cache .hypothesis .coverage .coverage.* *.egg-info
