@@ -389,8 +389,8 @@ def _check_flash(board, out):
 
 
 def write_stamp(out):
-    """What tells this build from any other: Passo's version, and eight hexadecimal digits of all its files. With those a line of it takes 16
-    bytes of a board's memory, one piece; a longer text takes two, and what the collector then keeps by chance was 4 kB more."""
+    """What tells this build from any other: Passo's version, and eight hexadecimal digits of all its files. With more digits a start of
+    plotter_2014 or laser_fast on stock MicroPython was seen to take 4 kB more."""
     digest = hashlib.sha256()
     for path in sorted(path for path in out.rglob("*") if path.is_file() and path.name not in (STAMP, PACKAGE)):
         digest.update(path.relative_to(out).as_posix().encode() + b"\0" + path.read_bytes())
