@@ -88,5 +88,5 @@ class Started:
 if __name__ == "__main__":
     try:
         main()
-    except Failure as failure:
+    except (Failure, subprocess.TimeoutExpired) as failure:
         sys.exit(str(failure))

@@ -46,7 +46,7 @@ def _connected(port, baud, protocol):
         try:
             yield client
         except Refused as refused:
-            # grbl takes the `?` of `$F?` for its real-time command; there it has been asked.
+            # In grbl `?` is a real-time command, also inside `$F?`: be_sure_it_stands() has named the job there.
             if refused.number == errors.COMMANDED_ELSEWHERE and protocol != "grbl" and (running := _RUNNING.search("\n".join(client.ask("$F?")))):
                 raise Failure("the stored job {} runs: wait for its end, or stop it", running[1]) from None
             raise

@@ -194,8 +194,8 @@ class GrblClient(Client):
     def stream(self, lines, count=True, idle=None, numbered=False, origin=line_text):
         """Send [(number, bytes)]; yields each number as its line is answered.
 
-        `count`: keep as many bytes under way as the board takes, 900 in frames; otherwise each line waits for the answer to the previous one. Calls `idle()`
-        while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
+        `count`: keep as many bytes under way as the board takes, 900 in frames; otherwise each line waits for the answer to the previous
+        one. Calls `idle()` while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
         error holds the machine, drops what is under way and raises Refused; `origin(number)` is what it calls a line.
         """
         waiting = [(number, line, tagged(number, line) if numbered else line) for number, line in reversed(lines)]

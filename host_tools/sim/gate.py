@@ -4,8 +4,9 @@
     data = gate.take(received, now)         # what the board may have of it; None: hang up
     gate.answered(said)                     # what the board says
 
-A connection is hung up on, before more of it is read, if it begins with a request of HTTP, with TLS or with STUN (what a page's WebRTC
-says to a TURN server by TCP), or has no end of its first line, and at the fifth line refused while none has been accepted: the body of a request that looks like nothing else is lines to a board. Until one line has been accepted
+The gate hangs up on a connection, before it reads more, if the connection begins with a request of HTTP, with TLS or with STUN (a page's
+WebRTC sends that to a TURN server by TCP), if its first line is longer than a request may be, and if its first five lines are all refused:
+a request's body is lines to a board. Until one line has been accepted
 the next waits for an answer, or for WAIT_S: so none is carried out behind the fifth. Real-time bytes, and what a program has
 accepted answers to, pass at once.
 """

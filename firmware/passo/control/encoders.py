@@ -116,7 +116,7 @@ class EncoderWatch(Feature):
         self._settle()
 
     def _end_homing(self):
-        """What homing has lost is no error: it has found its position by the sensors."""
+        """Forget the steps that encoders missed in homing: the sensors have said where the axes are."""
         self._homing = self._halted = False
         for number in range(len(self._encoders.names)):
             if not self._mask or self._mask >> self._encoders.axis(number) & 1:
