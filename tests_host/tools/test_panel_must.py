@@ -39,7 +39,7 @@ class Hand(Browser):
 
     def __init__(self, panel, driver, size, language):
         self.taps = 0
-        if hasattr(driver, "execute_cdp_cmd"):  # Firefox counts its own frame
+        if driver.name != "firefox":  # which counts its own frame
             screen = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == SIZES["phone"]}
             driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
         super().__init__(panel, driver, size, query=f"lang={language}&theme=light")

@@ -21,6 +21,7 @@ export class Lines {
     this.halted = "";
     this.waiting = null;
     this.asks = false;
+    this.asked = Promise.resolve();
     this.touched = {};
   }
 
@@ -70,8 +71,14 @@ export class Lines {
     }
   }
 
-  // What $# and $G tell: { systems: {G54: [mm]}, active, shift, tool, tools, homed, inches, relative }, or null.
-  async facts() {
+  // What $# and $G tell: { systems: {G54: [mm]}, active, shift, tool, tools, homed, inches, relative }, or null. Whoever asks waits for who asked before:
+  // an answer to one is not taken for the other's.
+  facts() {
+    this.asked = this.asked.then(() => this.ask());
+    return this.asked;
+  }
+
+  async ask() {
     const found = { systems: {}, tools: {}, homed: null };
     this.asks = true;
     for (const line of ["$#", "$G"]) {
