@@ -57,6 +57,7 @@ let starting = false;  // a job has been asked to run: the end of the one before
 // --- messages
 
 function say(text) { $("message").textContent = text; }
+$("message").onclick = () => say("");
 
 function errorText(error) { return `${_("Error")} ${error}: ${_(errors[error] || "")}`; }
 
