@@ -96,7 +96,7 @@ class PageClient:
             message = self.hear()
             if wanted(message):
                 return message
-        raise TimeoutError(str(self.state))
+        raise TimeoutError(str(self.state) + str(self.told[-10:]))
 
     def said(self, kind):
         """The next message of a kind that nobody has asked for."""

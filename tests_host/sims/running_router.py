@@ -26,6 +26,8 @@ class Running:
 
     def __init__(self, mode="real", line=None, **changes):
         self.world = World()
+        if mode == "fast":  # its clock leaps over what a sender needs to say its next line
+            changes = {"links": [{**link, "lost": "go_on"} for link in BOARD["links"]], **changes}
         board = check({**BOARD, **changes})
         self.line = line or PtyLine()
         lines = {"pc": self.line, "serial": MemoryLine()}

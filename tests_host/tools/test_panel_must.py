@@ -47,8 +47,7 @@ class Hand(Browser):
 
     def _press(self, element):
         self.taps += 1
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
-        element.click()
+        self.bring(element).click()
 
     def reach(self, element):
         """The control is on the page's part that is shown."""

@@ -171,9 +171,13 @@ def attacked(folder, count):
         page = panel.page()
         state = page.until(lambda state: state["job"]["how"] in ("done", "failed") and state["state"] == "Idle")
         assert state["job"]["how"] == "done" and state["alarm"] == 0
-        page.order("line", line="$LOG")
+        error = errors.BUSY
+        while error in (errors.BUSY, errors.TOO_MANY_WAITING):  # the last line of the job is being answered
+            error = page.order("line", line="$LOG")["error"]
+        assert error == 0
         log = ""
         while "LOGGED" not in log:
+            assert log != "ok" and log[:6] != "error:", (log, page.told)
             log = page.said("said")["text"]
         assert f"x{errors.WORDS_LATE}" not in log, log
     return panel.trace()

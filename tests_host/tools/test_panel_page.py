@@ -38,6 +38,18 @@ if (card && !control.closest("summary")) card.querySelector("summary").click();
 if (pane) document.querySelector(`[data-tab=${pane.dataset.of || pane.id.slice(5)}]`).click();
 control.scrollIntoView({block: "center"});
 """
+# Told once the control stands at the same spot in two pictures, one after the other: what moves away from under a click is not met.
+STANDS = """
+const [control, told] = arguments;
+let before = NaN;
+const look = () => {
+    const now = control.getBoundingClientRect().y;
+    if (now === before) return told();
+    before = now;
+    requestAnimationFrame(() => requestAnimationFrame(look));
+};
+look();
+"""
 
 
 def chromium():
@@ -83,13 +95,17 @@ class Browser:
 
     def click(self, name):
         self.until(lambda: self.find(name).is_enabled())
-        self.driver.execute_script(BRING, self.find(name))
-        self.find(name).click()
+        self.bring(self.find(name)).click()
 
     def tap(self, selector):
         """Click, clear of the header that stays in sight."""
-        self.driver.execute_script(BRING, self.css(selector))
-        self.css(selector).click()
+        self.bring(self.css(selector)).click()
+
+    def bring(self, control):
+        """Into sight, and at a stand there."""
+        self.driver.execute_script(BRING, control)
+        self.driver.execute_async_script(STANDS, control)
+        return control
 
     def css(self, selector):
         return self.driver.find_element("css selector", selector)
@@ -97,8 +113,14 @@ class Browser:
     def until(self, wanted):
         deadline = time.monotonic() + LIMIT_S
         while not wanted():
-            assert time.monotonic() < deadline, (self.text("state"), self.text("message"), self.driver.get_log("browser"))
+            assert time.monotonic() < deadline, self.shown()
             time.sleep(0.05)
+
+    def shown(self):
+        """What a test that has waited too long is told."""
+        card = "return [...document.querySelectorAll('#places td, #goto-form input, #log, #said')].map((each) => each.value ?? each.textContent)"
+        log = [] if self.driver.name == "firefox" else self.driver.get_log("browser")
+        return self.text("state"), self.text("message"), self.driver.execute_script(card), log
 
     def until_state(self, name):
         self.until(lambda: self.text("state") == name)
@@ -113,15 +135,13 @@ class Browser:
         """Another option of a list."""
         from selenium.webdriver.support.ui import Select
 
-        self.driver.execute_script(BRING, self.find(name))
-        Select(self.find(name)).select_by_value(value)
+        Select(self.bring(self.find(name))).select_by_value(value)
 
     def press(self, way):
         """A finger down on a button of the pad."""
         from selenium.webdriver import ActionChains
 
-        button = self.css(f"[data-way='{way}']")
-        self.driver.execute_script(BRING, button)
+        button = self.bring(self.css(f"[data-way='{way}']"))
         ActionChains(self.driver).move_to_element(button).click_and_hold().perform()
 
     def let_go(self):
@@ -245,6 +265,23 @@ def test_steps_zero_and_go_there(browser):
     browser.until(lambda: [browser.text(f"w-{axis}") for axis in "xy"] == ["3.000", "2.000"])
 
 
+def test_a_message_moves_nothing(browser):
+    """A key stays under the finger that goes to it; a touch of the message takes the message away."""
+    spots = "return [...document.querySelectorAll('button')].map((each) => each.getBoundingClientRect()).filter(({y}) => y < innerHeight).map(({x, y}) => [x, y])"
+    size = browser.driver.get_window_size()
+    for width, height in ((1366, 768), (768, 1000), (360, 640)):
+        browser.driver.set_window_size(width, height)
+        browser.driver.execute_script("scrollTo(0, 0)")
+        browser.driver.execute_async_script(STANDS, browser.find("stop"))
+        before = browser.driver.execute_script(spots)
+        browser.driver.execute_script("document.getElementById('line').value = 'G1'; document.getElementById('line-form').requestSubmit()")
+        browser.until(lambda: "22" in browser.text("message"))
+        assert browser.driver.execute_script(spots) == before
+        browser.find("message").click()
+        assert not browser.find("message").is_displayed()
+    browser.driver.set_window_size(size["width"], size["height"])
+
+
 def test_a_job_from_upload_to_end(browser, panel, tmp_path):
     file = tmp_path / "square.gcode"
     file.write_text(SQUARE)
@@ -358,8 +395,7 @@ def test_the_job_chosen_is_kept(browser, panel, tmp_path):
     assert browser.text("run") == "Run" and not browser.find("run").is_enabled()
     before = browser.place()
     browser.driver.execute_script("document.getElementById('jobs').value = 'a first.gcode'")  # chosen, and its text has not come
-    browser.until(lambda: browser.find("run").is_enabled())
-    browser.find("run").click()
+    browser.click("run")
     browser.until(lambda: browser.text("ask-text") == "Run a first.gcode, which is not shown here yet?")
     browser.answer(False)
     assert browser.place() == before
