@@ -27,7 +27,7 @@ PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 148, "torch": 122, "keys": 122, "plotter": 122}
 KEYS_KB = {"weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1, "journal": 4, "jobs": 14}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB, DOTS_KB = 4, 10, 12  # a laser's rows of dots, and what burns them
+FRAMES_KB, JOB_KB, DOTS_KB = 6, 10, 12  # a laser's rows of dots, and what burns them
 
 
 def budget(board):
