@@ -22,7 +22,7 @@ KEY = "ABCDEFGHJKLMNPQR"
 class Served:
     """`passo board` with a page, and what the attacks want to know of it."""
 
-    lacking = ("recover", "job_about")  # orders of `passo panel` only
+    lacking = ("run", "job_text", "job_about", "machine", "teach", "recover")  # orders of `passo panel` only
 
     def __init__(self, folder, name="router_3axis", **more):
         config = {**boards.load(name), "network": {"host": "passo"}, **more}
