@@ -64,10 +64,21 @@ def compiled(numbered, texts, board, march, left=(), keep=False):
         inside |= unit.functions.keys()
         for kernel in kernels:
             imports[kernel.full] = f"from passo.kernels_{name} import {unit.python_name(kernel)} as {kernel.name}\n"
-    uses = program.uses()
-    wanted = {called.full for kernel in program.kernels.values() if kernel.full not in inside for called in program.calls(kernel)}
-    gone = set() if keep else {full for full in inside if not uses[full][1] and full not in wanted}
+    gone = set() if keep else inside - imports.keys() - _staying(program, inside | imports.keys(), imports)
     return Compiled({path: _thin(program, path, text, imports, gone) for path, text in texts.items()}, modules, by, pointers)
+
+
+def _staying(program, compiled, imports):
+    """Full names of the kernels that viper compiles, and of those that they call: of what is compiled what other than kernels call, and no
+    import brings."""
+    uses = program.uses()
+    found, new = set(), [each for each in program.kernels.values() if each.full not in compiled or each.full not in imports and uses[each.full][1]]
+    while new:
+        kernel = new.pop()
+        if kernel.full not in found:
+            found.add(kernel.full)
+            new += [called for called in program.calls(kernel) if called.full not in imports]
+    return found
 
 
 def shown(program, groups, name):

@@ -1,12 +1,14 @@
 """Kernels as C: what is accepted computes what CPython computes with 32 bits that wrap, under gcc's sanitiser; all else is refused."""
 
 import ast
+import builtins
 import ctypes
 import re
 import shutil
 import signal
 import struct
 import subprocess
+import symtable
 import sys
 from array import array
 from pathlib import Path
@@ -17,9 +19,9 @@ from hypothesis import strategies as st
 
 from expressions import EDGES, expected, expressions, kernels_text, wrapped
 from host_tools import boards
-from host_tools.build import mpy, ship, tree
+from host_tools.build import frozen, mpy, ship, tree
 from host_tools.failure import Failure
-from host_tools.kernels import module, translate
+from host_tools.kernels import build, module, translate
 from host_tools.kernels.build import RUNTIME, compiled
 from host_tools.kernels.program import Program
 from host_tools.kernels.unit import Unit
@@ -266,6 +268,60 @@ def test_a_text_without_its_kernels_keeps_its_lines(monkeypatch):
     monkeypatch.setenv("PASSO_KERNELS", "viper")
     assert compiled(texts, texts, {"axes": []}, "armv6m") == (texts, {}, [], 0)
     assert compiled(texts, texts, {"axes": []}, "xtensawin") == (texts, {}, [], 0)
+
+
+CALLED = """
+import micropython
+@micropython.viper
+def deep(words: ptr32):
+    words[0] = 1
+@micropython.viper
+def called(words: ptr32):
+    deep(words)
+@micropython.viper
+def gone(words: ptr32):
+    called(words)
+"""
+CALLING = """
+import micropython
+from passo.called import called, gone
+@micropython.viper
+def calling(words: ptr32):
+    called(words)
+    gone(words)
+"""
+USING = "from passo.called import called\nfrom passo.calling import calling\nprint(called, calling)\n"
+
+
+def unknown(text):
+    """Names that compiled functions of a text read, and nobody defines."""
+    known = set(dir(builtins)) | {"ptr", "ptr8", "ptr16", "ptr32", "uint"}
+    table = symtable.symtable(text, "text", "exec")
+    known |= {each.get_name() for each in table.get_symbols() if each.is_assigned() or each.is_imported() or each.is_namespace()}
+    kernels = {node.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef) and any("micropython." in ast.unparse(each) for each in node.decorator_list)}
+    tables, found = [table], set()
+    while tables:
+        table = tables.pop()
+        tables += table.get_children()
+        if table.get_name() in kernels:
+            found |= {each.get_name() for each in table.get_symbols() if each.is_global() and each.is_referenced()}
+    return found - known
+
+
+def test_what_stays_with_viper_keeps_what_it_calls(monkeypatch):
+    """A kernel that another module's compiled code has a copy of, too."""
+    monkeypatch.setattr(build, "module", lambda *_: module.Made(b"", "a compiler", 0))
+    texts = {"passo/called.py": CALLED, "passo/calling.py": CALLING, "passo/using.py": USING}
+    made = compiled(texts, texts, {"axes": []}, "armv6m", ["passo/called.py"]).texts
+    assert "def called(" in made["passo/called.py"] and "def deep(" in made["passo/called.py"] and "def gone(" not in made["passo/called.py"]
+    assert unknown(CALLED.replace("def deep", "def other")) == {"deep"}
+
+
+@pytest.mark.parametrize("chip", ["rp2040_w", "esp32"])
+def test_what_is_frozen_reads_no_name_that_is_gone(chip, monkeypatch):
+    monkeypatch.setattr(build, "module", lambda *_: module.Made(b"", "a compiler", 0))
+    texts, _ = frozen.texts_of(chip)
+    assert {path: names for path, text in texts.items() if (names := unknown(text))} == {}
 
 
 @pytest.mark.skipif("armv6m" not in MARCHES, reason="there is no compiler of kernels for armv6m")
