@@ -39,7 +39,8 @@ MARKERS = """
 on_a_copy: the test runs in a forked process and may use up what others share
 quick: `make check` runs it too
 slow: only `make test-all` runs it
-unmeasured: no coverage is measured while it runs, nor of the programs that it starts
+unmeasured: no coverage is measured while it runs
+programs_measured: coverage is measured of the programs that it starts, too
 """
 
 
@@ -96,18 +97,41 @@ def pytest_collection_modifyitems(config, items):
             item.add_marker("unmeasured")  # it runs none of the firmware here
         if _marked(item, "slow"):
             item.add_marker(pytest.mark.timeout(0))
+    for item in items:
+        if not _marked(item, "xdist_group") and _shares(item):
+            item.add_marker(pytest.mark.xdist_group(item.path.stem))
+        if config.getoption("loadgroup", False):
+            _name_its_group(item)
     items.sort(key=lambda item: not _marked(item, "xdist_group"))
+
+
+def _shares(item):
+    """Whether it uses a fixture that is made once for its file."""
+    return any(made[-1].scope == "module" for made in item._fixtureinfo.name2fixturedefs.values())
+
+
+def _name_its_group(item):
+    """The group stands at the end of a test's id, where xdist's scheduler looks. pytest 9.2 keeps the id elsewhere than xdist 3.8 writes it."""
+    if hasattr(item, "_id"):
+        group = item.get_closest_marker("xdist_group")
+        if group:
+            item._id = type(item._id).parse(f"{item.nodeid}@{group.args[0]}")
 
 
 def _marked(item, name):
     return item.get_closest_marker(name) is not None
 
 
+def _measuring(item):
+    return tiers.measuring(not _marked(item, "unmeasured"), _marked(item, "programs_measured"))
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_setup(item):
     item.stash[_CYCLES] = cycles.spent[0]
     _keep_collections_short(item.path)
-    return (yield)
+    with _measuring(item):
+        return (yield)
 
 
 def _keep_collections_short(path, last=[None]):
@@ -129,7 +153,7 @@ def pytest_runtest_makereport(item, call):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item):
-    with tiers.measuring(not _marked(item, "unmeasured")):
+    with _measuring(item):
         return (yield)
 
 

@@ -101,6 +101,9 @@ def test_what_runs(tmp_path, tier):
 
 
 MEASURED = """
+import subprocess
+import sys
+import threading
 import time
 
 import pytest
@@ -108,11 +111,22 @@ import sample
 import tiers
 
 
-def test_long():
-    assert sample.first()
+def pass_time():
     end = time.process_time() + 2 * tiers.MEASURED_S
     while time.process_time() < end:
         pass
+
+
+@pytest.fixture
+def made():
+    sample.of_fixture()
+    pass_time()
+    sample.late_of_fixture()
+
+
+def test_long(made):
+    assert sample.first()
+    pass_time()
     sample.late()
 
 
@@ -121,19 +135,86 @@ def test_unmeasured():
     sample.unseen()
 
 
+def in_thread():
+    sample.of_thread()
+    pass_time()
+    sample.late_of_thread()
+
+
+def test_a_thread():
+    thread = threading.Thread(target=in_thread)
+    thread.start()
+    while thread.is_alive():  # as tests wait: a signal's handler runs here
+        thread.join(0.01)
+    thread = threading.Thread(target=sample.late_thread)
+    thread.start()
+    thread.join()
+
+
+def run(name):
+    subprocess.run([sys.executable, "-c", f"import sample; sample.{name}()"], check=True)
+
+
+def test_a_program():
+    run("of_program")
+
+
+@pytest.mark.programs_measured
+def test_programs_that_are_measured():
+    run("of_measured_program")
+
+
 def test_the_next():
     assert sample.after()
+    thread = threading.Thread(target=sample.after_in_thread)
+    thread.start()
+    thread.join()
 """
+SEEN = ("first", "of_fixture", "of_thread", "of_measured_program", "after", "after_in_thread")
+UNSEEN = ("late", "late_of_fixture", "unseen", "late_of_thread", "late_thread", "of_program")
+MEASURING = "[run]\npatch = subprocess\nparallel = true\n"
 
 
 def test_coverage_sees_the_beginning_of_each_test(tmp_path):
-    names = ("first", "late", "unseen", "after")
+    names = (*SEEN, *UNSEEN)
     (tmp_path / "sample.py").write_text("".join(f"def {name}():\n    return 1\n\n\n" for name in names))
     (tmp_path / "test_file.py").write_text(MEASURED)
+    (tmp_path / "measuring").write_text(MEASURING)
     environ = {**os.environ, "PYTHONPATH": f"{ROOT / 'tests_host'}{os.pathsep}{tmp_path}", "CI": "1"}
     options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-c", os.devnull, "--rootdir", "."]
-    measure = ["--cov=sample", "--cov-config=/dev/null", "--cov-report=term-missing"]
+    measure = ["--cov=sample", "--cov-config=measuring", "--cov-report=term-missing"]
     command = [sys.executable, "-m", "pytest", *options, *measure, "test_file.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert re.search(r"^sample.py +8 +2 +75% +6, 10$", done.stdout, re.MULTILINE), done.stdout
+    missing = ", ".join(str(4 * number + 2) for number in range(len(SEEN), len(names)))
+    assert re.search(rf"^sample.py +24 +6 +75% +{missing}$", done.stdout, re.MULTILINE), done.stdout
+
+
+GROUPED = """
+import pytest
+
+
+@pytest.fixture(scope="module")
+def shared():
+    pass
+
+
+@pytest.mark.parametrize("number", range(6))
+def test_that_shares(shared, number):
+    pass
+
+
+@pytest.mark.xdist_group("named")
+@pytest.mark.parametrize("number", range(6))
+def test_of_a_group(number):
+    pass
+"""
+
+
+def test_those_of_a_group_run_in_one_worker(tmp_path):
+    (tmp_path / "test_file.py").write_text(GROUPED)
+    environ = {**os.environ, "PYTHONPATH": str(ROOT / "tests_host")}
+    options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "2", "--dist", "loadgroup", "-v", "-c", os.devnull, "--rootdir", "."]
+    done = subprocess.run([sys.executable, "-m", "pytest", *options], cwd=tmp_path, capture_output=True, text=True, env=environ)
+    ran = set(re.findall(r"\[(gw\d)\].* PASSED .*::(test_\w+)", done.stdout))
+    assert len(ran) == 2 and len({name for _, name in ran}) == 2, done.stdout + done.stderr

@@ -26,6 +26,7 @@ COMMAND = [sys.executable, "-m", "host_tools.cli", "board"]
 HELLO = bytes.fromhex(LOG_2014[0][0])
 SAFE_S = 2.0
 LIMIT_S = 60  # after which something hangs
+pytestmark = pytest.mark.programs_measured
 
 
 def environment():
