@@ -81,6 +81,9 @@ class Written:
         if said.resume:
             record.resume()
             first = record.object
+            pens = [part for line, part in self._pens.items() if line < first]
+            if pens and first not in self._pens:
+                console.print(_("  pen {} draws on", pen_of(pens[-1])))
         with GrblClient(said.port or ports.only(), said.baud or _BAUD, max(said.timeout, _LEAST_TIMEOUT_S), said.log) as client:
             stream.make_ready(client, said.home and not said.unlock, said.unlock)
             seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._name, record.save)

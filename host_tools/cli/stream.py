@@ -198,7 +198,8 @@ class Panel:
             self._keep(self._line)
         self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
         if self._paused_at is not None and self.numbered and "Ln" not in self._client.status:  # at a stand: the line that waits
-            self._line = max(self._line, self._numbers[min(self._done, len(self._numbers) - 1)])
+            # As the report came: behind a key, lines are answered before the next report says that the stand is over.
+            self._line = max(self._line, self._numbers[min(self._client.answered_then, len(self._numbers) - 1)])
         if self._asked and self._client.silent():
             raise LinkError("port {}: no answer any more, at {}", self._client.port, self._origin(self._line))
         if now - self._asked >= _STATUS_S:

@@ -41,6 +41,7 @@ class GrblClient(Client):
         self.full = None  # part of them that is queued, if reports have Bf:, $10=3
         self.rest = []  # lines that came behind the last ok of command(), and with it
         self.alarm = None
+        self.answered = self.answered_then = 0  # lines of stream(): so far, and as the last report came
         self.banners = 0
         self._buffer = b""
         self._heard = time.monotonic()  # time of the last byte received
@@ -76,11 +77,14 @@ class GrblClient(Client):
     def _notice(self, line):
         if line.startswith("<") and line.endswith(">"):
             self.status = fields_of(line)
+            self.answered_then = self.answered
             if re.fullmatch(r"\d+,\d+", buffers := self.status.get("Bf", "")):
                 free = int(buffers.partition(",")[0])
                 self.full = 1 - free / self.blocks if self.blocks >= max(free, 1) else None
         elif found := _OPTIONS.fullmatch(line):
             self.blocks, self.window = int(found[1]), max(RX_BYTES, int(found[2]))
+        elif line == "ok":
+            self.answered += 1
         elif line.startswith("ALARM:"):
             self.alarm = int(line[6:])
         elif line.startswith("Grbl "):
@@ -201,6 +205,7 @@ class GrblClient(Client):
         waiting = [(number, line, tagged(number, line) if numbered else line) for number, line in reversed(lines)]
         under_way = []
         self.alarm = None
+        self.answered = self.answered_then = 0
         while waiting or under_way:
             while waiting and self._room(under_way, waiting[-1][-1], count):
                 under_way.append(waiting.pop())

@@ -166,14 +166,14 @@ def lines_of(plan, cuts, change=None):
 
 
 def pens_at(lines, plan):
-    """{number of a line of lines_of(), from 1: the Part whose pen it wants}: from the last motion before a change, which is the line that a
-    machine names while it waits, to the change's first line."""
+    """{number of a line of lines_of(), from 1: the Part whose pen it wants}: from the lines behind the last motion before a change, at one of
+    which the machine waits, to the change's first line."""
     parts = {f"({_PEN} {part.number})": part for part in plan.parts}
     found = {}
     for index, line in enumerate(lines, 1):
         if line in parts:
-            first = index - 1
-            while first > 1 and " X" not in lines[first - 1]:
+            first = index
+            while first > 1 and " X" not in lines[first - 2]:
                 first -= 1
             found.update(dict.fromkeys(range(first, index + 2), parts[line]))
     return found

@@ -1,5 +1,7 @@
 """`passo draw` by G-code: what a laser, a router and a tool on M3 and M5 do at their pins, files, sending, going on."""
 
+import collections
+import itertools
 import random
 import re
 import sys
@@ -197,6 +199,83 @@ def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys, more):
     assert not status and "drawn in" in said and where == [0, 0], said
     said, status, _ = drawn("fast", "--continue")
     assert status == 1 and "nothing to continue" in said
+
+
+def pens_page(tmp_path):
+    """Three colours, three lines each."""
+    colours = enumerate(("red", "blue", "green"))
+    body = "".join(f'<path stroke="{colour}" d="M5 {y} h10"/>' for n, colour in colours for y in range(5 + n, 35, 10))
+    return page_of(tmp_path, 40, 40, body)
+
+
+def rows_of(running, first, end):
+    """{y in whole mm: steps} of what a tool below Z0, or a lit laser, drew from one step to another."""
+    world = running.world
+    _, zero_y, zero_z = (place - position for place, position in zip(world.place, running.position()))
+    rows = zip(world.path[first:], world.path[first + 1 : end], world.burnt[first + 1 : end])
+    lit = [round((y - zero_y) / 320) for before, (_, x, y, z, _), (*_, power) in rows if (z < zero_z or power) and x != before[1]]
+    return collections.Counter(lit)
+
+
+LASER = {"spindle": {**boards.load("router_3axis")["spindle"], "laser": True}}
+PENS = [{35, 25, 15}, {34, 24, 14}, {33, 23, 13}]  # y of the lines of each
+
+
+@pytest.mark.parametrize("changes, tool", [({}, ("--depth", 1, "--lift", 0)), (LASER, ("--tool", "laser", "--power", 300))])
+def test_broken_off_behind_and_at_a_pens_change(tmp_path, monkeypatch, capsys, changes, tool):
+    """Broken off by pen 2, then while it waits for pen 3: the pen that draws on is named, the one that is missing is asked for again, and
+    each line is drawn by its pen."""
+    path = pens_page(tmp_path)
+    plain = stream.Panel.cycle
+    drawn = [collections.Counter() for _ in PENS]
+
+    def run(ends, pen, *more):
+        """(what was said, the pens asked for). `ends(panel, pen)`: whether to break off; `pen`: that the machine has."""
+        asked = []
+
+        def cycle(panel):
+            plain(panel)
+            text = panel.text()
+            waits = re.search(r"put in pen (\d)", text)
+            if waits and panel._paused_at is not None and running.standing() and int(waits[1]) not in asked:
+                asked.append(int(waits[1]))
+                steps.append(len(running.world.path))
+            if ends(panel, asked[-1] if asked else pen):
+                raise KeyboardInterrupt
+            if panel._paused_at is not None and running.standing():
+                panel.key("r")
+
+        steps = []
+        with monkeypatch.context() as changed, Running("real", **changes) as running:
+            changed.setattr(stream.Panel, "cycle", cycle)
+            running.world.path, running.world.burnt = [], []
+            said, _ = command(monkeypatch, capsys, path, *options, "--port", running.line.name, *more)
+            for number, (first, end) in enumerate(itertools.pairwise([0, *steps, len(running.world.path)])):
+                drawn[([pen, *asked][number]) - 1] += rows_of(running, first, end)
+        return said, asked
+
+    options = ("--board", "router_3axis", "--feed", 6000, "--unlock", *tool, "--pens", "colours")
+    lines = written(monkeypatch, capsys, path, *options)
+    third = lines.index("(pen 3)") + 1
+    motions = [number for number, line in enumerate(lines, 1) if line.startswith("G1 X")]
+    amid = [number for number in motions if number < third][-2]  # pen 2's last but one
+    said, asked = run(lambda panel, pen: panel._line >= amid, 1)
+    assert asked == [2] and f"aborted at line {amid}" in said and "put in" not in said
+    said, asked = run(lambda panel, pen: pen == 3, 2, "--continue", "--yes")
+    assert asked == [3] and "pen 2 (blue) draws on" in said and "put in pen 3 (green)" in said.splitlines()[-1]
+    said, asked = run(lambda panel, pen: False, 2, "--continue", "--yes")
+    assert asked == [3] and "draws on" not in said and "drawn in" in said
+    whole = 10 * 320
+    assert [set(rows) for rows in drawn] == PENS
+    assert all(0.9 * whole < steps < 2 * whole for rows in drawn for steps in rows.values()), drawn  # a laser's first steps are dark
+    assert sum(steps > whole for rows in drawn for steps in rows.values()) <= 1, drawn  # the one amid which it was broken off
+
+
+def written(monkeypatch, capsys, path, *options):
+    """The lines that are sent."""
+    out = path.with_suffix(".gcode")
+    command(monkeypatch, capsys, path, *options, "-o", out)
+    return out.read_text().splitlines()[1:]
 
 
 def test_a_board_file_decides_the_tool():
