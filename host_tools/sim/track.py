@@ -6,7 +6,8 @@
 
 Positions at each step come from sums over an array; what depends on the position before (where the path is drawn, where a speed
 is measured) leaps over the steps that cannot matter. Memory does not grow with the job: when the path or the speeds become too
-many, every second one of them is dropped, and from then on they are taken half as densely.
+many, every second one of them is dropped, and from then on they are taken half as densely. Strokes that are too many become fewer:
+the shortest are drawn as the ones before them.
 """
 
 import numpy as np
@@ -15,6 +16,7 @@ TICKS_PER_S = 12_500_000
 SPEED_TICKS = TICKS_PER_S // 50  # speeds are measured over 20 ms
 SPACING_MM = 0.1  # between two positions of the path drawn
 MOST_PLACES = 1 << 16
+MOST_STROKES = 1 << 14
 MOST_SAMPLES = 1 << 14
 
 
@@ -80,6 +82,7 @@ class Track:
         self._lowered = False
         self._last = list(position)
         self._leap = 0  # steps that cannot be drawn
+        self._shortest = SPACING_MM  # mm of a stroke that has not been joined
 
     @property
     def seconds(self):
@@ -180,12 +183,30 @@ class Track:
     def _thin_path(self):
         """Drop every second position but the ends of strokes."""
         rows = self._path.all()
+        self._join_strokes(rows)
         keep = np.arange(len(rows)) % 2 == 0
         keep[rows[:, 0] == 1] = True
         keep[:-1][rows[1:, 0] == 1] = True
         keep[-1] = True
         self._path.thin(keep)
         self._apart = [2 * apart for apart in self._apart]
+
+    def _join_strokes(self, rows):
+        """If there are too many strokes, draw the shortest as the ones before them, until half as many as there may be are left. The first
+        stays, and the last, which goes on."""
+        begins = np.flatnonzero(rows[:, 0])
+        if len(begins) <= MOST_STROKES:
+            return
+        while len(begins) > MOST_STROKES // 2:
+            self._shortest *= 2
+            steps = np.abs(np.diff(rows[:, 2:] / self._scale, axis=0, prepend=rows[:1, 2:] / self._scale)).max(axis=1)
+            stays = np.add.reduceat(steps, begins) >= self._shortest
+            stays[[0, -1]] = True
+            of_row = np.maximum.accumulate(np.where(stays, np.arange(len(begins)), 0))
+            kinds = rows[begins, 1][of_row]
+            rows[:, 1] = np.repeat(kinds, np.diff([*begins, len(rows)]))
+            rows[begins[1:], 0] = kinds[1:] != kinds[:-1]
+            begins = np.flatnonzero(rows[:, 0])
 
     @property
     def strokes(self):

@@ -255,6 +255,36 @@ def test_a_path_that_is_too_long_is_thinned_and_stays_true():
     assert thin.samples[:, 1].max() == pytest.approx(whole.samples[:, 1].max(), rel=0.02)
 
 
+def test_strokes_that_are_too_many_are_joined(monkeypatch):
+    """The long ones stay, in their kind; their number is bounded, and bounds, steps and speeds are the same."""
+    from host_tools.sim import track as track_module
+    from passo.config.boardfile import check as checked
+    from passo.machine_builder import make_drive
+
+    layout, _, _ = make_drive(checked(boards.load("router_3axis")))
+    tracks = [Track(layout, None, [320, 320, 400], False) for _ in range(2)]
+    long = []
+    for number, most in enumerate((10_000, 100)):
+        monkeypatch.setattr(track_module, "MOST_STROKES", most)
+        tracks[number]._path = Rows(5, np.int32, 1000)
+        tracks[number]._path.add(np.array([[1, 0, 0, 0, 0]]))
+        for leg in range(1500):
+            steps = 6400 if leg % 100 == 50 else 320 + 7 * (leg % 5)
+            tool = layout.tool_mask if leg % 2 or steps == 6400 else 0
+            if steps == 6400 and not number:
+                long.append((tracks[number].position[0] + 3200) / 320)
+            words = np.full(steps, 1000 << layout.bits | 1 | 8 | tool, np.uint32)
+            tracks[number].words(tracks[number].last_tick + 1000, words)
+    whole, joined = tracks
+    assert len(whole.strokes) > 1400 and len(joined.strokes) < 300 and len(joined._path.all()) <= 1500
+    kinds = [kind for kind, _ in joined.strokes]
+    assert all(one != other for one, other in zip(kinds, kinds[1:]))
+    for middle in long:
+        (kind,) = [kind for kind, rows in joined.strokes if rows[0, 0] <= middle < rows[-1, 0]]
+        assert kind
+    assert (joined.high, joined.steps, joined.fastest) == (whole.high, whole.steps, whole.fastest)
+
+
 def test_check_as_stream_will_meet_the_machine(tmp_path, capsys):
     """With the machine's own travel, offsets and place: what goes well at one place of the work piece is refused at another."""
     file = tmp_path / "job.gcode"
