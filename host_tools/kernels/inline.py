@@ -22,7 +22,7 @@ from host_tools.kernels.program import INT, LOOPS, OBJECT, POINTERS, Program, or
 SMALL = 1 << 30
 # Statements that a kernel may have to go in anywhere; that it may have if kernels call it in one place; that all copies but the first may
 # have, if only kernels call it; and that it may have with all that is in it.
-FEW, ONCE, COPIES, LARGEST = 12, 23, 30, 160
+FEW, ONCE, COPIES, LARGEST = 12, 23, 30, 180
 
 
 def inlined(texts, keep=False):
