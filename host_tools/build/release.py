@@ -4,7 +4,8 @@
     make release DRY=1                                      # without a tag
     make release DRY=1 ARGS=tests_host/rules CHIPS=rp2040   # some of the tests (ARGS=- none), some of the UF2s
 
-Runs .ci/run, then: kernels' modules, sdist and wheel, a UF2 of each chip, the firmware of each board for mip, the site, SBOM, checksums.
+Runs .ci/run, then: kernels' modules, sdist and wheel, a UF2 of each chip, the RP2040's on an emulated Pico, the firmware of each board for mip,
+the site, SBOM, checksums.
 Environments are made anew of the hashes in locks/, and nothing of ~/.cache/passo is used by what is built. PYTHONS names the Pythons in which
 the wheel is tried; one that is not there is named, and so is a service that does not answer. The wheel's modules depend on the compiler
 for a Pico (arm-none-eabi-gcc, or else the ziglang of the lock), so the same bytes want the same compiler.
@@ -30,6 +31,7 @@ from host_tools.resources import ROOT, version
 OUT = ROOT / "build" / "release"
 CHIPS = "rp2040 rp2040_w rp2350 rp2350_w"
 PYTHONS = "python3.11 python3.12 python3.13 python3.14"
+EMULATED = {"rp2040": "tests_host/pico/test_pico_frozen.py", "rp2040_w": "tests_host/pico/test_pico_frozen_w.py"}
 _TOO_LARGE = re.compile(r"wants Passo's UF2|\d+ kB of memory wanted, \d+ there")
 _NO_ANSWER = re.compile(r"ConnectionError|ServiceError|Max retries|Timeout|NameResolution|\b(404|403|50\d)\b.*(Error|url)", re.IGNORECASE)
 
@@ -110,6 +112,9 @@ class Release:
     def uf2s(self):
         for chip in os.environ.get("CHIPS", CHIPS).split():
             self._module("host_tools.build.uf2", chip)
+            if chip in EMULATED and os.environ.get("ARGS") != "-":  # it says so where it has no Pico to be run on
+                run(str(python_of(self._clone / ".venv")), "-m", "pytest", "-q", EMULATED[chip], folder=self._clone,
+                    environment={**self._user, "PASSO_UF2_FROZEN": str(self.assets)})  # fmt: skip
 
     def mip(self):
         """A folder of files for each board that stock MicroPython has room for, with the package.json that mip takes."""
