@@ -1,10 +1,10 @@
 """Runs check modules without pytest: under MicroPython, and under CPython for comparison.
 
-    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few] [--most=N] [--part=N] [--slow] check_line
+    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few] [--short] [--most=N] [--part=N] [--slow] check_line
 
 Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
 generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. With --few only those
-with parameters run, but what `NOT_QUICK` names; with --most=N each at most N times; with --part=N an Nth of its RUNS, but three at
+with parameters run, but what `NOT_QUICK` names; with --short all but what it names; with --most=N each at most N times; with --part=N an Nth of its RUNS, but three at
 least; what `SLOW` names runs with --slow only. Prints every failure with its arguments and a closing count; the exit status is 1 if
 anything failed.
 """
@@ -47,13 +47,13 @@ def run_check(name, check, specs, runs, examples=()):
     return runs, False
 
 
-def run_module(module_name, few=False, slow=True, most=1_000_000, part=1):
+def run_module(module_name, few=False, slow=True, most=1_000_000, part=1, short=False):
     """Run the checks of a module; returns (checks, runs, failures)."""
     module = __import__(module_name)
     cases = getattr(module, "CASES", {})
     counts = getattr(module, "RUNS", {})
     examples = getattr(module, "EXAMPLES", {})
-    left_out = (() if slow else getattr(module, "SLOW", ())) + (getattr(module, "NOT_QUICK", ()) if few else ())
+    left_out = (() if slow else getattr(module, "SLOW", ())) + (getattr(module, "NOT_QUICK", ()) if few or short else ())
     names = [name for name in dir(module) if name.startswith("check_") and callable(getattr(module, name))]
     names = sorted([name for name in names if name not in left_out and (not few or name in cases)])
     total = failures = 0
@@ -70,6 +70,7 @@ def run_module(module_name, few=False, slow=True, most=1_000_000, part=1):
 def main(arguments):
     checks = runs = failures = 0
     few, slow, most, part = "--few" in arguments, "--slow" in arguments, 1_000_000, 1
+    short = "--short" in arguments
     for argument in arguments:
         if argument.startswith("--most="):
             most = int(argument[7:])
@@ -78,7 +79,7 @@ def main(arguments):
     for module_name in arguments:
         if module_name.startswith("--"):
             continue
-        counted = run_module(module_name, few, slow, most, part)
+        counted = run_module(module_name, few, slow, most, part, short)
         checks += counted[0]
         runs += counted[1]
         failures += counted[2]

@@ -33,9 +33,9 @@ QUICK = ("check_block", "check_gcode_parse", "check_kernels", "check_line", "che
 FEW = ["--few", f"--most={tiers.FEW}"]
 
 
-def modules(quick=()):
-    """Each module of properties, marked."""
-    marks = {name: [] if name in OF_KERNELS else pytest.mark.slow for name in MODULES} | dict.fromkeys(quick, pytest.mark.quick)
+def modules(quick=(), tried=OF_KERNELS):
+    """Each module of properties, marked: slow, but for those that are `tried` with a commit."""
+    marks = {name: [] if name in tried else pytest.mark.slow for name in MODULES} | dict.fromkeys(quick, pytest.mark.quick)
     return [pytest.param(name, marks=marks[name]) for name in MODULES]
 
 
@@ -90,7 +90,7 @@ def test_digests_under_micropython(machine_code, tmp_path):
         assert digest(MICROPYTHON, *arguments, firmware=machine_code) == want, arguments[0].name
 
 
-@pytest.mark.parametrize("checks", modules())
+@pytest.mark.parametrize("checks", modules(tried=QUICK))
 def test_properties_under_micropython(machine_code, checks):
     path = os.pathsep.join(str(folder) for folder in (machine_code, *MODULE_PATH[1:]))
     command = [MICROPYTHON, "-X", "heapsize=64m", CHECKS / "micro_runner.py", *FEW, checks]

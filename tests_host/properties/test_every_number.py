@@ -9,7 +9,7 @@ import tiers
 import every_number
 from test_micropython import MICROPYTHON, MODULE_PATH, needs_micropython
 
-STEPS = {"check": {"grbl": 401, "laser": 101, "torch": 41}, "test": {"grbl": 17, "laser": 3}}
+STEPS = {"check": {"grbl": 401, "laser": 101, "torch": 41}, "test": {"grbl": 17, "laser": 3, "torch": 5}}
 TIMEOUT_S = 1500
 
 
