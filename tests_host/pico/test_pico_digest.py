@@ -63,7 +63,7 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
     show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
 
 
-@pytest.mark.parametrize("by", ["viper", "gcc", pytest.param("zig", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("by", [pytest.param("viper", marks=pytest.mark.slow), "gcc", pytest.param("zig", marks=pytest.mark.slow)])
 def test_the_pico_makes_the_words_of_gcode(uf2, by, show, monkeypatch):
     """The beginnings of a relief, an engraving, a helix and a laser's raster: generated, not played."""
     monkeypatch.setenv("PASSO_KERNELS", by)
@@ -92,10 +92,10 @@ def test_the_pico_makes_the_words_of_other_languages(uf2, name, show):
     assert said == golden_of_hex()[name]
 
 
-@pytest.mark.unmeasured
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "language, step",
-    [("grbl", 809), *(pytest.param(*case, marks=pytest.mark.slow) for case in (("keys", 31), ("plotter", 41), ("pulses", 61), ("torch", 151), ("grbl", 23)))],
+    [("keys", 31), ("plotter", 41), ("pulses", 61), ("torch", 151), ("grbl", 23)],
 )
 def test_the_pico_answers_to_numbers_as_cpython_does(uf2, language, step, show):
     """Powers of two and ten in every word, setting and packet: every_number.py."""

@@ -171,7 +171,7 @@ LAYOUTS = [
 ]
 
 
-@pytest.mark.parametrize("old, new", LAYOUTS)
+@pytest.mark.parametrize("old, new", [pytest.param(*each, marks=pytest.mark.slow if number % 3 else ()) for number, each in enumerate(LAYOUTS)])
 def test_another_layout_leaves_all_in_ram(uf2, old, new):
     files = rebuilt("plotter_2014", LOADER, old, new)
     started = Started("plotter_2014", files, uf2=uf2)

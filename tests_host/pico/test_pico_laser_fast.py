@@ -90,7 +90,7 @@ def pulses_that_follow(laser):
 
 
 # At 20 dots/mm half a count of the PWM is 2 % of a tenth's dot at rest.
-@pytest.mark.parametrize("dots_mm, within", [(10, 0.01), (20, 0.02)])
+@pytest.mark.parametrize("dots_mm, within", [pytest.param(10, 0.01, marks=pytest.mark.slow), (20, 0.02)])
 def test_a_row_at_500_mm_s(laser, dots_mm, within, show):
     count = 40 * dots_mm
     powers = drawn(count)

@@ -95,7 +95,7 @@ def test_pulse_width_setup_and_polarity_are_those_of_the_board_file(rig, pulse_u
 
 
 @pytest.mark.xdist_group("rig")
-@pytest.mark.parametrize("hz, missed", [(100_000, 0), (400_000, 0), (390_000, FLASH_MISS)])
+@pytest.mark.parametrize("hz, missed", [pytest.param(100_000, 0, marks=pytest.mark.slow), (400_000, 0), (390_000, FLASH_MISS)])
 def test_four_axes(rig, hz, missed, show):
     """`missed`: cycles of a miss of the flash cache. With these 400 kHz is kept or not by where the code happens to lie: with some
     layouts the player waits once."""
