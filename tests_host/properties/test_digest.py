@@ -151,6 +151,7 @@ def test_pulses(tmp_path, name, lines):
     compare_gcode(name, job, "lpt_router")
 
 
+@pytest.mark.slow
 def test_gcode_of_the_corpus(corpus):
     files = sorted(corpus.glob("*.gcode"))
     assert files

@@ -168,7 +168,7 @@ def test_vcd_reads_back(tmp_path):
 SIDES = [(False, 200, 100), (True, 260, 100), (True, 230, 150), (True, 200, 100)]
 
 
-@pytest.mark.parametrize("sleeps_s", [(0.0, 0.0), (0.0137, 0.3)])
+@pytest.mark.parametrize("sleeps_s", [pytest.param((0.0, 0.0), marks=pytest.mark.slow), (0.0137, 0.3)])
 def test_two_traces_of_a_job_are_equal_byte_for_byte(tmp_path, monkeypatch, sleeps_s):
     """By the program and the pty of `make run`, however long the PC takes between two objects."""
     first, second = tmp_path / "first.csv", tmp_path / "second.csv"

@@ -168,7 +168,9 @@ def test_a_file_is_written_for_boards_that_speak_neither(tmp_path, monkeypatch, 
     assert "G1 X40 Y40" in out.read_text() or "G1 X10 Y40" in out.read_text()
 
 
-@pytest.mark.parametrize("more", [(), ("--copies", "1x2", "--scale", "0.4", "--hatch", "0,3"), ("--repeat", "2", "--passes", "2", "--marks")])
+@pytest.mark.parametrize("more", [
+    (), *(pytest.param(more, marks=pytest.mark.slow)
+          for more in (("--copies", "1x2", "--scale", "0.4", "--hatch", "0,3"), ("--repeat", "2", "--passes", "2", "--marks")))])  # fmt: skip
 def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys, more):
     """Each line is cut once, but for the one amid which it was broken off."""
     body = "".join(f'<path d="M5 {y} h20"/>' for y in range(5, 35, 3))

@@ -107,6 +107,7 @@ class Bcnc:
         self._process.wait(20)
 
 
+@pytest.mark.slow
 def test_bcnc(board, tmp_path):
     pytest.importorskip("tkinter", reason="bCNC wants tkinter")
     if importlib.util.find_spec("bCNC") is None:

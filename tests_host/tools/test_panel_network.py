@@ -15,9 +15,9 @@ from passo import errors
 
 pytestmark = [pytest.mark.unmeasured, pytest.mark.xdist_group("panel")]
 
-# Ten seconds at 95 mm/s and 30 400 steps a second, there and back.
+# Seven seconds at 95 mm/s and 30 400 steps a second, there and back.
 FASTER = ("$110=6000", "$111=6000")
-JOB = "G21 G91\nF5700\n" + "G1 X60\nG1 X-60\n" * 6 + "G1 X30 Y30\nG1 X-30 Y-30\n"
+JOB = "G21 G91\nF5700\n" + "G1 X60\nG1 X-60\n" * 4 + "G1 X30 Y30\nG1 X-30 Y-30\n"
 FASTEST_TICKS = 411  # 30 400 a second
 
 

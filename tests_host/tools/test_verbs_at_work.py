@@ -42,6 +42,8 @@ VERBS = {
     ],
 }
 
+LONG = ("machine list",)  # waits half a minute for the prompt
+
 
 class AtWork:
     """A virtual machine in a thread, its first link on a pty, at work for a program that has left its port."""
@@ -111,7 +113,7 @@ def files(tmp_path, monkeypatch):
     (tmp_path / "table.csv").write_text("x,10,10.1\nx,20,20.2\nx,50,50.5\n")
 
 
-@pytest.mark.parametrize("at_work, verb, answer", [(name, *row) for name, rows in VERBS.items() for row in rows], indirect=["at_work"])
+@pytest.mark.parametrize("at_work, verb, answer", [pytest.param(name, *row, marks=pytest.mark.slow if row[0] in LONG else ()) for name, rows in VERBS.items() for row in rows], indirect=["at_work"])
 def test_a_machine_at_work_notices_nobody(at_work, verb, answer, files):
     running, before = at_work
     done = passo(*verb.split(), "--port", running.line.name)
