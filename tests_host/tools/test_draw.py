@@ -366,14 +366,14 @@ def test_a_drawing_broken_off_by_ctrl_c_is_continued(tmp_path, start):
 
 
 def test_the_pen_that_draws_is_named_when_a_drawing_goes_on(tmp_path, start):
-    path = svg(tmp_path, '<path d="M0 0 h40" stroke="red"/>' + "".join(f'<path d="M0 {y} h40" stroke="blue"/>' for y in range(3, 15, 3)))
+    path = svg(tmp_path, '<path d="M0 0 h20" stroke="red"/>' + "".join(f'<path d="M0 {y} h20" stroke="blue"/>' for y in range(3, 30, 3)))
     options = ["--speed", "200", "--pens", "colours"]
     board = start("board", "--time", "real", "--start", "30,20")
     port = port_of(board)
     first = start("draw", path, "--port", port, *options, stdin=subprocess.PIPE)
     first.stdin.write("\n")
     first.stdin.flush()
-    wait_for_points(first, path, 6)
+    wait_for_points(first, path, 8)
     first.send_signal(signal.SIGINT)
     assert first.wait(20) == 1
     again = start("draw", path, "--port", port, *options, "--continue", stdin=subprocess.PIPE)
