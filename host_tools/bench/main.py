@@ -186,9 +186,9 @@ def _apart(part, miss):
 
 
 def _raw(part):
-    from host_tools.bench import frozen, moving, pico, where
+    from host_tools.bench import frozen, moving, pico, streams, where
 
-    header, rows = (pico.PARTS | moving.PARTS | where.PARTS | frozen.PARTS)[part]()
+    header, rows = (pico.PARTS | moving.PARTS | where.PARTS | frozen.PARTS | streams.PARTS)[part]()
     print(json.dumps((header, [[str(cell) for cell in row] for row in rows])))
 
 
@@ -223,8 +223,8 @@ def ways():
 UNAVAILABLE = 3  # exit status
 FLASH_MISS = 50  # cycles, where PASSO_FLASH_MISS does not say it
 COLUMNS_BESIDE = 3
-ONLY_CHARGED = ("where", "frozen")  # these tell the waits for flash apart
-PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "where", "boot", "frozen")
+ONLY_CHARGED = ("where", "frozen", "streams")  # these tell the waits for flash apart
+PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "streams", "where", "boot", "frozen")
 PARTS = {"ways": ways, "lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
 LONG = ("motion", "arcs")
 

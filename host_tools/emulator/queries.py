@@ -86,8 +86,9 @@ class Asking:
     """A sender of G-code on one link of an emulated machine, which also asks for the status. It takes `think_us` to read an
     answer and send what that makes room for."""
 
-    def __init__(self, machine, link, think_us=0):
+    def __init__(self, machine, link, think_us=0, window=BUFFER_BYTES):
         self._machine = machine
+        self._window = window  # bytes under way
         self._pico = machine.pico
         config = next(config for config in machine.board["links"] if config["name"] == link)
         self._wire = None
@@ -130,7 +131,7 @@ class Asking:
         self._pump()
 
     def _pump(self):
-        while self._lines and sum(self.unanswered) + len(self._lines[0]) <= BUFFER_BYTES:
+        while self._lines and sum(self.unanswered) + len(self._lines[0]) <= self._window:
             line = self._lines.pop(0)
             self.unanswered.append(len(line))
             self._put(line)
