@@ -1,11 +1,13 @@
 """`passo engrave`: a picture, burnt by a laser."""
 
 import contextlib
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli import resume
 from host_tools.cli.draw import corner
 from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
@@ -22,10 +24,14 @@ Examples:
 
     passo engrave photo.jpg --width 60 --shade grey --curve card.jpg -o photo.gcode
 
+    passo engrave photo.jpg --width 60 --power 35 --speed 6000 --port /dev/ttyACM0 --continue
+
     passo engrave --card --power 60 -o card.gcode
 
 The lower left corner of the picture lies at the program's zero, or at --origin. The head needs room on both sides to speed up and
 slow down, with the beam off; passo says how much. --frame runs around everything at a low power first, and waits: r goes on.
+
+If it is interrupted, give the same command with --continue: it goes on at the dot where it stopped.
 
 --card burns patches of 0 to 100 % of the power. Photograph the burnt card, cut the picture to its frame, and give it as --curve: grey
 tones then come out as they are in the picture. A text with lines of POWER DARKNESS in % does as well.
@@ -67,6 +73,8 @@ def engrave(
     baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
     home: Annotated[bool, typer.Option("--home", help="Home the machine first.")] = False,
     unlock: Annotated[bool, typer.Option("--unlock", help="Leave an alarm without homing first.")] = False,
+    continued: Annotated[bool, typer.Option("--continue", help="Go on amid the row where it was interrupted: with the same picture and options. The board needs a journal.")] = False,
+    yes: Annotated[bool, typer.Option("--yes", help="With --continue: do not ask before it burns.")] = False,
 ):  # fmt: skip
     from host_tools.drawings import engraving
 
@@ -81,16 +89,19 @@ def engrave(
         engraving.read_curve(curve) if curve else (), power / 100, min(least, power) / 100, speed, one_way, offset, overscan, corner(origin),
         passes, constant, air, None if frame is None else frame / 100,
     )  # fmt: skip
+    if continued and not port:
+        raise Failure("--continue goes on at a machine: give --port")
     with contextlib.ExitStack() as ends:
-        client = _client(ends, port, baud, home, unlock) if port else None
-        _carry_out(file, options, board, dialect, client, out, preview)
+        client = _client(ends, port, baud, home, unlock, continued) if port else None
+        rest = partial(resume.go_on, stored=0, home=home, unverified=False, yes=yes) if continued else None
+        _carry_out(file, options, board, dialect, client, out, preview, rest)
 
 
 engrave.__doc__ = EXAMPLES
 
 
-def _carry_out(file, options, board, dialect, client, out, preview):
-    """Shade, describe, and write or send; the test card if there is no file. Raises Failure."""
+def _carry_out(file, options, board, dialect, client, out, preview, go_on):
+    """Shade, describe, and write or send, by `go_on` if not None; the test card if there is no file. Raises Failure."""
     from rich.console import Console
 
     from host_tools import boards
@@ -116,6 +127,9 @@ def _carry_out(file, options, board, dialect, client, out, preview):
         console.print(_("{}: {} lines", out, len(lines)))
     if client:
         name = file.name if file else "card"
+        if go_on:
+            go_on(client, lines, name)
+            return
         seconds, count = send(client, lines, name, True, None, False, line_text)
         console.print(_("{}: {} lines in {}", name, count, gcode_file.clock(seconds)))
 
@@ -137,11 +151,14 @@ def _choose(dialect, machine, client):
         raise Failure("this machine takes no such rows of dots: its $I does not say so; give --dialect plain")
 
 
-def _client(ends, port, baud, home, unlock):
+def _client(ends, port, baud, home, unlock, continued):
     from host_tools.clients.grbl import GrblClient
 
     client = ends.enter_context(GrblClient(port, baud))
-    make_ready(client, home, unlock)
+    if continued:
+        resume.settled(client)
+    else:
+        make_ready(client, home, unlock)
     return client
 
 

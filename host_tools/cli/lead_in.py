@@ -32,7 +32,9 @@ def prepared(client, lines, number, place=None, yes=False, end=None):
     from host_tools.programs.interrupted import staged
     from host_tools.programs.replayed_machine import Machine
 
-    stages, rest = staged(Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
+    stages, rest, dot = staged(Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
+    if dot:
+        print(_("line {}: goes on at dot {} of {}", number, *dot))
     try:
         _carry_out(client, stages, number, yes)
     except KeyboardInterrupt:

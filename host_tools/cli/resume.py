@@ -73,7 +73,6 @@ def _resume_plotter(*arguments):
 
 
 def _resume_gcode(file, port, baud, home, unverified, yes):
-    from host_tools.cli.stream import Panel
     from host_tools.clients.grbl import GrblClient
     from host_tools.programs import compiler, gcode_file, stored_job
 
@@ -82,32 +81,40 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
     plain = program.listing is None
     lines = gcode_file.read(file) if plain else list(program.rows())
     with GrblClient(port, baud) as client:
-        _settled(client)
+        settled(client)
+        go_on(client, lines, file, stored_job.crc(stored_job.gcode_job(file)) if plain else 0, home, unverified, yes)
+
+
+def go_on(client, lines, name, stored, home, unverified, yes):
+    """Go on with [(number, bytes)] of the program `name` where the journal of a settled() machine says; `stored`: the CRC-32 of the
+    same as a stored job. Raises Failure."""
+    from host_tools.cli.stream import Panel
+
+    try:
+        said = client.command("$JR")
+    except Refused as refused:
+        if refused.number == errors.COMMANDED_ELSEWHERE:
+            raise Failure("another link commands the machine: {}; $LINK=0 takes the command while it stands", refused) from None
+        raise Failure("the board has no journal (docs/jobs.md): {}; passo stream --from LINE needs none", refused) from None
+    number, place, known = interrupted(said, lines, stored)
+    print(_("{}: interrupted before line {}", name, number) if place is None else _("{}: interrupted in line {}", name, number))
+    find_zero(known, home, unverified, lambda: _home(client))
+    if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
         try:
-            said = client.command("$JR")
+            client.command("$X")
         except Refused as refused:
-            if refused.number == errors.COMMANDED_ELSEWHERE:
-                raise Failure("another link commands the machine: {}; $LINK=0 takes the command while it stands", refused) from None
-            raise Failure("the board has no journal (docs/jobs.md): {}; passo stream --from LINE needs none", refused) from None
-        number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)) if plain else 0)
-        print(_("{}: interrupted before line {}", file, number) if place is None else _("{}: interrupted in line {}", file, number))
-        find_zero(known, home, unverified, lambda: _home(client))
-        if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
-            try:
-                client.command("$X")
-            except Refused as refused:
-                if refused.number != errors.LOCKED:
-                    raise
-                raise Failure("the machine is in alarm: give --home") from None
-        state = client.ask_status()["state"]
-        if state != "Idle":
-            raise Failure("the machine has to be idle, and its state is {}", state)
-        rest = prepared(client, lines, number, place, yes, ended(said))
-        with Panel(client, lines) as panel:
-            for done in client.stream(rest, True, panel.cycle, panel.numbered):
-                panel.done(done)
-            client.wait_idle(panel.cycle)
-        print(_("{}: done, unverified", file) if unverified and not known else _("{}: done", file))
+            if refused.number != errors.LOCKED:
+                raise
+            raise Failure("the machine is in alarm: give --home") from None
+    state = client.ask_status()["state"]
+    if state != "Idle":
+        raise Failure("the machine has to be idle, and its state is {}", state)
+    rest = prepared(client, lines, number, place, yes, ended(said))
+    with Panel(client, lines) as panel:
+        for done in client.stream(rest, True, panel.cycle, panel.numbered):
+            panel.done(done)
+        client.wait_idle(panel.cycle)
+    print(_("{}: done, unverified", name) if unverified and not known else _("{}: done", name))
 
 
 def _home(client):
@@ -121,7 +128,7 @@ def _home(client):
         client.home()
 
 
-def _settled(client):
+def settled(client):
     """What was queued when the cable was cut is played to its end; nothing is reset while it moves."""
     state = client.ask_status()["state"]
     if state == _SLOWING:

@@ -214,7 +214,7 @@ class RecoverableJobs(StoredJobs):
             lines, crc = program[0]
             number, place, _ = interrupted(said, lines, crc)
             settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
-            stages, rest = staged(Machine.of_answers(settings, said), lines, number, place, ended(said))
+            stages, rest, _dot = staged(Machine.of_answers(settings, said), lines, number, place, ended(said))
         asks = replay.DOWN if any(what == replay.DOWN for what, _ in stages) else replay.GO
         parts, next_ = ([], []), ""
         for what, sent in stages:

@@ -48,12 +48,31 @@ def ended(said):
 
 
 def staged(machine, lines, number, place=None, end=None):
-    """(stages, rest) as a Replay gives them, of a `machine` as it says it is, for line `number`, or `place` (steps) on its way. `end`: where
+    """(stages, rest, dot) as a Replay gives them, of a `machine` as it says it is, for line `number`, or `place` (steps) on its way. `end`: where
     a program that was interrupted had been before that line, steps. Raises Failure."""
     from host_tools.programs import replay
 
     state = replay.Replay(machine, lines)
+    row = _row_left(machine, lines, number, end) if end and place is None else None
+    if row:
+        number, place = row, end
     if place or end:
         state.check_offsets(number)
         state = state.begun(number, place or end, place is None)
-    return state.from_line(number, end) if place is None else state.from_place(number, place)
+    stages, rest = state.from_line(number, end) if place is None else state.from_place(number, place)
+    return stages, rest, state.dot
+
+
+def _row_left(machine, lines, number, end):
+    """The line before `number` if it is a row of dots and `end` lies on it: a row is gone on with by several lines of its number, and the
+    last that is done need not be its end. Else None."""
+    from host_tools.programs import replay
+
+    before = [known for known, _ in lines if known < number]
+    state = replay.Replay(machine, lines)
+    try:
+        if before:
+            state.from_place(before[-1], end)
+    except Failure:
+        return None
+    return before[-1] if state.dot else None

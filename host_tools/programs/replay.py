@@ -59,6 +59,7 @@ class Replay:
         self._gcode.max_rpm = round(machine.max_rpm * 1000)
         self._highest = None
         self._loose = False  # where the line under way begins is not known
+        self.dot = None  # (number, how many) of the one at which a row of dots goes on
         self.held = {}  # what holds where it goes on: filled by from_line() and from_place()
 
     # --- the two ways in
@@ -307,6 +308,7 @@ class Replay:
         powers = [f"{value:.3f}".rstrip("0").rstrip(".") for value in values]
         ends = [end_of(dot, len(powers), abs(span)) for dot in range(len(powers))]
         begun = sum(end <= abs(place[long] - start[long]) for end in ends)
+        self.dot = begun + 1, len(powers)
         lines, before = [], list(place)
         for first, behind in itertools.pairwise([begun, *range(begun + 1, len(powers), _DOTS_A_LINE), len(powers)]):
             end = [at + round((to - at) * ends[behind - 1] / abs(span)) for at, to in zip(start, motion.target)]

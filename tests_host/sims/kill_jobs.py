@@ -1,9 +1,10 @@
-"""Programs of G-code that kills.py interrupts: lines, arcs, a laser's picture, offsets, one that is stored, one in frames."""
+"""Programs of G-code that kills.py interrupts: lines, arcs, a laser's picture in lines and in packed rows, offsets, one that is stored, one in frames."""
 
 import random
 
 from host_tools import boards
 from host_tools.cli import jobs, stream
+from host_tools.drawings.engraving import packed
 from kills import BAUD, LOST_MS
 
 
@@ -69,6 +70,10 @@ class Laser(Job):
     seek_steps_s = 1800  # 22.5 mm/s
 
 
+class StoredLaser(Laser, Stored):
+    pass
+
+
 def _picture(rows=10, columns=16):
     """Grey values, line by line, to and fro, with an overscan."""
     rng = random.Random(5)
@@ -81,6 +86,20 @@ def _picture(rows=10, columns=16):
         for column in order:
             end = 6 + (column + 1) * 0.5 if row % 2 == 0 else 6 + column * 0.5
             lines.append(f"X{end:g}S{rng.choice((0, 100, 250, 500, 730, 1000))}")
+    return "\n".join([*lines, "M5", "G0X2Y2", "M30", ""]).encode()
+
+
+def _packed(rows=6, dots=80):
+    """Dots of 0.1 mm in packed rows of 40, to and fro, one in five dark, with an overscan."""
+    rng = random.Random(6)
+    lines = ["G21G90", "G0X4Y5", "M3S0", "G1F3000"]
+    for row in range(rows):
+        begin, end = (6, 6 + dots / 10)[:: 1 if row % 2 == 0 else -1]
+        side = 2 if begin < end else -2
+        lines += [f"G0X{begin - side:g}Y{5 + row * 0.3:.2f}", f"G1X{begin:g}S0"]
+        for to in ((begin + end) / 2, end):
+            lines.append(f"X{to:g}S=" + "".join(packed(rng.choice((0, 0.1, 0.35, 0.7, 1))) for _ in range(dots // 2)))
+        lines.append(f"X{end + side:g}S0")
     return "\n".join([*lines, "M5", "G0X2Y2", "M30", ""]).encode()
 
 
@@ -145,7 +164,9 @@ JOBS = {
     "lines": Job(LINES),
     "arcs": Job(ARCS),
     "laser": Laser(PICTURE),
+    "packed": Laser(_packed()),
     "offsets": Job(OFFSETS),
     "stored": Stored(MIXED),
     "framed": Framed(MIXED),
+    "stored packed": StoredLaser(_packed()),
 }

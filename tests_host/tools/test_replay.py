@@ -3,7 +3,7 @@
 import pytest
 
 from host_tools.failure import Failure
-from host_tools.programs import gcode_file, replay, replayed_machine
+from host_tools.programs import gcode_file, interrupted, replay, replayed_machine
 from router import LASER, Machine, World, answers, home
 
 slow = pytest.mark.slow
@@ -196,7 +196,9 @@ def test_amid_a_row_of_dots(tmp_path, mode, share):
     place = [at[0] + x - part.world.place[0], at[1] + y - part.world.place[1], at[2]]
     resumed = ready(spindle=LASER)
     resumed.world.burnt = []
-    stages, rest = replay.Replay(facts(resumed), lines).from_place(4, place)
+    state = replay.Replay(facts(resumed), lines)
+    stages, rest = state.from_place(4, place)
+    assert state.dot == (steps * 16 // total + 1, 16)
     for what, sent in stages:
         if what == replay.GO:
             assert resumed.controller.position() == place and not [row for row in resumed.world.burnt if row[3]]
@@ -213,6 +215,19 @@ def test_amid_a_row_of_dots(tmp_path, mode, share):
     assert len(apart) <= 16 and not any(two - one == 1 for one, two in zip(apart, apart[1:])), apart
     end = [row[3] for row in resumed.world.burnt[len(again) : len(again) + 320]]
     assert set(end) == {10} if mode == "M3" else 0 < max(end) <= 10, "behind the row S is its first"
+
+
+def test_a_row_is_interrupted_a_second_time(tmp_path):
+    """The rest of a row goes as several lines of its number; the journal says that it was done where one of them ended."""
+    lines = lines_of(b"G21G90\nM3S0\nG1X2F1200S0\nX3.6S10:20:30:40:50:60:70:80\nX5S0\nM2\n", tmp_path)
+    machine = facts(ready(spindle=LASER))
+    target, row = (round(mm * machine.steps_per_mm[0]) for mm in (2, 3.6))
+    _, _, dot = interrupted.staged(machine, lines, 5, None, [(target + row) // 2, 0, 0])
+    assert dot == (5, 8)
+    _, rest, dot = interrupted.staged(machine, lines, 5, None, [row, 0, 0])
+    assert dot is None and [number for number, _ in rest] == [5, 6]
+    with pytest.raises(Failure, match="before line 5 the machine was at"):
+        interrupted.staged(machine, lines, 5, None, [row + 100, 0, 0])
 
 
 def test_what_cannot_be_replayed(tmp_path):
