@@ -2,6 +2,7 @@
 that is not aligned is a fault."""
 
 import pytest
+import tiers
 from emulated import uf2  # noqa: F401
 from expressions import EDGES, checksums, module_for, target_code
 from hypothesis import HealthCheck, example, given, settings
@@ -27,7 +28,7 @@ def tried(uf2):
 def test_operators(tried):
     unit, pico = tried
 
-    @settings(max_examples=3, suppress_health_check=list(HealthCheck))
+    @settings(max_examples=3 if tiers.current == "all" else 1, suppress_health_check=list(HealthCheck))
     @example(EDGE_PAIRS)
     @given(triples)
     def run(triples):

@@ -610,8 +610,8 @@ SHEET = '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" view
 
 
 @pytest.mark.parametrize("board, name, text", [
-    ("torch_manipulator", "", ""), ("two_motor_kit", "", ""), ("router_3axis", "deep.gcode", DEEP), ("plotter_2014", "sheet.svg", SHEET), ("lpt_router", "", ""),
-    pytest.param("laser_xy", "deep.gcode", DEEP, marks=pytest.mark.slow),
+    ("torch_manipulator", "", ""), ("router_3axis", "deep.gcode", DEEP), ("plotter_2014", "sheet.svg", SHEET),
+    *(pytest.param(*each, marks=pytest.mark.slow) for each in (("two_motor_kit", "", ""), ("lpt_router", "", ""), ("laser_xy", "deep.gcode", DEEP))),
 ], ids=lambda value: value if len(value) < 20 else "")  # fmt: skip
 def test_what_is_longest_in_portuguese(tmp_path, driver, board, name, text):
     """With a job that is chosen, and all that is told of it."""
