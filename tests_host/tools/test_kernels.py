@@ -408,7 +408,7 @@ def test_that_one_who_masks_them_is_seen(instruction):
             assert masks(module.linked(text, module.compiler(march)[1] + ["-O1"]))
 
 
-@pytest.mark.parametrize("board", ["router_3axis", "router_esp32"])
+@pytest.mark.parametrize("board", [pytest.param("router_3axis", marks=pytest.mark.slow), "router_esp32"])
 def test_viper_compiles_all_kernels(board, monkeypatch, tmp_path):
     monkeypatch.setenv("PASSO_KERNELS", "viper")
     assert len(tree.build_tree(board, tmp_path)) > 100

@@ -124,6 +124,7 @@ def browser(address, tmp_path_factory):
     made.driver.quit()
 
 
+@pytest.mark.slow
 def test_words_are_the_same_in_a_tab(browser, show):
     browser.open("?lang=en")
     browser.run(DIGESTS)
