@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from matplotlib import cbook
 from PIL import Image
 from typer.testing import CliRunner
 
@@ -184,6 +185,19 @@ def test_what_is_burnt_is_the_picture(overscan, machine):
     scale = steps[expected == 1].mean()
     dots = steps.reshape(6, 10, 8).sum(axis=2) / (8 * scale)
     assert np.abs(dots - powers)[powers > 0].max() <= 0.01 * powers[powers > 0].max(), np.round(dots, 3)
+
+
+@pytest.mark.parametrize("shade", ["jarvis", "grey"])
+def test_a_photograph_is_burnt_dot_for_dot(shade):
+    """The light specks in what is dark are the picture's: nothing else is left out, in neither direction."""
+    options = Options(width_mm=4, dots_mm=10, shade=shade, power=1.0)
+    powers = engraving.powers_of(engraving.open_picture(cbook.get_sample_data("grace_hopper.jpg", asfileobj=False)), options)
+    height, width = powers.shape
+    port = burn(engraving.gcode(engraving.rows_of(powers, options), options, PACKED), 8 * height, 8 * width)
+    steps = port.plate[[round(8 * (n + 0.5)) for n in range(height)]]
+    assert np.array_equal(steps > 0, np.repeat(powers > 0, 8, axis=1)) and np.isclose(steps.sum(), port.plate.sum())  # to a step
+    dots = steps.reshape(height, width, 8).sum(axis=2)
+    assert np.abs(dots / dots.max() - powers / powers.max()).max() <= 0.005
 
 
 def test_a_picture_is_written_shown_and_taken_by_the_machine(tmp_path):

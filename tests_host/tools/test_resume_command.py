@@ -1,12 +1,18 @@
 """`passo resume` against the firmware of the router."""
 
 import pytest
+from PIL import Image
+from typer.testing import CliRunner
 
 from host_tools.cli import jobs, resume
+from host_tools.cli.main import app
+from host_tools.drawings import engraving
+from host_tools.drawings.engraving import Machine, Options
 from host_tools.programs.interrupted import interrupted, number_of
 from host_tools.clients.grbl import GrblClient, Refused, tagged
 from host_tools.failure import Failure
 from host_tools.programs import compiler, gcode_file, stored_job
+from router import LASER
 from running_router import Running
 
 PART = b"G21 G90\nG1 X20 Y5 F3000\nG1 X20 Y15\nG1 X5 Y15\nG0 X0 Y0\nM30\n"
@@ -68,6 +74,26 @@ def test_a_compiled_program(board, tmp_path, capsys):
         resume.resume(file, board.line.name, 115200, yes=True)
         assert f"interrupted before line {lines[5][0]}" in capsys.readouterr().out
         assert board.position() == [0, 0, 0]
+
+
+def test_a_picture(tmp_path):
+    """passo engrave with --continue goes on with the rows that are left, and with no other picture."""
+    Image.linear_gradient("L").resize((12, 6)).save(tmp_path / "sky.png")
+    options = Options(width_mm=3, dots_mm=4, shade="grey", power=0.5, origin=(10, 10))
+    rows = engraving.rows_of(engraving.powers_of(engraving.open_picture(tmp_path / "sky.png"), options), options)
+    with Running("fast", journal={"every_ms": 100}, spindle=LASER) as running:
+        asked = ["--lang", "en", "engrave", str(tmp_path / "sky.png"), "--dots", "4", "--shade", "grey", "--power", "50", "--origin", "10,10", "--port", running.line.name]
+        with GrblClient(running.line.name) as client:
+            client.connect()
+            machine = Machine.of_settings(client.command("$$"))
+            assert machine.takes_rows(client.command("$I"), True)
+            lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode(rows, options, machine), 1)]
+            begin(client, lines, len(lines) // 2)
+        done = CliRunner().invoke(app, [*asked, "--width", "3.5", "--continue", "--yes"])
+        assert done.exit_code == 1 and "another file" in str(done.exception)
+        done = CliRunner().invoke(app, [*asked, "--width", "3", "--continue", "--yes"])
+        assert done.exit_code == 0 and f"interrupted before line {len(lines) // 2 + 1}" in done.output, (done.output, done.exception)
+        assert running.app.controller.machine.state == "idle"
 
 
 def test_a_board_that_was_reset_has_to_home(board, part):
