@@ -20,7 +20,6 @@ from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.errors import LATER
 from passo.memory import forget, keep
-from passo.motion.planner import Planner
 from passo.records import COUNT_MASK, DOTS_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_S
 from passo.steps.ring import Ring, power_room, ring_size
 from passo.steps.word import us_to_ticks
@@ -85,7 +84,7 @@ class App:
         self.layout, self._drive, off_levels = machine_builder.make_drive(board)
         languages = machine_builder.languages(board)
         names = machine_builder.wanted(board, languages)
-        self.planner = Planner(self.layout.axes)  # first: it takes the largest pieces of memory
+        self.planner = machine_builder.planner(board, self.layout.axes)  # first: it takes the largest pieces of memory
         if "program" in names:
             self.planner.load()
         settings = Settings(board, Journal(slots or MemorySlots()), writing=getattr(port, "writing", None))
@@ -152,10 +151,7 @@ class App:
     def _make_queue(self, builder, settings, streamed):
         """Feeder and queue; `streamed`: of a machine that moves as it is told."""
         board = self.board
-        if streamed:
-            from passo.control.stream_queue import StreamQueue as Queue
-        else:
-            from passo.control.queue import Queue
+        Queue = builder.queue(board, streamed)
         from passo.steps.feeder import Feeder
 
         least = self.player.min_word_ticks

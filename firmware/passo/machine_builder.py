@@ -7,6 +7,7 @@ from passo.commands import INPUTS
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
 from passo.memory import forget
+from passo.motion.planner import Planner
 from passo.steps import ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
@@ -159,6 +160,26 @@ def load(names):
         ]
     except ImportError as missing:
         raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)
+
+
+def planner(board, axes):
+    """The planner of a board's motors, in steps of its axes."""
+    name = board.get("motion")  # as kinematics_keys.py says
+    if not name:
+        return Planner(axes)
+    make = __import__("passo.motion.mapped", None, None, ("Planner",)).Planner
+    return make(axes, __import__("passo.motion." + name, None, None, ("axes",)))
+
+
+def queue(board, streamed):
+    """The class of a board's queue; `streamed`: of a machine that moves as it is told."""
+    if board.get("motion"):
+        return __import__("passo.control.mapped_queue", None, None, ("Queue",)).Queue
+    if streamed:
+        from passo.control.stream_queue import StreamQueue as Queue
+    else:
+        from passo.control.queue import Queue
+    return Queue
 
 
 def guarded(board, languages, settings):

@@ -75,6 +75,7 @@ MEANINGS = {
     "pins 16 and 17. With False `passo build` refuses a board file that asks for more memory than the chip has. See [wiring](wiring.md#esp32).",
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "
     "an interrupt for each step.",
+    "kinematics": "How motors move axes: `corexy`, two of them on one belt, see [CoreXY](corexy.md); else each its own.",
     "changeover_by": "If outputs have roles: a command or the first motion takes the motors from the other controller.",
     "changeover_ms": "Between releasing the relays of one controller and closing the other's, ms.",
     "idle_release_ms": "Motors lose their current after this time at rest, ms; 0: never. `$1` overrides it.",

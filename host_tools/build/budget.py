@@ -25,7 +25,7 @@ ESP32_NEEDS = {
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 148, "torch": 122, "keys": 122, "plotter": 122}
-KEYS_KB = {"weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1, "journal": 4, "jobs": 14}
+KEYS_KB = {"motion": 4, "weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1, "journal": 4, "jobs": 14}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB = 6, 10, 12  # a laser's rows of dots, and what burns them
 
@@ -60,7 +60,7 @@ def heap_kb(board):
     """What a checked board takes of a Pico's heap with stock MicroPython, in kB: the dearest of its languages, and each key and link."""
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
-    taken += sum(cost for key, cost in KEYS_KB.items() if board[key])
+    taken += sum(cost for key, cost in KEYS_KB.items() if board.get(key))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += DOTS_KB * bool(power_room(board)[1])
     return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])

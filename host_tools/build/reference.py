@@ -57,10 +57,11 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import device_keys, motor_keys, shift_keys
+    from passo.config import device_keys, kinematics_keys, motor_keys, shift_keys
     from passo.config.job_keys import JOBS
 
-    return shift_keys.extended({**boardfile._BOARD, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
+    kinematics = {"kinematics": kinematics_keys.RULES["kinematics"]}
+    return shift_keys.extended({**boardfile._BOARD, **kinematics, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 
 
 def keys(rules, prefix=""):

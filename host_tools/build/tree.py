@@ -113,6 +113,10 @@ OF_KEYS = {
     "registers": ("shift_registers.py", "rp2/shift_registers.py"), "servo": ("servo.py",), "tachometer": ("pulses.py",),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
+# Only machines whose motors are not their axes have these, by name.
+MAPPED = (
+    Path("passo", "motion", "mapped.py"), Path("passo", "control", "mapped_queue.py"), Path("passo", "config", "kinematics_keys.py"),
+)  # fmt: skip
 OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
@@ -188,7 +192,9 @@ def selected(board, firmware=FIRMWARE, spared=None):
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     laser = (board.get("spindle") or {}).get("laser")
-    absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,))
+    kinematics = board.get("kinematics", "none")
+    mapped = kinematics != "none"
+    absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
@@ -210,6 +216,8 @@ def selected(board, firmware=FIRMWARE, spared=None):
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
+    if mapped:
+        chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))

@@ -95,7 +95,7 @@ class VirtualJob:
             drive = None
         self.steps_per_mm = [axis["steps_per_m"] / 1000 for axis in self.board["axes"]]
         by_height = len(self.steps_per_mm) > 2 and not self.board["spindle"]["laser"]
-        self.track = Track(layout, drive, self.steps_per_mm, by_height, drawn)
+        self.track = Track(layout, drive, self.steps_per_mm, by_height, drawn, self.board.get("kinematics") == "corexy")
         self.placed = zero is not None or start is not None
         if zero is not None and len(zero) > 2:
             self.track.surface = zero[2]

@@ -28,6 +28,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
 
 import random
 
+from host_tools.sim.belt import Belt
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
 from host_tools.sim.parts import NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle
 
@@ -108,6 +109,7 @@ class Plant:
                 raise ValueError(f"start: {axis['name']} {at} is not between the hard ends {low} and {high}")
             self.carriages.append(Carriage(axis["name"], at, low, high, self.report))
             self.position[i] = at
+        self._belt = Belt(self) if self._board.get("kinematics") == "corexy" else None
 
     def _build_gantry(self, racked):
         """The second side of a gantry: a carriage of its own, as far as the frame lets it."""
@@ -244,14 +246,16 @@ class Plant:
         for i, mask, decode, sign, carriage, barrier in self._axes:
             if changed & mask:
                 steps = decode(tick, levels, changed)
-                if steps and self._move(tick, carriage, steps * sign):
+                if self._belt and i < 2:
+                    moved = self._belt.pull(tick, i, steps * sign) or moved
+                elif steps and self._move(tick, carriage, steps * sign):
                     moved = True
                     self.position[i] = at = carriage.position
                     if barrier is not None and (at <= barrier.last) != barrier.below:
                         barrier.cross(tick)
                         self._show(tick, barrier)
                     if i in self._others:
-                        self._cross(tick, i, at)
+                        self._cross(tick, self._others[i], at)
         for name, encoder in self._indexes:
             if encoder.turned():
                 self.set_input(tick, name, True)
@@ -266,9 +270,18 @@ class Plant:
             self._solenoid.drive(tick, levels & self._tool_mask != self._tool_off)
             self._plan()
 
-    def _cross(self, tick, axis, at):
-        for barrier in self._others[axis]:
-            if (at <= barrier.last) != barrier.below:
+    def move(self, tick, axis, steps):
+        """Move the carriage of an axis, if it can; its barriers look."""
+        carriage = self.carriages[axis]
+        if not self._move(tick, carriage, steps):
+            return False
+        self.position[axis] = carriage.position
+        self._cross(tick, [self._watching[axis], *self._others.get(axis, ())], carriage.position)
+        return True
+
+    def _cross(self, tick, barriers, at):
+        for barrier in barriers:
+            if barrier is not None and (at <= barrier.last) != barrier.below:
                 barrier.cross(tick)
                 self._show(tick, barrier)
 

@@ -50,9 +50,10 @@ class Rows:
 
 
 class Track:
-    def __init__(self, layout, drive, steps_per_mm, by_height, drawn=True):
+    def __init__(self, layout, drive, steps_per_mm, by_height, drawn=True, belt=False):
         """`by_height`: what is below Z0 of the program, `surface` in mm, is drawn as cut, whether the tool is on or not;
-        `drawn`: False keeps no path."""
+        `drawn`: False keeps no path; `belt`: the first two motors hold one belt (CoreXY)."""
+        self._belt = belt
         self.by_height = by_height
         self.surface = 0.0
         self._layout = layout
@@ -71,6 +72,9 @@ class Track:
         self._zero = tick
         self.last_tick = tick
         self.position = np.array(position, np.int64)
+        self._motors = self.position.copy()
+        if self._belt:
+            self._motors[:2] = self.position[0] + self.position[1], self.position[0] - self.position[1]
         self._low, self._high = self.position.copy(), self.position.copy()
         self._measured = Rows(1 + self._axes, np.int64, MOST_SAMPLES)
         self._latest = np.array([0, *position])  # the last row that was measured
@@ -109,7 +113,11 @@ class Track:
         if not len(steps):
             return
         ticks = tick + np.cumsum(lasts)[steps] - lasts[steps]
-        positions = self.position + np.cumsum(moves[steps], axis=0, dtype=np.int64)
+        positions = self._motors + np.cumsum(moves[steps], axis=0, dtype=np.int64)
+        self._motors = positions[-1].copy()
+        if self._belt:
+            a, b = positions[:, 0].copy(), positions[:, 1].copy()
+            positions[:, 0], positions[:, 1] = (a + b) // 2, (a - b) // 2
         self.steps += len(steps)
         self.position = positions[-1]
         self.last_tick = int(ticks[-1])

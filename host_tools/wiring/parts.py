@@ -37,6 +37,9 @@ class Part:
     opens: bool = False
 
 
+_ONE_BELT = {"x": "A (X + Y)", "y": "B (X − Y)"}  # CoreXY: what each motor moves
+
+
 def parts(board):
     """All parts of a checked board file, motors first."""
     found = [*_motors(board), *_tools(board), *_inputs(board), *_outputs(board), *_encoders(board), *_lines(board), *_registers(board)]
@@ -59,7 +62,7 @@ def _motors(board):
     drive = board["drive"]
     enable = None if drive["kind"] != "step_dir" else common_enable(board)
     for name, pins in motors(board):
-        title = name.upper()
+        title = _ONE_BELT.get(name, name.upper()) if board.get("kinematics") == "corexy" else name.upper()
         if drive["kind"] == "step_dir":
             mark = "" if drive["step_active"] else "−"
             terminals = [Terminal(label + mark, pin_of(pin, "out")) for label, pin in zip(("STEP", "DIR"), pins)]

@@ -25,7 +25,7 @@ def checked(board):
     """The board file's table is forgotten again, as main.py does it: a chip has little memory for it."""
     from passo.config.boardfile import check
 
-    board = check(dict(board, journal=None))  # which the port has no flash for
+    board = check(dict(board, journal=None, servo=None))  # the port has neither flash nor a servo
     if sys.implementation.name == "micropython":
         sys.modules.pop("passo.config.boardfile")
         del sys.modules["passo.config"].boardfile

@@ -112,6 +112,18 @@ def smooth():
     return lines
 
 
+def star(points=7, centre=(40, 40), size=30):
+    """Strokes in every direction from a middle and back, their ends joined, a circle around them: for two motors on one belt."""
+    x, y = centre
+    ends = [(x + size * cos(2 * pi * k / (2 * points)), y + size * sin(2 * pi * k / (2 * points))) for k in range(2 * points)]
+    lines = ["G21 G90 G17 F6000", "G0 X%d Y%d" % centre]
+    for end in ends:
+        lines += ["M3 S1000", "G1 X%.3f Y%.3f" % end, "G1 X%d Y%d" % centre]
+    lines += ["M5", "G0 X%.3f Y%.3f" % ends[0], "M3"]
+    lines += ["G1 X%.3f Y%.3f" % ends[k * 3 % len(ends)] for k in range(1, len(ends) + 1)]
+    return [*lines, "G2 X%.3f Y%.3f I%d" % (ends[0] + (-size,)), "G3 X%.3f Y%.3f R%d F9000" % (ends[points - 3] + (size,)), "M5", "G0 X0 Y0"]
+
+
 PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and how many lines
 
 

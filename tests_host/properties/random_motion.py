@@ -30,7 +30,7 @@ class Machine:
         random = Random(seed)
         self.random = random
         flat = random.choice((80_000, 100_000, 400_000))
-        self.rig = Rig(axes=3)
+        self.rig = self.make_rig()
         self.limited(
             [flat, flat, random.choice((flat, 400_000))],
             [random.between(10, 200) * MM for _ in range(3)],
@@ -43,6 +43,9 @@ class Machine:
         self.segments = []  # (block number, steps of path, ticks)
         self.lags = []  # of each segment: (words, how far each axis may step behind its place, how far ahead, in steps)
         self._listen()
+
+    def make_rig(self):
+        return Rig(axes=3)
 
     def limited(self, steps_per_m, speeds, accelerations, deviation, start=0):
         self.steps_per_m, self.speeds, self.accelerations, self.deviation = steps_per_m, speeds, accelerations, deviation

@@ -113,7 +113,7 @@ def import_faults(source, path):
         top = name.split(".")[0]
         if not (within(name, allowed) or top in built_ins and top != "passo"):
             faults.append(f"{path}:{line}: {room} may not import {name}")
-    if room not in ("machine_builder", "network_builder", "main"):
+    if room not in ("machine_builder", "network_builder", "main") and path.name != "board_error.py":  # the rules of rare keys, by the key's name
         for node in ast.walk(parse(source)):
             if isinstance(node, ast.Name) and node.id == "__import__":
                 faults.append(f"{path}:{node.lineno}: only builders load modules by name")

@@ -20,7 +20,7 @@ DRIVES = {
 
 
 class Rig:
-    def __init__(self, drive="step_dir", axes=2, reversed_axes=(), size=4096):
+    def __init__(self, drive="step_dir", axes=2, reversed_axes=(), size=4096, planner=None):
         kind, mode = DRIVES[drive]
         self.board = {
             "drive": {"kind": kind, "mode": mode},
@@ -28,7 +28,7 @@ class Rig:
         }
         self.layout, self.drive, self.off = make_drive(self.board)
         self.ring = Ring(size)
-        self.planner = Planner(axes)
+        self.planner = planner or Planner(axes)
         self.planner.load()
         setup = SETUP_TICKS if kind == "step_dir" else 0
         self.feeder = Feeder(self.ring, self.layout, self.planner, self.drive, setup, LEAST_TICKS)

@@ -26,3 +26,18 @@ def check_shape(value, depth=_DEPTH):
         raise BoardError("a list or dict is nested too deep")
     for each in value.values() if isinstance(value, dict) else value:
         check_shape(each, depth - 1)
+
+
+def own_rules(board, rules):
+    """(the module of a key that most boards do not have, or None, `rules` with its own): KEY_keys.py, whose RULES have the key."""
+    for key in board if isinstance(board, dict) else ():
+        if key not in rules and isinstance(key, str) and "." not in key:
+            try:
+                module = __import__("passo.config.%s_keys" % key, None, None, ("RULES",))
+            except ImportError:
+                continue
+            if key in module.RULES:
+                rules = dict(rules)
+                rules.update(module.RULES)
+                return module, rules
+    return None, rules

@@ -6,7 +6,7 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.config.board_error import BoardError, check_shape, want_input
+from passo.config.board_error import BoardError, check_shape, own_rules, want_input
 from passo.config.chip_pins import check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
@@ -187,6 +187,7 @@ def check(board):
         from passo.config import shift_keys as shift
 
         rules = shift.extended(rules)
+    own, rules = own_rules(board, rules)
     board = _section(_WHOLE, board, rules)
     if lines:
         board["step_program"].update(lines)
@@ -205,6 +206,8 @@ def check(board):
         raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _check_interlock(board)
+    if own:
+        own.check(board)
     modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
     if board["drive"]["mode"] not in modes.split(", "):
         raise BoardError("drive.mode: %r is none of %s, those of %s" % (board["drive"]["mode"], modes, board["drive"]["kind"]))

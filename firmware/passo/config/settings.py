@@ -92,6 +92,8 @@ class Settings:
         if error:
             return error
         self._changed[number] = value
+        if number - STEPS in (0, 1) and self._board.get("motion"):
+            self._changed[STEPS] = self._changed[STEPS + 1] = value  # one belt
         if number == HOMING and not value:
             self._changed[SOFT_LIMITS] = 0
         self._touch()

@@ -223,7 +223,7 @@ class Program(LineBatches):
             max(settings.value(table.START), self._machine.steady_mm_min * 1000) * 50 // 3,
             jerk * 1000,
         )
-        self._planner.limits(limits)
+        limits = self._planner.limits(limits)
         shift = 0
         while limits.fastest >> shift >= 1 << 30:
             shift += 1

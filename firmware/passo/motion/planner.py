@@ -72,7 +72,7 @@ class Planner:
 
     def limits(self, limits):
         """Accelerate within `limits` (limits.Limits) from now on; None: not at all. Only after load(), and while nothing is
-        queued."""
+        queued. Returns what the planner reckons with."""
         if limits is not None:
             ramp = self.ramp
             if limits.jerk or ramp.s_curve:
@@ -84,6 +84,7 @@ class Planner:
         self.accelerates = limits is not None
         self.ready = self.accelerates and limits.ready
         self.scratch[SCRATCH_FEED] = self.scratch[SCRATCH_GIVEN] = self.scratch[SCRATCH_ASKED] = 0
+        return limits
 
     def load(self):
         """Make ready for limits(), arcs and S-curves, before there is a feeder."""

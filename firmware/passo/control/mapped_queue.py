@@ -1,0 +1,86 @@
+"""The queue of a machine whose motors are not its axes (motion/mapped.py): positions are the axes', what the feeder counts the motors'.
+
+Commands, travel, homing and reports are in steps of the axes, as everywhere. A machine stopped amid a step of an axis is reported at
+the step below; the next block makes up for it.
+"""
+
+from passo.control.stream_queue import StreamQueue
+from passo.steps.word import TICKS_PER_S
+
+
+class Pieces:
+    """A line as `count` chords of equal length: what Chords asks of an ellipse."""
+
+    flat_nm = 0
+
+    def __init__(self, deltas, count):
+        self._deltas = list(deltas)
+        self._count = self.left = count
+        self._gone = [0] * len(self._deltas)
+
+    def chord(self):
+        self.left -= 1
+        found = []
+        for axis in range(len(self._deltas)):
+            there = self._deltas[axis] * (self._count - self.left) // self._count
+            found.append(there - self._gone[axis])
+            self._gone[axis] = there
+        return found
+
+
+class Queue(StreamQueue):
+    def __init__(self, board, planner, feeder, player, port):
+        StreamQueue.__init__(self, board, planner, feeder, player, port)
+        self._axes_of = planner.kinematics.axes
+        self._zero = self._origin[:]  # in steps of the axes; `_origin` stays 0
+        self._found = self._origin[:]
+
+    def go(self, target, nm_s, ticks, tool, tag):
+        planner = self._planner
+        if planner.kinematics.STRAIGHT:
+            StreamQueue.go(self, target, nm_s, ticks, tool, tag)
+            return
+        deltas = self.deltas(target)
+        position = [here + zero for here, zero in zip(self.target, self._zero)]
+        pieces = Pieces(deltas, planner.kinematics.pieces(position, deltas))
+        slowest, _ = planner.slowest([])
+        if ticks:
+            nm_s = planner.own.length(deltas) * TICKS_PER_S // ticks
+        chords = self._make_chords(pieces, nm_s or slowest, tool, tag, planner.own.steps_per_m, [], slowest)
+        self._change_tool(tool, tag)
+        self.chords = chords
+        self.feed()
+        self.lead(target)
+        self.waiting = True
+
+    def look(self):
+        StreamQueue.look(self)
+        self._turn(self.here, self.here)
+
+    def _turn(self, motors, into):
+        """Positions of the motors since the start to those of the axes."""
+        self._axes_of(motors, into)
+        for axis in range(len(into)):
+            into[axis] -= self._zero[axis]
+        return into
+
+    def _from_origin(self, found):
+        return self._turn(found, self._found)
+
+    def axis(self, axis):
+        return self.found()[axis] + self._zero[axis]
+
+    def set_origin(self, axes=-1):
+        found = self.found()
+        for axis in range(len(found)):
+            if axes >> axis & 1:
+                self._zero[axis] += found[axis]
+        self.settle()
+
+    def settle(self):
+        self._planner.stand(self._feeder.position(self._player.played()))
+        StreamQueue.settle(self)
+
+    def drop(self):
+        StreamQueue.drop(self)
+        self.settle()

@@ -1,0 +1,92 @@
+"""The planner of a machine whose motors are not its axes: blocks come in steps of the axes, and are made in those of the motors.
+
+    planner = mapped.Planner(2, corexy)      # a module as corexy.py says
+    planner.line((400, 30), …)              # as of a Planner
+    planner.stand(motors)                   # where the motors stand, whenever the machine has been stopped amid a block
+
+Blocks lead to positions, not by distances: the step that an axis is amid when it is stopped is not lost, the next block makes it up.
+Lines come as commands: a batch's rows are blocks already.
+"""
+
+from array import array
+
+from passo.motion import planner
+from passo.records import TICKS_PER_S
+
+
+class Planner(planner.Planner):
+    def __init__(self, axes, kinematics):
+        planner.Planner.__init__(self, axes)
+        self.kinematics = kinematics
+        self.own = None  # the limits of the axes
+        self._end, self._goal, self._motors, self._ways = [array("i", [0] * axes) for _ in range(4)]
+        self._inside = False  # line() and fits() are told steps of the motors
+
+    def limits(self, limits):
+        self.own = limits
+        limits = planner.Planner.limits(self, limits and self.kinematics.limits(limits))
+        self.ready = False
+        return limits
+
+    def slowest(self, axes):
+        own = self.own
+        return min(own.speeds), [own.accelerations[axis] for axis in axes]
+
+    def stand(self, motors):
+        """The motors stand there, in steps from where the machine was switched on; nothing is queued."""
+        for motor in range(self.axes):
+            self._motors[motor] = motors[motor]
+        self.kinematics.axes(motors, self._end)
+
+    def _lead(self, deltas):
+        """`_ways` of the motors to what lies `deltas` beyond the queue's end, `_goal`."""
+        goal, ways, motors = self._goal, self._ways, self._motors
+        for axis in range(self.axes):
+            goal[axis] = self._end[axis] + deltas[axis]
+        self.kinematics.motors(goal, ways)
+        for motor in range(self.axes):
+            ways[motor] -= motors[motor]
+
+    def _arrive(self):
+        """The queue ends at `_goal`."""
+        for axis in range(self.axes):
+            self._end[axis] = self._goal[axis]
+            self._motors[axis] += self._ways[axis]
+
+    def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
+        if self._inside:
+            planner.Planner.line(self, deltas, ticks, tool, tag, rapid, speed_nm_s)
+            return
+        self._lead(deltas)
+        if speed_nm_s and not self.kinematics.STRAIGHT:
+            ticks, speed_nm_s = ticks or self.own.length(deltas) * TICKS_PER_S // speed_nm_s or 1, 0
+        planner.Planner.line(self, self._ways, ticks, tool, tag, rapid, speed_nm_s)
+        self._arrive()
+
+    def fits(self, deltas, ticks, speed_nm_s):
+        if not self._inside:
+            self._lead(deltas)
+            deltas = self._ways
+        planner.Planner.fits(self, deltas, ticks, speed_nm_s)
+
+    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True,
+            over_half=None):
+        own = self.own
+        found = self.kinematics.arc_plane(plane)
+        if found is None or own is None or own.steps_per_m[plane[0]] != own.steps_per_m[plane[1]]:
+            raise ValueError("no plane of motors in which the arc is one")
+        motors, mirrored = found
+        middle = [0] * self.axes
+        middle[plane[0]], middle[plane[1]] = center
+        self._lead(middle)
+        center = self._ways[motors[0]], self._ways[motors[1]]
+        self._lead(deltas)
+        self._inside = True
+        try:
+            planner.Planner.arc(
+                self, self._ways, motors, center, tool, clockwise != mirrored, turns, speed_nm_s, ticks, tag, queued, over_half
+            )
+        finally:
+            self._inside = False
+        if queued:
+            self._arrive()

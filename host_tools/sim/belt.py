@@ -1,0 +1,29 @@
+"""One belt and two motors that move both carriages of a plant (CoreXY).
+
+    belt = Belt(plant)
+    moved = belt.pull(tick, motor, steps)
+
+Its own reckoning, not the firmware's: x = (a + b) / 2, y = (a − b) / 2. A motor whose carriage stands at a hard end stalls.
+"""
+
+
+class Belt:
+    def __init__(self, plant):
+        self._plant = plant
+        x, y = plant.position[:2]
+        self.motors = [x + y, x - y]
+
+    def pull(self, tick, motor, steps):
+        """A motor turns by steps. True if a carriage has moved a whole step."""
+        plant = self._plant
+        motors = list(self.motors)
+        motors[motor] += steps
+        places = (motors[0] + motors[1]) // 2, (motors[0] - motors[1]) // 2
+        moved = False
+        for axis, place in enumerate(places):
+            if place != plant.position[axis]:
+                if not plant.move(tick, axis, place - plant.position[axis]):
+                    return moved
+                moved = True
+        self.motors = motors
+        return moved

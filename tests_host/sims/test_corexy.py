@@ -1,0 +1,289 @@
+"""A CoreXY plotter on the virtual board: homing, ends, arcs, halts, settings, and what cannot be on one belt."""
+
+import copy
+import math
+import random
+import sys
+
+import polar
+import pytest
+
+from host_tools import boards
+from host_tools.sim.job import VirtualJob
+from host_tools.sim.machine import VirtualMachine
+from passo.config import kinematics_keys
+from passo.config.board_error import BoardError
+from passo.config.boardfile import check
+
+NAME = "corexy_plotter"
+
+
+class Belt:
+    def __init__(self, board=NAME, **options):
+        self.machine = VirtualMachine(board, **options)
+        self.plant = self.machine.plant
+        self.machine.run_ms(100)
+        self.machine.take()
+
+    def ask(self, line, limit_ms=120_000):
+        self.machine.take()
+        self.machine.send(line.encode() + b"\n")
+        self.machine.run_until(lambda: any(word in self.machine.received() for word in (b"ok", b"error", b"ALARM")), limit_ms)
+        return self.machine.take().decode().strip()
+
+    def do(self, *lines):
+        for line in lines:
+            said = self.ask(line)
+            assert said.endswith("ok"), (line, said)
+
+    def settle(self):
+        self.machine.settle()
+        assert not self.plant.errors, self.plant.errors
+        return self.places()
+
+    def places(self):
+        """Where axes and motors are, as the board says and the pins show."""
+        queue = self.machine.app.controller.queue
+        motors = self.machine.app.feeder.position(self.machine.app.player.played())
+        assert queue.position() == list(self.plant.position)
+        return list(self.plant.position), list(motors)
+
+
+@pytest.fixture
+def belt():
+    return Belt(start=(3001, 2002))
+
+
+def test_each_axis_homes_by_both_motors(belt):
+    """X first, then Y: while one seeks its barrier the other stays, and the pins of both motors step."""
+    belt.do("$H")
+    assert belt.settle()[0] == [0, 0]
+    rows = belt.machine.trace.rows()
+    xs, ys = [row[1] for row in rows], [row[2] for row in rows]
+    split = next(number for number, y in enumerate(ys) if y != ys[0])
+    assert len(set(ys[:split])) == 1 and max(xs[split:]) - min(xs[split:]) <= 1
+    assert xs[0] == 3001 and ys[0] == 2002
+
+
+@pytest.mark.parametrize("start", [(0, 0), (-100, 5000), (24000, -150), (17, 17439)])
+def test_homing_from_anywhere(start):
+    belt = Belt(start=start, bounce_ms=3)
+    belt.do("$H")
+    assert belt.settle()[0] == [0, 0]
+
+
+@pytest.mark.parametrize("fault, alarm", [({"limit_x": "dead"}, "ALARM:9"), ({"limit_y": "stuck"}, "ALARM:8")])
+def test_a_barrier_that_fails_ends_in_an_alarm(fault, alarm):
+    belt = Belt(start=(400, 300), faults=fault)
+    assert alarm in belt.ask("$H")
+
+
+def test_lines_arcs_and_helices_end_to_the_step(belt):
+    belt.do("$H", "G21G90G17", "G1X10Y5F3000")
+    assert belt.settle()[0] == [800, 400]
+    for line, end in (
+        ("G1X20", [1600, 400]), ("Y20", [1600, 1600]), ("G2X10Y10I-10J0", [800, 800]), ("G3X10Y10I5J5", [800, 800]),
+        ("G2X30R20", [2400, 800]), ("G0X0Y0", [0, 0]), ("G1X.0125Y.0125", [1, 1]), ("G1X.0125Y0", [1, 0]), ("G91G1X-.0125", [0, 0]),
+    ):  # fmt: skip
+        belt.do(line)
+        places, motors = belt.settle()
+        assert places == end, line
+
+
+def test_a_circle_is_round_and_goes_the_right_way(belt):
+    """Within a step of the circle, and counter-clockwise with G3."""
+    belt.do("$H", "G90G0X20Y10")
+    belt.settle()
+    before = len(belt.machine.trace.rows())
+    belt.do("G3X20Y10I-5J0F2000")
+    belt.settle()
+    rows = belt.machine.trace.rows()[before:]
+    places = [((row[1] - 1200) / 400, (row[2] - 800) / 400) for row in rows]
+    assert all(abs((x * x + y * y) ** 0.5 - 1) * 400 <= 1.1 for x, y in places)
+    turns = [x * v - y * u for (x, y), (u, v) in zip(places[::40], places[40::40])]
+    assert min(turns) > 0 and len(places) > 2000
+
+
+def test_feeds_are_those_of_the_path(belt):
+    """30 mm at F600, along X, Y and both diagonals: 3 s and the ramps', to a thousandth."""
+    belt.do("$H", "G90G0X100Y100")
+    belt.settle()
+    for way in ("X30", "Y30", "X21.2132Y21.2132", "X-21.2132Y21.2132"):
+        first = len(belt.machine.trace.rows())
+        belt.do(f"G91G1{way}F600")
+        belt.settle()
+        rows = belt.machine.trace.rows()[first:]
+        middle = rows[len(rows) // 4], rows[3 * len(rows) // 4]
+        far = sum((b - a) ** 2 for a, b in zip(middle[0][1:3], middle[1][1:3])) ** 0.5 / 80
+        assert far / (middle[1][0] - middle[0][0]) * 1e6 == pytest.approx(10, rel=1e-3), way
+
+
+def test_a_diagonal_is_the_work_of_one_motor(belt):
+    """At full speed X alone has 250 mm/s, a diagonal 250 / √2: then one motor turns as fast as before, the other rests."""
+    belt.do("$H")
+    belt.settle()
+    found = []
+    for way in ("X100", "Y150", "X-70Y-70", "X70Y-70"):
+        first = len(belt.machine.trace.rows())
+        belt.do(f"G91G0{way}")
+        belt.settle()
+        rows = belt.machine.trace.rows()[first:]
+        a, b = rows[len(rows) * 2 // 5], rows[len(rows) * 3 // 5]
+        found.append(sum((q - p) ** 2 for p, q in zip(a[1:3], b[1:3])) ** 0.5 / 80 / (b[0] - a[0]) * 1e6)
+    assert found == [pytest.approx(speed, rel=2e-3) for speed in (250, 250, 176.78, 176.78)]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_halts_leave_both_positions_exact(seed):
+    """Holds, resets and jogs broken off, at any moment: board and pins agree, and the next line ends to the step."""
+    chance = random.Random(seed)
+    belt = Belt(start=(2000, 2000))
+    belt.do("$H", "G90F9000")
+    belt.settle()
+    for _ in range(6):
+        x, y = chance.uniform(0, 200), chance.uniform(0, 200)
+        kind = chance.choice(("reset", "hold", "jog", "hold and reset"))
+        belt.machine.send(f"$J=G90X{x:.3f}Y{y:.3f}F9000\n".encode() if kind == "jog" else f"G1X{x:.3f}Y{y:.3f}\n".encode())
+        belt.machine.run_ms(chance.randint(5, 400))
+        if kind == "jog":
+            belt.machine.send(b"\x85")
+        elif kind != "reset":
+            belt.machine.send(b"!")
+            belt.machine.run_ms(chance.randint(250, 600))
+        if "reset" in kind:
+            belt.machine.send(b"\x18")
+            belt.machine.run_ms(300)
+            belt.do("$X", "G90F9000")
+        elif kind == "hold":
+            belt.machine.send(b"~")
+        belt.machine.run_ms(100)
+        belt.machine.settle()
+        belt.places()
+        x, y = chance.randint(0, 16000), chance.randint(0, 16000)
+        belt.do(f"G90G1X{x / 80:.4f}Y{y / 80:.4f}F9000")
+        belt.machine.settle()
+        assert belt.places()[0] == [x, y], kind
+
+
+def test_travel_limits_are_those_of_the_axes(belt):
+    belt.do("$H", "$20=1", "G90G0X300Y218")
+    assert belt.settle()[0] == [24000, 17440]
+    assert "ALARM:2" in belt.ask("G0X300.1")
+
+
+def test_one_belt_has_one_resolution(belt):
+    belt.do("$101=100")
+    said = belt.ask("$$")
+    assert "$100=100.000" in said and "$101=100.000" in said
+    belt.do("$X", "G91G1X10Y10F600")
+    belt.machine.settle()
+    assert list(belt.plant.position) == [4001, 3002]
+
+
+def test_the_status_report_is_the_axes_position_amid_motion(belt):
+    belt.do("$H", "G90G1X50Y20F6000")
+    for _ in range(20):
+        belt.machine.run_ms(20)
+        belt.machine.take()
+        belt.machine.send(b"?")
+        belt.machine.run_until(lambda: b">" in belt.machine.received(), 1000)
+        text = belt.machine.take().decode()
+        x, y = (float(each) for each in text.split("MPos:")[1].split("|")[0].split(",")[:2])
+        assert abs(x * 0.4 - y) < 0.05
+    assert belt.settle()[0] == [4000, 1600]
+
+
+def test_passo_check_sees_the_axes(monkeypatch):
+    job = VirtualJob(NAME, inside=True)
+    job.run([(1, b"G21G90"), (2, b"M3S1000"), (3, b"G1X30F3000"), (4, b"Y20"), (5, b"G2X30Y20I-10"), (6, b"G0X5Y1")])
+    assert not job.errors and list(job.track.position) == [400, 80]
+    assert job.track.high == [30.0, pytest.approx(30, abs=0.02)] and job.track.low[0] == 0
+    assert max(job.track.fastest) < 15001
+
+
+@pytest.mark.parametrize("changes, words", [
+    ({"axes": "one"}, "two axes with the same steps_per_m are wanted"),
+    ({"axes": "other steps"}, "two axes with the same steps_per_m are wanted"),
+    ({"links": [{"name": "pc", "port": "usb", "protocol": "keys"}]}, "the language keys moves one axis by one motor"),
+    ({"links": [{"name": "pc", "port": "usb", "protocol": "plotter"}]}, "a link that speaks grbl is wanted"),
+    ({"encoders": [{"motor": "x", "pins": [16, 17], "pulses": 500, "steps": 1600}]}, "there is no encoders with it"),
+    ({"homing": "latch"}, "there is no homing.latch with it"),
+])
+def test_what_one_belt_cannot_be(changes, words):
+    board = {**copy.deepcopy(boards.load(NAME)), "journal": None}
+    if changes.get("axes") == "one":
+        board.update(axes=board["axes"][:1], homing=None, player="timer")
+    elif changes.get("axes"):
+        board["axes"][1]["steps_per_m"] = 40000
+    elif changes.get("homing"):
+        board["homing"]["latch"] = True
+    else:
+        board.update(changes)
+    with pytest.raises(BoardError, match=words):
+        check(board)
+
+
+def test_an_unknown_kinematics_is_refused():
+    with pytest.raises(BoardError, match="kinematics: 'delta' is none of none, corexy"):
+        check({**boards.load(NAME), "kinematics": "delta"})
+
+
+@pytest.fixture
+def polar_board(monkeypatch):
+    """The board file of a polar plotter, whose kinematics only tests have."""
+    monkeypatch.setitem(sys.modules, "passo.motion.polar", polar)
+    monkeypatch.setitem(kinematics_keys.RULES, "kinematics", ("none", "corexy", "polar"))
+    return {**boards.load(NAME), "kinematics": "polar", "homing": None, "journal": None}
+
+
+def test_a_polar_plotter_follows_by_the_same_contract(polar_board):
+    """Lines are straight and circles round on the paper, to 0.04 mm, a step of the turntable; the machine says where it is, to a step; after a reset too."""
+    machine = VirtualMachine(polar_board, start=(0, 0))
+    machine.run_ms(100)
+    said = []
+
+    def do(line):
+        machine.take()
+        machine.send(line.encode() + b"\n")
+        machine.run_until(lambda: b"ok" in machine.received() or b"error" in machine.received(), 60_000)
+        said.append(machine.take())
+        assert b"error" not in said[-1], (line, said[-1])
+
+    def places(first):
+        found = []
+        for row in machine.trace.rows()[first:]:
+            far, angle = row[1] / 80 + polar.POLE_MM, row[2] * 2 * math.pi / polar.TURN_STEPS
+            found.append((far * math.cos(angle) - polar.POLE_MM, far * math.sin(angle)))
+        return found
+
+    def at():
+        return [steps / 80 for steps in machine.app.controller.queue.position()]
+
+    do("$X")
+    do("G21G90G17F3000")
+    corners = [(0, 0), (50, 0), (50, 60), (0, 40), (30, -8), (0, 0)]  # within the hard ends of both motors
+    for begin, end in zip(corners, corners[1:]):
+        first = len(machine.trace.rows())
+        do(f"G1X{end[0]}Y{end[1]}")
+        machine.settle()
+        assert at() == pytest.approx(end, abs=1.1 / 80)
+        long = math.dist(begin, end)
+        for x, y in places(first):
+            off = ((x - begin[0]) * (end[1] - begin[1]) - (y - begin[1]) * (end[0] - begin[0])) / long
+            assert abs(off) < 0.04, (begin, end, x, y, off)
+    first = len(machine.trace.rows())
+    do("G0X40Y10")
+    do("G2X40Y10I-15J5F2000")
+    machine.settle()
+    begun = next(number for number, (x, y) in enumerate(places(first)) if math.dist((x, y), (40, 10)) < 0.02)
+    radii = [math.dist((x, y), (25, 15)) for x, y in places(first)[begun:]]
+    assert max(radii) - min(radii) < 0.06 and max(radii) == pytest.approx(math.hypot(15, 5), abs=0.03)
+    machine.send(b"G1X0Y-30\n")
+    machine.run_ms(200)
+    machine.send(b"\x18")
+    machine.run_ms(300)
+    assert at() == pytest.approx(places(0)[-1], abs=1.1 / 80)
+    do("$X")
+    do("G21G90G1X12Y34F3000")
+    machine.settle()
+    assert places(0)[-1] == pytest.approx((12, 34), abs=0.02) and not machine.plant.errors
