@@ -86,18 +86,24 @@ def hold_axes_by_windows(machine, words):
 
 def check_both_spaces(seed, kind):
     """As check_limits of the other machines, for the motors; the axes by what they do."""
+    hold_limits(seed, kind)
+
+
+def hold_limits(seed, kind):
+    """Returns what check_motion.hold_limits does, of the motors."""
     machine = Belt(seed, kind)
     words = machine.run()
     assert axes_of(end_of(words)) == machine.place
     if not machine.facts:
-        return
+        return 0, 0, 0, 0, 0, 0
     worst = hold_against_limits(machine, machine.facts)
     assert worst <= 1, worst
-    hold_axes_against_limits(machine, words)
+    over = hold_axes_against_limits(machine, words)
     hold_axes_by_windows(machine, words)
     took = sum([segment[2] for segment in machine.segments]) / TICKS_PER_S
     best = reference_seconds(machine.facts)
     assert took <= best * 1.02 + 0.0005, (took, best)
+    return len(machine.facts), len(machine.segments), worst, over, took, best
 
 
 def check_a_stop_amid_a_step(seed):

@@ -121,7 +121,7 @@ def star(points=7, centre=(40, 40), size=30):
         lines += ["M3 S1000", "G1 X%.3f Y%.3f" % end, "G1 X%d Y%d" % centre]
     lines += ["M5", "G0 X%.3f Y%.3f" % ends[0], "M3"]
     lines += ["G1 X%.3f Y%.3f" % ends[k * 3 % len(ends)] for k in range(1, len(ends) + 1)]
-    return [*lines, "G2 X%.3f Y%.3f I%d" % (ends[0] + (-size,)), "G3 X%.3f Y%.3f R%d F9000" % (ends[points - 3] + (size,)), "M5", "G0 X0 Y0"]
+    return [*lines, "G2 X%.3f Y%.3f I%d" % (ends[0] + (-size,)), "G3 X%.3f Y%.3f R%d F9000" % (ends[points // 2 + 1] + (size,)), "M5", "G0 X0 Y0"]
 
 
 PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and how many lines

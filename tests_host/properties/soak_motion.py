@@ -1,6 +1,7 @@
 """The limits over thousands of random programs.
 
-    python tests_host/properties/soak_motion.py 0 1000        # programs 0 … 999, the kinds in turn
+    python tests_host/properties/soak_motion.py 0 1000              # programs 0 … 999, the kinds in turn
+    python tests_host/properties/soak_motion.py 0 1000 corexy       # on one belt: the limits of motors and axes
 
 Prints every program that fails, and last, for all: programs, blocks, segments, the worst change of speed as a part of
 what is allowed, the most steps an axis made in 20 ms beyond its speed × 1.01, less its share of the dominant axis's, the
@@ -9,12 +10,14 @@ worst time as a part of that of the planner in floats, and how many failed.
 
 import sys
 
-from check_motion import CASES, hold_limits
+import check_corexy
+import check_motion
 
-KINDS = CASES["check_limits"][1][2:]
+KINDS = check_motion.CASES["check_limits"][1][2:]
 
 
-def soak(first, last):
+def soak(first, last, machine="cartesian"):
+    hold_limits = {"cartesian": check_motion, "corexy": check_corexy}[machine].hold_limits
     blocks = segments = failed = 0
     change = over = slower = 0.0
     for seed in range(first, last):
@@ -22,7 +25,7 @@ def soak(first, last):
         try:
             figures = hold_limits(seed, kind)
         except AssertionError as error:
-            print("FAILED check_limits(%d, %r): %s" % (seed, kind, error))
+            print("FAILED %s hold_limits(%d, %r): %s" % (machine, seed, kind, error))
             failed += 1
             continue
         blocks += figures[0]
@@ -36,4 +39,4 @@ def soak(first, last):
 
 
 if __name__ == "__main__":
-    sys.exit(1 if soak(int(sys.argv[1]), int(sys.argv[2])) else 0)
+    sys.exit(1 if soak(int(sys.argv[1]), int(sys.argv[2]), *sys.argv[3:]) else 0)

@@ -11,9 +11,11 @@ import pytest
 from host_tools import boards
 from host_tools.sim.job import VirtualJob
 from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.pages import Pages
 from passo.config import kinematics_keys
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.protocols.plotter.host import COMMANDS, packet
 
 NAME = "corexy_plotter"
 
@@ -163,6 +165,119 @@ def test_halts_leave_both_positions_exact(seed):
         belt.do(f"G90G1X{x / 80:.4f}Y{y / 80:.4f}F9000")
         belt.machine.settle()
         assert belt.places()[0] == [x, y], kind
+
+
+def speed_of(belt, milliseconds=100):
+    """mm/s along the path, over the next so many milliseconds."""
+    first = len(belt.machine.trace.rows())
+    belt.machine.run_ms(milliseconds)
+    rows = belt.machine.trace.rows()[first:]
+    return math.dist(rows[0][1:3], rows[-1][1:3]) / 80 / (rows[-1][0] - rows[0][0]) * 1e6
+
+
+def test_overrides_hold_for_the_path_and_end_at_what_a_motor_can(belt):
+    """120 mm/s along a diagonal at 100, 50 and 200 %: a motor is at its limit at 176.8 mm/s. Held, and gone on with, to the step."""
+    belt.do("$H", "G90F7200", "G1X200Y200")
+    belt.machine.run_ms(200)
+    assert speed_of(belt) == pytest.approx(120, rel=2e-3)
+    for byte, times, speed in ((b"\x92", 5, 60), (b"\x91", 15, 176.78)):
+        belt.machine.send(byte * times)
+        belt.machine.run_ms(200)
+        assert speed_of(belt) == pytest.approx(speed, rel=2e-3)
+    belt.machine.send(b"!")
+    belt.machine.run_ms(400)
+    stood = belt.places()[0]
+    belt.machine.run_ms(300)
+    assert belt.places()[0] == stood and abs(stood[0] - stood[1]) <= 1 and 0 < stood[0] < 16000
+    belt.machine.send(b"\x90~")
+    assert belt.settle()[0] == [16000, 16000]
+
+
+def with_z():
+    """The plotter with a third axis and a touch probe, instead of its pen."""
+    board = copy.deepcopy(boards.load(NAME))
+    x, y = board["axes"]
+    x["pins"], y["pins"] = [2, 5], [3, 6]
+    board["axes"].append({**y, "name": "z", "pins": [4, 7], "steps_per_m": 400000, "travel_steps": 20000, "max_mm_min": 3000})
+    board.update(servo=None, tool={"pin": 8})
+    board["inputs"].append({"name": "probe", "pin": 11, "active": 0, "pull": "up"})
+    return board
+
+
+def test_arcs_stand_in_every_plane_and_ramps_are_s_curves_too():
+    """In ZX and YZ no pair of motors walks a circle: chords. Ends to the step, within a hundredth of a millimetre of the circle."""
+    belt = Belt(with_z(), start=(100, 100, 0))
+    belt.do("$H", "$141=20000", "G21G90F1500", "G0X20Y20Z20")
+    assert belt.settle()[0] == [1600, 1600, 8000]
+    for words, axis, middle in (("G18G2X30Z20I5K0", 0, (25, 20)), ("G18G3X20Z20I-5K0", 0, (25, 20)), ("G19G2Y30Z20J5K0", 1, (25, 20)),
+                                ("G19G3Y20Z20J-5K0", 1, (25, 20))):  # fmt: skip
+        first = len(belt.machine.trace.rows())
+        belt.do(words)
+        belt.settle()
+        rows = belt.machine.trace.rows()[first:]
+        assert len(rows) > 2000
+        assert max(abs(math.dist((row[1 + axis] / 80, row[3] / 400), middle) - 5) for row in rows) < 0.0125 * 1.1, words
+    belt.do("G17G2X20Y20I5J5Z25P2", "G3X28Y24Z20R7")
+    assert belt.settle()[0] == [2240, 1920, 8000]
+
+
+@pytest.mark.parametrize("x, y", [(40, 0), (0, 40), (30, 20), (-25, 25), (25, 25)])
+def test_a_probe_is_told_in_axes(x, y):
+    """G38.2 along X, Y and across, both motors turning: what is told is where the axes were as the probe touched, to a step; jogs go on from there."""
+    belt = Belt(with_z(), start=(100, 100, 0))
+    belt.do("$H", "G21G90F600", "G0X50Y50")
+    belt.settle()
+    belt.machine.take()
+    belt.machine.send(f"G91G38.2X{x}Y{y}F1200\n".encode())
+    belt.machine.run_ms(700)
+    belt.plant.set_input(belt.machine.port.now, "probe", True)
+    touched = list(belt.plant.position)
+    belt.machine.run_until(lambda: b"ok" in belt.machine.received(), 20_000)
+    said = belt.machine.take().decode()
+    found = [float(each) * 80 for each in said.split("[PRB:")[1].split(":")[0].split(",")[:2]]
+    assert all(abs(a - b) <= 2 for a, b in zip(found, touched)), (found, touched)
+    assert math.dist(touched[:2], (4000, 4000)) > 800, "it was under way"
+    belt.plant.set_input(belt.machine.port.now, "probe", False)
+    belt.do("$J=G90X50Y50F6000")
+    assert belt.settle()[0][:2] == [4000, 4000]
+
+
+def test_a_plotter_s_packets_draw_in_axes():
+    """Points of the language of 2014, in steps: homed, a triangle, back."""
+    board = {**copy.deepcopy(boards.load(NAME)), "journal": None, "idle_release_ms": 0}
+    board["links"][1].update(protocol="plotter", idle_gap_ms=80)
+    board["links"][1].pop("lost")
+    belt = Belt({**board, "commands": "pc"}, start=(300, 200))
+
+    def ask(name, *points):
+        belt.machine.take("pc")
+        belt.machine.send(packet(COMMANDS[name], *points), "pc")
+        belt.machine.run_until(lambda: belt.machine.received("pc"), 120_000)
+        return belt.machine.take("pc")
+
+    assert ask("ORIGIN") == b"o" and belt.settle()[0] == [0, 0]
+    first = len(belt.machine.trace.rows())
+    for name, x, y in (("MOVE", 400, 100), ("LINE", 900, 300), ("LINE", 400, 800), ("LINE", 400, 100), ("MOVE", 7, 4)):
+        assert ask(name, x, y) == b"n"
+    assert ask("END") == b"d" and belt.settle()[0] == [7, 4]
+    drawn = [tuple(row[1:3]) for row in belt.machine.trace.rows()[first:]]
+    assert {(400, 100), (900, 300), (400, 800)} <= set(drawn)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_journal_keeps_the_place_of_the_axes(seed):
+    """The power goes amid a diagonal line: its flash tells a place on that line, at most a second back."""
+    chance, pages = random.Random(seed), Pages()
+    belt = Belt(start=(500, 400), pages=pages)
+    belt.do("$H", "$JR=89ABCDEF", "N1G21G90G54F3000", "N2M3S1000", "N3G1X20Y10")
+    belt.machine.settle()
+    belt.do("N4X100Y90")
+    belt.machine.run_ms(chance.randint(1200, 2000))
+    place = list(belt.plant.position)
+    said = Belt(start=place, pages=pages).ask("$JR")
+    job, line, _, found = said.split("[JOURNAL:")[1].split("]")[0].split("|")
+    x, y = (int(each) for each in found.split(","))
+    assert (job, line) == ("89abcdef", "4") and abs(x - y - 800) <= 1 and 0 <= place[0] - x <= 3000, (found, place)
 
 
 def test_travel_limits_are_those_of_the_axes(belt):
