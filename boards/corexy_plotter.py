@@ -29,7 +29,7 @@ BOARD = {
     "homing": {
         "sensors": {"x": "limit_x", "y": "limit_y"},
         "seek_steps_s": 4000,
-        "locate_steps_s": 200,
+        "locate_steps_s": 100,
         "pull_off_steps": 160,
         "debounce_ms": 5,
     },

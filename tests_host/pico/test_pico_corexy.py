@@ -26,7 +26,7 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):  # noqa: F811
 
 
 def drawn(machine, lines):
-    """The places of the path after homing, in steps from its end, the origin; homing ends within a step of the plant's."""
+    """The places of the path after homing, in steps from its end, the origin, which is the plant's to the step."""
     machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
     for line in ["$H", *lines]:
         machine.take()
@@ -35,12 +35,11 @@ def drawn(machine, lines):
         assert b"error" not in machine.received(), line
         if line == "$H":
             machine.settle()
-            home = list(machine.plant.position)
-            assert max(map(abs, home)) <= 1
+            assert list(machine.plant.position) == [0, 0]
             homed = len(machine.trace.rows())
     machine.settle()
     assert not machine.plant.errors, machine.plant.errors
-    assert list(machine.plant.position) == home
+    assert list(machine.plant.position) == [0, 0]
     rows = machine.trace.rows()[homed:]
     places = [(row[1] - rows[-1][1], row[2] - rows[-1][2]) for row in rows]
     return [place for before, place in zip([(0, 0), *places], places) if place != before]  # the pen's rows are none

@@ -8,6 +8,7 @@ import pytest
 from gantry import START, Router, board
 
 from host_tools import boards
+from host_tools.sim.machine import VirtualMachine
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
@@ -48,6 +49,27 @@ def test_from_anywhere_on_barriers_that_bounce(runs):
     assert [line[:2] for line in found] == [(name, str(runs)) for name in ("x", "x2", "y", "z")]
     assert all(int(line[2]) <= 1 and float(line[3]) <= 0.5 and line[4] == "good" for line in found), found
     assert (*router.plant.position, router.plant.racked()) in places
+
+
+@pytest.mark.parametrize("name", ("laser_xy", "corexy_plotter"))
+def test_a_step_between_the_position_and_the_look_is_counted(name, monkeypatch):
+    """A slow chip reads its sensor 1.5 ms after the position: zero is to the step all the same, from whatever moment the axes begin."""
+    for turn in range(6):
+        slow = VirtualMachine(name, start=(40 + turn, 30 + 2 * turn))
+        queue, port = slow.app.controller.queue, slow.port
+
+        def axis(number, real=queue.axis, port=port):
+            found = real(number)
+            port.advance(18_750)
+            return found
+
+        monkeypatch.setattr(queue, "axis", axis)
+        slow.run_ms(100 + turn)
+        slow.take()
+        slow.send(b"$H\n")
+        slow.run_until(lambda slow=slow: b"ok" in slow.received(), 60_000)
+        slow.settle()
+        assert slow.plant.position == [0, 0] and not slow.plant.errors, turn
 
 
 @pytest.mark.parametrize("racked", (-20, -7, -1, 0, 1, 12, 20))

@@ -26,7 +26,7 @@ class Seeker:
 
     def __init__(self, axis, position, sensors, away, values, distance):
         self.axis = axis
-        self.start = position
+        self.start = self.seen = position  # where it was as its sensors were last looked at
         self.sensors = sensors
         self.away = away  # the sign of steps away from the sensors' end
         self.seek_steps_s, self.locate_steps_s, self.pull_off_steps = values
@@ -189,8 +189,12 @@ class Homing(Feature):
         for seeker in group:
             position = self._queue.axis(seeker.axis)
             for sensor in seeker.sensors:
+                known = sensor.pending
                 sensor.sample(now_ms, position)
+                if not self._latched and sensor.pending and not known and position == seeker.seen:
+                    sensor.edge = self._queue.axis(seeker.axis)  # the step came between the position and the look
                 pending = pending or sensor.pending
+            seeker.seen = position
             if not seeker.done and self._until is not None and self._met(seeker, self._until):
                 seeker.done = ended = True
         left = [seeker for seeker in group if not seeker.done]
