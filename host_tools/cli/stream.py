@@ -143,7 +143,8 @@ class Panel:
         self._line = 0
         self._begun = time.monotonic()
         self._answered = collections.deque([(self._begun, 0)], _RATE_REPORTS)  # (time, lines done)
-        self._starved = []  # lines at which the queue was nearly empty, though there were more
+        self._low = True  # the board's queue is nearly empty
+        self._starved = []  # lines at which it became so, though there were more
         self._paused_s = 0.0
         self._paused_at = None
         self._asked = 0.0
@@ -214,8 +215,10 @@ class Panel:
     def _look_at_queue(self):
         """Note where the machine waits for lines."""
         full, status = self._client.full, self._client.status
-        more = 0 < self._done < len(self._numbers)
-        if full is not None and more and full < _STARVES and status.get("state") == "Run" and self._line not in self._starved[-1:]:
+        if full is None:
+            return
+        before, self._low = self._low, full < _STARVES
+        if self._low and not before and self._done < len(self._numbers) and status.get("state") == "Run":
             self._starved.append(self._line)
 
     def tell(self):

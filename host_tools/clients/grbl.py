@@ -38,7 +38,7 @@ class GrblClient(Client):
         self.status = {}  # fields of the last report; "state" is its first
         self.window = RX_BYTES  # bytes that may be under way
         self.blocks = 0  # that the board queues; 0: unknown
-        self.full = None  # part of them that is queued, if reports have Bf:, $10=3
+        self.full = None  # part of them that is queued, if reports have Bf:
         self.rest = []  # lines that came behind the last ok of command(), and with it
         self.alarm = None
         self.answered = self.answered_then = 0  # lines of stream(): so far, and as the last report came

@@ -37,11 +37,12 @@ class Wire:
         self._resets = []  # commands that the banner answers
         self._under_way = []  # (owner, line, answered)
         self._bytes = 0
+        self.window = RX_ROOM  # bytes of lines that may be under way
         self._buffer = b""
 
     def room(self, length):
         """True if a line of so many bytes may be sent now."""
-        return not self._under_way or self._bytes + length + 1 <= RX_ROOM
+        return not self._under_way or self._bytes + length + 1 <= self.window
 
     def of(self, owner):
         """How many lines of `owner` are under way."""

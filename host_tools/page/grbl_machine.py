@@ -5,7 +5,7 @@
 It streams jobs, and lets a guest speak on the same wire.
 """
 
-from host_tools.clients.grbl_wire import GUEST, LOST, PAGE, Wire, dwell_ms, fields_of
+from host_tools.clients.grbl_wire import GUEST, LOST, PAGE, RX_ROOM, Wire, dwell_ms, fields_of
 from host_tools.page.cabled import cabled
 from host_tools.page.guest import Guest
 from host_tools.page.job import Job
@@ -35,6 +35,7 @@ class GrblMachine(_Cabled):
         self._known = False  # the settings have been asked for
         self.options = None  # letters of [OPT:…]: J, a journal; F, stored jobs; None: not known yet
         self._letters = ""
+        self._blocks = 0  # that the board queues; 0: not known
         self.touched = None  # touched(position): told of each probe that has touched, mm of the work
 
     # --- the board
@@ -90,7 +91,9 @@ class GrblMachine(_Cabled):
             self.state["why"] = line[18:].split(",")[0]
         elif line[:5] in ("[VER:", "[OPT:") and owner == PAGE and self.options is None:
             if line[1] == "O":
-                self._letters = line[5:].split(",")[0]
+                self._letters, *sizes = line[5:-1].split(",")
+                if len(sizes) > 1 and all(map(str.isdigit, sizes)):
+                    self._blocks, self.wire.window = int(sizes[0]), max(RX_ROOM, int(sizes[1]))
         elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
             self._probed(line)
             self._tell({"t": "said", "text": line})
@@ -122,6 +125,8 @@ class GrblMachine(_Cabled):
         state["rpm"] = float(speeds[1]) if len(speeds) > 1 else 0.0
         state["pins"] = fields.get("Pn", "")
         state["line"] = int(fields.get("Ln", "0"))
+        free = fields.get("Bf", "").partition(",")[0]
+        state["full"] = 100 - 100 * int(free) // self._blocks if free.isdigit() and self._blocks else None
         self._count_down(name == "Run" and not state["feed"])
         if "Ov" in fields:
             state["ov"] = [int(part) for part in fields["Ov"].split(",")]

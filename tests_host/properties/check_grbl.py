@@ -266,8 +266,8 @@ def check_parameters_and_modes():
 
 def check_status_report():
     machine = Machine().ready()
-    assert machine.status()["text"] == "<Idle|MPos:0.000,0.000,0.000|FS:0,0|WCO:0.000,0.000,0.000>"
-    assert machine.status()["text"] == "<Idle|MPos:0.000,0.000,0.000|FS:0,0|Ov:100,100,100>"
+    assert machine.status()["text"] == "<Idle|MPos:0.000,0.000,0.000|Bf:96,512|FS:0,0|WCO:0.000,0.000,0.000>"
+    assert machine.status()["text"] == "<Idle|MPos:0.000,0.000,0.000|Bf:96,512|FS:0,0|Ov:100,100,100>"
     shown = [machine.status() for _ in range(40)]
     for name, every in (("WCO", 10), ("Ov", 10)):
         at = [place for place in range(40) if name in shown[place]]
@@ -291,7 +291,6 @@ def check_status_report():
 
 def check_bytes_are_counted():
     machine = Machine().ready()
-    machine.do("$10=3")
     machine.put(b"G4P5\n")
     machine.cycles(3)
     machine.put(b"G0X1\nG0Y")

@@ -5,6 +5,7 @@ Where there is no chromium or no chromedriver, these tests skip; `.ci/run` insta
 
 import json
 import os
+import re
 import shutil
 import socket
 import threading
@@ -28,7 +29,7 @@ pytestmark = [
     pytest.mark.xdist_group("panel"),
     pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page"),
 ]
-SQUARE = "G21 G91\nF2000\nG1 X20\nG1 Y20\nG1 X-20\nG2 Y-20 J-10\n"
+SQUARE = "G21 G91\nF900\nG1 X20\nG1 Y20\nG1 X-20\nG2 Y-20 J-10\n"
 
 
 # Brings a control into sight: its card is folded up, or on a phone it is behind another tab.
@@ -307,6 +308,20 @@ def test_a_job_from_upload_to_end(browser, panel, tmp_path):
     browser.fill("passes", "3")
     browser.click("run")
     browser.until_state("Running")
+    browser.click("abort")
+    browser.until(lambda: "Ended" in browser.text("job-state"))
+    browser.until(lambda: browser.text("state") in ("Ready", "Alarm"))
+
+
+def test_the_pace_of_a_job_is_told(browser, panel, tmp_path):
+    """Lines a second, and how full the board's queue is, while it runs."""
+    file = tmp_path / "teeth.gcode"
+    file.write_text("G21 G91 F3000\n" + "X0.5\nX-0.5\n" * 600)
+    browser.find("upload").send_keys(str(file))
+    browser.until(lambda: "teeth.gcode" in browser.text("run"))
+    browser.click("run")
+    browser.until(lambda: re.search(r"\d+ lines a second, queue \d+ %$", browser.text("job-time")))
+    browser.shot("pace")
     browser.click("abort")
     browser.until(lambda: "Ended" in browser.text("job-state"))
     browser.until(lambda: browser.text("state") in ("Ready", "Alarm"))

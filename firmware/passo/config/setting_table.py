@@ -63,7 +63,7 @@ def make(board):
         ENABLE_INVERT: ("enable_invert", 0, masks[2], 0, 1),
         LIMIT_INVERT: ("limit_invert", 0, masks[3], 0, 1),
         PROBE_INVERT: ("probe_invert", 0, masks[4], 0, 1),
-        REPORT: ("report_mask", 0, 1, 0, 255),
+        REPORT: ("report_mask", 0, 3, 0, 255),
         JUNCTION: ("junction_deviation", 3, board["planning"]["junction_um"], 0, 10_000),
         ARC: ("arc_tolerance", 3, board["planning"]["arc_um"], 0, 10_000),
         INCHES: ("report_inches", 0, 0, 0, 1),

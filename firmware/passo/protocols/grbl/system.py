@@ -44,7 +44,7 @@ class System:
         self._machine = machine
         self._number = batch.link
         self._rows = batch.dots[DOTS_MASK]
-        self._blocks = machine.blocks()
+        self.blocks = machine.blocks()
         self._words = Words()
         self.probed = [0] * gcode.axes
         self.touched = False
@@ -170,7 +170,7 @@ class System:
         handlers = self._machine.handlers
         more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
         rows = "[CLUSTER:%d]\r\n[PACKED:%d]\r\n" % (_CLUSTER, _PACKED) if self._rows else ""
-        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self._blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
+        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
         before = self._settings.snapshot()

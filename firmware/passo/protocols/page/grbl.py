@@ -10,7 +10,7 @@ from passo import commands, errors
 from passo.commands import NOTICE, RESTARTED, Command
 from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.jog import Limits
-from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SETTING_MAX_RPM
+from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_ROOM, SETTING_MAX_RPM
 
 AXES = "xyza"
 _AXIS_SPEED = const(110)  # settings $110 …, thousandths
@@ -135,6 +135,7 @@ class GrblPage(PageMachine):
         state["rpm"] = (report["power"] * self._settings.value(SETTING_MAX_RPM) + 500_000_000) // 1_000_000_000
         state["pins"] = report["pins"]
         state["line"] = seen[SEEN_LINE]
+        state["full"] = 100 - 100 * seen[SEEN_ROOM] // self._spoken.system.blocks
         state["ov"] = list(report["overrides"])
         state["on"] = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
         state["wait"] = self._wait_ms() / 1000

@@ -4,6 +4,8 @@ import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const TRUST = 0.1;  // part of a job up to which the estimate counts for more than what was measured
+const RATE_S = 3;  // over which lines a second are counted
+const LOW = 10;  // % of the board's queue: with less the machine slows down to the pace of its lines
 
 // Seconds as people say them.
 export function clock(seconds) {
@@ -58,16 +60,16 @@ export class JobFacts {
     return wrong.length ? _("From this zero it goes out of the travel: {axes}", { axes: wrong.join(", ") }) : "";
   }
 
-  // The times of a job that runs; `now`: the state's.
-  show(now) {
+  // The times and the pace of a job that runs; `now`: the job of the state `report`.
+  show(now, report) {
     const runs = now && ["run", "halting"].includes(now.how) && !now.checked;
     if (!runs) {
       if (!now || now.how !== "done") $("job-time").textContent = "";
-      else if (this.run) $("job-time").textContent = _("{time} gone", { time: clock((Date.now() - this.run.from) / 1000) });
+      else if (this.run) $("job-time").textContent = [_("{time} gone", { time: clock((Date.now() - this.run.from) / 1000) }), ...this.waits()].join(", ");
       this.run = null;
       return;
     }
-    if (!this.run || this.run.name !== now.name || now.done < this.run.done) this.run = { name: now.name, from: Date.now(), at: now.done };
+    if (!this.run || this.run.name !== now.name || now.done < this.run.done) this.run = { name: now.name, from: Date.now(), at: now.done, seen: [], low: true, lows: [] };
     this.run.done = now.done;
     const gone = (Date.now() - this.run.from) / 1000, left = this.left(now, gone);
     let text = _("{time} gone", { time: clock(gone) });
@@ -75,7 +77,29 @@ export class JobFacts {
       const end = new Date(Date.now() + left * 1000).toLocaleTimeString(document.documentElement.lang, { hour: "2-digit", minute: "2-digit" });
       text += `, ${_("about {time} left, ends at {end}", { time: clock(left), end })}`;
     }
+    text = [text, ...this.pace(now, report), ...this.waits()].join(", ");
     if ($("job-time").textContent !== text) $("job-time").textContent = text;
+  }
+
+  // Lines a second, of the last seconds, and how full the board's queue is.
+  pace(now, report) {
+    const { seen, lows } = this.run, at = Date.now() / 1000, line = now.stored ? report.line : now.done, told = [];
+    if (seen.length && line < seen[seen.length - 1][1]) seen.length = 0;  // the next pass
+    seen.push([at, line]);
+    while (at - seen[0][0] > RATE_S) seen.shift();
+    const seconds = at - seen[0][0];
+    if (seconds > 1) told.push(_("{rate} lines a second", { rate: Math.round((line - seen[0][1]) / seconds) }));
+    if (typeof report.full !== "number") return told;
+    const low = report.full < LOW;
+    if (low && !this.run.low && report.state === "Run" && now.done < now.lines) lows.push(report.line || line);
+    this.run.low = low;
+    return [...told, _("queue {percent} %", { percent: report.full })];
+  }
+
+  // Where the board's queue was nearly empty.
+  waits() {
+    const { lows } = this.run;
+    return lows.length ? [_("waited for lines {count} times, first at line {line}", { count: lows.length, line: lows[0] })] : [];
   }
 
   // Seconds left, by the estimate and the pace so far; null: nobody knows.

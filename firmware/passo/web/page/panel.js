@@ -362,7 +362,7 @@ function showJob() {
   if (report.w && report.w.length) picture.move(report.w, now && now.name === job.name ? (now.how === "done" ? Infinity : line) : 0);
   for (const [wanted, done] of waiting) if (wanted(now)) done(true);
   waiting = waiting.filter(([wanted]) => !wanted(now));
-  facts.show(now);
+  facts.show(now, report);
   if (!now) return;
   $("progress").hidden = false;
   $("progress").value = now.lines ? now.done / now.lines : 0;
