@@ -34,8 +34,9 @@ _JARVIS = 48, (
     (1, 0, 7), (2, 0, 5), (-2, 1, 3), (-1, 1, 5), (0, 1, 7), (1, 1, 5), (2, 1, 3), (-2, 2, 1), (-1, 2, 3), (0, 2, 5), (1, 2, 3), (2, 2, 1),
 )  # fmt: skip
 _SAVED_S = 0.01  # a rapid move amid a row saves at least so much
-LINES_S = 1400  # dots a second over USB, if the PC answers after 1 ms: docs/benchmarks.md
-DOTS_S = 3800  # the same in rows
+LINES_S = 1700  # dots a second over USB, if the PC answers after 1 ms: docs/benchmarks.md
+DOTS_S = 5000  # the same in rows
+PACKED_S = 10_000  # and in packed ones
 CLUSTER = 16  # dots of a line, if no machine says it
 PACKED = 100  # the same of a packed row
 _ROW_CHARACTERS = 100  # of a line's dots: it may have 127, with its other words
@@ -314,7 +315,7 @@ def powers_s(rows, options, machine):
         return dots if dots <= machine.cluster else 1
 
     rates = (sum(map(count, row.runs)) / max(1e-9, abs(row.runs[-1][1] - row.runs[0][0])) for row in rows)
-    return max(rates) * options.speed / 60, DOTS_S if machine.cluster else LINES_S
+    return max(rates) * options.speed / 60, PACKED_S if machine.packed else DOTS_S if machine.cluster else LINES_S
 
 
 def is_rapid(length, options, machine):

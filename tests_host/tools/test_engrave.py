@@ -103,7 +103,7 @@ def test_the_head_has_its_speed_at_the_first_dot():
     assert first[1] == pytest.approx(-over, abs=0.001)
 
 
-@pytest.mark.parametrize("machine, wants, brings", [(LASER, 800, 1400), (CLUSTERS, 1000, 3800)])
+@pytest.mark.parametrize("machine, wants, brings", [(LASER, 800, 1700), (CLUSTERS, 1000, 5000), (PACKED, 1000, 10_000)])
 def test_what_the_densest_row_wants(machine, wants, brings):
     """Each change of power is a line, or each dot of a row one of its powers; a long dot is a line in any case."""
     powers = np.array([[0.1, 0.2, 0.3, 0.3, 0.5] * 8, [0.5] * 40])
