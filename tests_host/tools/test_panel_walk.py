@@ -150,7 +150,7 @@ def moves(page, folder):
     page.answer(False)
     page.click("zero-all")
     page.answer()
-    page.until(lambda: [page.text(f"w-{axis}") for axis in "xyz"] == ["0.000"] * 3)
+    page.until(lambda: page.works_at(0, 0, 0))
     page.click("path")
     for name in ("path-in", "path-out", "path-fit", "path-solid", "path-solid"):
         page.click(name)
@@ -162,7 +162,7 @@ def moves(page, folder):
         page.type(f"goto-{axis}", value)
     page.moved("#goto-form button", 2 * MM, MM, 0)
     page.tap("#places button")
-    page.until(lambda: page.text("w-x") == "0.000" and page.text("w-y") == "1.000")
+    page.until(lambda: page.works_at(0, 1))
 
 
 def jobs(page, folder):
@@ -482,7 +482,7 @@ def test_by_the_keyboard_alone(tmp_path, driver):
         keys(Keys.SPACE)
         page.until(lambda: page.find("ask").is_displayed())
         keys(Keys.ENTER)
-        page.until(lambda: page.text("w-x") == "0.000")
+        page.until(lambda: page.works_at(0))
         focus("goto-x")
         keys("30")
         keys(Keys.ENTER)
