@@ -32,7 +32,7 @@ define install
     echo "$(VENV) is of another Python than $(PYTHON): it is made anew."; rm -rf $(VENV); fi
 @test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 @echo "Installing what $(2) needs into $(VENV): some $(3) MB, a minute or two; once."
-$(if $(4),@$(PIP) --require-hashes -r $(4))
+$(if $(4),@$(PIP) --no-deps --require-hashes -r $(4))
 @$(PIP) $(if $(4),--no-deps --no-build-isolation) -e '.$(1)'
 @du -sm $(VENV) | { read size rest; echo "Installed: $(VENV) has $$size MB."; }
 @touch $@

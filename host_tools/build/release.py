@@ -91,7 +91,7 @@ class Release:
 
     def prepare(self):
         run(sys.executable, "-m", "venv", str(self._tools), environment=self._clean)
-        self._pip("--require-hashes", "-r", "locks/release.txt")
+        self._pip("--no-deps", "--require-hashes", "-r", "locks/release.txt")
         self._pip("--no-deps", "--no-build-isolation", "-e", ".")
 
     def packages(self):
