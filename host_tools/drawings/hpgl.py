@@ -27,6 +27,7 @@ _MOST = 10_000_000  # bytes
 _ESCAPE = re.compile(r"\x1b(?:\.[@-Z()](?:[\d;,]*:)?|%-?\d*[A-Z]|[&*()][a-z]?[-\d]*[A-Z@]|E|\.[@-Z])")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _INSTRUCTION = re.compile(r"[A-Za-z]{2}")
+_TERMINATOR = re.compile(r"([^;])(?:\s*,\s*([01])(?![\d.]))?|", re.DOTALL)  # of DT; with 0 it is drawn, too
 # No ink, or none that a pen could draw otherwise: speeds, forces, widths, pauses, answers to a PC.
 _SILENT = frozenset(
     "VS FS AS VA VN PW WU PT FT NP NR PS EC MG OA OC OD OE OF OG OH OI OK OL OO OP OS OT OW IM RP BP MC SB SA SS CS CA AP CC "
@@ -101,7 +102,7 @@ class HpglFile:
     def _parsed(self, text):
         """(instruction, numbers, or the text of a label)."""
         text = _ESCAPE.sub("", text)
-        at, end_of_label, buffered = 0, "\x03", ""
+        at, end_of_label, drawn_end, buffered = 0, "\x03", "", ""
         while True:
             match = _INSTRUCTION.search(text, at)
             if match is None:
@@ -115,13 +116,14 @@ class HpglFile:
                     end = text.find(end_of_label, at)
                     end = len(text) if end < 0 else end
                     if name == "LB":
-                        yield name, text[at:end]
+                        yield name, text[at:end] + drawn_end
                     else:
-                        buffered = text[at:end]
+                        buffered = text[at:end] + drawn_end
                     at = end + len(end_of_label)
                 elif name == "DT":
-                    end_of_label = text[at : at + 1] if text[at : at + 1] not in ("", ";") else "\x03"
-                    at += 1
+                    match = _TERMINATOR.match(text, at)
+                    end_of_label, at = match[1] or "\x03", match.end()
+                    drawn_end = end_of_label if match[2] == "0" and (end_of_label.isprintable() or end_of_label in "\r\n") else ""
                 elif name == "CO":
                     quoted = text[at:].lstrip()[:1] == '"'
                     at = (text.find('"', text.find('"', at) + 1) if quoted else text.find(";", at)) + 1 or len(text)

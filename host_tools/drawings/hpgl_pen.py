@@ -97,8 +97,7 @@ class Pen:
         for x, y in zip(given[::2], given[1::2]):
             self._go(self._units(x, y) if self._absolute else self._place + self._units(x, y, True))
             if self._symbol and self._polygon is None:
-                width, height = self._size_of_letters()
-                self._write(self._symbol, self._place, -complex(width, height) / 2, width, height)
+                self._mark()
 
     def _pen(self, down):
         if not down:
@@ -344,6 +343,13 @@ class Pen:
         for stroke in strokes:
             x = stroke.real * width + width / 2 + stroke.imag * height * self._slant
             self._ink([at + self._along * (shift + x + 1j * stroke.imag * height)])
+
+    def _mark(self):
+        """The symbol of SM, its middle on the pen's place, also of low and slanted letters."""
+        width, height = self._size_of_letters()
+        heights = numpy.concatenate(stroke_font.letter(self._symbol) or [numpy.zeros(1, complex)]).imag
+        middle = height * (heights.min() + heights.max()) / 2
+        self._write(self._symbol, self._place, complex(-width / 2 - self._slant * middle, -middle), width, height)
 
     def _size_of_letters(self):
         if self._size is None:

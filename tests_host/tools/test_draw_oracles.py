@@ -294,6 +294,36 @@ def test_hpgl_s_symbols_stand_on_the_places(tmp_path):
     assert len(lines) == 2 + len(strokes) and middles == [(1000, 2000), (2000, 2000)]
 
 
+def hpgl_words(tmp_path, words):
+    """(ours, hp2xx's) lines of instructions, but for the frame's."""
+    path = tmp_path / "a.plt"
+    path.write_text(f"{FRAME}IP0,0,9000,7000;SI0.5,0.7;{words}PU;SP0;")
+    page = sources.opened(path).outlines(0.01)
+    assert not page.left_out
+    ours = [line for lines in page.layers.values() for line in lines]
+    return [[line / UNIT_PX for line in lines if 10 < line.real.mean() < 840] for lines in (ours, hp2xx_lines(path, box_of([ours])))]
+
+
+@pytest.mark.parametrize("words", ["SMo;", "SM.;", "SM*;", "SMH;", "SL0.5;SMH;", "SL0.5;DI1,1;SMH;", "SR4,6;SMX;"])
+def test_hpgl_s_symbols_are_where_hp2xx_has_them(tmp_path, words):
+    """Letters are others; their middles are the same, and of X and H the sizes."""
+    boxes = [numpy.array(box_of([lines])) for lines in hpgl_words(tmp_path, f"{words}PU3000,3000;SM;")]
+    middles, sizes = ([sign * each[:2] + each[2:] for each in boxes] for sign in (1, -1))
+    assert numpy.abs(middles[0] - middles[1]).max() / 2 < 25
+    if words[-2] in "XH":
+        assert numpy.abs(sizes[0] - sizes[1]).max() < 60
+
+
+@pytest.mark.parametrize("words, end", [("DT#,0;", "#"), ("DT#,1;", "#"), ("DT#;", "#"), ("DT#,0;DT;", "\x03"), ("DT#,0;DT*;", "*"), ("DT*,0;", "*")])
+def test_hpgl_labels_end_as_hp2xx_ends_them(tmp_path, words, end):
+    """DT's second number: the terminator is drawn, too."""
+    found = [
+        {round((line.real.min() + line.real.max() - 2250) / 600) for line in lines}
+        for lines in hpgl_words(tmp_path, f"{words}PU1000,3000;LBIX{end}LBIX{end}")
+    ]
+    assert found[0] == found[1] == set(range(6 if words.endswith(",0;") else 4)), found
+
+
 def test_an_hpgl_comment_without_quotes_ends_at_its_semicolon(tmp_path):
     for comment in ("CO circles; of these;", 'CO "circles; of these";'):
         path = tmp_path / "a.plt"
