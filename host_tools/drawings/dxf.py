@@ -43,7 +43,7 @@ class DxfFile:
             self._document, audit = recover.readfile(path)
         except FileNotFoundError as error:
             raise Failure("no file {}", path) from error
-        except (OSError, DXFError, ValueError, TypeError, LookupError, AttributeError) as error:
+        except (OSError, DXFError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
             raise Failure("{} is not a DXF file that can be read: {}", path, reason(error)) from error
         self._mm = _MM.get(self._document.header.get("$INSUNITS", 0), 1.0)
         # In the file's units: the size decides how fine curves have to be.
@@ -91,6 +91,6 @@ class DxfFile:
                 entity.dxf.zscale = 1.0  # of a flat block: ezdxf would divide by it
         try:
             Frontend(RenderContext(self._document), backend, config=config).draw_layout(self._document.modelspace())
-        except (ArithmeticError, ValueError, TypeError, LookupError, AttributeError) as error:
+        except (ArithmeticError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
             raise Failure("{}: its numbers cannot be drawn: {}", self._path, reason(error)) from error
         return backend

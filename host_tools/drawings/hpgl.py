@@ -23,6 +23,7 @@ from host_tools.language import N_
 UNITS_PER_MM = 40.0
 UNIT_PX = 96 / 25.4 / UNITS_PER_MM
 _LEAST_PX = 1.0  # of a page
+_FARTHEST_MM = 1e6
 _MOST = 10_000_000  # bytes
 _ESCAPE = re.compile(r"\x1b(?:\.[@-Z()](?:[\d;,]*:)?|%-?\d*[A-Z]|[&*()][a-z]?[-\d]*[A-Z@]|E|\.[@-Z])")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
@@ -59,6 +60,9 @@ class HpglFile:
         pen = self._drawn(1.0)
         places = numpy.concatenate([line for inks in pen.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
         size = pen.page or (0.0, 0.0)
+        farthest = max(abs(places).max(), *size) / UNITS_PER_MM
+        if not farthest < _FARTHEST_MM:
+            raise Failure("{}: {} mm is too far away for a drawing", path, farthest)
         self._left, self._bottom = min(0.0, places.real.min()), min(0.0, places.imag.min())
         self.size_px = (
             max(_LEAST_PX, (max(size[0], places.real.max()) - self._left) * UNIT_PX),

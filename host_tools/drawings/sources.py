@@ -4,12 +4,15 @@
     file.size_px, file.outlines(0.1)        # a Page
 """
 
+import re
 from pathlib import Path
 
 from host_tools.failure import Failure, reason
 
 GCODE = (".gcode", ".nc", ".ngc", ".tap", ".cnc", ".num")
-SUFFIXES = (".svg", ".plt", ".hpgl", ".hpg", ".hgl", ".dxf", *GCODE)
+HPGL = (".plt", ".hpgl", ".hpg", ".hgl")
+SUFFIXES = (".svg", *HPGL, ".dxf", *GCODE)
+_MARKUP = re.compile(rb"(\xef\xbb\xbf|\xff\xfe|\xfe\xff)?[\s\0]*<")
 _FIRST = 4096  # bytes that say what a file is
 
 
@@ -28,7 +31,7 @@ def opened(path):
     suffix = path.suffix.lower()
     if suffix == ".dxf" or dxf.is_dxf(first):
         return dxf.DxfFile(path)
-    if suffix != ".svg" and hpgl.is_hpgl(first):
+    if suffix != ".svg" and hpgl.is_hpgl(first) or suffix in HPGL and not _MARKUP.match(first):
         return hpgl.HpglFile(path)
     if suffix in GCODE:
         from host_tools.drawings.gcode_file import GcodeFile

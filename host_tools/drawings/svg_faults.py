@@ -23,5 +23,5 @@ def told(path, element):
         yield
     except TooFar as error:
         raise Failure("{}: {}: {} px is too far away for a drawing, or no number", path, name_of(element), error) from error
-    except (ArithmeticError, ValueError, TypeError, MemoryError) as error:
+    except (ArithmeticError, ValueError, TypeError, MemoryError, RecursionError) as error:
         raise Failure("{}: {}: its numbers cannot be drawn: {}", path, name_of(element), reason(error)) from error

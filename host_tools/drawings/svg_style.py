@@ -63,6 +63,9 @@ def _declare(found, name, value):
             found[each] = value
 
 
+_SHOWN = 20  # letters of a sheet that is nested too deep
+
+
 class Sheet:
     """The style sheets of a file, in their order: [text] or [(text, media)]."""
 
@@ -73,7 +76,10 @@ class Sheet:
         for text in texts:
             text, media = (text, "") if isinstance(text, str) else text
             if self._taken(media):
-                self._sheet(text)
+                try:
+                    self._sheet(text)
+                except RecursionError:
+                    self.unknown.append(f"{text.strip()[:_SHOWN]}…")
         if self._rules:
             self._match(root)
 

@@ -17,10 +17,13 @@ from PIL import Image
 from shapely import STRtree
 from shapely import points as shapely_points
 
+from host_tools import boards
 from host_tools.drawings import sources, svg_area
+from host_tools.drawings.drawing import load
 from host_tools.drawings.hpgl import UNIT_PX
 from host_tools.drawings.placement import box_of
 from host_tools.drawings.svg_file import SvgFile
+from host_tools.failure import Failure
 
 SCALE = 4  # pixels a px
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="200" height="120" fill="none" stroke="black">'
@@ -351,6 +354,41 @@ def test_what_hpgl_has_and_no_pen_draws_is_named(tmp_path):
     path.write_text("IN;LT2;PE<=abc;QQ5;PU0,0;PD99,1e30;PD400,0;LB\u00e9\x03;SC0,0,1,1;", encoding="latin-1")
     page = sources.opened(path).outlines(0.01)
     assert sum(page.left_out.values()) == 6, page.left_out
+
+
+PAGE = '<svg xmlns="http://www.w3.org/2000/svg" width="99mm" height="99mm" stroke="black">{}</svg>'
+ITSELF = "0\nSECTION\n2\nBLOCKS\n0\nBLOCK\n2\nA\n10\n0\n20\n0\n0\nINSERT\n2\nA\n10\n0\n20\n0\n0\nENDBLK\n0\nENDSEC\n"
+ENTITIES = "0\nSECTION\n2\nENTITIES\n{}\n0\nENDSEC\n0\nEOF\n"
+LAUGHS = "".join(f"<!ENTITY {chr(98 + n)} '{(chr(38) + chr(97 + n) + ';') * 10}'>" for n in range(12))
+
+
+@pytest.mark.parametrize("name, text, message", [
+    ("a.plt", "\x8c\x00\xff" * 999, "has no instruction of HPGL"), ("a.hpgl", "", "has no instruction of HPGL"),
+    ("a.plt", "IN;IP0,0,1,1;SC0,1e-300,0,1e-300;PU0,0;PD1,1;", "too far away"), ("a.plt", "IN;PS1e8,5;PU0,0;PD1,1;", "too far away"),
+    ("a.svg", "", "no element found"), ("a.svg", "\x8c\x00\xff" * 999, "not well-formed"), ("a.svg", "<html/>", "it begins with <html>"),
+    ("a.svg", PAGE.format('<path d="M1 1L1e300 5"/>'), "too far away"), ("a.svg", PAGE.format('<path d="M1 1L5 5"/><g>'), "mismatched tag"),
+    ("a.svg", f"<!DOCTYPE z [<!ENTITY a 'aaaaaaaaaa'>{LAUGHS}]>" + PAGE.format("<text>&m;</text>"), "cannot|can be read"),
+    ("a.svg", "<!DOCTYPE z [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>" + PAGE.format('<text y="9">&x;</text>'), "undefined entity"),
+    ("a.svg", PAGE.format('<path style="' + "a:(" * 5000 + '" d="M1 1L5 5"/>'), "its numbers cannot be drawn"),
+    ("a.svg", PAGE.format("<g>" * 20000 + "</g>" * 20000), "lies in more than 100 others"),
+    ("a.dxf", "", "nothing to draw|can be read"), ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1", "nothing to draw"),
+    ("a.dxf", ITSELF + ENTITIES.format("0\nINSERT\n8\n0\n2\nA\n10\n1\n20\n1"), "cannot be drawn|can be read"),
+    ("a.dxf", ENTITIES.format("0\nLINE\n8\n0\n10\nnan\n20\n0\n11\n5\n21\ninf"), "too far away"),
+    ("a.gcode", "", "has no line of G-code"), ("a.gcode", "\x00\xff" * 999, "is no text"), ("a.nc", "G1XnanYinf", "error 302"),
+])  # fmt: skip
+def test_what_is_no_drawing_is_refused(tmp_path, name, text, message):
+    """Empty, cut off, binary, endless, and with numbers that are none: a Failure, and no other exception."""
+    path = tmp_path / name
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(Failure, match=message):
+        load([path], boards.load("plotter_2014"))
+
+
+def test_a_style_sheet_nested_too_deep_is_named(tmp_path):
+    path = tmp_path / "a.svg"
+    path.write_text(PAGE.format("<style>" + "a{" * 5000 + '</style><path d="M1 1L50 50"/>'))
+    page = sources.opened(path).outlines(0.01)
+    assert len(page.layers[1]) == 1 and page.left_out == {"style rule that cannot be read": 1}
 
 
 # --- DXF: ezdxf's own drawing as SVG, and its entities walked by themselves
