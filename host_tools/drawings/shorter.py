@@ -9,9 +9,9 @@ drawing that is gone on with is the one that was begun. 7000 lines take some sec
 
 import numpy
 
-_NEAR = 8  # ends tried around each
+_NEAR = 10  # ends tried around each
 _ROUNDS = 6
-_LONGEST = 3  # lines moved together
+_LONGEST = 20  # lines moved together
 _MOST_TRIED = 4_000_000  # comparisons in all
 _CELL = 4  # ends in a cell of the grid, on average
 
