@@ -723,6 +723,7 @@ def within_two_screens(browser, size):
     width, height = size
     driver = browser.driver
     screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+    before = driver.execute_script("return innerWidth")
     driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
     try:
         tabs = driver.find_elements("css selector", "[data-tab]")
@@ -741,3 +742,4 @@ def within_two_screens(browser, size):
             assert not small
     finally:
         driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        browser.until(lambda: driver.execute_script("return innerWidth") == before)  # else the next click meets what stood there

@@ -281,10 +281,12 @@ function enable() {
   $("take").hidden = mine;
   $("card-log").hidden = !cards.can("log") || !$("log").children.length;
   cards.show(report);
+  $("passes").parentNode.hidden = busy;
   $("from-form").hidden = busy || !cards.can("from");  // a running job has no use for these, and a phone little room
   $("pictures-row").hidden = busy || !cards.can("jobs");
   queue.show(report.queue, mine && !busy && idle);
-  recover.show(report.recover, mine && !busy, idle, /[SC]/.test(report.on || ""));
+  const offer = report.recover;
+  recover.show(busy && !(offer && offer.next) ? null : offer, mine && !busy, idle, /[SC]/.test(report.on || ""));
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
 }
 
