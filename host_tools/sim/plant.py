@@ -276,8 +276,7 @@ class Plant:
         if not self._move(tick, carriage, steps):
             return False
         self.position[axis] = carriage.position
-        self._cross(tick, (self._watching[axis],), carriage.position)
-        self._cross(tick, self._others.get(axis, ()), carriage.position)
+        self._cross(tick, [self._watching[axis]] + self._others.get(axis, []), carriage.position)
         return True
 
     def _cross(self, tick, barriers, at):
