@@ -1,5 +1,6 @@
 """The firmware in MicroPython as WebAssembly: the same words as everywhere, in node."""
 
+import ast
 import json
 import re
 import shutil
@@ -138,3 +139,14 @@ def test_a_package_kept_broken_is_fetched_again(monkeypatch, tmp_path):
     with pytest.raises(Failure, match="is not what it was"):
         site.package(tmp_path)
     assert not kept.exists()
+
+
+def test_what_the_tab_imports_of_the_tools_is_in_it():
+    imported = set()
+    for path in site.TAB:
+        for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module.startswith("host_tools"):
+                names = [f"{node.module}.{alias.name}" for alias in node.names]
+                files = [name.replace(".", "/") + ".py" for name in (*names, node.module)]
+                imported.add(next(file for file in files if (ROOT / file).is_file()))
+    assert imported and imported <= set(site.TAB)
