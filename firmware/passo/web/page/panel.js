@@ -281,8 +281,9 @@ function enable() {
   $("take").hidden = mine;
   $("card-log").hidden = !cards.can("log") || !$("log").children.length;
   cards.show(report);
-  $("passes").parentNode.hidden = busy;
-  $("from-form").hidden = busy || !cards.can("from");  // a running job has no use for these, and a phone little room
+  // A running job has no use for these, and a phone little room.
+  $("passes").parentNode.hidden = busy || !cards.can("jobs");
+  $("from-form").hidden = busy || !cards.can("from");
   $("pictures-row").hidden = busy || !cards.can("jobs");
   queue.show(report.queue, mine && !busy && idle);
   const offer = report.recover;
