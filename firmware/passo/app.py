@@ -149,7 +149,7 @@ class App:
         self.links.append(Link(number, config, jobs.join(number, protocol, languages[index].stored), protocol, self.controller))
 
     def _make_queue(self, builder, settings, streamed):
-        """Feeder and queue; `streamed`: of a machine that moves as it is told."""
+        """Feeder and queue. `streamed`: as machine_builder.queue() has it."""
         board = self.board
         Queue = builder.queue(board, streamed)
         from passo.steps.feeder import Feeder

@@ -172,7 +172,7 @@ def planner(board, axes):
 
 
 def queue(board, streamed):
-    """The class of a board's queue; `streamed`: of a machine that moves as it is told."""
+    """The class of a board's queue; `streamed`: lines of G-code queue in it, one behind the other."""
     if board.get("motion"):
         return __import__("passo.control.mapped_queue", None, None, ("Queue",)).Queue
     if streamed:

@@ -69,8 +69,8 @@ def compiled(numbered, texts, board, march, left=(), keep=False):
 
 
 def _staying(program, compiled, imports):
-    """Full names of the kernels that viper compiles, and of those that they call: of what is compiled what other than kernels call, and no
-    import brings."""
+    """Full names of the kernels whose Python has to stay in the texts, for viper to compile: those that are not in C; those that are in C
+    only as another kernel's copy, if Python calls them; and what these call."""
     uses = program.uses()
     found, new = set(), [each for each in program.kernels.values() if each.full not in compiled or each.full not in imports and uses[each.full][1]]
     while new:

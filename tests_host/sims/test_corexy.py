@@ -321,8 +321,8 @@ def test_passo_check_sees_the_axes(monkeypatch):
     ({"axes": "other steps"}, "two axes with the same steps_per_m are wanted"),
     ({"links": [{"name": "pc", "port": "usb", "protocol": "keys"}]}, "the language keys moves one axis by one motor"),
     ({"links": [{"name": "pc", "port": "usb", "protocol": "plotter"}]}, "a link that speaks grbl is wanted"),
-    ({"encoders": [{"motor": "x", "pins": [16, 17], "pulses": 500, "steps": 1600}]}, "there is no encoders with it"),
-    ({"homing": "latch"}, "there is no homing.latch with it"),
+    ({"encoders": [{"motor": "x", "pins": [16, 17], "pulses": 500, "steps": 1600}]}, "remove encoders: it wants a motor for each axis"),
+    ({"homing": "latch"}, "remove homing.latch: it wants a motor for each axis"),
 ])
 def test_what_one_belt_cannot_be(changes, words):
     board = {**copy.deepcopy(boards.load(NAME)), "journal": None}

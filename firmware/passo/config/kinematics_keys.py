@@ -4,7 +4,8 @@ from passo.config.board_error import BoardError
 
 RULES = {
     "kinematics": ("none", "corexy"),  # a module of motion; "none": each motor moves its own axis
-    "motion": (str, "", 0, 16),  # the same for the machine, "" if none: a name that no other board's firmware has to learn
+    "motion": (str, "", 0, 16),  # set by check() to the module's name, "" if none. The rest of the firmware reads this key: its word is one that
+    # all boards have in memory, and `kinematics` would take room in boards without it
 }
 
 
@@ -13,11 +14,11 @@ def check(board):
     board["motion"] = "" if kind == "none" else kind
     if kind == "none":
         return
-    for other in ("gantry", "encoders", "weaving", "step_program"):
-        if board[other]:
-            raise BoardError("kinematics: there is no %s with it" % other)
+    unfit = [other for other in ("gantry", "encoders", "weaving", "step_program") if board[other]]
     if board["homing"] and board["homing"]["latch"]:
-        raise BoardError("kinematics: there is no homing.latch with it")
+        unfit.append("homing.latch")
+    if unfit:
+        raise BoardError("kinematics: remove %s: it wants a motor for each axis" % unfit[0])
     spoken = [link["protocol"] for link in board["links"]]
     for protocol in spoken:
         if protocol not in ("grbl", "plotter"):

@@ -10,7 +10,7 @@ Any module here with these names is a machine's kinematics, by its name in the b
     limits(limits)        what the planner reckons with, a Limits of the motors: lengths along them are those of the path if STRAIGHT
     arc_plane(plane)      of an arc in the plane (a, b, third) of the axes: the plane of motors in which it is one too, and True if it goes
                           the other way round there; None: no plane is
-    STRAIGHT              True: what is straight and even for the axes is so for the motors
+    STRAIGHT              True if a straight move of the axes at one speed is a straight move of the motors at one speed, too
     pieces(axes, deltas)  if not STRAIGHT: how many straight pieces of the motors a line of the axes wants, from a position on
 
 Seen from the motors the axes are turned by 45°, mirrored, and √2 as fine: lengths, angles, circles and speeds along the path stay what
