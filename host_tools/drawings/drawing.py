@@ -28,6 +28,7 @@ from host_tools.failure import Failure
 from host_tools.language import N_, _
 
 _JOIN_MM = 0.05  # lines whose ends are this close are joined
+_JOINING = 0.2  # share of the time that ordering takes
 _EDGE_MM = 0.1  # a line outside the page by less is moved onto its edge
 
 
@@ -250,15 +251,20 @@ def _ordered(layers, options, progress):
         thin = []
         for index, line in enumerate(followed(lines, _JOIN_MM) if options.keep_order else joined(lines, _JOIN_MM)):
             if index % 64 == 0:
-                progress(N_("ordering"), (done + index) / count)
+                progress(N_("ordering"), (done + _JOINING * index) / count)
             if len(line) > 2:
                 points = numpy.column_stack((line.real, line.imag))
                 kept = numpy.asarray(LineString(points).simplify(options.tolerance / 2).coords)
                 line = kept[:, 0] + 1j * kept[:, 1]
             thin.append(_repeated(line, options.repeat))
-        way = thin if options.keep_order else shortened(sorted_from(thin, pen), pen)
-        ordered.append(way)
-        pen = way[-1][-1]
+        if not options.keep_order:
+
+            def told(share, done=done, size=len(lines)):
+                progress(N_("ordering"), (done + (_JOINING + (1 - _JOINING) * share) * size) / count)
+
+            thin = shortened(sorted_from(thin, pen), pen, told)
+        ordered.append(thin)
+        pen = thin[-1][-1]
         done += len(lines)
     return ordered, before_mm
 

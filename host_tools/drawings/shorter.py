@@ -4,27 +4,31 @@ vertex that suits, as long as that helps.
     lines = shortened(lines, 0j)            # in drawing order, from a place on
 
 2-opt and or-opt (Croes, 1958; Or, 1976) over the nearest ends of each line. The same lines give the same order every time: a
-drawing that is gone on with is the one that was begun. 7000 lines take some seconds.
+drawing that is gone on with is the one that was begun. 7000 lines take a second or two, 100 000 half a minute.
 """
+
+from array import array
 
 import numpy
 
 _NEAR = 10  # ends tried around each
 _ROUNDS = 6
 _LONGEST = 20  # lines moved together
+_FARTHEST = 25_000  # lines between two that change places: each of them is moved along
 _MOST_TRIED = 4_000_000  # comparisons in all
+_LEAST = 1e-9  # shorter by less is not shorter
 _CELL = 4  # ends in a cell of the grid, on average
 
 
-def shortened(lines, place):
-    """The lines, in an order and directions of less travel. A line is a complex array."""
+def shortened(lines, place, progress=None):
+    """The lines, in an order and directions of less travel. A line is a complex array. Calls `progress(share)` now and then, 0…1."""
     if len(lines) < 2:
         return [_entered(line, place, None) for line in lines]
     tour = _Tour(lines, place)
     for _ in range(_ROUNDS):
         before = tour.length()
         tour.enter()
-        tour.improve()
+        tour.improve(progress or (lambda share: None))
         if tour.tried > _MOST_TRIED or tour.length() > before * (1 - 1e-4):
             break
     tour.enter()
@@ -45,57 +49,58 @@ def _entered(line, before, after):
 
 
 class _Tour:
-    """`_order`: numbers of lines; a line is gone from its end `_flip` (0: its first point) to the other; `_at[line]`: its index."""
+    """`_order`: numbers of lines; a line is gone from its end `_flip` (0: its first point) to the other; `_at[line]`: its index.
+
+    By index, `_starts` and `_stops` are the places where the pen comes to a line and leaves it (`_stops[-1]` is where it is at first), and
+    `_ways` the way to the line, 0 behind the last. Moves of long pieces are slices, not loops: a hundred thousand lines take seconds.
+    """
 
     def __init__(self, lines, place):
         self._lines = list(lines)
-        self._place = complex(place)
-        self._order = list(range(len(lines)))
-        self._at = list(range(len(lines)))
-        self._flip = [0] * len(lines)
-        self.tried = 0
-        self._set_ends()
-
-    def _set_ends(self):
+        self._count = count = len(lines)
+        self._order, self._at, self._flip = array("q", range(count)), array("q", range(count)), array("b", bytes(count))
+        self._orders, self._ats, self._flips = (numpy.frombuffer(each, each.typecode) for each in (self._order, self._at, self._flip))
         self._ends = [complex(end) for line in self._lines for end in (line[0], line[-1])]
+        self._starts, self._stops = self._ends[::2], [*self._ends[1::2], complex(place)]
+        self._ways = [0.0] * (count + 1)
+        self._near = None
+        self.tried = 0
+        self._set_ways(0, count)
+
+    def _set_ways(self, first, last):
+        """Those to the lines of the indices `first` to `last`, after a change."""
+        for index in range(first, min(last + 1, self._count)):
+            self._ways[index] = abs(self._stops[index - 1] - self._starts[index])
 
     def lines(self):
         return [self._lines[k][::-1] if self._flip[k] else self._lines[k] for k in self._order]
 
-    def _start(self, index):
-        k = self._order[index]
-        return self._ends[2 * k + self._flip[k]]
-
-    def _end(self, index):
-        if index < 0:
-            return self._place
-        k = self._order[index]
-        return self._ends[2 * k + 1 - self._flip[k]]
-
-    def _link(self, index):
-        """The way behind a line; 0 behind the last."""
-        return abs(self._end(index) - self._start(index + 1)) if index + 1 < len(self._order) else 0.0
-
     def length(self):
-        return sum(self._link(index) for index in range(-1, len(self._order) - 1))
+        return sum(self._ways)
 
     def enter(self):
         """Let closed lines begin where their neighbours want it."""
-        last = len(self._order) - 1
         for index, k in enumerate(self._order):
             if _is_closed(self._lines[k]):
-                line = _entered(self._lines[k], self._end(index - 1), self._start(index + 1) if index < last else None)
+                line = _entered(self._lines[k], self._stops[index - 1], self._starts[index + 1] if index + 1 < self._count else None)
+                first = complex(line[0])
+                if first != self._starts[index]:
+                    self._near = None
                 self._lines[k] = line
-                self._ends[2 * k] = self._ends[2 * k + 1] = complex(line[0])
+                self._ends[2 * k] = self._ends[2 * k + 1] = self._starts[index] = self._stops[index] = first
+        self._set_ways(0, self._count)
 
-    def improve(self):
+    def improve(self, progress):
         """Until no end has a better neighbour among the nearest."""
-        near = _nearest(self._ends)
+        near = self._near = self._near or _nearest(self._ends)
         waiting = list(range(len(self._ends)))
         queued = [True] * len(waiting)
+        left = 1.0
         while waiting and self.tried <= _MOST_TRIED:
             following = []
-            for end in waiting:
+            for index, end in enumerate(waiting):
+                if index % 1024 == 0:
+                    progress(1 - left * (1 - index / len(waiting) / 2))
                 queued[end] = False
                 while True:
                     touched = self._better(end, near[end])
@@ -107,6 +112,7 @@ class _Tour:
                                 queued[one] = True
                                 following.append(one)
             waiting = following
+            left /= 2
 
     def _better(self, end, near):
         """Make one move that joins `end` to a near one; the lines at its seams, or nothing."""
@@ -114,7 +120,7 @@ class _Tour:
         at = self._at[line]
         leaving = (end & 1) != self._flip[line]  # the pen leaves the line here
         gap = at if leaving else at - 1
-        now = self._link(gap)
+        now = self._ways[gap + 1]
         place = self._ends[end]
         for other in near:
             way = abs(place - self._ends[other])
@@ -135,67 +141,80 @@ class _Tour:
         if leaving == other_leaves:  # two ends that the pen leaves, or two that it comes to: turn the lines between them
             other_gap = there if leaving else there - 1
             low, high = min(gap, other_gap), max(gap, other_gap)
-            gain = now + self._link(other_gap) - way - self._cross(low, high, leaving)
-            if gain > 1e-9:
+            gain = now + self._ways[other_gap + 1] - way - self._cross(low, high, leaving)
+            if gain > _LEAST and high - low <= _FARTHEST:
                 return self._turn(low + 1, high)
         return self._move(gap, there, leaving, other_leaves, way, now)
 
     def _cross(self, low, high, leaving):
         """The way that turning low + 1 … high makes at the other seam."""
-        if leaving:  # E[low]–E[high] is the one given; S[low + 1]–S[high + 1] the other
-            return abs(self._start(low + 1) - self._start(high + 1)) if high + 1 < len(self._order) else 0.0
-        return abs(self._end(low) - self._end(high))
+        if leaving:  # stops[low]–stops[high] is the one given; starts[low + 1]–starts[high + 1] the other
+            return abs(self._starts[low + 1] - self._starts[high + 1]) if high + 1 < self._count else 0.0
+        return abs(self._stops[low] - self._stops[high])
 
     def _move(self, gap, there, leaving, other_leaves, way, now):
         """Put up to _LONGEST lines that begin or end at the other end into the gap."""
-        count = len(self._order)
-        for size in range(1, _LONGEST + 1):
-            # The piece goes on from `there` away from the end that is joined.
-            first = there - size + 1 if other_leaves else there
-            last = first + size - 1
-            if first < 0 or last >= count or first <= gap + 1 and gap <= last:
-                continue
-            removed = now + self._link(first - 1) + self._link(last)
-            closed = abs(self._end(first - 1) - self._start(last + 1)) if last + 1 < count else 0.0
-            far = self._start(first) if other_leaves else self._end(last)
-            if leaving:
-                beyond = abs(far - self._start(gap + 1)) if gap + 1 < count else 0.0
+        starts, stops, ways, count = self._starts, self._stops, self._ways, self._count
+        if abs(there - gap) > _FARTHEST:
+            return None
+        beside = (starts[gap + 1] if gap + 1 < count else None) if leaving else stops[gap]
+        saved = now - way
+        first = last = there
+        # The piece goes on from `there` away from the end that is joined.
+        for _ in range(min(_LONGEST, there + 1 if other_leaves else count - there)):
+            if not (first <= gap + 1 and gap <= last):
+                gain = saved + ways[first] + ways[last + 1]
+                if last + 1 < count:
+                    gain -= abs(stops[first - 1] - starts[last + 1])
+                if gain > _LEAST and beside is not None:
+                    gain -= abs((starts[first] if other_leaves else stops[last]) - beside)
+                if gain > _LEAST:
+                    return self._put(first, last, gap, leaving == other_leaves)
+            if other_leaves:
+                first -= 1
             else:
-                beyond = abs(far - self._end(gap))
-            if removed - closed - way - beyond > 1e-9:
-                return self._put(first, last, gap, leaving == other_leaves)
+                last += 1
         return None
 
     def _turn(self, first, last):
-        order = self._order
-        piece = order[first : last + 1]
-        piece.reverse()
-        order[first : last + 1] = piece
-        for index, k in enumerate(piece, first):
-            self._at[k] = index
-            self._flip[k] ^= 1
+        self._arrange(first, [(first, last, True)])
         return self._seams(first - 1, first, last, last + 1)
 
     def _put(self, first, last, gap, turned):
-        order = self._order
-        piece = order[first : last + 1]
-        if turned:
-            piece.reverse()
-            for k in piece:
-                self._flip[k] ^= 1
+        size = last - first + 1
         if gap < first:
             low, high = gap + 1, last
-            order[low : high + 1] = piece + order[low:first]
+            self._arrange(low, [(first, last, turned), (low, first - 1, False)])
         else:
             low, high = first, gap
-            order[low : high + 1] = order[last + 1 : high + 1] + piece
-        for index in range(low, high + 1):
-            self._at[order[index]] = index
-        size = len(piece)
+            self._arrange(low, [(last + 1, high, False), (first, last, turned)])
         return self._seams(low - 1, low, low + size - 1, low + size, high - size, high - size + 1, high, high + 1)
 
+    def _arrange(self, low, pieces):
+        """Put pieces, (first index, last, turned round or not), one behind the other from the index `low` on: they come from there."""
+        order, starts, stops, ways = [], [], [], []
+        for first, last, turned in pieces:
+            here = slice(first, last + 1)
+            numbers, begins, ends, between = self._orders[here], self._starts[here], self._stops[here], self._ways[first + 1 : last + 1]
+            if turned:
+                self._flips[numbers] ^= 1
+                numbers, begins, ends, between = numbers[::-1], ends[::-1], begins[::-1], between[::-1]
+            order.append(numbers)
+            starts += begins
+            stops += ends
+            ways += [0.0, *between]
+        high = low + len(starts)
+        self._orders[low:high] = order = numpy.concatenate(order)
+        self._ats[order] = numpy.arange(low, high)
+        self._starts[low:high], self._stops[low:high], self._ways[low:high] = starts, stops, ways
+        seam = low
+        for first, last, _ in pieces:
+            self._set_ways(seam, seam)
+            seam += last - first + 1
+        self._set_ways(seam, seam)
+
     def _seams(self, *indices):
-        return {self._order[index] for index in indices if 0 <= index < len(self._order)}
+        return {self._order[index] for index in indices if 0 <= index < self._count}
 
 
 def _nearest(ends):

@@ -1,12 +1,14 @@
 """Shorter ways: the same ink, never longer than greedy, closed lines entered anywhere, the same order every time."""
 
 import random
+import time
 
 import numpy
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from host_tools.drawings import shorter
 from host_tools.drawings.line_order import sorted_from, travel
 from host_tools.drawings.shorter import shortened
 
@@ -53,3 +55,36 @@ def test_a_field_of_lines_takes_a_sixth_less_than_greedy(closed, share):
     if closed:
         greedy = [numpy.append(line[:-1], line[0]) for line in greedy]
     assert travel(shortened(greedy, 0j), 0j) < share * travel(greedy, 0j)
+
+
+def field(count, side):
+    chance = random.Random(3)
+    places = [complex(chance.uniform(0, side), chance.uniform(0, side)) for _ in range(count)]
+    return [numpy.array([place, place + complex(chance.uniform(-3, 3), chance.uniform(-3, 3))]) for place in places]
+
+
+def test_a_move_takes_no_more_lines_along_than_told(monkeypatch):
+    """Else the time is that of the square of the lines."""
+    monkeypatch.setattr(shorter, "_FARTHEST", 50)
+    moved, arrange = [], shorter._Tour._arrange
+
+    def watched(self, low, pieces):
+        moved.append(sum(last - first + 1 for first, last, _ in pieces))
+        arrange(self, low, pieces)
+
+    monkeypatch.setattr(shorter._Tour, "_arrange", watched)
+    greedy = sorted_from(field(1500, 100), 0j)
+    shares = []
+    made = shortened(greedy, 0j, shares.append)
+    assert ink(made) == ink(greedy) and travel(made, 0j) < 0.95 * travel(greedy, 0j)
+    assert len(moved) > 100 and max(moved) <= 50 + shorter._LONGEST
+    assert shares[0] == 0 and shares[-1] <= 1
+
+
+@pytest.mark.slow
+def test_a_hundred_thousand_lines_take_seconds():
+    greedy = sorted_from(field(100_000, 300), 0j)
+    begun = time.process_time()
+    made = shortened(greedy, 0j)
+    assert time.process_time() - begun < 60  # 27; 91 with moves of any length
+    assert travel(made, 0j) < 0.78 * travel(greedy, 0j)
