@@ -27,7 +27,7 @@ PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 148, "torch": 122, "keys": 122, "plotter": 122}
 KEYS_KB = {"motion": 4, "weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1, "journal": 4, "jobs": 14}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB, DOTS_KB = 6, 10, 12  # a laser's rows of dots, and what burns them
+FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 12, 4  # a laser's rows of dots, and what burns them
 
 
 def budget(board):
@@ -62,7 +62,7 @@ def heap_kb(board):
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
     taken += sum(cost for key, cost in KEYS_KB.items() if board.get(key))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
-    taken += DOTS_KB * bool(power_room(board)[1])
+    taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 
