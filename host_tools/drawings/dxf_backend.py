@@ -21,7 +21,10 @@ class Backend(Base):
         self.left_out = Counter()
 
     def _add(self, properties, lines, areas=()):
-        lines = [line for line in lines if len(line) > 1]
+        given = [line for line in lines if len(line) > 1]
+        lines = [line for line in given if numpy.isfinite(line).all()]
+        if len(lines) < len(given):
+            self.left_out[N_("number that is none, or that cannot be read")] += len(given) - len(lines)
         if lines or areas:
             self.inks.setdefault(properties.layer, []).append(Ink(properties.color[:7], lines, list(areas)))
 

@@ -2,11 +2,12 @@
 
     with told(path, element):
         …       # what goes wrong with its numbers becomes a Failure that names the element
+    page.left_out[N_("…")] += unreadable(element)       # attributes that are no numbers: as in a browser, they are as if missing
 """
 
 import contextlib
 
-from host_tools.drawings.svg_geometry import TooFar
+from host_tools.drawings.svg_geometry import TooFar, are_lengths
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure, reason
 
@@ -15,6 +16,16 @@ def name_of(element):
     """As in the file: <path id="a">."""
     name = element.get("id")
     return f'<{local_name(element.tag)} id="{name}">' if name else f"<{local_name(element.tag)}>"
+
+
+_LENGTHS = "x y x1 y1 x2 y2 cx cy r rx ry width height dx dy rotate startOffset viewBox stroke-dasharray stroke-dashoffset font-size".split()
+_WORDS = frozenset("auto none inherit initial medium small large smaller larger x-small x-large xx-small xx-large".split())
+
+
+def unreadable(element):
+    """How many attributes of an element should be numbers and are not: nan, inf, words."""
+    given = ((name, element.get(name)) for name in _LENGTHS)
+    return sum(text is not None and text.strip() not in _WORDS and not are_lengths(text) for name, text in given)
 
 
 @contextlib.contextmanager

@@ -19,7 +19,7 @@ import numpy
 
 from host_tools.drawings import svg_area, svg_geometry, svg_style, svg_text
 from host_tools.drawings.page import Ink, Page
-from host_tools.drawings.svg_faults import name_of, told
+from host_tools.drawings.svg_faults import name_of, told, unreadable
 from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure
@@ -169,6 +169,9 @@ class SvgFile:
         style = self._style(element, context.style)
         if style.get("display") == "none" or ink and svg_style.invisible(style.get("opacity")) or not _suits(element):
             return None
+        faults = unreadable(element)
+        if faults:
+            self._page.left_out[N_("number that is none, or that cannot be read")] += faults
         return replace(context, matrix=self._matrix(style, context), style=style, depth=context.depth + 1)
 
     def _children(self, children, context):

@@ -16,6 +16,7 @@ IDENTITY = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "q": 96 / 101.6, "in": 96.0, "pt": 4 / 3, "pc": 16.0}
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z%]*)\s*$")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_NEXT = re.compile(rf"[\s,]*({_NUMBER.pattern})")
 _APART = re.compile(r"[\s,]+|(?<=[\d.])(?=[-+])(?<![eE])")
 _TURN = {"deg": 1.0, "rad": 180 / math.pi, "grad": 0.9, "turn": 360.0}
 _STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
@@ -45,6 +46,20 @@ def length(text, whole=None, font_size=16.0, default=0.0):
     if unit in ("em", "rem", "ex"):
         return bounded(number * font_size * (0.5 if unit == "ex" else 1))
     return bounded(number * _PX[unit]) if unit in _PX else default
+
+
+def are_lengths(text):
+    """True of lengths or numbers, none or several."""
+    return all(_LENGTH.match(part) for part in _APART.split(text.strip()) if part)
+
+
+def up_to_a_mistake(text):
+    """(numbers of a list of points up to its first mistake, True if there is none). Raises TooFar."""
+    text, found, at = text or "", [], 0
+    while match := _NEXT.match(text, at):
+        found.append(bounded(float(match[1])))
+        at = match.end()
+    return found, len(found) % 2 == 0 and not text[at:].strip(", \t\r\n")
 
 
 def numbers(text):
@@ -183,7 +198,7 @@ def shape_path(tag, lengths, points):
     if tag == "line":
         return _data("M", lengths("x1", "x"), lengths("y1", "y"), "L", lengths("x2", "x"), lengths("y2", "y"))
     if tag in ("polyline", "polygon"):
-        positions = numbers(points)
+        positions, _ = up_to_a_mistake(points)
         if len(positions) < 4:
             return None
         return _data("M", *positions[: len(positions) // 2 * 2]) + ("Z" if tag == "polygon" else "")

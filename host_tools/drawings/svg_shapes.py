@@ -70,7 +70,10 @@ class Shapes:
         if key not in self._segments:
             data = element.get("d") if tag == "path" else self._basic(tag, element, context)
             reach = max(map(abs, svg_geometry.numbers(data)), default=0.0)
-            self._segments[key] = *(svg_geometry.path_segments(data) if data else ([], True)), reach
+            segments, whole = svg_geometry.path_segments(data) if data else ([], True)
+            if tag in ("polyline", "polygon"):
+                whole = svg_geometry.up_to_a_mistake(element.get("points"))[1]
+            self._segments[key] = segments, whole, reach
         segments, whole, reach = self._segments[key]
         svg_geometry.bounded(reach * stretch)
         if not whole:

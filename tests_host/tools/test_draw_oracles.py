@@ -373,7 +373,7 @@ LAUGHS = "".join(f"<!ENTITY {chr(98 + n)} '{(chr(38) + chr(97 + n) + ';') * 10}'
     ("a.svg", PAGE.format("<g>" * 20000 + "</g>" * 20000), "lies in more than 100 others"),
     ("a.dxf", "", "nothing to draw|can be read"), ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1", "nothing to draw"),
     ("a.dxf", ITSELF + ENTITIES.format("0\nINSERT\n8\n0\n2\nA\n10\n1\n20\n1"), "cannot be drawn|can be read"),
-    ("a.dxf", ENTITIES.format("0\nLINE\n8\n0\n10\nnan\n20\n0\n11\n5\n21\ninf"), "too far away"),
+    ("a.dxf", ENTITIES.format("0\nLINE\n8\n0\n10\nnan\n20\n0\n11\n5\n21\ninf"), "nothing can be drawn: number that is none"),
     ("a.gcode", "", "has no line of G-code"), ("a.gcode", "\x00\xff" * 999, "is no text"), ("a.nc", "G1XnanYinf", "error 302"),
 ])  # fmt: skip
 def test_what_is_no_drawing_is_refused(tmp_path, name, text, message):
@@ -518,3 +518,13 @@ def test_files_that_are_no_dxf(tmp_path, text, message):
     path.write_text(text)
     with pytest.raises(Failure, match=message):
         drawing.load(path, boards.load("plotter_2014"))
+
+
+def test_a_dxf_line_without_a_place_is_left_out_and_named(tmp_path):
+    words = [0, "SECTION", 2, "ENTITIES"]
+    for x in ("1", "nan"):
+        words += [0, "LINE", 8, 0, 10, x, 20, 1, 11, 5, 21, 5]
+    path = tmp_path / "a.dxf"
+    path.write_text("\n".join(map(str, [*words, 0, "ENDSEC", 0, "EOF", ""])))
+    page = sources.opened(path).outlines(0.1)
+    assert [len(lines) for lines in page.layers.values()] == [1] and page.left_out == {"number that is none, or that cannot be read": 1}

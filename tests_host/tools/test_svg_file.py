@@ -374,6 +374,25 @@ def test_what_is_not_drawn_is_said(tmp_path):
     assert any("without stroke and fill" in note for note in plan.notes)
 
 
+@pytest.mark.parametrize("what, lines, left_out", [
+    ('<polyline points="1,1 5,5 nan,7 9,9"/>', [[(1, 1), (5, 5)]], {"rest of a path behind a mistake in it": 1}),
+    ('<polygon points="1,1 5,5 1,5 inf 7"/>', [[(1, 1), (5, 5), (1, 5), (1, 1)]], {"rest of a path behind a mistake in it": 1}),
+    ('<path d="M1 1L5 5LNaN 7L8 8"/>', [[(1, 1), (5, 5)]], {"rest of a path behind a mistake in it": 1}),
+    ('<line x1="nan" y1="2" x2="5" y2="Infinity"/>', [[(0, 2), (5, 0)]], {"number that is none, or that cannot be read": 2}),
+    ('<line x1="2" y1="2" x2="five" y2="5px" stroke-dasharray="none"/>', [[(2, 2), (0, 5)]], {"number that is none, or that cannot be read": 1}),
+    ('<g transform="translate(nan)"><path d="M1 1L5 5"/></g>', [[(1, 1), (5, 5)]], {"transform that cannot be read": 1}),
+    ('<rect x="1" y="1" width="2" height="2" rx="auto" ry=" "/>', [[(1, 1), (3, 1), (3, 3), (1, 3), (1, 1)]], {}),
+    ('<polyline points=" 1,1-3-.5.5,1e1,2 "/>', [[(1, 1), (-3, -0.5), (0.5, 10)]], {"rest of a path behind a mistake in it": 1}),
+])  # fmt: skip
+def test_numbers_that_are_none_are_said(tmp_path, what, lines, left_out):
+    page_of(tmp_path, what)
+    file = SvgFile(tmp_path / "a.svg")
+    for _ in range(2):  # shapes are read once
+        page = file.outlines(0.01)
+        assert page.left_out == left_out
+        assert [[(round(x, 6), round(y, 6)) for x, y in line] for line in lines_of(page)] == lines
+
+
 def test_styles_hide_and_paint(tmp_path):
     page = page_of(tmp_path, '''<style>.h{display:none} #v, path.w{visibility:hidden} /* line { display: none } */
         .d { stroke-dasharray: 5 }</style>
