@@ -25,7 +25,7 @@ _SUFFIXES = {".num": "num"}
 _NAMES = re.compile(r"<[^<>]*>")
 # What no controller of plain G-code understands. The first that is met decides.
 _SIGNS = {
-    "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|G5(\.[123])?(?![.\d])|M98(?!\d)|[@^]"),
+    "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|G5(\.[123])?(?![.\d])|M(98|7[0-3])(?!\d)|[@^]"),
     "num": re.compile(r"G(77|79)(?!\d)|G45(?!\d)|^(N\d+)?L\d+=|[A-Z]L\d|(?<![A-Z])E[RHXYBPQIJ]-?[\d.]"),
 }
 

@@ -26,6 +26,7 @@ NO_FEED = 319
 UNKNOWN_PLACE = 320
 ARC = 321
 NO_SPINDLE = 322
+NOT_KEPT = 323
 LABEL = 330
 NO_END = 331
 NO_PROGRAM = 332
@@ -63,6 +64,7 @@ TEXTS = {
     UNKNOWN_PLACE: "where the axis stands is not known: move it by G90 first, or give --start",
     ARC: "there is no such arc",
     NO_SPINDLE: "the spindle must turn",
+    NOT_KEPT: "no modal state has been kept here: M70 or M73 first",
     LABEL: "the label has no partner, or stands twice",
     NO_END: "the block has no end",
     NO_PROGRAM: "there is no such subprogram",

@@ -1,7 +1,7 @@
 """The G and M codes of RS274/NGC with their modal groups, in tenths: 431 is G43.1."""
 
 NON_MODAL, MOTION, PLANE, DISTANCE, ARC_DISTANCE, FEED_MODE, UNITS, CUTTER, LENGTH, RETURN, SYSTEM, PATH, SPINDLE_MODE, LATHE = range(14)
-STOPPING, CHANGE, TURNING, COOLING, OVERRIDES, SWITCHING, CALLING = range(20, 27)
+STOPPING, CHANGE, TURNING, COOLING, OVERRIDES, SWITCHING, CALLING, SAVING = range(20, 28)
 
 CYCLES = (730, 740, 810, 820, 830, 840, 850, 860, 880, 890)
 SPLINES = (50, 51, 52)
@@ -30,6 +30,7 @@ _M = {
     OVERRIDES: (480, 490, 500, 510, 520, 530),
     SWITCHING: (620, 630, 640, 650),
     CALLING: (980, 990),
+    SAVING: (700, 710, 720, 730),
 }
 G_GROUPS = {code: group for group, codes in _G.items() for code in codes}
 M_GROUPS = {code: group for group, codes in _M.items() for code in codes}

@@ -1,9 +1,10 @@
 """The order in which the lines of an NGC program are carried out: subroutines, loops and conditions by O words; subprograms of M98.
 
-    flow = Flow(files, values, bound)
+    flow = Flow(name, text, values, saved, bound)
     for line in flow: …         # a Line to carry out; flow.end() ends the program
 
-Labels are matched before anything runs, each within its file. `values` has enter(arguments) and leave(value) for calls.
+Labels are matched before anything runs, each within its file. `values` has enter(arguments) and leave(value) for calls of subroutines, `saved`
+enter() and leave() for all calls.
 """
 
 import re
@@ -44,9 +45,9 @@ class _Part:
 
 
 class Flow:
-    def __init__(self, name, text, values, bound, find=None, skip=False):
+    def __init__(self, name, text, values, saved, bound, find=None, skip=False):
         """`find(label)`: (name, text) of the file with a subroutine, or None; `skip`: leave out lines that begin with /."""
-        self._values = values
+        self._values, self._saved = values, saved
         self._bound = bound
         self._find = find or (lambda label: None)
         self._skip = skip
@@ -194,7 +195,9 @@ class Flow:
             return self.end()
         call = self._calls[-1]
         call[3] -= 1
+        self._saved.leave()
         if call[3]:
+            self._saved.enter()
             self._at, self._counts = call[2], {}
         else:
             self._at, self._counts, *_ = self._calls.pop()
@@ -203,6 +206,7 @@ class Flow:
         if len(self._calls) >= DEEPEST:
             raise ProgramError(DEPTH, "{} at most", DEEPEST)
         self._calls.append([self._at, self._counts, begin if times else None, times])
+        self._saved.enter()
         self._at, self._counts = begin, {}
 
     def _value(self, line):
@@ -238,6 +242,7 @@ class Flow:
             raise ProgramError(LABEL, "o{} {} and no call", line.label, line.keyword)
         self._at, self._counts, *_ = self._calls.pop()
         self._values.leave(value)
+        self._saved.leave()
 
     _do_endsub = _do_return
 

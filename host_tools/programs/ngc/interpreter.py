@@ -9,10 +9,11 @@ from host_tools.language import _
 from host_tools.programs.ngc.blocks import read, whole
 from host_tools.programs.ngc.codes import (
     ARC_DISTANCE, AXIS_COMMANDS, CALLING, CHANGE, COOLING, CUTTER, CYCLES, DISTANCE, FEED_MODE, G_GROUPS, LENGTH, M_GROUPS, MOTION,
-    NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, SPLINES, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
+    NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, SAVING, SPLINES, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
 )  # fmt: skip
 from host_tools.programs.ngc.flow import Flow
 from host_tools.programs.ngc.motions import Motions
+from host_tools.programs.ngc.saved_modes import SavedModes
 from host_tools.programs.ngc.state import State
 from host_tools.programs.program_errors import (
     COMPENSATED, MISSING, NO_FEED, NOT_IN_DIALECT, NOT_ON_BOARD as UNABLE, SAME_GROUP, TWO_COMMANDS, UNUSED, ProgramError,
@@ -28,7 +29,7 @@ def compile_program(name, text, listing, tools=None, start=(None, None, None), b
     file and line."""
     path = Toolpath(listing, start)
     interpreter = Interpreter(path, dict(tools or {}))
-    flow = interpreter.flow = Flow(name, text, interpreter.values, bound, find, skip)
+    flow = interpreter.flow = Flow(name, text, interpreter.values, interpreter.saved, bound, find, skip)
     for line in flow:
         path.source = line.source
         if listing.progress:
@@ -49,11 +50,12 @@ class Interpreter(Motions):
     def __init__(self, path, tools):
         Motions.__init__(self, path, tools)
         self.values = State(self._told())
+        self.saved = SavedModes(self)
         self.flow = None
 
     def _told(self):
         """Parameters by which the program can ask for its state."""
-        told = {5220: lambda: self.system, 5400: lambda: self.tool, 5403: lambda: self.length_mm or 0.0}
+        told = {5220: lambda: self.system, 5400: lambda: self.tool, 5403: lambda: self.length[0] or 0.0}
         told[5410] = lambda: self.tools[self.tool].diameter / self.scale if self.tool in self.tools else 0.0
         for axis, name in enumerate("xyz"):
             told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.known(axis) / self.scale
@@ -92,6 +94,8 @@ class Interpreter(Motions):
         self.set_spindle(m.get(TURNING))
         self.set_tool(m.get(CHANGE))
         self.set_coolant(m.get(COOLING), m.get(SWITCHING))
+        if SAVING in m:
+            self.saved.carry_out(m[SAVING])
         if non_modal == 40:
             self.dwell()
         if PLANE in g:

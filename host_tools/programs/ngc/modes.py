@@ -27,7 +27,8 @@ class Modes:
         self.rpm = 0.0
         self.spindle = ""
         self.tool = self.chosen = 0
-        self.length_mm = None  # of the tool, as G43 has set it
+        self.length = None, None  # of the tool, mm, if it is known, and the word that sets it
+        self.coolant = set()
         self.initial = True  # G98
         self.system = 1
         self.turned = {}  # degrees, of each system that is
@@ -51,6 +52,11 @@ class Modes:
             words = [f"S{number(rpm, 3)}"] if turned is not None else []
             self.path.word(" ".join(words + ([f"M{code // 10}"] if code is not None else [])))
 
+    def turn_spindle(self, rpm, spindle):
+        """As it turned before."""
+        self.rpm, self.spindle = rpm, spindle
+        self.path.word(f"S{number(rpm, 3)} {spindle or 'M5'}")
+
     def set_tool(self, code):
         if "t" in self.words:
             self.chosen = self.whole("t", 0, 255)
@@ -64,6 +70,7 @@ class Modes:
     def set_coolant(self, code, output):
         if code is not None:
             self.path.word(f"M{code // 10}")
+            self.coolant = {*self.coolant, f"M{code // 10}"} if code != 90 else set()
         if output is not None:
             self.path.word(f"M{output // 10} P{self.whole('p', 0, 9)}")
 
@@ -92,25 +99,25 @@ class Modes:
 
     def set_length(self, code):
         if code == 490:
-            self.length_mm = 0.0
-            self.path.word("G49")
+            self.lengthen(0.0, "G49")
         elif code == 430:
             tool = self.whole("h", 0, 255) if "h" in self.words else self.tool
             if tool in self.tools:
-                self.length_mm = self.tools[tool].length
-                self.path.word(f"G43.1 Z{number(self.length_mm)}")
+                self.lengthen(self.tools[tool].length)
             else:
-                self.length_mm = None
-                self.path.word(f"G43 H{tool}")
+                self.lengthen(None, f"G43 H{tool}")
         elif code == 431:
-            self.length_mm = self.take("z") * self.scale
-            self.path.word(f"G43.1 Z{number(self.length_mm)}")
+            self.lengthen(self.take("z") * self.scale)
         else:
             tool = self.whole("h", 0, 255)
-            if self.length_mm is None or tool not in self.tools:
+            if self.length[0] is None or tool not in self.tools:
                 raise ProgramError(TOOL, "H{}", tool)
-            self.length_mm += self.tools[tool].length
-            self.path.word(f"G43.1 Z{number(self.length_mm)}")
+            self.lengthen(self.length[0] + self.tools[tool].length)
+
+    def lengthen(self, mm, word=None):
+        """Take a length of the tool, None if only the board knows it, by a word, G43.1 by default."""
+        self.length = mm, word or f"G43.1 Z{number(mm)}"
+        self.path.word(self.length[1])
         self.path.forget((2,))
 
     def set_system(self, system):
