@@ -164,17 +164,20 @@ def load(names):
 
 def planner(board, axes):
     """The planner of a board's motors, in steps of its axes."""
-    name = board.get("motion")  # as kinematics_keys.py says
+    name = board.get("motion")  # as kinematics_keys.py and backlash_keys.py say
     if not name:
         return Planner(axes)
-    make = __import__("passo.motion.mapped", None, None, ("Planner",)).Planner
-    return make(axes, __import__("passo.motion." + name, None, None, ("axes",)))
+    module = __import__("passo.motion." + name, None, None, ("axes",))
+    own = getattr(module, "Planner", None)
+    if own:
+        return own(axes, board)
+    return __import__("passo.motion.mapped", None, None, ("Planner",)).Planner(axes, module)
 
 
 def queue(board, streamed):
     """The class of a board's queue; `streamed`: lines of G-code queue in it, one behind the other."""
     if board.get("motion"):
-        return __import__("passo.control.mapped_queue", None, None, ("Queue",)).Queue
+        return __import__("passo.control." + board["queue"], None, None, ("Queue",)).Queue
     if streamed:
         from passo.control.stream_queue import StreamQueue as Queue
     else:

@@ -57,11 +57,12 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import device_keys, kinematics_keys, motor_keys, shift_keys
+    from passo.config import backlash_keys, device_keys, kinematics_keys, motor_keys, shift_keys
     from passo.config.job_keys import JOBS
 
-    kinematics = {"kinematics": kinematics_keys.RULES["kinematics"]}
-    return shift_keys.extended({**boardfile._BOARD, **kinematics, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
+    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, kinematics_keys)}
+    own = {key: module.RULES[key] for key, module in rare.items()}
+    return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 
 
 def keys(rules, prefix=""):
@@ -215,8 +216,8 @@ def _active(item):
 
 
 def settings():
-    """A row a setting, with its value on the example board."""
-    from passo.config import boardfile, setting_table
+    """A row a setting, with its value on the example board; it has not those of rare keys."""
+    from passo.config import backlash_keys, boardfile, setting_table
 
     from host_tools import boards
     from host_tools.clients.setting_names import rule
@@ -227,6 +228,9 @@ def settings():
         name, unit, least, most = rule(number, len(board["axes"]))
         value = default / 10**places
         rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")
+    for number in range(160, 160 + len(board["axes"])):
+        name, unit, least, most = rule(number, len(board["axes"]))
+        rows.append(f"| `${number}` | {name} ([key `backlash`](backlash.md)) | {unit} | {least:g} … {backlash_keys.MOST_UM / 1000:g} | – |")
     return rows
 
 

@@ -113,6 +113,10 @@ OF_KEYS = {
     "registers": ("shift_registers.py", "rp2/shift_registers.py"), "servo": ("servo.py",), "tachometer": ("pulses.py",),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
+# Only machines whose backlash is taken up have these.
+OF_BACKLASH = (
+    Path("passo", "motion", "backlash.py"), Path("passo", "control", "backlash_queue.py"), Path("passo", "config", "backlash_keys.py"),
+)  # fmt: skip
 # Only machines whose motors are not their axes have these, by name.
 MAPPED = (
     Path("passo", "motion", "mapped.py"), Path("passo", "control", "mapped_queue.py"), Path("passo", "config", "kinematics_keys.py"),
@@ -195,6 +199,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     kinematics = board.get("kinematics", "none")
     mapped = kinematics != "none"
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
+    absent += () if board.get("backlash") else OF_BACKLASH
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
@@ -216,6 +221,8 @@ def selected(board, firmware=FIRMWARE, spared=None):
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
+    if board.get("backlash"):
+        chosen |= {*OF_BACKLASH}
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
     spared = spared_features(board) if spared is None else spared

@@ -9,6 +9,7 @@ from host_tools.failure import Failure, reason
 from host_tools.language import _
 
 _AXES = "xyza"
+_MOST_MM = 2.0  # of $160 to $163
 _TABLE = """\
 # Fill in what you measure: a line a length with the mean of so many readings and their standard deviation, or a line a reading.
 # Two diagonals of a rectangle (xy+ from the lower left corner, xy- from the lower right) tell whether the axes are square.
@@ -29,7 +30,7 @@ def calibrate(
         Optional[str], typer.Option(help="A machine that speaks G-code: its steps/mm were used, --write goes there.")
     ] = None,
     baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
-    write: Annotated[bool, typer.Option("--write", help="Set $100… of the machine at --port to what is right.")] = False,
+    write: Annotated[bool, typer.Option("--write", help="Set $100…, and $160… if it takes up backlash, of the machine at --port to what is right.")] = False,
     anyway: Annotated[bool, typer.Option("--anyway", help="Write although the mechanics are at fault, or nothing is known.")] = False,
     pattern: Annotated[
         Optional[Path], typer.Option(help="Write G-code that draws the lengths to be measured to this file, and a new TABLE to fill in.")
@@ -62,15 +63,37 @@ def calibrate(
     if sum(source is not None for source in (board, steps_per_mm, port)) != 1:
         raise Failure("which steps/mm were used? Give one of --board, --steps-per-mm and --port")
     rows = calibration.read(table)
-    used = _machine_scales(port, baud) if port else _given(steps_per_mm) if steps_per_mm else _board_scales(board)
+    used, taken = _machine(port, baud) if port else (_given(steps_per_mm), {}) if steps_per_mm else _of_board(board)
     fits = _fits(rows, used, reading)
     for fit in fits:
         print("\n".join(told(fit, used[fit.axis])))
+        print("".join(f"   {line}\n" for line in proposed(fit, taken)), end="")
     diagonals = [row for row in rows if len(row.axis) > 1]
     for square in calibration.squareness(diagonals, {fit.axis: fit.scale for fit in fits}, reading):
         print(told_square(square))
     if write:
-        _write(fits, port, baud, anyway)
+        _write(fits, taken, port, baud, anyway)
+
+
+def proposed(fit, taken):
+    """What to set for the backlash that was found, if it is sure: in lines. `taken`: mm of each axis that are taken up already."""
+    play = backlash(fit, taken)
+    if play is None:
+        return
+    if not taken:
+        yield _('backlash is taken up by machines with the key "backlash" in the board file: "{}": {:.0f}', fit.axis, 1000 * play)
+    elif play > _MOST_MM:
+        yield _("{:.3f} mm are more than can be taken up, {:g}: look for what is loose", play, _MOST_MM)
+    else:
+        line = f"${160 + _AXES.index(fit.axis)}={play:.3f}"
+        yield _("{} takes it up", line) if fit.split else _("{} takes it up, if the readings have no offset: measure lengths with `same`, too", line)
+
+
+def backlash(fit, taken):
+    """mm that are to be taken up in all; None if what was found is not beyond its uncertainty."""
+    if fit.verdict in ("mechanics", "unknown") or abs(fit.backlash) <= 2 * fit.u_backlash:
+        return None
+    return max(fit.backlash + taken.get(fit.axis, 0), 0)
 
 
 def _fits(rows, used, reading):
@@ -162,36 +185,47 @@ def _given(text):
     return dict(zip(_AXES, values))
 
 
-def _board_scales(name):
+def _of_board(name):
+    """({axis: steps/mm}, {axis: mm of backlash that are taken up}; empty if none can be)"""
     from host_tools import boards
 
-    return {axis["name"]: axis["steps_per_m"] / 1000 for axis in boards.load(name)["axes"]}
+    board = boards.load(name)
+    names = [axis["name"] for axis in board["axes"]]
+    scales = {axis["name"]: axis["steps_per_m"] / 1000 for axis in board["axes"]}
+    return scales, {axis: board["backlash"].get(axis, 0) / 1000 for axis in names if board.get("backlash")}
 
 
-def _machine_scales(port, baud):
+def _machine(port, baud):
+    """The same of a machine."""
     from host_tools.clients.grbl import GrblClient
 
     with GrblClient(port, baud) as client:
         client.connect()
         values = dict(line.split("=") for line in client.command("$$") if line.startswith("$"))
-    return {axis: float(values[f"${100 + number}"]) for number, axis in enumerate(_AXES) if f"${100 + number}" in values}
+    found = []
+    for first in (100, 160):
+        found.append({axis: float(values[f"${first + number}"]) for number, axis in enumerate(_AXES) if f"${first + number}" in values})
+    return found
 
 
-def _write(fits, port, baud, anyway):
-    """Set the steps/mm that are known to be wrong. Raises Failure, before anything is written, if a fit does not allow it."""
+def _write(fits, taken, port, baud, anyway):
+    """Set the steps/mm that are known to be wrong, and the backlash that is known. Raises Failure, before anything is written, if a fit does not allow it."""
     from host_tools.clients.grbl import GrblClient
 
     doubtful = [fit.axis.upper() for fit in fits if fit.verdict in ("mechanics", "unknown")]
     if doubtful and not anyway:
         raise Failure("nothing is written: {} has no scale to be trusted; --anyway writes it all the same", ", ".join(doubtful))
-    wanted = [fit for fit in fits if anyway or fit.verdict == "scale"]
-    if not wanted:
+    lines = [f"${100 + _AXES.index(fit.axis)}={fit.steps_per_mm:.3f}" for fit in fits if anyway or fit.verdict == "scale"]
+    for fit in fits:
+        play = backlash(fit, taken) if taken and fit.split else None
+        if play is not None and play <= _MOST_MM:
+            lines.append(f"${160 + _AXES.index(fit.axis)}={play:.3f}")
+    if not lines:
         print(_("nothing to write: the steps/mm are right"))
         return
     with GrblClient(port, baud) as client:
         client.connect()
-        for fit in wanted:
-            line = f"${100 + _AXES.index(fit.axis)}={fit.steps_per_mm:.3f}"
+        for line in lines:
             client.command(line)
             print(_("written: {}", line))
     print(_("home the machine again before it cuts: its millimetres have changed"))

@@ -46,6 +46,7 @@ AXIS_NAMES = {
     110: ("highest speed", "mm/min", *_ANY),
     120: ("acceleration", "mm/s²", *_ANY),
     130: ("travel", "mm", *_ANY),
+    160: ("backlash, taken up where it turns", "mm", 0, 2),
 }
 
 

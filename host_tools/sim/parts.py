@@ -14,13 +14,15 @@ TICKS_PER_MS = 12_500
 class Carriage:
     """Moves by whole steps between `low` and `high`. Pushed against an end the rotor stalls: the step is lost."""
 
-    def __init__(self, name, position, low, high, report):
+    def __init__(self, name, position, low, high, report, play=0):
         self.name = name
         self.position = position
         self.low = low
         self.high = high
         self.lost = 0  # steps lost at the ends
         self.stall = 0  # steps to come that are lost
+        self.play = play  # steps of the motor that are lost at each turn
+        self._taken = 0  # of which so many are taken up: all behind a move forth, none behind one back
         self._stalled = False
         self._report = report
 
@@ -30,6 +32,12 @@ class Carriage:
             self.stall -= 1
             self.lost += 1
             return False
+        if self.play:
+            free = self._taken + steps
+            self._taken = min(max(free, 0), self.play)
+            steps = free - self._taken
+            if not steps:
+                return False
         wanted = self.position + steps
         reached = min(max(wanted, self.low), self.high)
         if reached != wanted:

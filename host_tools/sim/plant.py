@@ -24,6 +24,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
     racked       steps that the second side of a gantry stands beyond the first
     seed         of all that is random
     stock        a Stock that the tool can touch: the input probe is active meanwhile
+    play         {axis: steps of the motor that its carriage does not follow where it turns}
 """
 
 import random
@@ -43,7 +44,7 @@ def pull_off_of(homing, axis):
 
 
 class Plant:
-    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0, stock=None):
+    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0, stock=None, play=None):
         self._random = random.Random(seed)
         self.errors = []  # (tick, text)
         self.error_count = 0
@@ -66,14 +67,13 @@ class Plant:
         self._relays = {item["name"]: item.get("active", 1) for item in outputs if item.get("role") == "ours"}
         self._open_relays = set(self._relays)
         self._due = NEVER
-        self._build_carriages(start)
+        self._build_carriages(start, play or {})
         self._build_gantry(racked)
         self._build_barriers(bounce_ms, dict(faults or {}))
         self.encoders = {}  # by motor, in the board file's order
         for item in self._board.get("encoders", ()):
-            carriage = self._carriage(item["motor"])
-            sign = -1 if item["reversed"] else 1
-            self.encoders[item["motor"]] = Encoder(carriage, item["pulses"], item["steps"], sign)
+            motor = self._carriage(item["motor"])
+            self.encoders[item["motor"]] = Encoder(motor, item["pulses"], item["steps"], -1 if item["reversed"] else 1)
         self._in_order = list(self.encoders.values())
         self._indexes = [(item["index"], self.encoders[item["motor"]]) for item in self._board.get("encoders", ()) if item["index"]]
         self._rest_inputs()
@@ -87,7 +87,7 @@ class Plant:
         self._decoders = []
         self._tool_mask = 0
 
-    def _build_carriages(self, start):
+    def _build_carriages(self, start, play):
         axes = self._board["axes"]
         if start is not None and len(start) != len(axes):
             raise ValueError(f"start: {len(axes)} positions are wanted, one an axis, not {len(start)}")
@@ -107,7 +107,7 @@ class Plant:
                 at = (low + high) // 2  # it cannot home: give it room on both sides
             if not low <= at <= high:
                 raise ValueError(f"start: {axis['name']} {at} is not between the hard ends {low} and {high}")
-            self.carriages.append(Carriage(axis["name"], at, low, high, self.report))
+            self.carriages.append(Carriage(axis["name"], at, low, high, self.report, play.get(axis["name"], 0)))
             self.position[i] = at
         self._belt = Belt(self) if self._board.get("kinematics") == "corexy" else None
 

@@ -124,6 +124,16 @@ def star(points=7, centre=(40, 40), size=30):
     return [*lines, "G2 X%.3f Y%.3f I%d" % (ends[0] + (-size,)), "G3 X%.3f Y%.3f R%d F9000" % (ends[points // 2 + 1] + (size,)), "M5", "G0 X0 Y0"]
 
 
+def play():
+    """All that turns axes with lost motion round: zigzags, circles in every plane, helices, short lines, one axis alone, inverse time."""
+    lines = ["G21 G90 G17 F1500", "G0 X20 Y20 Z-5", "M3 S1000"]
+    lines += ["G1 X%.3f Y%.3f Z%.2f" % (20 + k / 2, 20 + k % 2 * 1.5, -5 - k % 3 / 4) for k in range(30)]
+    lines += ["G1 X35 Y20 Z-5", "G2 X35 Y20 I5 J0", "G3 X35 Y20 I-3 J2 Z-6 P2", "G18 G2 X35 Z-6 I2 K1", "G19 G3 Y20 Z-6 J1 K-2", "G17"]
+    lines += ["G1 X%.4f Y%.4f" % (35 + 4 * sin(k / 9), 20 + 4 * cos(k / 7)) for k in range(150)]
+    lines += ["G1 X30 F600", "X31", "X30.99", "X31", "Z-5.99", "Z-6", "G0 Y10", "X10 Y12", "G93 G1 X12 Y19 F40", "X11 Y20 F40"]
+    return lines + ["G94 G1 X11.003 Y20.003 F300", "X11 Y20", "M5", "G0 X0 Y0 Z0"]
+
+
 PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and how many lines
 
 

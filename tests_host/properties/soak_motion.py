@@ -2,6 +2,7 @@
 
     python tests_host/properties/soak_motion.py 0 1000              # programs 0 … 999, the kinds in turn
     python tests_host/properties/soak_motion.py 0 1000 corexy       # on one belt: the limits of motors and axes
+    python tests_host/properties/soak_motion.py 0 1000 backlash     # with lost motion: those, and where carriages end that have it
 
 Prints every program that fails, and last, for all: programs, blocks, segments, the worst change of speed as a part of
 what is allowed, the most steps an axis made in 20 ms beyond its speed × 1.01, less its share of the dominant axis's, the
@@ -10,6 +11,7 @@ worst time as a part of that of the planner in floats, and how many failed.
 
 import sys
 
+import check_backlash
 import check_corexy
 import check_motion
 
@@ -17,7 +19,7 @@ KINDS = check_motion.CASES["check_limits"][1][2:]
 
 
 def soak(first, last, machine="cartesian"):
-    hold_limits = {"cartesian": check_motion, "corexy": check_corexy}[machine].hold_limits
+    hold_limits = {"cartesian": check_motion, "corexy": check_corexy, "backlash": check_backlash}[machine].hold_limits
     blocks = segments = failed = 0
     change = over = slower = 0.0
     for seed in range(first, last):

@@ -21,7 +21,7 @@ from host_tools.drawings.objects import objects
 from host_tools.kernels.inline import inlined
 from passo.protocols.torch import protocol as torch
 from passo.protocols.plotter.host import COMMANDS, packet
-from gcode_jobs import all_jobs, star
+from gcode_jobs import all_jobs, play, star
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 pytestmark = pytest.mark.unmeasured
@@ -133,6 +133,13 @@ def test_two_motors_on_one_belt(tmp_path):
     job = tmp_path / "job.gcode"
     job.write_text("".join(f"{line}\n" for line in star()))
     compare_gcode("star", job, "corexy_plotter")
+
+
+@pytest.mark.quick
+def test_lost_motion(tmp_path):
+    job = tmp_path / "job.gcode"
+    job.write_text("".join(f"{line}\n" for line in play()))
+    compare_gcode("play", job, "router_ballscrew")
 
 
 # Played forward, back from the middle and forward again, twice, and then streamed.

@@ -197,3 +197,37 @@ def test_the_pattern_draws_each_length_so_often(tmp_path, capsys):
         run(table, board="router_3axis")
     with pytest.raises(Failure, match="two different lengths"):
         run(tmp_path / "other.txt", pattern=lines, lengths="10")
+
+
+def lengths(backlash, offset=0.0, both=True):
+    rows = made(1.0, backlash, random.Random(5), sigma=0.004, both=both, offset=offset)
+    return "".join(f"x {row.commanded[0]} {row.measured} {row.sigma} 10 {'turn' if row.turn else 'same'}\n" for row in rows)
+
+
+def test_backlash_is_proposed_as_a_setting_of_a_machine_that_takes_it_up(tmp_path, capsys):
+    """On top of what is taken up already, 40 µm of this board; none of what cannot be told from chance."""
+    table = tmp_path / "table.txt"
+    for play, offset, both, said in (
+        (0.1, 0.3, True, "$160=0.1"), (-0.03, 0.3, True, "$160=0.01"), (0.1, 0.0, False, "if the readings have no offset"), (2.5, 0.0, True, "more than can be taken up"),
+    ):  # fmt: skip
+        table.write_text(lengths(play, offset, both))
+        run(table, board="router_ballscrew", reading=0.001)
+        assert said in capsys.readouterr().out, play
+    table.write_text(lengths(0.0))
+    run(table, board="router_ballscrew", reading=0.01)
+    assert "$160" not in capsys.readouterr().out
+    table.write_text(lengths(0.1))
+    run(table, board="router_3axis", reading=0.001)
+    assert 'key "backlash" in the board file: "x": 1' in capsys.readouterr().out
+
+
+def test_backlash_is_written_to_the_machine(tmp_path, capsys):
+    table = tmp_path / "table.txt"
+    table.write_text(lengths(0.1))
+    with Running("fast", backlash={"x": 20}) as running:
+        run(table, port=running.line.name, write=True, reading=0.001)
+        assert "written: $160=0.1" in capsys.readouterr().out
+        with GrblClient(running.line.name) as client:
+            client.connect()
+            kept = next(line for line in client.command("$$") if line.startswith("$160="))
+    assert float(kept[5:]) == pytest.approx(0.12, abs=0.006)

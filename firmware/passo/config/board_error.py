@@ -29,7 +29,8 @@ def check_shape(value, depth=_DEPTH):
 
 
 def own_rules(board, rules):
-    """(the module of a key that most boards do not have, or None, `rules` with its own): KEY_keys.py, whose RULES have the key."""
+    """([the modules of keys that most boards do not have], `rules` with theirs): KEY_keys.py, whose RULES have the key."""
+    own = ()
     for key in board if isinstance(board, dict) else ():
         if key not in rules and isinstance(key, str) and "." not in key:
             try:
@@ -39,5 +40,5 @@ def own_rules(board, rules):
             if key in module.RULES:
                 rules = dict(rules)
                 rules.update(module.RULES)
-                return module, rules
-    return None, rules
+                own += (module,)
+    return own, rules

@@ -206,8 +206,8 @@ def check(board):
         raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _check_interlock(board)
-    if own:
-        own.check(board)
+    for module in own:
+        module.check(board)
     modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
     if board["drive"]["mode"] not in modes.split(", "):
         raise BoardError("drive.mode: %r is none of %s, those of %s" % (board["drive"]["mode"], modes, board["drive"]["kind"]))

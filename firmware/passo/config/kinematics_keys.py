@@ -6,14 +6,15 @@ RULES = {
     "kinematics": ("none", "corexy"),  # a module of motion; "none": each motor moves its own axis
     "motion": (str, "", 0, 16),  # set by check() to the module's name, "" if none. The rest of the firmware reads this key: its word is one that
     # all boards have in memory, and `kinematics` would take room in boards without it
+    "queue": (str, "mapped_queue", 0, 16),  # the module of control with its queue
 }
 
 
 def check(board):
     kind = board["kinematics"]
-    board["motion"] = "" if kind == "none" else kind
     if kind == "none":
         return
+    board["motion"] = kind
     unfit = [other for other in ("gantry", "encoders", "weaving", "step_program") if board[other]]
     if board["homing"] and board["homing"]["latch"]:
         unfit.append("homing.latch")

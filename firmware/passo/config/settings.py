@@ -47,6 +47,11 @@ class Settings:
         from passo.config import setting_table  # the app forgets it again
 
         self._table = setting_table.make(board)
+        more = board.get("settings")  # of a key that few boards have
+        if more:
+            for number in more:
+                self._table[number] = more[number]
+            more[0] = self.value
         self.numbers = sorted(self._table)
         self._changed = {}
         self._texts = {}
@@ -92,7 +97,7 @@ class Settings:
         if error:
             return error
         self._changed[number] = value
-        if number - STEPS in (0, 1) and self._board.get("motion"):
+        if number - STEPS in (0, 1) and self._board.get("motion") and "settings" not in self._board:
             self._changed[STEPS] = self._changed[STEPS + 1] = value  # one belt
         if number == HOMING and not value:
             self._changed[SOFT_LIMITS] = 0

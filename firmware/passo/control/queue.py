@@ -42,9 +42,10 @@ class Queue:
         """The same in an array that is good until something asks the feeder again."""
         return self._from_origin(self._feeder.found(self._player.played()))
 
-    def look(self):
+    def look(self, played=None):
         """See where the machine is, and what it does, at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
-        played = self._player.played()
+        if played is None:
+            played = self._player.played()
         seen = self.seen
         self._feeder.look(played, self._origin, self.here, seen)
         if self.chords:

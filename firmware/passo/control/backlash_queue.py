@@ -1,0 +1,61 @@
+"""The queue of a machine with lost motion (motion/backlash.py): positions are the axes', what the feeder counts the motors'.
+
+Commands, travel, homing, halts and reports know nothing of what is taken up. A machine stopped while it takes up play is told where its
+axes are, and the next block takes up what is missing.
+"""
+
+from passo.control.stream_queue import StreamQueue
+
+
+class Queue(StreamQueue):
+    def __init__(self, board, planner, feeder, player, port):
+        StreamQueue.__init__(self, board, planner, feeder, player, port)
+        planner.follow(self._motors)
+
+    def _motors(self):
+        return self._feeder.found(self._player.played())
+
+    def _see(self, ask):
+        """ask(), while no interrupt retires blocks: what was retired last then belongs to the position."""
+        feeder = self._feeder
+        fed = feeder.open
+        feeder.open = False
+        found = ask()
+        feeder.open = fed
+        return found
+
+    def look(self):
+        self._see(self._look)
+
+    def _look(self):
+        played = self._player.played()
+        self._feeder.retire(played)
+        StreamQueue.look(self, played)
+        self._planner.turn(self.here)
+
+    def _since_start(self):
+        played = self._player.played()
+        self._feeder.retire(played)
+        return self._planner.turn(self._feeder.found(played))
+
+    def found(self):
+        return self._from_origin(self._see(self._since_start))
+
+    def axis(self, axis):
+        return self._see(self._since_start)[axis]
+
+    def set_origin(self, axes=-1):
+        found = self._see(self._since_start)
+        for axis in range(len(found)):
+            if axes >> axis & 1:
+                self._origin[axis] = found[axis]
+        self.settle()
+
+    def drop(self):
+        self.retire()
+        self._planner.stop(self._motors())
+        StreamQueue.drop(self)
+        self.settle()
+
+    def room(self):
+        return max(StreamQueue.room(self) - 1, 0)

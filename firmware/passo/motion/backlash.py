@@ -1,0 +1,187 @@
+"""The planner of a machine with lost motion: each reversal takes it up in its own block, without a stop.
+
+    planner = backlash.Planner(3, board)        # as of backlash_keys.py: board["settings"][0](160) are µm of X
+    planner.follow(feeder_position)             # where the motors stand, as a function
+    planner.turn(motors)                        # positions of the motors to those of the axes, of what has been retired
+
+    motor    ____╱╲            An axis moves with its motor once the play is taken up: what is taken up, 0 … play, is `taken`,
+             ╱     ╲           all of it behind a move forth, nothing behind one back. Motor = axis + taken + `offset`.
+    axis   ╱  ‾‾‾╲   ╲
+         ╱  play →   ╲
+
+A line that turns an axis round gets the steps that are missing. They come in its first part, as long as the corner rule asks for:
+there the axis may gain the speed at once with which a corner may be passed, √(8 · acceleration · junction deviation); a shorter line
+takes them as a whole. The planner limits both parts as any line, so no motor passes its limits, and the end of each block is
+the axis's to the step. Arcs come in chords: each quadrant turns an axis round.
+
+What a block takes up is exact at any step of it: an axis goes one way within a block, so
+taken = taken at its beginning + the motor's steps since, within 0 … play. `_begins` keeps both for each row of the queue.
+"""
+
+from array import array
+
+from passo.memory import zeros
+from passo.motion import planner
+from passo.motion.integers import isqrt
+from passo.records import *
+
+
+class Planner(planner.Planner):
+    def __init__(self, axes, board):
+        planner.Planner.__init__(self, axes)
+        self._settings = board["settings"]
+        self._plays, self._taken, self._offset, self._motors, self._first, self._rest = [array("i", [0] * axes) for _ in range(6)]
+        self._begins = zeros(QUEUE_SIZE * 2 * axes)  # of each row: where the motors are at its beginning, and what is taken up there
+        self._where = None
+        self._lost = True  # `_motors` is to be asked for
+        self.plays = False  # an axis has play
+
+    def follow(self, where):
+        self._where = where
+
+    def limits(self, limits):
+        limits = planner.Planner.limits(self, limits)
+        self.plays = False
+        for axis in range(self.axes):
+            play = (self._settings[0](160 + axis) * limits.steps_per_m[axis] + 500_000) // 1_000_000
+            taken = self._taken[axis]
+            now = play if taken == self._plays[axis] and taken else min(taken, play)
+            self._offset[axis] += taken - now  # the axis stays where it is told to be
+            self._taken[axis] = now
+            self._plays[axis] = play
+            self.plays = self.plays or play > 0
+        self._lost = True
+        if self.plays:
+            self.ready = False
+        return limits
+
+    def turn(self, motors):
+        """`motors`, where they are as blocks have been retired last, becomes where the axes are."""
+        indices = self.indices
+        retired = indices[QUEUE_RETIRED]
+        amid = retired != indices[QUEUE_ADDED] and self.plays
+        at = retired % QUEUE_SIZE * 2 * self.axes
+        for axis in range(self.axes):
+            motors[axis] -= self._offset[axis] + (self._along(at, axis, motors[axis]) if amid else self._taken[axis])
+        return motors
+
+    def _along(self, at, axis, motor):
+        """What is taken up as `motor` stands there, in the row whose beginning is _begins[at:]."""
+        taken = self._begins[at + self.axes + axis] + motor - self._begins[at + axis]
+        return max(0, min(taken, self._plays[axis]))
+
+    def stop(self, motors):
+        """The motors have been stopped there, perhaps amid a block, and all that is queued is going to be dropped."""
+        indices = self.indices
+        retired = indices[QUEUE_RETIRED]
+        if retired != indices[QUEUE_ADDED] and self.plays:
+            for axis in range(self.axes):
+                self._taken[axis] = self._along(retired % QUEUE_SIZE * 2 * self.axes, axis, motors[axis])
+        self._lost = True
+
+    def room(self):
+        """One less: a line may take two blocks."""
+        return max(planner.Planner.room(self) - 1, 0)
+
+    def _add(self, at, kind, tool, tag, rapid=False, first=0):
+        if self.plays:
+            if self._lost:
+                self._find()
+            begins = at // self._stride * 2 * self.axes
+            for axis in range(self.axes):
+                self._begins[begins + axis] = self._motors[axis]
+                self._begins[begins + self.axes + axis] = self._taken[axis]
+        planner.Planner._add(self, at, kind, tool, tag, rapid, first)
+
+    def _find(self):
+        self._lost = False
+        where = self._where()
+        for axis in range(self.axes):
+            self._motors[axis] = where[axis]
+
+    def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
+        if not self.plays or not self._split(deltas, ticks, speed_nm_s):
+            planner.Planner.line(self, deltas, ticks, tool, tag, rapid, speed_nm_s)
+            self._go(deltas)
+            return
+        first, rest = self._first, self._rest
+        power = self.power
+        some, others = self._parts(deltas, ticks)
+        if any(rest):
+            planner.Planner.fits(self, rest, others, speed_nm_s)
+        planner.Planner.fits(self, first, some, speed_nm_s)
+        if power > POWER_MOST:
+            self.power = 0  # the row of dots is the second part
+        planner.Planner.line(self, first, some, tool, tag, rapid, speed_nm_s)
+        self.power = power
+        self._go(first)
+        if any(rest):
+            planner.Planner.line(self, rest, others, tool, tag, rapid, speed_nm_s)
+            self._go(rest)
+
+    def fits(self, deltas, ticks, speed_nm_s):
+        if self.plays and self._split(deltas, ticks, speed_nm_s):
+            some, others = self._parts(deltas, ticks)
+            planner.Planner.fits(self, self._first, some, speed_nm_s)
+            deltas, ticks = self._rest, others
+            if not any(deltas):
+                return
+        planner.Planner.fits(self, deltas, ticks, speed_nm_s)
+
+    def _go(self, ways):
+        """A line by `ways` of the motors has been queued."""
+        if self.plays:
+            for axis in range(self.axes):
+                way = ways[axis]
+                if way:
+                    self._motors[axis] += way
+                    self._taken[axis] = self._plays[axis] if way > 0 else 0
+
+    def _split(self, deltas, ticks, speed_nm_s):
+        """The two parts of a line that turns an axis round, in `_first` and `_rest`; False if it turns none."""
+        turned = False
+        first, rest = self._first, self._rest
+        for axis in range(self.axes):
+            way = deltas[axis]
+            rest[axis] = way
+            first[axis] = 0 if not way else self._plays[axis] - self._taken[axis] if way > 0 else -self._taken[axis]
+            turned = turned or first[axis] != 0
+        if not turned:
+            return False
+        length = self._limits.length(deltas)
+        part = 0 if self.power > POWER_MOST else min(self._reach(length, ticks, speed_nm_s), length)
+        if 2 * part > length:
+            part = length
+        for axis in range(self.axes):
+            way = abs(deltas[axis]) * part // length
+            way = way if deltas[axis] > 0 else -way
+            first[axis] += way
+            rest[axis] -= way
+        return True
+
+    def _reach(self, length, ticks, speed_nm_s):
+        """How far along the path, in nm, the play in `_first` is taken up."""
+        limits = self._limits
+        if ticks:
+            speed_nm_s = length * TICKS_PER_S // ticks
+        speed_nm_s = min(speed_nm_s or limits.fastest, limits.fastest)
+        most = 0
+        for axis in range(self.axes):
+            if self._first[axis]:
+                play = abs(self._first[axis]) * NM_PER_M // limits.steps_per_m[axis]
+                gain = isqrt(8 * limits.accelerations[axis] * limits.junction_deviation) or 1
+                most = max(most, play * speed_nm_s // gain, play)
+        return most
+
+    def _parts(self, deltas, ticks):
+        """How long the two parts last if the line has to last `ticks`, at the same speed as without play."""
+        if not ticks:
+            return 0, 0
+        length = self._limits.length(deltas)
+        return [ticks * self._limits.length(ways) // length or 1 for ways in (self._first, self._rest)]
+
+    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True,
+            over_half=None):
+        if self.plays:
+            raise ValueError("an arc turns axes round: chords")
+        planner.Planner.arc(self, deltas, plane, center, tool, clockwise, turns, speed_nm_s, ticks, tag, queued, over_half)
