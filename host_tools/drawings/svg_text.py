@@ -22,6 +22,7 @@ from host_tools.language import N_, _
 _EM = 100.0  # matplotlib makes letters of this size
 _GENERIC = {"sans-serif": "sans-serif", "serif": "serif", "monospace": "monospace", "cursive": "cursive",
             "fantasy": "fantasy", "system-ui": "sans-serif", "sans": "sans-serif"}  # fmt: skip
+_USUAL = "Times New Roman,Liberation Serif,serif"  # of a text that names no font, as in browsers
 _DEEPEST = 100
 _SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
@@ -267,7 +268,7 @@ def _baseline(name, size):
 
 def _font(style, left_out):
     families = tuple(
-        part.strip().strip("'\"") for part in style.get("font-family", "sans-serif").split(",") if part.strip()
+        part.strip().strip("'\"") for part in style.get("font-family", _USUAL).split(",") if part.strip()
     )
     weight = style.get("font-weight", "normal")
     slant = style.get("font-style", "normal")

@@ -78,6 +78,7 @@ def agreement(ink, lines, near):
 
 
 SVG = {
+    "a text that names no font": '<text x="8" y="60" font-size="20" stroke="none" fill="black">10mm snap</text>',
     "a switch takes the language": '<switch><path systemLanguage="pt,de" d="M10 10h90"/><path systemLanguage="en" d="M10 30h90"/><path d="M10 50h90"/></switch>',
     "a switch without a language that suits": '<switch><path systemLanguage="fi" d="M10 10h90"/><path d="M10 50h90"/></switch>',
     "a switch passes over extensions": '<switch><path requiredExtensions="http://x" d="M10 10h90"/><path d="M10 50h90"/></switch>',
@@ -112,7 +113,7 @@ def test_the_edge_of_an_area_is_closed(tmp_path, shape, ends):
 
 
 # What rsvg-convert 2.54 does not do.
-BROWSER = ("css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters")
+BROWSER = ("a text that names no font", "css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters")
 
 
 @pytest.mark.parametrize("name", SVG)
