@@ -463,3 +463,22 @@ def test_random_programs():
         motions += len(kept)
         nested += sum(1 for row in text.splitlines() if row.startswith("o"))
     assert motions > 3000 and nested > 1000
+
+
+@pytest.mark.parametrize("program, line", [
+    ("o1 while [1]\ng1 x1 f100\ng1 x2\no1 endwhile", 4), ("o1 do\ng4 p1\no1 while [#1 lt 5]", 3),
+    ("o1 while [1]\n#1=[1-#1]\no1 endwhile", 3), ("o1 sub\no2 while [1]\nm70\nm72\no2 endwhile\no1 endsub\no1 call", 5),
+])  # fmt: skip
+def test_a_loop_that_changes_nothing_is_found_at_once(program, line):
+    with pytest.raises(ProgramError) as found:
+        compiled(program, bound=1_000_000, most=5000)
+    assert (found.value.number, found.value.place.line) == (334, line)
+
+
+@pytest.mark.parametrize("loop, after", [
+    ("#1=[#1+1]\no1 while [#1 lt 3000]", 3000), ("#1=[1-#1]\n#2=[#2+1]\no1 while [#2 lt 2999]", 1),
+    ("#<a>=[#<_value_returned>]\n#<b>=[#<b>+1]\n#1=#<b>\no1 while [#<b> lt 2500]", 2500), ("g91 g0 x1\n#1=#5420\no1 while [#5420 lt 2500]", 2500),
+])  # fmt: skip
+def test_a_long_loop_that_ends_is_carried_out(loop, after):
+    listing = compiled(f"#<b>=0\no1 do\n{loop}\ng90 g0 y#1")
+    assert listing.codes[-1].split()[-1] == f"Y{after}"

@@ -1,10 +1,10 @@
 """The order in which the lines of an NGC program are carried out: subroutines, loops and conditions by O words; subprograms of M98.
 
-    flow = Flow(name, text, values, saved, bound)
+    flow = Flow(name, text, values, saved, state, bound)
     for line in flow: …         # a Line to carry out; flow.end() ends the program
 
 Labels are matched before anything runs, each within its file. `values` has enter(arguments) and leave(value) for calls of subroutines, `saved`
-enter() and leave() for all calls.
+enter() and leave() for all calls; `state()` returns the rest of what the program depends on, in plain values.
 """
 
 import re
@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from host_tools.programs.listing import Source
 from host_tools.programs.ngc.blocks import clean
+from host_tools.programs.ngc.endless import Passes, plain
 from host_tools.programs.ngc.expressions import Cursor, half_away
 from host_tools.programs.program_errors import (
     DEPTH, ENDLESS, LABEL, NO_END, NO_PROGRAM, SYNTAX, UNKNOWN_NAME, ProgramError,
@@ -45,7 +46,7 @@ class _Part:
 
 
 class Flow:
-    def __init__(self, name, text, values, saved, bound, find=None, skip=False):
+    def __init__(self, name, text, values, saved, state, bound, find=None, skip=False):
         """`find(label)`: (name, text) of the file with a subroutine, or None; `skip`: leave out lines that begin with /."""
         self._values, self._saved = values, saved
         self._bound = bound
@@ -61,6 +62,7 @@ class Flow:
         self._at = 0
         self._calls = []  # [number of the line behind the call, counts of its loops, first line of a subprogram of M98 or None, runs left]
         self._counts = {}  # of repeat, by the number of its line
+        self._passes = Passes(lambda: (state(), plain(self._calls), plain(self._counts)))
         self._done = 0
 
     # --- reading
@@ -273,11 +275,13 @@ class Flow:
         goes_on = self._value(line)
         if part.kind == "do":
             if goes_on:
+                self._passes.count(part.begin)
                 self._at = part.begin + 1
         elif not goes_on:
             self._at = part.end + 1
 
     def _do_endwhile(self, number, line, part):
+        self._passes.count(part.begin)
         self._at = part.begin
 
     def _do_repeat(self, number, line, part):

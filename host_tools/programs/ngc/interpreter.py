@@ -11,6 +11,7 @@ from host_tools.programs.ngc.codes import (
     ARC_DISTANCE, AXIS_COMMANDS, CALLING, CHANGE, COOLING, CUTTER, CYCLES, DISTANCE, FEED_MODE, G_GROUPS, LENGTH, M_GROUPS, MOTION,
     NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, SAVING, SPLINES, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
 )  # fmt: skip
+from host_tools.programs.ngc.endless import plain
 from host_tools.programs.ngc.flow import Flow
 from host_tools.programs.ngc.motions import Motions
 from host_tools.programs.ngc.saved_modes import SavedModes
@@ -21,6 +22,7 @@ from host_tools.programs.program_errors import (
 from host_tools.programs.toolpath import Toolpath, number
 
 INCH_MM = 25.4
+_NO_STATE = ("path", "values", "saved", "flow", "words", "listing", "source", "_told", "_modes")  # parts of the interpreter, and of a line
 
 
 def compile_program(name, text, listing, tools=None, start=(None, None, None), bound=1_000_000, find=None, skip=False):
@@ -29,7 +31,7 @@ def compile_program(name, text, listing, tools=None, start=(None, None, None), b
     file and line."""
     path = Toolpath(listing, start)
     interpreter = Interpreter(path, dict(tools or {}))
-    flow = interpreter.flow = Flow(name, text, interpreter.values, interpreter.saved, bound, find, skip)
+    flow = interpreter.flow = Flow(name, text, interpreter.values, interpreter.saved, interpreter.state, bound, find, skip)
     for line in flow:
         path.source = line.source
         if listing.progress:
@@ -52,6 +54,11 @@ class Interpreter(Motions):
         self.values = State(self._told())
         self.saved = SavedModes(self)
         self.flow = None
+
+    def state(self):
+        """All that the lines to come depend on, in plain values. Raises TypeError while a contour is compensated."""
+        parts = (self, self.path, self.values, self.saved)
+        return tuple(plain({key: each for key, each in vars(part).items() if key not in _NO_STATE}) for part in parts)
 
     def _told(self):
         """Parameters by which the program can ask for its state."""
