@@ -7,7 +7,6 @@ import re
 import pytest
 from gantry import START, Router, board
 
-from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
 from passo import errors
 from passo.config.board_error import BoardError
@@ -19,9 +18,10 @@ PULL_OFF = 640
 RACK = 200
 
 
-def machine(gantry=True, encoders=(), start=(3000, 2500, -1800), homing=None, options=None, **changes):
-    """A Router with `homing` keys changed."""
+def machine(gantry=True, encoders=(), start=(3000, 2500, -1800), homing=None, options=None, axes=None, **changes):
+    """A Router with `homing` keys changed, and with `axes`, if there are any, for its own."""
     made = board(encoders, **changes)
+    made["axes"] = axes or made["axes"]
     if not gantry:
         made["gantry"] = None
         del made["gantry"]
@@ -174,7 +174,8 @@ FAULTS = [
 @pytest.mark.parametrize("faults, alarm", FAULTS, ids=lambda item: str(item))
 @pytest.mark.parametrize("order", ("zxy", " zxy"))
 def test_every_failure_ends_in_its_alarm_and_within_its_distance(faults, alarm, order):
-    router = machine(options={"faults": faults, "bounce_ms": 1}, homing={"order": order})
+    axes = [{**axis, "travel_steps": axis["travel_steps"] // 4} for axis in board()["axes"]]
+    router = machine(options={"faults": faults, "bounce_ms": 1}, homing={"order": order}, axes=axes)
     start = list(router.plant.position)
     router.machine.send(b"$H\n")
     router.machine.run_until(lambda: b"Grbl 1.1h" in router.machine.received(), 60_000)
@@ -182,7 +183,7 @@ def test_every_failure_ends_in_its_alarm_and_within_its_distance(faults, alarm, 
     assert f"ALARM:{alarm}\r\n" in said and "ok\r\n" in said, said
     assert router.controller.machine.alarm == 200 + alarm and not router.controller.machine.homed
     assert abs(router.plant.racked()) <= RACK + 1
-    for axis, at, begun in zip(boards.load("router_3axis")["axes"], router.plant.position, start):
+    for axis, at, begun in zip(axes, router.plant.position, start):
         assert abs(at - begun) <= axis["travel_steps"] + 2 * max(axis["travel_steps"] // 10, 5 * PULL_OFF)
     for name in faults:
         router.plant.barriers[name]._fault = None
