@@ -23,6 +23,7 @@ CASES = {
     "check_unequal_axes": (("seed", "seed"), ("way", 0, 3), ("form", "choice", "centre", "radius", "sweep")),
 }
 RUNS = {"check_any_arc": 150, "check_tiny_arcs": 200, "check_nearly_whole_turns": 100, "check_unequal_axes": 60}
+NOT_QUICK = ("check_turns_on_top", "check_grbls_rule")
 
 
 def words_of(letters, values):

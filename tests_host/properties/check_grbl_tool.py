@@ -8,6 +8,7 @@ CASES = {"check_nothing_moves_before_the_spindle": (("seed", "seed"),)}
 RUNS = {"check_nothing_moves_before_the_spindle": 8}
 SPIN_UP_MS = 400
 COOLANT_MS = 250
+NOT_QUICK = ("check_nothing_moves_before_the_spindle",)
 
 
 class Watched(World):

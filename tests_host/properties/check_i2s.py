@@ -27,6 +27,7 @@ SECTION = {"clock": 16, "latch": 17, "data": 21, "enable": -1}
 SENT_US = 16_384 + 2048  # frames on their way, and time to the next pump
 LATE_US = 11_000  # a pump may come so much later than after 2 ms
 FRAME = 50
+NOT_QUICK = ("check_words_of_every_kind",)
 
 
 class Counting:

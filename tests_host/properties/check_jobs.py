@@ -14,7 +14,11 @@ CASES = {
     "check_a_bit_that_is_wrong": (("at", 0, 200), ("bit", 0, 7), ("card", 0, 1)), "check_a_job_that_changes_as_it_runs": (("piece", 0, 12),),
 }  # fmt: skip
 RUNS = {"check_a_bit_that_is_wrong": 12, "check_a_job_that_changes_as_it_runs": 4}
-NOT_QUICK = ("check_a_bit_that_is_wrong", "check_a_job_that_changes_as_it_runs", "check_a_file_that_goes_between_proof_and_run")
+NOT_QUICK = (
+    "check_a_bit_that_is_wrong", "check_a_job_that_changes_as_it_runs", "check_a_file_that_goes_between_proof_and_run",
+    "check_files_of_strangers", "check_a_start", "check_a_folder_of_hundreds_of_jobs",
+    "check_a_change_that_makes_a_line_wrong", "check_a_button", "check_a_damaged_job_stays_on_the_card",
+)  # fmt: skip
 CARD = {"spi": 0, "sck": 22, "mosi": 19, "miso": 20, "cs": 21}
 SQUARE = b"F3000\n" + "".join(["G1X%d.%dY%d\n" % (number % 9, number % 7, number % 5) for number in range(200)]).encode()
 

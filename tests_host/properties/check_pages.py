@@ -18,6 +18,7 @@ BRAKES_MS = 50  # the longest way to a stand of these, from SPEED
 BRAKED_MS = 66  # from the order on, if it overtakes nothing: less than the way that is queued ahead of any of these
 OVERTAKEN_MS = 145  # where a piece of the jog comes behind the brake, and has to be braked as well
 ENDS_MS = 80  # a jog that is let go, or whose page has gone: what is sent, and what is in the pins' queue
+NOT_QUICK = ("check_a_jog_that_is_let_go_brakes", "check_a_jog_ends_with_its_lease")
 
 
 def ready(served, language):

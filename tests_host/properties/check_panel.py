@@ -25,7 +25,7 @@ CASES = {
     "check_a_lease": (("events", "list", 30, ("what", 0, 3), ("number", 0, 4), ("wait_ms", 0, 260)),),
 }
 RUNS = {"check_noise_moves_nothing": 15, "check_a_late_keep_revives_nothing": 4, "check_a_lease": 60}
-NOT_QUICK = ("check_a_target_beyond_the_travel", "check_directions_of_every_size")
+NOT_QUICK = ("check_a_target_beyond_the_travel", "check_directions_of_every_size", "check_the_line_beyond_the_travel")
 
 
 def check_hmac_is_that_of_rfc_4231():

@@ -25,6 +25,7 @@ STEP_NM = 12_500
 # About 1300 commands: all codes, three speeds, the tool, waits.
 PICTURE = "[+1000(" + "A" * 90 + "*7" + "GHIJ" * 40 + ")+2200" + "KLMNOPQR" * 30 + "($STUVWXYZ" * 20 + "@)"
 PICTURE += "CD" * 150 + "*30(+600" + "C" * 40 + "BD" * 60 + ")]"
+NOT_QUICK = ("check_interrupted_and_returned",)
 
 
 def codes_of(text):

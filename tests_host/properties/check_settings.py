@@ -17,6 +17,7 @@ CASES = {
     "check_noise_in_both_slots": (("first", "bytes", 60), ("second", "bytes", 60)),
     "check_flipped_bits": (("seed", "seed"),),
 }
+NOT_QUICK = ("check_power_cut_at_every_byte",)
 
 
 class CutSlots(MemorySlots):
