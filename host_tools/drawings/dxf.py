@@ -7,10 +7,13 @@ Blocks, splines, ellipses, bulges, dimensions, hatches and text (as outlines of 
 that the file names, else in mm. Layers that are off or frozen are left out; pictures are counted in `left_out`.
 """
 
+import io
 import logging
+from pathlib import Path
 
 import numpy
 
+from host_tools.drawings.dxf_repair import repaired
 from host_tools.drawings.page import Page
 from host_tools.failure import Failure, reason
 
@@ -31,16 +34,29 @@ def is_dxf(first):
     return len(lines) > 1 and lines[0] == b"0" and lines[1] == b"SECTION"
 
 
+def _read(path):
+    """ezdxf's document. Raises what ezdxf does."""
+    from ezdxf import recover
+    from ezdxf.lldxf.const import DXFError
+
+    try:
+        return recover.readfile(path)[0]
+    except DXFError:
+        better = repaired(Path(path).read_bytes())
+        if better is None:
+            raise
+        return recover.read(io.BytesIO(better))[0]
+
+
 class DxfFile:
     def __init__(self, path):
         """Raises Failure if the file cannot be read."""
-        from ezdxf import recover
         from ezdxf.lldxf.const import DXFError
 
         self._path = path
         logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
         try:
-            self._document, audit = recover.readfile(path)
+            self._document = _read(path)
         except FileNotFoundError as error:
             raise Failure("no file {}", path) from error
         except (OSError, DXFError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:

@@ -529,3 +529,17 @@ def test_a_dxf_line_without_a_place_is_left_out_and_named(tmp_path):
     path.write_text("\n".join(map(str, [*words, 0, "ENDSEC", 0, "EOF", ""])))
     page = sources.opened(path).outlines(0.1)
     assert [len(lines) for lines in page.layers.values()] == [1] and page.left_out == {"number that is none, or that cannot be read": 1}
+
+
+@pytest.mark.parametrize("subclass", [(), (100, "AcDbEntity")])
+def test_splines_of_old_inkscape_are_drawn(tmp_path, subclass):
+    """No header, no subclass, and one handle for all: ezdxf refuses them."""
+    words = [999, "DXF created by Inkscape", 0, "SECTION", 2, "ENTITIES"]
+    for y in (0, 10):
+        words += [0, "SPLINE", 5, 43, 8, 0, 62, 256, *subclass, 70, 8, 71, 3, 72, 8, 73, 4, 74, 0]
+        words += [word for knot in (0, 0, 0, 0, 1, 1, 1, 1) for word in (40, knot)]
+        words += [word for x in (0, 10, 20, 30) for word in (10, x, 20, y, 30, 0)]
+    path = tmp_path / "a.dxf"
+    path.write_text("\n".join(map(str, [*words, 0, "ENDSEC", 0, "EOF", ""])))
+    lines = [line for lines in sources.opened(path).outlines(0.1).layers.values() for line in lines]
+    assert sorted((round(line.real.min()), round(line.real.max()), round(line.imag[0])) for line in lines) == [(0, 113, 0), (0, 113, 38)]
