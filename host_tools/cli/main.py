@@ -25,6 +25,7 @@ from host_tools.cli.machine import app as machine
 from host_tools.cli.panel import panel
 from host_tools.cli.plot import plot
 from host_tools.cli.ports import ports
+from host_tools.cli.prove import prove
 from host_tools.cli.pulses import app as pulses
 from host_tools.cli.resume import resume
 from host_tools.cli.send import send
@@ -137,7 +138,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (panel, site, wiring, board, emulate, draw, engrave, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
+for _verb in (panel, site, wiring, board, emulate, draw, engrave, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash, prove):
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(jobs, name="jobs")

@@ -18,8 +18,22 @@ class Pads:
         self._driven = set()  # pins that the chip drives
         self._listeners = {}
         self._loop_back = loop_back
+        self._watch_pulls()
         for pin in chip.gpio:
             pin.add_listener(self._changed(pin))
+
+    def _watch_pulls(self):
+        """A pin that nobody drives follows its pull as soon as a register says so."""
+        pads, first = self._chip.peripherals[0x4001C], 4
+        write = pads.write_uint32
+
+        def watched(offset, value):
+            write(offset, value)
+            gpio = offset - first >> 2
+            if 0 <= gpio < PINS and gpio not in self._driven and gpio not in self._outside:
+                self._let_go(self._chip.gpio[gpio])
+
+        pads.write_uint32 = watched
 
     def listen(self, gpio, heard):
         self._listeners.setdefault(gpio, []).append(heard)

@@ -10,7 +10,8 @@ counters and its due time move to its last pass. A register access or an edge on
 it would be. So a program costs emulation time for its instructions, not for its delays.
 
 A program that polls its pins and changes nothing from one pass to the next is parked at its wrap target until one of these pins
-changes, or a register is accessed; it then goes on in the pass where it would be.
+changes, or a register is accessed; it then goes on in the pass where it would be. One that counts its passes down in X, which it keeps
+in OSR meanwhile, is parked too.
 """
 
 from rp2040py.peripherals.pio import RPPIO
@@ -19,6 +20,7 @@ from rp2040py.utils.fifo import FIFO
 from host_tools.emulator import system_clock
 
 _NEVER = 1 << 60
+_WORD = 0xFFFFFFFF
 _CONTROL, _MEMORY, _MACHINES = 0x00, 0x48, 0xC8
 _MACHINE_SIZE, _MACHINES_END = 0x18, 0x128
 _SHIFT_CONTROL, _INSTRUCTION = 0x08, 0x10  # of one machine
@@ -46,7 +48,7 @@ class TimedPio(RPPIO):
         self._origin = self._system.cycle()  # the cycle at which the block's own count is 0
         self._skips = [None] * 4  # of each machine: (first due, turn, turns, counters, end, lasting), in 1/256 cycles
         self._passes = [None] * 4  # of each machine: (its state, due) as it last began a pass; None: something has happened since
-        self._parked = [None] * 4  # (due of the pass that it is parked at, 1/256 cycles of a pass, pins that end it)
+        self._parked = [None] * 4  # (due of the pass that it is parked at, 1/256 cycles of a pass, pins that end it, whether X counts)
         self._loops = {}  # (machine, address): what `_find_loop` found there
         self._running = False
 
@@ -167,11 +169,14 @@ class TimedPio(RPPIO):
             machine.output_shift_count, machine.rx_fifo.item_count, machine.tx_fifo.item_count,
         )  # fmt: skip
         before, self._passes[index] = self._passes[index], (state, due)
-        if before is None or before[0] != state or due <= before[1]:
+        if before is None or due <= before[1]:
+            return
+        counts = _counts(before[0], state)
+        if before[0] != state and not counts:
             return
         pins = self._polled(machine)
         if pins:
-            self._parked[index] = due, due - before[1], pins
+            self._parked[index] = due, due - before[1], pins, counts
             machine.next_due_fp = _NEVER
             self.recompute_due()
 
@@ -192,10 +197,14 @@ class TimedPio(RPPIO):
                 self._passes[index] = None
             if parked is None or gpio is not None and gpio not in parked[2]:
                 continue
-            due, period, _ = parked
+            due, period, _, counts = parked
             now = self._system.cycle() - self._origin << 8
             self._parked[index] = None
-            self.machines[index].next_due_fp = due + max(0, (now - due) // period) * period
+            machine, passes = self.machines[index], max(0, (now - due) // period)
+            machine.next_due_fp = due + passes * period
+            if counts:
+                machine.x = machine.x - passes & _WORD
+                machine.output_shift_reg = machine.output_shift_reg - passes & _WORD
             self.recompute_due()
 
     # --- delay loops
@@ -262,6 +271,12 @@ class TimedPio(RPPIO):
                 found = closing is not None and len(set(counters)) == len(counters)
                 return ((counters, turn) if found else None), lasting
         return None, lasting
+
+
+def _counts(before, state):
+    """Whether X has gone down by one since a pass began, OSR, which holds what X was, likewise, and nothing else has changed."""
+    x, osr = state[0], state[4]
+    return x == before[0] - 1 and osr == before[4] - 1 == x + 1 and before[1:4] + before[5:] == state[1:4] + state[5:]
 
 
 def install(chip):

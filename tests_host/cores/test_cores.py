@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from qemu import CORES, INSTRUCTION_CLOCK, TESTS, Core, image_of, missing, packed
 
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 from host_tools.drawings.objects import objects
 from host_tools.kernels import module
 from test_pico_frames import PREPARE

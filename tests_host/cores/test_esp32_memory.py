@@ -9,7 +9,7 @@ import shutil
 
 import pytest
 from esp32_core import Esp32
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 
 from host_tools import boards
 from host_tools.build.budget import ESP32_KB, needs

@@ -15,7 +15,7 @@ from host_tools.emulator.pico import EmulatedPico
 from host_tools.kernels import build as kernels
 from host_tools.kernels import module
 from host_tools.kernels.inline import inlined
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 import every_number
 from digest import board_named
 from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from emulated import uf2  # noqa: F401
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 from test_pico_flash import safe_us
 from test_digest import CHECKS, HEX_JOBS, golden_of_gcode, golden_of_hex, hex_job
 

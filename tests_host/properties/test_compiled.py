@@ -10,7 +10,7 @@ import tiers
 from test_digest import GOLDEN, HEX_JOBS, PULSES, digest, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, MODULES, ROOT
 
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 from host_tools.build import pc_kernels
 from host_tools.build.pc_kernels import Library, library, use_compiled
 from host_tools.build.tree import unix_tree

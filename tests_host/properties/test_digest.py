@@ -1,7 +1,7 @@
 """The step words of drawings and programmes: the same digest under CPython and MicroPython, and the same as ever.
 
 tests_host/golden/digests.txt holds `name digest words stepping` of the five objects of `make run`; gcode_digests.txt
-holds `name digest words stepping marks refused` of gcode_jobs.py and of the corpus; hex_digests.txt, as digests.txt, of
+holds `name digest words stepping marks refused` of host_tools/prove/gcode_jobs.py and of the corpus; hex_digests.txt, as digests.txt, of
 bytes sent to machines of other languages. If a change of the words is meant,
 write the new lines there: PASSO_GOLDEN=write does it for the G-code. To see what changed, compare `passo plot` of two
 traces, or print the words in `Sink.start`.
@@ -21,7 +21,7 @@ from host_tools.drawings.objects import objects
 from host_tools.kernels.inline import inlined
 from passo.protocols.torch import protocol as torch
 from passo.protocols.plotter.host import COMMANDS, packet
-from gcode_jobs import all_jobs, play, star
+from host_tools.prove.gcode_jobs import all_jobs, play, star
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 pytestmark = pytest.mark.unmeasured

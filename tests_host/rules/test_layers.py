@@ -74,7 +74,7 @@ LANGUAGE_WORDS = re.compile(r"(?<![a-z])(plotter|torch|grbl|g-?code)(?![a-z])", 
 LANGUAGE_NAMES = {"plotter", "torch", "pulses", "keys", "grbl"}
 
 # On the host, only the virtual machine brings a port to the firmware.
-HOST_WITH_PORTS = ("host_tools/sim",)
+HOST_WITH_PORTS = ("host_tools/sim", "host_tools/prove")  # the latter has a board run it
 
 
 def room_of(path):

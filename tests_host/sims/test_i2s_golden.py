@@ -8,7 +8,7 @@ import digest
 import pytest
 from check_i2s import assert_edges, bench, put, run
 from fake_esp32 import chip
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 from test_digest import HEX_JOBS, PICO_PULSES, PULSES, hex_job, hex_of, job_of
 
 from passo.records import COUNT_MASK

@@ -5,7 +5,7 @@ import sys
 
 import numpy as np
 import pytest
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 from running_router import Running
 
 from host_tools import boards

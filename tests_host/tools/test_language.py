@@ -18,6 +18,8 @@ from host_tools.clients import setting_names
 from host_tools.failure import Failure, reason
 from host_tools.programs import program_errors
 from host_tools.programs.ngc import codes
+from host_tools.prove.promises import BETTER, KEPT, PROMISES, WORSE
+from host_tools.prove.proof import PARTS
 from host_tools.resources import FIRMWARE, HOST_TOOLS, ROOT
 
 pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
@@ -36,6 +38,7 @@ HANDED_ON = {
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_counted",),
     "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
+    "prove/proof.py": ("parts", "_part", "judged"), "prove/facts.py": ("memory", "watchdog"), "prove/report.py": ("table",),
 }  # fmt: skip
 # What is printed for programs, or is a name, a number or a text that came through the catalogue before.
 AS_IT_IS = ("port", "usb", "key", "page", "passo", "run")
@@ -116,7 +119,8 @@ def helps():
 def tables():
     """Texts that a _ looks up as values of a table."""
     why = {text for table in codes.NOT_ON_BOARD.values() for text in table.values()}
-    return why | set(program_errors.TEXTS.values()) | set(map(os.strerror, REASONS))
+    why |= {text for each in PROMISES.values() for text in (each.what, each.unit, each.advice) if prose(text)} | {title for title, *_ in PARTS}
+    return why | {BETTER, KEPT, WORSE, "left out"} | set(program_errors.TEXTS.values()) | set(map(os.strerror, REASONS))
 
 
 def wanted():

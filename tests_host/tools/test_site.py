@@ -7,7 +7,7 @@ import shutil
 import subprocess
 
 import pytest
-from gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import all_jobs
 from test_digest import GOLDEN, HEX_JOBS, PULSES, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
 from test_words import Texts
 

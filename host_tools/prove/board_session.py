@@ -1,0 +1,201 @@
+"""Runs on the board, in the raw REPL after a soft reset: the machine of its board file without what it is wired to.
+
+    make({"journal": None, …}, ["outputs", …])      # changes, and keys left out
+    words({…}, […])                                 # the same machine on a port without pins: see board_words.py
+"""
+
+import gc
+import sys
+from binascii import crc32
+from time import sleep_ms, ticks_diff, ticks_ms, ticks_us
+
+import machine
+import micropython
+from machine import mem32
+
+import passo
+from board import BOARD
+from passo.ports.safe import outputs, safe
+
+safe(outputs(BOARD))  # first of all: the motors' current is off, and stays so
+try:
+    import passo_image as image
+except ImportError:
+    image = None
+if not (image and image.chosen()):
+    from passo.ports.rp2 import flash_code
+
+    flash_code.begin()
+from passo.memory import forget
+
+
+def copied(value):
+    if isinstance(value, dict):
+        return {key: copied(value[key]) for key in value}
+    return [copied(each) for each in value] if isinstance(value, list) else value
+
+
+def _checked(changes, without):
+    global start, board
+    from passo.ports.rp2.start import Start
+
+    raw = copied(BOARD)
+    for key in without:
+        raw.pop(key, None)
+    raw.update(changes)
+    start = Start(BOARD)
+    start.loading()
+    from passo.config.boardfile import check
+
+    board = check(raw)
+    forget("passo.config.boardfile")
+    forget("passo.config.chip_pins")
+    gc.collect()
+    start.keep(board)
+
+
+def _loaded():
+    from passo.app import App
+    from passo.machine_builder import load_all
+
+    start.load(board)
+    load_all(board)
+    start.loaded()
+    return App
+
+
+def _app(App, made):
+    global port, app, planner, feeder, player
+    port = made
+    app = App(board, port, None, None, start.rooms)
+    start.rooms = None
+    planner, feeder, player = app.planner, app.feeder, app.player
+    forget("passo.machine_builder")
+    gc.collect()
+    gc.threshold(-1)
+
+
+def make(changes, without):
+    _checked(changes, without)
+    App = _loaded()
+    _app(App, start.port(board))
+
+
+def words(changes, without):
+    _checked(changes, without)
+    _app(_loaded(), Words())
+
+
+def collected():
+    """Microseconds of a collection, bytes free, and the largest piece."""
+    begun = ticks_us()
+    gc.collect()
+    took = ticks_diff(ticks_us(), begun)
+    low, high = 0, gc.mem_free()
+    free = high
+    while high - low > 64:
+        middle = (low + high) // 2
+        try:
+            bytearray(middle)
+            low = middle
+        except MemoryError:
+            high = middle
+        gc.collect()
+    return took, free, low
+
+
+def level(pin):
+    return mem32[0xD0000004] >> pin & 1
+
+
+def pull(pin, up):
+    """Let the pad's own resistor pull; whatever is wired to the pin is stronger."""
+    at = (0x40038000 if "RP2350" in sys.implementation._machine else 0x4001C000) + 4 + 4 * pin
+    mem32[at] = mem32[at] & ~12 | (8 if up else 4)
+
+
+def queue(lines):
+    for deltas, ticks in lines:
+        planner.line(deltas, ticks, False)
+    planner.flush()
+    app.controller.machine.awake = True
+
+
+def play(lines, witness):
+    """Play lines to their end under the witness's eyes."""
+    queue(lines)
+    witness.start()
+    end = ticks_ms() + 5000
+    while (not planner.empty() or player.busy()) and ticks_diff(end, ticks_ms()) > 0:
+        app.cycle()
+    witness.stop()
+    print("\n=", feeder.late, witness.taken, 1 if planner.empty() else 0)
+    witness.show()
+
+
+def clear():
+    """Forget a stop: its input has been let go."""
+    for _ in range(3):
+        app.cycle()
+    planner.clear()
+    state = app.controller.machine
+    state.abort()
+    state.alarm = 0
+    feeder.open = True
+    app.cycle()
+
+
+def halt(lines, witness, other, pin, active, after_ms):
+    """Start lines, and after so many ms have the input pulled to its active level; then let it go and forget the alarm."""
+    queue(lines)
+    witness.start(other)
+    end = ticks_ms() + after_ms
+    while ticks_diff(end, ticks_ms()) > 0:
+        app.cycle()
+    pull(pin, active)
+    end = ticks_ms() + 20
+    while ticks_diff(end, ticks_ms()) > 0:
+        app.cycle()
+    witness.stop()
+    other.stop()
+    reached = level(pin) == active
+    where = feeder.position(player.played())
+    pull(pin, not active)
+    sleep_ms(1)
+    clear()
+    print("\n=", 1 if reached else 0, *where)
+    witness.show()
+    other.show()
+
+
+def take(count):
+    """Read bytes of the link, and then send as many back. Prints how many came and their checksum."""
+    line = app.links[0].serial
+    micropython.kbd_intr(-1)
+    came = sum = 0
+    last = ticks_ms()
+    while came < count and ticks_diff(ticks_ms(), last) < 1000:
+        data = line.read()
+        if data:
+            came += len(data)
+            sum = crc32(data, sum)
+            last = ticks_ms()
+    micropython.kbd_intr(3)
+    print("took", came, sum)
+    out = bytes(range(128, 256))
+    for _ in range(count // 128):
+        sys.stdout.buffer.write(out)
+
+
+def serve(silent_ms):
+    """The machine's main loop, until nothing has come for so long."""
+    micropython.kbd_intr(-1)
+    line = app.links[0].serial
+    print("ready")
+    last = ticks_ms()
+    while ticks_diff(ticks_ms(), last) < silent_ms:
+        if line.any():
+            last = ticks_ms()
+        app.cycle()
+    micropython.kbd_intr(3)
+    print("\nserved", feeder.late)

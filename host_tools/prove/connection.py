@@ -1,0 +1,196 @@
+"""The two ends that `passo prove` talks to: a board on a serial port, and an emulated Pico. Both run code in the raw REPL.
+
+    with PortBoard("/dev/ttyACM0") as board:        # or EmulatedBoard("router_3axis")
+        board.fresh()                               # the interpreter anew, main.py not run
+        board.exec("print(1)")                      # '1\\r\\n'; Failure with the board's last line if it raises
+        board.start(code); board.expect(b"ready")   # a program that talks while it runs; board.ended() waits for its end
+        board.now_s()                               # the PC's clock; of an emulated board its own outside
+"""
+
+import contextlib
+import io
+import time
+
+from host_tools.failure import Failure
+from host_tools.language import _
+
+EXEC_S = 120
+ASK_S = 30
+_PRESS_S = 30  # for somebody to press the reset button
+
+
+class Board:
+    """What both share, on write(), read() and wait_s()."""
+
+    heard = b""
+    emulated = False
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_error):
+        self.close()
+
+    def take(self):
+        """What has been said, and not been taken."""
+        self.heard += self.read()
+        said, self.heard = self.heard, b""
+        return said
+
+    def expect(self, wanted, limit_s=ASK_S):
+        """What is said up to the end of `wanted`. Raises Failure if it does not come."""
+        end = self.now_s() + limit_s
+        while wanted not in self.heard:
+            if self.now_s() > end:
+                raise Failure("the board does not answer any more: {!r} was the last it said", self.heard[-80:].decode("utf-8", "replace"))
+            self.wait_s(0.001)
+            self.heard += self.read()
+        at = self.heard.index(wanted) + len(wanted)
+        said, self.heard = self.heard[:at], self.heard[at:]
+        return said
+
+    def exec(self, code, limit_s=EXEC_S):
+        self.start(code)
+        return self.ended(limit_s)
+
+    def ended(self, limit_s=EXEC_S):
+        """What a program started by start() has said since. Raises Failure if it ended with an error."""
+        said = self.expect(b"\x04", limit_s)[:-1]
+        self.ended_error(limit_s)
+        return said.decode("utf-8", "replace")
+
+    def ended_error(self, limit_s=EXEC_S):
+        """The same behind the end of what it has said."""
+        error = self.expect(b"\x04", limit_s)[:-1].decode("utf-8", "replace").strip()
+        self.expect(b">")
+        if error:
+            raise Failure("on the board: {}", error.splitlines()[-1])
+
+
+class EmulatedBoard(Board):
+    emulated = True
+
+    def __init__(self, board, uf2=None):
+        """A Pico with nothing wired to it. `board`: a name or a path; `uf2`: Passo's, else MicroPython's with the firmware as files."""
+        from host_tools.emulator.frozen import board_file
+        from host_tools.emulator.machine import firmware_files
+        from host_tools.emulator.pico import EmulatedPico
+
+        self.name = _("an emulated Pico")
+        self.pico = EmulatedPico(files=board_file(board) if uf2 else firmware_files(str(board)), uf2=uf2).boot()
+
+    def fresh(self):
+        self.pico.console.start("pass")
+        self.pico.console.expect(b"\x04\x04>")
+        self.write(b"\x04")
+        self.pico.console.expect(b"raw REPL; CTRL-B to exit\r\n>")
+        self.heard = b""
+
+    def start(self, code):
+        self.heard = b""
+        self.pico.console.start(code)
+
+    def write(self, data):
+        self.pico.usb.write(data)
+
+    def read(self):
+        return self.pico.console.take()
+
+    def wait_s(self, seconds):
+        self.pico.run(round(seconds * 1e6))
+
+    def now_s(self):
+        return self.pico.now_us / 1e6
+
+    def await_reset(self, limit_s):
+        """Run until the board has reset itself, and is back. Raises TimeoutError."""
+        self.pico.await_reset(round(limit_s * 1e6))
+
+    def close(self):
+        """Nothing is left of it."""
+
+
+class PortBoard(Board):
+    def __init__(self, port):
+        self.name = port
+        self._wire = None
+        self._open()
+
+    def _open(self):
+        from mpremote.transport import TransportError
+        from mpremote.transport_serial import SerialTransport
+
+        try:
+            with contextlib.redirect_stdout(io.StringIO()):
+                self._wire = SerialTransport(self.name)
+        except (TransportError, OSError) as error:
+            raise Failure("{}: {}", self.name, str(error)) from None
+
+    def fresh(self):
+        from mpremote.transport import TransportError
+
+        end = time.monotonic() + _PRESS_S
+        asked = False
+        while True:
+            try:
+                with contextlib.redirect_stdout(io.StringIO()):
+                    if self._wire is None:
+                        self._open()
+                    self._wire.enter_raw_repl(timeout_overall=3)
+                self.expect(b">")
+                break
+            except (TransportError, OSError, Failure):
+                if time.monotonic() > end:
+                    raise Failure(
+                        "no MicroPython board answers on {}: is it the right port (passo ports), and does no other program use it? A running Passo "
+                        "lets go for two seconds after a reset", self.name) from None  # fmt: skip
+                if not asked:
+                    print(_("the board is at work, or silent: press its reset button, or unplug it and plug it in again"))
+                    asked = True
+                self._drop()
+                time.sleep(0.2)
+        self.heard = b""
+
+    def start(self, code):
+        self.take()
+        self._wire.serial.write(b"\x05A\x01")
+        if self._wire.serial.read(2) != b"R\x01":
+            raise Failure("{} does not take code: it wants MicroPython 1.26 or later", self.name)
+        self._wire.raw_paste_write(code.encode())
+
+    def write(self, data):
+        self._wire.serial.write(data)
+
+    def read(self):
+        serial = self._wire.serial
+        return serial.read(serial.in_waiting) if serial.in_waiting else b""
+
+    def wait_s(self, seconds):
+        time.sleep(seconds)
+
+    def now_s(self):
+        return time.monotonic()
+
+    def await_reset(self, limit_s):
+        """Wait until the port has gone and come again. Raises TimeoutError."""
+        end = time.monotonic() + limit_s
+        self._drop()
+        while time.monotonic() < end:
+            time.sleep(0.2)
+            with contextlib.suppress(Failure):
+                self._open()
+                return
+        raise TimeoutError(_("the port does not come back"))
+
+    def _drop(self):
+        if self._wire is not None:
+            with contextlib.suppress(OSError):
+                self._wire.close()
+            self._wire = None
+
+    def close(self):
+        """The board goes back to its own work."""
+        if self._wire is not None:
+            with contextlib.suppress(OSError):
+                self._wire.serial.write(b"\r\x03\x02\x04")
+        self._drop()

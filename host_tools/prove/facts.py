@@ -1,0 +1,85 @@
+"""Rows of `passo prove`: what the board is, its clocks, flash, memory and watchdog. Functions of a Proof that yield rows."""
+
+import statistics
+
+from host_tools.failure import Failure
+from host_tools.language import _
+from host_tools.prove.promises import KEPT, MEMORY, PROMISES
+from host_tools.prove.row import Row, equal, number, text
+
+
+def facts(proof):
+    board = proof.board
+    board.fresh()
+    said = {}
+    for line in board.exec(text("board_facts.py")).splitlines():
+        name, _space, rest = line.partition(" ")
+        said[name] = rest
+    proof.frozen = "uf2" in said
+    chip = f"{said['chip']}, B{said['revision']}"
+    interpreter = _("Passo's UF2 {}", said["uf2"]) if proof.frozen else said["interpreter"]
+    yield Row("chip", _("chip"), chip, figures={"chip": chip, "id": said["id"]})
+    yield Row("flash", _("flash"), f"{int(said['flash']) // 1024} kB", figures={"flash_bytes": int(said["flash"])})
+    yield Row("interpreter", _("interpreter"), interpreter)
+    yield Row("id", _("unique number"), said["id"])
+    yield equal("stamp", _("build"), said["stamp"] or _("not whole"), bool(said["stamp"]), _("copying was cut short, or it is of two builds: flash it again"))
+    erases, pages = ([int(each) / 1000 for each in said[name].split()] for name in ("erases", "pages"))
+    if erases and pages:
+        yield proof.judged("erase_ms", statistics.median(erases), found=_("{} ms, at most {}", number(statistics.median(erases)), number(max(erases))))
+        yield proof.judged("page_ms", statistics.median(pages), found=_("{} ms, at most {}", number(statistics.median(pages)), number(max(pages))))
+
+
+def memory(proof):
+    board = proof.board
+    board.fresh()
+    board.exec(text("board_session.py"))
+    board.exec("make({'journal': None}, ['inputs', 'homing', 'outputs'])")
+    said = board.exec(
+        "from passo.ports.rp2 import clock\nprint(machine.freq(), clock.counted_khz())\nfrom time import ticks_us\nprint(*collected())"
+    )
+    (freq, counted), (took_us, free, piece) = (map(int, line.split()) for line in said.splitlines())
+    wanted = proof.raw.get("clock_mhz", 125) * 1000
+    off = max(abs(freq // 1000 - wanted), abs(counted - wanted))
+    yield proof.judged("clock_khz", off, found=_("{} kHz counted, {} kHz said", counted, freq // 1000))
+    yield crystal(proof)
+    yield proof.judged("collect_ms", took_us / 1000)
+    known = MEMORY.get(proof.raw.get("name"))
+    if known is None:
+        yield Row("free_bytes", _(PROMISES["free_bytes"].what), _("{} bytes, {} in one piece", number(free), number(piece)))
+        return
+    free_known, piece_known = known[proof.frozen]
+    yield proof.judged("free_bytes", free, free_known)
+    yield proof.judged("piece_bytes", piece, piece_known)
+
+
+def crystal(proof):
+    """The chip's microseconds against the PC's, over two seconds; the way there and back is in both readings."""
+    board = proof.board
+
+    def reading():
+        before = board.now_s()
+        said = int(board.exec("print(ticks_us())"))
+        return (before + board.now_s()) / 2, said
+
+    first_s, first = reading()
+    board.wait_s(2)
+    second_s, second = reading()
+    ticks = (second - first) % (1 << 30)
+    return proof.judged("crystal_ppm", abs(ticks / 1e6 / (second_s - first_s) - 1) * 1e6)
+
+
+def watchdog(proof):
+    board = proof.board
+    board.fresh()
+    begun = board.now_s()
+    board.start("import machine\nfrom time import sleep_ms\nsleep_ms(50)\nmachine.WDT(timeout=1000)\nwhile True: pass")
+    try:
+        board.await_reset(12)
+    except TimeoutError:
+        raise Failure("the watchdog did not bite within 12 s: a program that hangs is not ended") from None
+    took = (board.now_s() - begun) * 1000
+    board.fresh()
+    cause = board.exec("import machine\nprint(machine.reset_cause() == machine.WDT_RESET)").strip()
+    if cause != "True":
+        raise Failure("the board did reset, but not by its watchdog")
+    yield Row("watchdog_ms", _(PROMISES["watchdog_ms"].what), _("bites: the board was back after {} ms", number(took)), verdict=KEPT, figures={"watchdog_ms": took})

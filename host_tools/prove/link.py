@@ -1,0 +1,146 @@
+"""Rows of `passo prove` about the link: bytes, questions, lines or points, over the port that it runs on."""
+
+import binascii
+import random
+import statistics
+
+from host_tools.failure import Failure
+from host_tools.language import _
+from host_tools.prove.row import number
+
+BYTES = 16384
+SLICE = 64
+ASKS = 200
+LINES = 800
+POINTS = 400
+WINDOW = 127
+QUIET_MS = 700
+
+
+def link(proof):
+    first = proof.raw["links"][0]
+    language = first["protocol"]
+    axes = [dict(axis, max_mm_min=30_000, accel_mm_s2=300_000) for axis in proof.raw["axes"]]
+    link = {"name": "pc", "port": "usb", "protocol": language}
+    link.update({key: first[key] for key in ("idle_gap_ms",) if key in first})
+    proof.begin("make", {"links": [link], "axes": axes})
+    yield from bytes_through(proof)
+    if language == "grbl":
+        yield from grbl_link(proof)
+    elif language == "plotter":
+        yield from plotter_link(proof)
+
+
+def bytes_through(proof):
+    board = proof.board
+    data = random.Random(37).randbytes(BYTES)
+    board.start(f"take({BYTES})")
+    board.wait_s(0.05)
+    for at in range(0, BYTES, SLICE):
+        board.write(data[at : at + SLICE])
+        board.wait_s(0.0005)
+    said = board.expect(b"\n")
+    came, total = (int(each) for each in said.split(b"took", 1)[1].split())
+    rest = board.expect(b"\x04")[:-1]
+    board.ended_error()
+    lost = max(BYTES - came, 0) + max(BYTES - len(rest), 0)
+    changed = not lost and (total != binascii.crc32(data) or rest != bytes(range(128, 256)) * (BYTES // 128))
+    found = _("{} to the board, {} back", BYTES - came, BYTES - len(rest)) if not changed else _("none, but some were changed")
+    yield proof.judged("bytes_lost", lost or changed, found=found)
+
+
+def grbl_link(proof):
+    board = proof.board
+    board.start(f"serve({QUIET_MS})")
+    board.expect(b"ready\r\n")
+    ask(proof, b"$X\n", b"ok")
+    waits = sorted(ask(proof, b"?", b">\r\n") for _again in range(ASKS))
+    yield proof.judged("ask_ms", statistics.median(waits) * 1000, found=_("{} ms, p99 {}", number(statistics.median(waits) * 1000), number(waits[-3] * 1000)))
+    lines_s, asked = stream(proof, chord_lines(LINES))
+    proof.timings["asks"] = [each * 1000 for each in asked]
+    board.expect(b"served", 30)
+    late = int(board.ended().split()[0])
+    yield proof.judged("lines_s", lines_s, late=late)
+    asked.sort()
+    yield proof.judged("ask99_ms", asked[int(len(asked) * 0.99) - 1] * 1000, found=_("{} ms, median {}", number(asked[int(len(asked) * 0.99) - 1] * 1000), number(statistics.median(asked) * 1000)))
+
+
+def plotter_link(proof):
+    from passo.protocols.plotter.host import PACKET
+
+    board = proof.board
+    board.start(f"serve({QUIET_MS})")
+    board.expect(b"ready\r\n")
+    waits = sorted(ask(proof, b"r\0\0\0\0r", b"k") for _again in range(ASKS))
+    yield proof.judged("ask_ms", statistics.median(waits) * 1000)
+    from host_tools.emulator.traffic import points
+
+    data = points(400)
+    begun, sent, answered = board.now_s(), 0, 0
+    while answered < 400 and board.now_s() - begun < 30:
+        while sent < 400 and sent - answered < 32:
+            board.write(data[sent * PACKET : (sent + 1) * PACKET])
+            sent += 1
+        board.wait_s(0.0002)
+        answered += board.take().count(b"n")
+    took = board.now_s() - begun
+    board.expect(b"served", 30)
+    board.ended()
+    yield proof.judged("packets_s", answered / took)
+
+
+def ask(proof, question, answer):
+    """Seconds from a question to its answer."""
+    board = proof.board
+    board.take()
+    begun = board.now_s()
+    board.write(question)
+    while answer not in board.heard:
+        if board.now_s() - begun > 5:
+            raise Failure("{!r} was not answered within five seconds", question.decode("latin-1"))
+        board.wait_s(0.0002)
+        board.heard += board.read()
+    return board.now_s() - begun
+
+
+def stream(proof, lines):
+    """Lines a second of the last three quarters, and the seconds that each `?` waited."""
+    board = proof.board
+    board.take()
+    under_way, said, asked, pending, next_ask = [], b"", [], None, board.now_s()
+    sent = answered = 0
+    begun = start = board.now_s()
+    while answered < len(lines):
+        while sent < len(lines) and sum(under_way) + len(lines[sent]) <= WINDOW:
+            board.write(lines[sent])
+            under_way.append(len(lines[sent]))
+            sent += 1
+        now = board.now_s()
+        if pending is None and now >= next_ask:
+            board.write(b"?")
+            pending, next_ask = now, now + 0.0093
+        board.wait_s(0.0002)
+        *whole, said = (said + board.take()).split(b"\r\n")
+        for line in whole:
+            if line == b"ok" or line.startswith(b"error"):
+                answered += 1
+                under_way.pop(0)
+                if answered == len(lines) // 4:
+                    start = board.now_s()
+                if line != b"ok":
+                    raise Failure("a line was answered by {}: bytes are lost or changed on the way", line.decode())
+            elif line.startswith(b"<") and pending is not None:
+                asked.append(board.now_s() - pending)
+                pending = None
+        if board.now_s() - begun > 60:
+            raise Failure("the stream stopped: {} of {} lines answered. Bytes are lost on the way", answered, len(lines))
+    return (len(lines) - len(lines) // 4) / (board.now_s() - start), asked
+
+
+def chord_lines(count):
+    from host_tools.emulator.gcode import LINE_BYTES, chords
+
+    start, data = chords(0.2)
+    lines = [line.rstrip() + b"\n" for line in data.splitlines()]
+    head = [b"G21G90G94\n", b"G92X%.3fY50Z-20\n" % start, b"G1F29400\n"]
+    return head + (lines * (count // len(lines) + 1))[:count]

@@ -1,0 +1,222 @@
+"""Rows of `passo prove` that move pins: edges against words, three axes at their fastest, the emergency input and the position behind it."""
+
+import base64
+import statistics
+import struct
+
+from host_tools.failure import Failure
+from host_tools.language import _
+from host_tools.prove import edges
+from host_tools.prove.board_words import Words, settle
+from host_tools.prove.promises import KEPT, PROMISES
+from host_tools.prove.row import LEFT_OUT, Row, equal, number
+from passo.steps.word import TICKS_PER_S
+
+ROOM = 2048  # records of the witness
+WIDEST = 12  # pins that it looks at
+HALTS = 20
+OWN_S, FAST_STEPS, FAST_HZ = 0.012, 900, 480_000
+FAST = {"steps_per_m": 400_000, "max_mm_min": 72_000, "accel_mm_s2": 900_000}
+COILS_HZ = 5000
+# Where the pull's resistor holds the input to its other level before the machine is asked to move.
+_LOOK = """
+witness = Witness({base}, {width}, RECORDS)
+other = Witness({pin}, 1, array("I", bytearray(256)), 5)
+pull({pin}, {rest})
+sleep_ms(5)
+clear()
+gc.collect()
+"""
+
+
+class Shape:
+    """The machine of a session as the PC sees it."""
+
+    def __init__(self, proof, changes):
+        from passo.machine_builder import make_drive
+        from passo.steps.wiring import inverted_pins, word_pins, word_times
+
+        self.board = proof.machine(changes)
+        self.layout, _drive, _rest = make_drive(self.board)
+        pins = word_pins(self.board)
+        self.base, self.width = pins[0], min(len(pins) - 1, WIDEST)
+        self._invert = inverted_pins(self.board, self.layout) & (1 << self.width) - 1
+        self.pulse_ticks, self.least_ticks = word_times(self.board)
+
+    def seen(self, records):
+        """[(cycle, levels as words have them)]"""
+        return [(cycle, levels ^ self._invert) for cycle, levels in edges.decoded(records, self.width)]
+
+    def wanted(self, lines):
+        """What the words of lines ask of the pins."""
+        from passo.app import App
+
+        words = []
+        app = App(self.board, Words(words, self.least_ticks))
+        for deltas, ticks in lines:
+            app.planner.line(deltas, ticks, False)
+        app.planner.flush()
+        app.controller.machine.awake = True
+        settle(app)
+        return edges.wanted(words, self.layout.bits, self.width, self.layout.pulse_mask, self.pulse_ticks)
+
+
+def check_enable(proof):
+    """Raises Failure if an output that switches the motors' current is not off, as the pin itself says."""
+    for item in proof.raw.get("outputs", ()):
+        if item["name"] == "enable" and int(proof.board.exec(f"print(level({item['pin']}))")) == item.get("active", 1):
+            raise Failure("enable (GPIO{}) is on though the board switches it off: something else holds it, and motors have current. Nothing was moved", item["pin"])
+
+
+def chip_mhz(proof):
+    return int(proof.board.exec("print(machine.freq())")) / 1e6
+
+
+def said(proof, code):
+    """What the board says of its own, a first line and the records; what the machine's link says comes before."""
+    first, *rest = proof.board.exec(code).rpartition("\n= ")[2].splitlines()
+    return [int(each) for each in first.split()], rest
+
+
+def position_of(proof):
+    return [int(each) for each in proof.board.exec("print(*feeder.position(player.played()))").split()]
+
+
+def played(proof, changes, lines):
+    """Lines played before the witness: (Found, words late, shape)."""
+    shape = Shape(proof, changes)
+    proof.begin("make", changes, more=("board_witness.py",))
+    check_enable(proof)
+    proof.board.exec(f"witness = Witness({shape.base}, {shape.width}, RECORDS)\ngc.collect()")
+    (late, taken, finished), records = said(proof, f"play({lines!r}, witness)")
+    check_enable(proof)
+    if not finished:
+        raise Failure("the player does not play: its DMA or its state machine stands still, and the queue stays full")
+    if not taken:
+        raise Failure("the witness has seen nothing: its DMA carries nothing")
+    seen = shape.seen(unpacked(records[:-1]))
+    if len(seen) < 2:
+        raise Failure("no pin has changed, though the player says it played: its DMA hands nothing over, or the pins are held")
+    changes = shape.wanted(lines)
+    if taken >= ROOM:
+        changes = changes[: len(seen) - 1]
+    motors = shape.layout.motors if shape.pulse_ticks else 0
+    return edges.compared(seen, changes, shape.width, shape.layout.axes, motors, chip_mhz(proof)), late, shape, seen
+
+
+def difference(found, shape):
+    if found.swapped:
+        a, b = (shape.base + bit for bit in found.swapped)
+        return _("GPIO{} and GPIO{} do what the other should: the pins are swapped", a, b)
+    return _("the pins do not do what the words say")
+
+
+def own(proof):
+    """The board's own machine, without ramps that would fill the witness's memory."""
+    return {"axes": [dict(axis, accel_mm_s2=900_000) for axis in proof.raw["axes"]]}
+
+
+def there_and_back(board, seconds):
+    """Lines at which every axis goes as fast as it may."""
+    rates = [axis["max_mm_min"] * axis["steps_per_m"] // 60_000 for axis in board["axes"]]
+    if board["drive"]["kind"] != "step_dir":
+        rates = [min(rate, COILS_HZ) for rate in rates]
+    deltas = [max(1, int(rate * seconds)) for rate in rates]
+    ticks = round(seconds * TICKS_PER_S)
+    return [(deltas, ticks), ([-each for each in deltas], ticks)]
+
+
+def edges_of(proof):
+    changes = own(proof)
+    board = proof.machine(changes)
+    found, late, shape, seen = played(proof, changes, there_and_back(board, OWN_S))
+    note(proof, "own", found, seen)
+    yield Row("enable", _("motors' current"), _("off all along"), verdict=KEPT)
+    if not found.same:
+        yield equal("levels", _("edges on the pins"), difference(found, shape), False, _("check board file and wiring before anything moves"))
+        if found.swapped:
+            return
+    else:
+        yield equal("levels", _("edges on the pins"), _("{} steps, every edge there and none else", found.steps), True, "")
+    drive = board["drive"]
+    if found.pulse_ns:
+        low, high = (number(each / 1000) for each in found.pulse_ns)
+        off_ns = max(abs(each - 1000 * drive["pulse_us"]) for each in found.pulse_ns)
+        yield proof.judged("pulse_ns", off_ns, found=_("{} to {} µs, wanted {}", low, high, drive["pulse_us"]))
+    if found.setup_ns is not None:
+        short_ns = max(0, 1000 * drive["setup_us"] - found.setup_ns)
+        yield proof.judged("setup_ns", short_ns, found=_("{} µs, wanted {}", number(found.setup_ns / 1000), drive["setup_us"]))
+    if found.same:
+        yield proof.judged("edge_ns", found.off_ns)
+    yield proof.judged("late_words", late)
+
+
+def fastest(proof):
+    if proof.raw["drive"]["kind"] != "step_dir" or proof.raw.get("player", "pio") == "timer":
+        yield Row("fastest", _("three axes at their fastest"), _("not for coils, nor for the timer player"), verdict=LEFT_OUT)
+        return
+    axes = [dict(axis, **FAST) for axis in proof.raw["axes"]]
+    changes = {"axes": axes, "drive": dict(proof.raw["drive"], pulse_us=1)}
+    lines = [([FAST_STEPS] * len(axes), FAST_STEPS * TICKS_PER_S // FAST_HZ)]
+    found, late, shape, seen = played(proof, changes, lines)
+    note(proof, "fastest", found, seen)
+    steady_ns = found.interval_ns[len(found.interval_ns) // 4 :]
+    kept = found.same and found.off_ns <= PROMISES["edge_ns"].bound and late == 0
+    told = difference(found, shape)
+    if found.same:
+        told = _("{} kHz, edges within {} ns of their words, {} late", number(1e6 / statistics.mean(steady_ns)), number(found.off_ns), late)
+    yield proof.judged("fastest_khz", FAST_HZ // 1000 if kept else 0, found=told, edge_ns=found.off_ns)
+
+
+def note(proof, name, found, seen):
+    proof.timings[name] = {"lateness_ns": found.lateness_ns, "interval_ns": found.interval_ns, "seen": seen}
+
+
+def stops(proof):
+    what = _("emergency input and position")
+    halting = [item for item in proof.raw.get("inputs", ()) if item.get("halt")]
+    if not halting or proof.raw["drive"]["kind"] != "step_dir":
+        yield Row("stops", what, _("the board file has no halting input"), verdict=LEFT_OUT)
+        return
+    pin, active = halting[0]["pin"], halting[0].get("active", 1)
+    changes = {**own(proof), "inputs": halting[:1]}
+    shape = Shape(proof, changes)
+    proof.begin("make", changes, more=("board_witness.py",))
+    proof.board.exec(_LOOK.format(base=shape.base, width=shape.width, pin=pin, rest=1 - active))
+    check_enable(proof)
+    mhz = chip_mhz(proof)
+    lines = there_and_back(shape.board, 0.5)
+    waits, wrong = [], 0
+    for trial in range(HALTS):
+        found = halted(proof, shape, f"halt({lines!r}, witness, other, {pin}, {active}, {4 + trial % 8})", active)
+        if found is None:
+            yield Row("stops", what, _("input {} (GPIO{}) does not follow the chip's own resistor: something is wired to it", halting[0]["name"], pin), verdict=LEFT_OUT)
+            return
+        waits.append(found[0] / mhz)
+        wrong += not found[1]
+    check_enable(proof)
+    proof.timings["stops"] = waits
+    yield proof.judged("stop_us", max(waits), found=_("{} µs at most, {} in the middle, {} stops", number(max(waits)), number(statistics.median(waits)), HALTS))
+    yield proof.judged("halts_off", wrong, found=_("{} of {} positions exact", HALTS - wrong, HALTS))
+
+
+def halted(proof, shape, code, active):
+    """Cycles from the input's edge to the last step, and whether the position is as counted; None if the input did not follow."""
+    before = position_of(proof)
+    (reached, *position), rest = said(proof, code)
+    if not reached:
+        return None
+    cut = rest.index("-")
+    seen = shape.seen(unpacked(rest[:cut]))
+    pressed = [cycle for cycle, level in edges.decoded(unpacked(rest[cut + 1 : -1]), 1)[1:] if level == active]
+    steps = [cycle for (_at, old), (cycle, levels) in zip(seen, seen[1:]) if levels & ~old & shape.layout.pulse_mask]
+    if not pressed or not steps:
+        raise Failure("the witness has seen no stop: {} steps, {} edges of the input", len(steps), len(pressed))
+    went = [now - then for now, then in zip(position, before)]
+    return max(0, steps[-1] - pressed[0]), went == edges.counted(seen, shape.layout.axes, shape.layout.motors)
+
+
+def unpacked(lines):
+    """The records that the board printed."""
+    data = b"".join(base64.b64decode(line) for line in lines)
+    return struct.unpack(f"<{len(data) // 4}I", data)

@@ -1,0 +1,76 @@
+"""What `passo prove` does: rows of a table, each measured on the board, one after the other.
+
+    for row in Proof(EmulatedBoard("router_3axis"), boards.load("router_3axis"), drive_pins=True).rows():
+        row.what, row.found, row.verdict, row.advice
+
+Whatever goes wrong in a row ends it with a sentence. The motors' current is off from the first line on: every session on the board begins by
+making its outputs inactive, and no session's machine has any outputs.
+"""
+
+from host_tools.failure import Failure
+from host_tools.language import _
+from host_tools.prove import digests, facts, link, pins
+from host_tools.prove.promises import PROMISES, WORSE, verdict
+from host_tools.prove.row import LEFT_OUT, Row, number, text
+
+# The machine is measured alone: nothing that is wired to it, nothing that writes to the flash.
+WITHOUT = ("outputs", "homing", "journal", "servo", "encoders", "gantry", "interlock", "inverter", "card", "jobs", "network", "changeover", "power_fail")
+# Title, the rows' function, whether it drives pins.
+PARTS = (
+    ("what it is", facts.facts, False), ("clock and memory", facts.memory, False), ("golden jobs", digests.digests, False), ("link", link.link, False),
+    ("edges on the pins", pins.edges_of, True), ("three axes at their fastest", pins.fastest, True), ("emergency input and position", pins.stops, True),
+    ("watchdog", facts.watchdog, False),
+)  # fmt: skip
+
+
+class Proof:
+    def __init__(self, board, raw, drive_pins):
+        """`board`: a connection; `raw`: the board file's table; `drive_pins` False: rows that need pins are left out."""
+        self.board = board
+        self.raw = raw
+        self.drive_pins = drive_pins
+        self.frozen = False
+        self.timings = {}  # name: what the picture shows
+
+    def rows(self):
+        """Every row, as it is measured."""
+        for _title, rows in self.parts():
+            yield from rows
+
+    def parts(self):
+        """(title, its rows as they are measured), one after the other."""
+        for title, part, pins_wanted in PARTS:
+            yield _(title), self._part(title, part, pins_wanted)
+
+    def _part(self, title, part, pins_wanted):
+        if pins_wanted and not self.drive_pins:
+            yield Row(part.__name__, _(title), _("no pins are driven"), verdict=LEFT_OUT)
+            return
+        try:
+            yield from part(self)
+        except (Failure, TimeoutError, ValueError) as error:
+            said = error.told() if isinstance(error, Failure) else str(error)
+            advice = _("something else takes memory: flash the board anew, leave out a link or a language") if "memory" in said else _("flash the board again, and report this")
+            yield Row(part.__name__, _(title), said, verdict=WORSE, advice=advice)
+
+    def judged(self, key, value, whole=1, found=None, **figures):
+        promise = PROMISES[key]
+        bound = promise.bound * whole
+        judged = verdict(promise, value, whole)
+        unit = f" {_(promise.unit)}" if promise.unit else ""
+        limit = _("none") if not bound else _("{} or more", number(bound) + unit) if promise.least else _("{} or less", number(bound) + unit)
+        return Row(key, _(promise.what), found or number(value) + unit, limit, judged, _(promise.advice) if judged == WORSE else "", {key: value, **figures})
+
+    def begin(self, order, changes=None, more=()):
+        """A fresh interpreter with the board's machine. `order`: make or words; `more`: programs that come first."""
+        self.board.fresh()
+        for name in (*more, "board_session.py"):
+            self.board.exec(text(name))
+            self.board.exec("import gc\ngc.collect()")  # what stays lies close together
+        self.board.exec(f"{order}({ {'inputs': [], **(changes or {})}!r}, {WITHOUT!r})")
+
+    def machine(self, changes=None):
+        """The same machine's checked board file here."""
+        from passo.config.boardfile import check
+
+        return check({**{key: value for key, value in self.raw.items() if key not in WITHOUT}, "inputs": [], **(changes or {})})

@@ -1,0 +1,73 @@
+"""The report of `passo prove`: a table for people, JSON, and a picture of the timings.
+
+    show(rows, header)                  # to the terminal, made to be pasted into an issue
+    picture("prove.png", timings)
+"""
+
+import json
+
+from rich.console import Console
+from rich.table import Table
+
+from host_tools.language import _
+from host_tools.prove.promises import BETTER, KEPT, WORSE
+
+COLOURS = {BETTER: "green", KEPT: "", WORSE: "bold red"}
+
+
+def table(rows, header):
+    made = Table(title=header, title_justify="left", box=None, pad_edge=False, title_style="bold")
+    for name in ("row", "found", "promised", ""):
+        made.add_column(_(name) if name else "", overflow="fold")
+    for row in rows:
+        made.add_row(row.what, row.found, row.promised, _(row.verdict) if row.verdict else "", style=COLOURS.get(row.verdict, "dim"))
+    return made
+
+
+def summary(rows):
+    """The sentences under the table."""
+    wrong = [row for row in rows if row.verdict == WORSE]
+    told = [f"{row.what}: {row.found}. {row.advice}." for row in wrong]
+    counts = {name: sum(row.verdict == name for row in rows) for name in (BETTER, KEPT, WORSE)}
+    told.append(_("{} better, {} as promised, {} worse", *counts.values()))
+    if not wrong:
+        told.append(_("This board does what the documents say. docs/boards.md says how to send this report."))
+    return told
+
+
+def show(rows, header, file=None):
+    console = Console(file=file, width=110 if file else None)
+    console.print(table(rows, header))
+    for sentence in summary(rows):
+        console.print(sentence, markup=False, highlight=False)
+
+
+def as_json(rows, about):
+    return json.dumps({**about, "rows": [vars(row) for row in rows]}, ensure_ascii=False, indent=1)
+
+
+def picture(path, timings):
+    """Edges against their words, intervals, and answers."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    figure, ((lateness, intervals), (stops, asks)) = pyplot.subplots(2, 2, figsize=(11, 7), layout="constrained")
+    for name, label in (("own", _("the board's own speeds")), ("fastest", _("three axes at their fastest"))):
+        if name in timings and timings[name]["lateness_ns"]:
+            lateness.plot(timings[name]["lateness_ns"], ".", markersize=2, label=label)
+            intervals.plot([each / 1000 for each in timings[name]["interval_ns"]], ".", markersize=2, label=label)
+    lateness.axhspan(-80, 80, alpha=0.15)
+    lateness.set(title=_("edges off their words, one tick shaded"), ylabel="ns", xlabel=_("edge"))
+    intervals.set(title=_("intervals of the first axis"), ylabel="µs", xlabel=_("step"), yscale="log")
+    stops.bar(range(1, len(timings.get("stops", ())) + 1), timings.get("stops", ()))
+    stops.axhline(25, linestyle="--")
+    stops.set(title=_("halting input to the last step"), ylabel="µs", xlabel=_("stop"))
+    asks.hist(timings.get("asks", ()), bins=30)
+    asks.set(title=_("`?` answered in a stream"), xlabel="ms")
+    for axes in (lateness, intervals):
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="best", fontsize=8)
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)

@@ -1,0 +1,244 @@
+"""`passo prove` on the emulated Pico: every row, its witness against the emulator's own log, and what it says of a board that is wrong."""
+
+from functools import lru_cache
+
+import pytest
+from emulated import uf2  # noqa: F401
+
+from host_tools import boards
+from host_tools.emulator.copies import on_a_copy
+from host_tools.emulator.cycles import CYCLES_PER_TICK
+from host_tools.failure import Failure
+from host_tools.prove import digests, facts, link, pins
+from host_tools.prove.connection import EmulatedBoard
+from host_tools.prove.promises import BETTER, KEPT, WORSE
+from host_tools.prove.proof import PARTS, Proof
+
+BOARD = "router_3axis"
+STOP_PIN, STEP_Y, DIR_Y, ENABLE = 27, 3, 6, 14
+
+pytestmark = pytest.mark.xdist_group("prove")
+
+
+@lru_cache
+def _board():
+    return EmulatedBoard(BOARD)
+
+
+@pytest.fixture
+def board(uf2):
+    """Only for tests that work on a copy."""
+    return _board()
+
+
+def rows_of(board, *parts, jobs=("helices",)):
+    """Rows of some parts, measured on a copy: {key: (found, verdict, advice)}."""
+
+    def measured():
+        kept = digests.jobs_of
+        digests.jobs_of = lambda language: {name: job for name, job in kept(language).items() if name in jobs}
+        proof = Proof(board, boards.load(BOARD), True)
+        chosen = [row for row in PARTS if row[1] in parts]
+        return {row.key: (row.found, row.verdict, row.advice) for what, part, moves in chosen for row in proof._part(what, part, moves)}
+
+    return on_a_copy(measured)
+
+
+def on_make(board, before="", after=""):
+    """Have code run on the board in front of and behind what makes its machine."""
+    start = board.start
+
+    def with_more(code):
+        start(f"{before}\n{code}\n{after}" if code.startswith(("make(", "words(")) else code)
+
+    board.start = with_more
+
+
+@pytest.mark.unmeasured
+def test_the_rows_that_move_pins(board, show):
+    rows = rows_of(board, pins.edges_of, pins.fastest, pins.stops)
+    assert set(rows) == {"enable", "levels", "pulse_ns", "setup_ns", "edge_ns", "late_words", "fastest_khz", "stop_us", "halts_off"}
+    assert {verdict for _, verdict, _ in rows.values()} == {KEPT, BETTER}
+    show("edges on the pins", "; ".join(f"{key} {found}" for key, (found, *_) in rows.items()))
+
+
+@pytest.mark.unmeasured
+def test_the_rows_that_want_no_pins(board, show):
+    rows = rows_of(board, facts.facts, facts.memory, digests.digests, facts.watchdog)
+    assert {"chip", "stamp", "erase_ms", "page_ms", "clock_khz", "crystal_ppm", "collect_ms", "free_bytes", "piece_bytes", "digests", "watchdog_ms"} <= set(rows)
+    assert WORSE not in {verdict for _, verdict, _ in rows.values()}, rows
+    show("without pins", "; ".join(f"{key} {found}" for key, (found, *_) in rows.items()))
+
+
+@pytest.mark.slow
+@pytest.mark.unmeasured
+def test_the_link(board, show):
+    rows = rows_of(board, link.link)
+    assert set(rows) == {"bytes_lost", "ask_ms", "lines_s", "ask99_ms"}
+    assert WORSE not in {verdict for _, verdict, _ in rows.values()}, rows
+    show("link", "; ".join(f"{key} {found}" for key, (found, *_) in rows.items()))
+
+
+@pytest.mark.unmeasured
+def test_the_witness_sees_what_the_emulator_sees(board, show):
+    """Three axes at 480 kHz: every edge, within a tick; and the steps are the same without it."""
+
+    def measured(witnessed):
+        proof = Proof(board, boards.load(BOARD), True)
+        logs = [board.pico.edges(pin) for pin in range(2, 8)]
+        if not witnessed:
+            start = board.start
+            board.start = lambda code: start(code.replace("witness.start()", "pass"))
+        axes = [dict(axis, **pins.FAST) for axis in proof.raw["axes"]]
+        changes = {"axes": axes, "drive": dict(proof.raw["drive"], pulse_us=1)}
+        lines = [([pins.FAST_STEPS] * 3, pins.FAST_STEPS * 12_500_000 // pins.FAST_HZ)]
+        proof.begin("make", changes, more=("board_witness.py",))
+        board.exec("witness = Witness(2, 6, RECORDS)\ngc.collect()")
+        for log in logs:
+            log.clear()
+        (_, taken, _), records = pins.said(proof, f"play({lines!r}, witness)")
+        seen = pins.edges.decoded(pins.unpacked(records[:-1]), 6) if witnessed else []
+        return seen, sorted((cycle, bit, state) for bit, log in enumerate(logs) for cycle, state in log), taken
+
+    seen, log, _taken = on_a_copy(lambda: measured(True))
+    _, alone, _ = on_a_copy(lambda: measured(False))
+    edges, before = [], seen[0][1]
+    for cycle, levels in seen[1:]:
+        edges += [(cycle, bit, levels >> bit & 1) for bit in range(6) if (levels ^ before) >> bit & 1]
+        before = levels
+    assert [each[1:] for each in edges] == [each[1:] for each in log] and len(edges) > 5000
+    # The log's cycles are of 8 ns, the witness's of the system clock.
+    ns = [(5 * ours - 5 * edges[0][0]) - 8 * (theirs - log[0][0]) for (ours, *_), (theirs, *_) in zip(edges, log)]
+    assert max(ns) - min(ns) <= 8 * CYCLES_PER_TICK
+    assert [(cycle - alone[0][0], bit, state) for cycle, bit, state in alone] == [(cycle - log[0][0], bit, state) for cycle, bit, state in log]
+    show("the witness against the emulator's log", f"{len(edges)} edges, {max(ns) - min(ns)} ns apart; the same edges without it")
+
+
+# --- boards that are wrong
+
+
+def wrong_clock(board):
+    board.now_s = lambda: board.pico.now_us / 1e6 * 1.02
+
+
+def late_interrupt(board):
+    code = """
+def _busy(timer):
+    end = ticks_us() + 20000
+    while ticks_diff(end, ticks_us()) > 0:
+        pass
+_make = queue
+def queue(lines):
+    _make(lines)
+    machine.Timer(mode=machine.Timer.ONE_SHOT, period=5, callback=_busy, hard=True)
+"""
+    on_make(board, after=code)
+
+
+def swapped_pin(board):
+    other = {STEP_Y: DIR_Y, DIR_Y: STEP_Y}
+    pads, chip = board.pico.pads, board.pico.chip
+    plain = pads._set
+    pads._set = lambda pin, level: plain(chip.gpio[other.get(pin.index, pin.index)], level)
+
+
+def dead_dma(board):
+    kind = type(board.pico.chip.dma.channels[0])
+    start = kind.start
+    kind.start = lambda self: None if self.index == 0 else start(self)
+
+
+def slow_flash(board):
+    board.pico.flash_times.take(erase_us=400_000, page_us=3000)
+
+
+def changed_kernel(board):
+    on_make(board, after="""
+import passo.steps.feeder as _feeder
+_make = _feeder.make
+def _changed(*rows):
+    what = _make(*rows)
+    port._ring.words[0] ^= 1 << 20  # the word that comes first
+    return what
+_feeder.make = _changed
+""")
+
+
+def lost_bytes(board):
+    write, seen = board.write, [0]
+
+    def lossy(data):
+        seen[0] += 1
+        write(data[:-1] if seen[0] % 50 == 0 and len(data) > 32 else data)
+
+    board.write = lossy
+
+
+def stuck_enable(board):
+    pads, chip = board.pico.pads, board.pico.chip
+    plain = pads._set
+    pads._set = lambda pin, level: plain(pin, False if pin.index == ENABLE else level)
+
+
+def short_pulse(board):
+    on_make(board, before="BOARD['drive']['pulse_us'] = 2")
+
+
+def no_setup_time(board):
+    on_make(board, before="BOARD['drive']['setup_us'] = 0\nBOARD['drive']['pulse_us'] = 1")
+
+
+def little_memory(board):
+    on_make(board, before="_hog = bytearray(24000)")
+
+
+def slow_link(board):
+    write = board.write
+
+    def late(data):
+        board.wait_s(0.03 if data == b"?" else 0)
+        write(data)
+
+    board.write = late
+
+
+FAULTS = {
+    wrong_clock: (facts.memory, "crystal_ppm", "ppm", "the crystal is wrong"),
+    late_interrupt: (pins.edges_of, "edge_ns", "ns", "steps come late or early"),
+    swapped_pin: (pins.edges_of, "levels", "GPIO3 and GPIO6", "check board file and wiring"),
+    dead_dma: (pins.edges_of, "edges_of", "DMA", "flash the board again"),
+    slow_flash: (facts.facts, "erase_ms", "400 ms", "another flash chip"),
+    changed_kernel: (digests.digests, "digests", "helices", "a kernel was changed"),
+    lost_bytes: (link.link, "bytes_lost", "to the board", "another cable"),
+    stuck_enable: (pins.edges_of, "edges_of", "enable (GPIO14) is on", "flash the board again"),
+    short_pulse: (pins.edges_of, "pulse_ns", "wanted 3", "pulse_us of the board file"),
+    no_setup_time: (pins.edges_of, "setup_ns", "wanted 5", "setup_us of the board file"),
+    little_memory: (facts.memory, "free_bytes", "bytes", "something else takes memory"),
+    slow_link: (link.link, "ask_ms", "ms", "a slow link"),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.unmeasured
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.__name__)
+def test_a_fault_is_named(board, fault, show):
+    part, key, found, advice = FAULTS[fault]
+    def measured():
+        fault(board)
+        link.BYTES, link.ASKS, link.LINES = 4096, 20, 100
+        return rows_of(board, part)
+
+    rows = on_a_copy(measured)
+    assert rows[key][1] == WORSE and found in rows[key][0] and advice in rows[key][2], rows
+    show(fault.__name__.replace("_", " "), f"{key}: {rows[key][0]}")
+
+
+def test_a_port_that_is_none():
+    from typer.testing import CliRunner
+
+    from host_tools.cli.main import app
+
+    result = CliRunner().invoke(app, ["prove", "--port", "/dev/no_such_port"])
+    assert isinstance(result.exception, Failure) and "there is no port /dev/no_such_port" in str(result.exception)
+    result = CliRunner().invoke(app, ["prove"])
+    assert isinstance(result.exception, Failure) and "--emulated BOARD" in str(result.exception)
