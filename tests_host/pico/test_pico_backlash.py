@@ -5,7 +5,7 @@ from emulated import make_machine, uf2  # noqa: F401
 from test_digest import golden_of_gcode
 from test_pico_digest import IN_FLASH, LIMIT_US, with_digest
 
-from gcode_jobs import play
+from host_tools.prove.gcode_jobs import play
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.sim.machine import VirtualMachine
 
