@@ -1,7 +1,6 @@
 """`passo check`: a job of G-code on the virtual board: errors by line, bounds, time, speeds, a picture."""
 
 import contextlib
-import itertools
 import sys
 import time
 from pathlib import Path
@@ -17,19 +16,26 @@ _TELL_S = 0.2
 _PIECE = 4000  # positions drawn as one line
 
 
+Place = Annotated[
+    Optional[str],
+    typer.Option(metavar="X,Y,Z", help="Where the program's zero (G54) lies, in mm of the homed machine: checks soft limits."),
+]
+MachinePort = Annotated[
+    Optional[str], typer.Option(help="The machine's port: checks with its settings and offsets, from where it stands.")
+]
+
+
 def check(
-    file: Path = typer.Argument(..., help="The G-code."),
+    file: Path = typer.Argument(..., help="The G-code, or a folder of programs."),
     board: str = typer.Option("router_3axis", help="Board file: a name of boards/, or the path of a .py file."),
-    out: Optional[Path] = typer.Option(None, "-o", "--out", help="A picture of the path, speed and acceleration."),
-    at: Optional[str] = typer.Option(
-        None, metavar="X,Y,Z", help="Where the program's zero (G54) lies, in mm of the homed machine: checks soft limits."
-    ),
-    port: Annotated[
-        Optional[str], typer.Option(help="The machine's port: checks with its settings and offsets, from where it stands.")
-    ] = None,
+    out: Optional[Path] = typer.Option(None, "-o", "--out", help="A picture of the path, speed and acceleration; of a folder its table, FILE.csv."),
+    at: Place = None,
+    port: MachinePort = None,
     baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
     dialect: Annotated[Optional[str], typer.Option(help="num, ngc, or plain: as it is; default: by what stands in the file.")] = None,
     tools: Annotated[Optional[Path], typer.Option(help="The tool table of a program that is compiled; see passo compile.")] = None,
+    workers: Annotated[Optional[int], typer.Option(min=1, help="Of a folder: processes on this PC; default: one for each processor.")] = None,
+    dask: Annotated[Optional[str], typer.Option(metavar="tcp://HOST:PORT", help="Of a folder: the scheduler of a Dask cluster, which checks.")] = None,
 ):
     """Run a job on the virtual board and say what it would do.
 
@@ -41,6 +47,9 @@ def check(
     would find them. Without both, the position of the job on the machine is not known, and only its size is checked.
 
     A program in a dialect of its own is compiled first (passo compile); errors name the program's lines.
+
+    Of a folder all programs in it are checked, each a line of one table. A worker that dies costs its program only, which is tried
+    again. On a cluster (pip install '.[cluster]' on each computer) programs, board file and tool table travel to the workers.
 
     A million words take about a second if MicroPython is installed (pip install '.[check]', Linux), else three. Memory does not
     grow with the file.
@@ -54,36 +63,54 @@ def check(
         passo check part.gcode --port /dev/ttyACM0
 
         passo check part.gcode --board boards/mine.py -o part.png
+
+        passo check programs --workers 4 -o table.csv
+
+        passo check programs --dask tcp://192.168.1.20:8786
     """
+    if workers and dask:
+        raise Failure("--workers are of this PC, --dask of a cluster: give one of them")
+    if (workers or dask) and not file.is_dir():
+        raise Failure("--workers and --dask are for a folder of programs, and {} is none", file)
+    if at and port:
+        raise Failure("--at says where the program's zero lies, and so does the machine at --port: give one of them")
+    changes, start = _machine(port, baud) if port else ((), None)
+    place = tuple(changes), _zero(at), start
+    if file.is_dir():
+        from host_tools.cli.check_folder import check_folder
+
+        check_folder(file, board, place, dialect, tools, out, workers, dask)
+    else:
+        _check_file(file, board, place, dialect, tools, out)
+
+
+def _check_file(file, board, place, dialect, tools, out):
+    """Check one program, and say what it would do. Raises Failure."""
     from host_tools.programs import compiler
     from host_tools.sim.job import VirtualJob
 
     if out:
         import matplotlib  # noqa: F401  before the job runs, not after it
-    if at and port:
-        raise Failure("--at says where the program's zero lies, and so does the machine at --port: give one of them")
-    changes, start = _machine(port, baud) if port else ((), None)
     program = compiler.read(file, dialect, tools)
     compiler.tell(program)
-    job = VirtualJob(board, changes, _zero(at), start, drawn=bool(out))
+    job = VirtualJob(board, *place, drawn=bool(out))
     _run(job, program)
     for line in summary(job):
         print(line)
     if out:
         picture(out, job, file.name)
         print(out)
+    for number, text, what in job.errors[:_MOST_SHOWN]:
+        typer.echo(f"{program.place(number)}: {text}: {what}", err=True)
     _judge(job, program)
 
 
 def _judge(job, program):
-    """Raises Failure if lines were refused, which it shows, or if the job is larger than the machine."""
-    for number, text, what in job.errors[:_MOST_SHOWN]:
-        typer.echo(f"{program.place(number)}: {text}: {what}", err=True)
+    """Raises Failure if lines were refused, or if the job is larger than the machine."""
     if job.errors:
         raise Failure("{}: {} lines would be refused; the first is {}", program.path, job.error_count, program.origin(job.errors[0][0]))
-    too_long = [text for text in map(_excess, range(len(job.steps_per_mm)), itertools.repeat(job)) if text]
-    if too_long:
-        raise Failure("{} is larger than the machine: {}", program.path, ", ".join(too_long))
+    if too_long := job.beyond():
+        raise Failure("{} is larger than the machine: {}", program.path, too_long)
 
 
 def _run(job, program):
@@ -129,17 +156,6 @@ def _bears_on_motion(line):
     return number.isdigit() and (int(number) in (11, 12, 20, 30, 31, 32) or int(number) >= 100)
 
 
-def _excess(number, job):
-    """A text if the job is longer than the travel of an axis, else ""."""
-    axis = job.board["axes"][number]
-    travel = axis["travel_steps"] / job.steps_per_mm[number]
-    length = job.high[number] - job.low[number]
-    # Travel and position are whole steps, each rounded once.
-    if length <= travel + 1 / job.steps_per_mm[number]:
-        return ""
-    return _("{} goes {:.1f} of {:.1f} mm", axis["name"].upper(), length, travel)
-
-
 @contextlib.contextmanager
 def _shown(program):
     """Shows progress and the current line at the terminal."""
@@ -181,7 +197,7 @@ def summary(job):
     yield _("time    {} ({:.1f} s), {} words with a step", clock(job.seconds), job.seconds, job.track.steps)
     for number, axis in enumerate(job.board["axes"]):
         low, high = job.low[number], job.high[number]
-        note = "  " + _("MORE THAN THE TRAVEL") if _excess(number, job) else ""
+        note = "  " + _("MORE THAN THE TRAVEL") if job.excess(number) else ""
         fastest = job.track.fastest[number]
         yield _("{}       {:9.3f} … {:9.3f} mm, up to {:.0f} mm/min", axis["name"].upper(), low, high, fastest) + note
     for number, text in job.pauses[:_MOST_SHOWN]:

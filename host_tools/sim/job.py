@@ -247,3 +247,17 @@ class VirtualJob:
     @property
     def high(self):
         return self.track.high
+
+    def excess(self, number):
+        """A text if the job is longer than the travel of that axis, else ""."""
+        axis = self.board["axes"][number]
+        travel = axis["travel_steps"] / self.steps_per_mm[number]
+        length = self.high[number] - self.low[number]
+        # Travel and position are whole steps, each rounded once.
+        if length <= travel + 1 / self.steps_per_mm[number]:
+            return ""
+        return _("{} goes {:.1f} of {:.1f} mm", axis["name"].upper(), length, travel)
+
+    def beyond(self):
+        """How it is longer than the machine's travel, as text; "": it is not."""
+        return ", ".join(text for text in map(self.excess, range(len(self.steps_per_mm))) if text)

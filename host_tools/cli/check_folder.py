@@ -1,0 +1,174 @@
+"""`passo check FOLDER`: all programs of a folder, by several processes or a cluster, as one table."""
+
+import contextlib
+import csv
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple, Optional
+
+from host_tools import language, workers
+from host_tools.failure import Failure, reason
+from host_tools.language import _
+
+SUFFIXES = (".nc", ".gcode", ".ngc", ".tap", ".cnc", ".num")
+_COLUMNS = ("file", "seconds", "words", "low", "high", "fault")
+
+
+class Sent(NamedTuple):
+    """A file: `data` travels with it to another computer; None: it lies there."""
+
+    path: str
+    data: Optional[bytes] = None
+
+    @classmethod
+    def of(cls, path, travels):
+        """Raises Failure if it cannot be read."""
+        try:
+            return cls(str(path), Path(path).read_bytes() if travels else None)
+        except OSError as error:
+            raise Failure("cannot read {}: {}", path, reason(error)) from error
+
+    @contextlib.contextmanager
+    def here(self):
+        """Its path on this computer."""
+        if self.data is None:
+            yield Path(self.path)
+            return
+        with tempfile.TemporaryDirectory(prefix="passo-") as folder:
+            path = Path(folder) / Path(self.path).name
+            path.write_bytes(self.data)
+            yield path
+
+
+class Item(NamedTuple):
+    """A program, and all that a worker needs to know: `place`: changes, zero and start of a VirtualJob."""
+
+    program: Sent
+    board: str | Sent
+    tools: Optional[Sent]
+    dialect: Optional[str]
+    place: tuple
+    lang: str
+
+
+class Row(NamedTuple):
+    """What is said of one program. `low`, `high`: mm of each axis; `fault`: "" if it is right."""
+
+    seconds: float
+    words: int
+    low: tuple
+    high: tuple
+    fault: str
+
+
+def work(item):
+    """The Row of an Item."""
+    from host_tools.programs import compiler
+    from host_tools.sim.job import VirtualJob
+
+    language.choose(item.lang)
+    with contextlib.ExitStack() as stack:
+        file, tools, board = (each and stack.enter_context(each.here()) for each in (item.program, item.tools, _sent(item.board)))
+        try:
+            program = compiler.read(file, item.dialect, tools)
+            job = VirtualJob(str(board or item.board), *item.place, drawn=False)
+            job.origin = program.origin
+            job.run(program.rows())
+        except Failure as failure:
+            return Row(0.0, 0, (), (), failure.told())
+        return Row(job.seconds, job.track.steps, tuple(map(float, job.low)), tuple(map(float, job.high)), _fault(job, program))
+
+
+def _fault(job, program):
+    """What is wrong with a program that has been run; "": nothing."""
+    if job.errors:
+        number, text, what = job.errors[0]
+        more = "; " + _("{} lines in all", job.error_count) if job.error_count > 1 else ""
+        return f"{program.origin(number)}: {text}: {what}{more}"
+    too_long = job.beyond()
+    return _("larger than the machine: {}", too_long) if too_long else ""
+
+
+def _sent(board):
+    return board if isinstance(board, Sent) else None
+
+
+def check_folder(folder, board, place, dialect, tools, out, count, cluster):
+    """Check the programs of `folder` and print their table; `out`: a .csv of it, or None; `count`: processes, None: as many as there are
+    processors; `cluster`: a Dask scheduler's address, or None. Raises Failure, also if one has a fault."""
+    if out and out.suffix.lower() != ".csv":
+        raise Failure("of a folder -o writes a table, FILE.csv, not {}", out)
+    files = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
+    if not files:
+        raise Failure("no program in {}: names end in {}", folder, ", ".join(SUFFIXES))
+    travels = bool(cluster)
+    if board.endswith(".py"):
+        board = Sent.of(Path(board).expanduser(), travels)
+    table = tools and Sent.of(tools, travels)
+    items = (Item(Sent.of(path, travels), board, table, dialect, place, language.chosen()) for path in files)
+    begun = time.monotonic()
+    count = min(count or os.cpu_count() or 1, len(files))
+    found = workers.on_cluster(work, items, cluster) if cluster else workers.in_processes(work, items, count)
+    width = min(max(len(_name(folder, path)) for path in files), 60)
+    faults = 0
+    with _table(out) as write:
+        for path, row in _in_order([str(path) for path in files], found):
+            name = _name(folder, path)
+            faults += bool(row.fault)
+            print(f"{name:{width}}  {_told(row)}", flush=True)
+            write((name, f"{row.seconds:.3f}", row.words, *(" ".join(f"{mm:.3f}" for mm in side) for side in (row.low, row.high)), row.fault))
+    print(_("{} programs in {:.1f} s, {} with a fault", len(files), time.monotonic() - begun, faults))
+    if faults:
+        raise Failure("{}: {} of {} programs have a fault", folder, faults, len(files))
+
+
+def _name(folder, path):
+    return str(Path(path).relative_to(folder))
+
+
+def _in_order(paths, found):
+    """(path, Row) in the order of `paths`, each as soon as those before it are there; at a terminal with what has been done."""
+    waiting, at, done = {}, 0, 0
+    shown = sys.stderr.isatty()
+    for item, row in found:
+        done += 1
+        waiting[item.program.path] = Row(0.0, 0, (), (), _("its worker died {} times", workers.TRIES)) if row == workers.DIED else row
+        if shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+        while at < len(paths) and paths[at] in waiting:
+            yield paths[at], waiting.pop(paths[at])
+            at += 1
+        if shown and at < len(paths):
+            print(_("{} of {} checked", done, len(paths)), end="", file=sys.stderr, flush=True)
+
+
+def _told(row):
+    """A row of the table, behind its name."""
+    from host_tools.programs.gcode_file import clock
+
+    if row.fault:
+        return _("fault: {}", row.fault)
+    sides = " x ".join(f"{high - low:.1f}" for low, high in zip(row.low, row.high))
+    return f"{clock(row.seconds):>8}  {sides} mm"
+
+
+@contextlib.contextmanager
+def _table(path):
+    """write(cells) of the file, which is there once it is whole; of no file if `path` is None."""
+    if path is None:
+        yield lambda cells: None
+        return
+    new = path.with_name(path.name + ".new")
+    try:
+        with open(new, "w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(_COLUMNS)
+            yield writer.writerow
+        os.replace(new, path)
+    except OSError as error:
+        raise Failure("cannot write {}: {}", path, reason(error)) from error
+    finally:
+        new.unlink(missing_ok=True)
