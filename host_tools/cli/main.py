@@ -6,6 +6,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import language
+from host_tools.cli.agent import agent
 from host_tools.cli.board import board
 from host_tools.cli.build import build
 from host_tools.cli.calibrate import calibrate
@@ -140,7 +141,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (panel, site, wiring, board, emulate, draw, engrave, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash, prove):
+for _verb in (panel, site, agent, wiring, board, emulate, draw, engrave, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash, prove):
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(jobs, name="jobs")

@@ -1,0 +1,133 @@
+"""`passo agent`: tells an MQTT broker of the machines beside this PC."""
+
+import contextlib
+import os
+import re
+import signal
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure, reason
+from host_tools.language import _
+
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}")
+
+
+def agent(
+    broker: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="The MQTT broker, for example Mosquitto.")],
+    port: Annotated[
+        Optional[list[str]], typer.Option(metavar="[NAME=]PORT", help="Serial port, pty or pyserial URL of a board; give one for each board.")
+    ] = None,
+    emulated: Annotated[
+        Optional[list[str]], typer.Option(metavar="[NAME=]BOARD", help="A virtual board of this board file; give one for each.")
+    ] = None,
+    baud: Annotated[Optional[int], typer.Option(help="Bits per second of the serial ports.")] = None,
+    protocol: Annotated[
+        Optional[str], typer.Option(help="Language of the boards on --port: grbl, pulses, torch, plotter or keys. Default: grbl, pulses and torch are found by asking.")
+    ] = None,
+    board: Annotated[Optional[str], typer.Option(help="Board file of the boards on --port: what their language does not tell (steps/mm).")] = None,
+    user: Annotated[str, typer.Option(help="The broker's user for this agent.")] = "",
+    password: Annotated[Optional[Path], typer.Option("--password-file", help="File with the user's password, which other users cannot read.")] = None,
+    ca: Annotated[Optional[Path], typer.Option(metavar="FILE.crt", help="Certificate of the authority that has signed the broker's: speak TLS.")] = None,
+):
+    """Tell an MQTT broker of the machines beside this PC: state, job, progress, place, time left, alarms, counters.
+
+    Topics are passo/NAME/… and are retained; passo/NAME/log has what happens, as it happens. If the agent dies, the broker says that the
+    machine is gone. Nothing is sent to a machine but questions. The ports are the agent's alone as long as it runs.
+
+    Examples:
+
+        passo agent --port /dev/ttyACM0 --broker shop.local
+
+        passo agent --port mill=/dev/ttyUSB0 --port laser=/dev/ttyUSB1 --broker 192.168.1.20 --user pc-3 --password-file mqtt.txt --ca ca.crt
+
+        passo agent --emulated a=router_3axis --emulated b=plotter_2014 --broker localhost
+    """
+    from host_tools.shop.agent import Agent
+    from host_tools.shop.link import Link
+
+    broker = _broker(broker, user, password, ca)
+    boards = _named(port or [], emulated or [])
+    stopped = []
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stopped.append(True))
+    with contextlib.ExitStack() as stack:
+        agent = Agent()
+        stack.callback(agent.close)
+        for name, (where, virtual) in boards.items():
+            language, table, make_port = _virtual(where, stack) if virtual else _real(where, baud, protocol, board)
+            link = Link(broker, name, lambda text, name=name: print(_("{}: the broker refuses: {}", name, text), file=sys.stderr, flush=True))
+            agent.add(name, language, table, make_port, link)
+            print(_("{}: {} at {}", name, language, where), flush=True)
+        print(_("Ctrl-C ends it."), flush=True)
+        agent.run(lambda: stopped)
+
+
+def _broker(text, user, password, ca):
+    """The Broker of the options. Raises Failure."""
+    from host_tools.shop.link import Broker
+
+    host, colon, number = text.rpartition(":") if text.count(":") == 1 else (text, "", "")
+    if not host or colon and not (number.isdigit() and 0 < int(number) < 65536):
+        raise Failure("--broker {}: HOST or HOST:PORT is wanted", text)
+    if bool(user) != bool(password):
+        raise Failure("--user and --password-file belong together")
+    return Broker(host, int(number or 0), user, _password(password) if password else "", str(ca) if ca else None)
+
+
+def _password(path):
+    """The first line of a file. Raises Failure if there is none, or others may read it."""
+    try:
+        if os.name == "posix" and path.stat().st_mode & 0o077:
+            raise Failure("others can read {}: chmod 600 {}", path, path)
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
+    if not lines or not lines[0]:
+        raise Failure("{}: its first line is no password", path)
+    return lines[0]
+
+
+def _named(ports, emulated):
+    """{name: (port or board file, whether it is virtual)}. Raises Failure."""
+    found = {}
+    for text, virtual in [*((each, False) for each in ports), *((each, True) for each in emulated)]:
+        name, equals, where = text.partition("=")
+        if not equals or "/" in name:
+            name, where = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(text).stem).strip("-._"), text
+        if not _NAME.fullmatch(name):
+            raise Failure("{!r} is no machine's name: at most 40 letters, digits, '.', '_' and '-'", name)
+        if name in found:
+            raise Failure("two machines are called {}: give names, NAME=…", name)
+        found[name] = where, virtual
+    if not found:
+        raise Failure("which board? --port PORT, or --emulated BOARD without hardware")
+    return found
+
+
+def _virtual(name, stack):
+    """(language, board file's table, make_port) of a virtual board."""
+    from host_tools import boards
+    from host_tools.panel.board import Demo, Port
+
+    table = boards.load(name)
+    demo = Demo(name)
+    stack.callback(demo.close)
+    return table["links"][0]["protocol"], table, lambda changed: Port(demo.name, 115_200, changed)
+
+
+def _real(port, baud, protocol, board):
+    """The same of the board on a port. Raises Failure."""
+    from host_tools import boards
+    from host_tools.cli.log import spoken
+    from host_tools.panel import languages
+    from host_tools.panel.board import Port
+
+    language = protocol or spoken(port, baud or languages.BAUD["grbl"])
+    if language not in languages.BOARDS:
+        raise Failure("{}: the agent speaks {}", language, ", ".join(languages.BOARDS))
+    table = boards.load(board or languages.BOARDS[language])
+    return language, table, lambda changed: Port(port, baud or languages.BAUD[language], changed)

@@ -1,0 +1,1 @@
+"""Machines on an MQTT broker: what a PC beside them tells of them."""

@@ -1,0 +1,101 @@
+"""`passo agent`'s work: one loop for all its boards, each with its own connection to the broker.
+
+    agent = Agent()
+    agent.add("plotter-3", "grbl", board, make_port, link)      # make_port(changed): a Port of host_tools/panel/board.py
+    agent.run(stopped)                                          # until stopped() is true
+    agent.close()
+
+Boards are spoken to by the machines behind `passo panel`'s page (host_tools/page), which ask for reports and send nothing else.
+"""
+
+import selectors
+import time
+
+from host_tools.panel import languages
+from host_tools.panel.server import clock_ms
+from host_tools.shop.telling import Telling
+
+_ASK_MS = 200  # between two reports of a board
+_TELL_S = 0.2  # between two looks at what has changed
+_PLACE_S = 1.0  # what changes with each report is told no more often: place, counters, time left
+_OFTEN = ("place", "counters", "left")
+_WAIT_S = 0.02
+_FIRST_S = 3.0  # a board's first report has come by then, or it is lost
+
+
+class _Board:
+    def __init__(self, name, language, board, make_port, link, changed):
+        self.name = name
+        self._link = link
+        self._telling = Telling()
+        self._port = make_port(lambda fd, opened: changed(self, fd, opened))
+        self._machine = languages.create(language, board, self._port.write, self._hear).machine
+        self._machine.ask_ms = max(self._machine.ask_ms, _ASK_MS)
+        self._begun_s = None  # not looked at yet
+        self._told_s = self._placed_s = 0.0
+        self._often = dict.fromkeys(_OFTEN, "")
+
+    def attached(self, opened):
+        self._machine.attached(opened)
+
+    def _hear(self, event):
+        """What the machine tells its pages."""
+        if event["t"] == "refused" and event.get("error"):
+            self._telling.refused(event["error"])
+
+    def read(self):
+        data = self._port.read()
+        if data:
+            self._machine.feed(data, clock_ms())
+
+    def poll(self, now_s):
+        self._begun_s = self._begun_s or now_s
+        self._port.look()
+        self._machine.poll(clock_ms())
+        if now_s - self._told_s < _TELL_S:
+            return
+        self._told_s = now_s
+        shown = self._machine.shown()
+        if not shown["link"] and now_s - self._begun_s < _FIRST_S:
+            return
+        topics = self._telling.look(shown, now_s)
+        if now_s - self._placed_s >= _PLACE_S or not topics["job"]:
+            self._often = {key: topics[key] for key in _OFTEN}
+            self._placed_s = now_s
+        for event in self._telling.events(time.time()):
+            self._link.log(event)
+        self._link.tell({**topics, **self._often})
+
+    def close(self):
+        self._port.close()
+        self._link.close()
+
+
+class Agent:
+    def __init__(self):
+        self._selector = selectors.DefaultSelector()
+        self._boards = []
+
+    def add(self, name, language, board, make_port, link):
+        """`board`: a board file's table; `link`: a Link of that name."""
+        self._boards.append(_Board(name, language, board, make_port, link, self._changed))
+
+    def _changed(self, board, fd, opened):
+        board.attached(opened)
+        if opened:
+            self._selector.register(fd, selectors.EVENT_READ, board)
+        else:
+            self._selector.unregister(fd)
+
+    def run(self, stopped):
+        while not stopped():
+            for key, _events in self._selector.select(_WAIT_S):
+                key.data.read()
+            now_s = time.monotonic()
+            for board in self._boards:
+                board.poll(now_s)
+
+    def close(self):
+        for board in self._boards:
+            board.close()
+        self._selector.close()

@@ -1,0 +1,95 @@
+"""What a machine tells the shop: the topics of its state, made of what its page shows (passo/protocols/page).
+
+    telling = Telling()
+    telling.look(machine.shown(), now_s)    # {topic: text} of all topics, see TOPICS
+    telling.events(now_s)                   # [{"what": "begun", …}] since the last time
+
+A topic is text, JSON where it has several values, "" where there is nothing to tell.
+"""
+
+import json
+
+from host_tools.language import error_text
+from passo import errors
+
+TOPICS = ("state", "job", "progress", "left", "place", "alarm", "counters")
+GONE = "gone"  # state: nobody speaks for the machine any more, the broker says so
+LOST = "lost"  # state: the board does not answer
+_SURE = 2  # per cent of a job, from which on the time left is told
+
+
+class Telling:
+    def __init__(self):
+        self._events = []
+        self._state = ""
+        self._alarm = 0
+        self._job = None  # (name, when it has begun)
+        self._place = None
+        self._then_s = None
+        self._counters = {"jobs": 0, "failed": 0, "alarms": 0, "run_s": 0.0, "metres": 0.0}
+
+    def look(self, shown, now_s):
+        state = shown["state"].lower() if shown["link"] and shown["state"] else LOST
+        self._count(shown, state, now_s)
+        name, share = self._job_of(shown)
+        self._follow(name, shown, now_s)
+        alarm = shown["alarm"]
+        if alarm and alarm != self._alarm:
+            self._counters["alarms"] += 1
+            self._event("alarm", number=alarm, text=error_text(alarm))
+        self._alarm = alarm
+        if state != self._state:
+            self._event("state", before=self._state, state=state)
+            self._state = state
+        left = "" if share is None or share < _SURE or not self._job else round((now_s - self._job[1]) * (100 - share) / share)
+        return {
+            "state": state,
+            "job": name,
+            "progress": "" if share is None else str(share),
+            "left": str(left),
+            "place": json.dumps(shown["w"]) if shown.get("w") else "",
+            "alarm": error_text(alarm or errors.LOCKED) if alarm or state == "alarm" else "",
+            "counters": json.dumps({key: round(value, 3) for key, value in self._counters.items()}),
+        }
+
+    def events(self, now_s):
+        """What has happened since the last time; `at`: seconds since 1970."""
+        found, self._events = self._events, []
+        return [{"at": round(now_s, 3), **event} for event in found]
+
+    def refused(self, number):
+        """The board has refused something, or notes an error."""
+        self._event("refused", number=number, text=error_text(number))
+
+    def _event(self, what, **more):
+        self._events.append({"what": what, **more})
+
+    @staticmethod
+    def _job_of(shown):
+        """(name, per cent) of the job that runs; ("", None): none. One that the board keeps is told as `per cent,NAME`."""
+        job, stored = shown.get("job"), shown.get("stored") or ""
+        if job and job["how"] in ("run", "halting"):
+            return job["name"], 100 * job["done"] // max(job["lines"], 1)
+        share, comma, name = stored.partition(",")
+        return (name.rstrip("?"), int(share)) if comma and share.isdigit() else ("", None)
+
+    def _follow(self, name, shown, now_s):
+        """Note the beginning and the end of a job."""
+        if self._job and self._job[0] != name:
+            job = shown.get("job")
+            failed = shown["alarm"] or bool(job and job["name"] == self._job[0] and job["how"] == "failed")
+            self._counters["failed" if failed else "jobs"] += 1
+            self._event("failed" if failed else "done", job=self._job[0], seconds=round(now_s - self._job[1], 1))
+            self._job = None
+        if name and not self._job:
+            self._job = name, now_s
+            self._event("begun", job=name)
+
+    def _count(self, shown, state, now_s):
+        """Time in motion, and the way from report to report: what lies between two is taken as straight."""
+        place = shown.get("m")
+        if self._then_s is not None and state in ("run", "jog", "home"):
+            self._counters["run_s"] += now_s - self._then_s
+        if place and self._place and len(place) == len(self._place) and state not in (LOST, "home"):
+            self._counters["metres"] += sum((to - at) ** 2 for to, at in zip(place, self._place)) ** 0.5 / 1000
+        self._place, self._then_s = place, now_s
