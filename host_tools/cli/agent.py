@@ -32,11 +32,15 @@ def agent(
     user: Annotated[str, typer.Option(help="The broker's user for this agent.")] = "",
     password: Annotated[Optional[Path], typer.Option("--password-file", help="File with the user's password, which other users cannot read.")] = None,
     ca: Annotated[Optional[Path], typer.Option(metavar="FILE.crt", help="Certificate of the authority that has signed the broker's: speak TLS.")] = None,
+    figures: Annotated[Optional[str], typer.Option(metavar="[HOST:]PORT", help="Serve figures for Prometheus there (HOST: 127.0.0.1).")] = None,
+    home_assistant: Annotated[
+        Optional[str], typer.Option(metavar="PREFIX", help="Have Home Assistant find the machines; its discovery prefix is homeassistant.")
+    ] = None,
 ):
     """Tell an MQTT broker of the machines beside this PC: state, job, progress, place, time left, alarms, counters.
 
     Topics are passo/NAME/… and are retained; passo/NAME/log has what happens, as it happens. If the agent dies, the broker says that the
-    machine is gone. Nothing is sent to a machine but questions. The ports are the agent's alone as long as it runs.
+    machine is gone. A message to passo/NAME/stop, or to passo/stop for all, stops them; else machines are sent nothing but questions. The ports are the agent's alone as long as it runs.
 
     Examples:
 
@@ -47,19 +51,22 @@ def agent(
         passo agent --emulated a=router_3axis --emulated b=plotter_2014 --broker localhost
     """
     from host_tools.shop.agent import Agent
-    from host_tools.shop.link import Link
+    from host_tools.shop.home_assistant import discovery
+    from host_tools.shop.link import ROOT, Link
 
+    where_figures = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
     broker = _broker(broker, user, password, ca)
     boards = _named(port or [], emulated or [])
     stopped = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.append(True))
     with contextlib.ExitStack() as stack:
-        agent = Agent()
+        agent = Agent(_figures(where_figures, stack))
         stack.callback(agent.close)
         for name, (where, virtual) in boards.items():
             language, table, make_port = _virtual(where, stack) if virtual else _real(where, baud, protocol, board)
-            link = Link(broker, name, lambda text, name=name: print(_("{}: the broker refuses: {}", name, text), file=sys.stderr, flush=True))
+            more = discovery(home_assistant, f"{ROOT}/", name) if home_assistant else None
+            link = Link(broker, name, lambda text, name=name: print(_("{}: the broker refuses: {}", name, text), file=sys.stderr, flush=True), more)
             agent.add(name, language, table, make_port, link)
             print(_("{}: {} at {}", name, language, where), flush=True)
         print(_("Ctrl-C ends it."), flush=True)
@@ -70,12 +77,29 @@ def _broker(text, user, password, ca):
     """The Broker of the options. Raises Failure."""
     from host_tools.shop.link import Broker
 
-    host, colon, number = text.rpartition(":") if text.count(":") == 1 else (text, "", "")
-    if not host or colon and not (number.isdigit() and 0 < int(number) < 65536):
-        raise Failure("--broker {}: HOST or HOST:PORT is wanted", text)
+    host, number = _address("--broker", text)
     if bool(user) != bool(password):
         raise Failure("--user and --password-file belong together")
-    return Broker(host, int(number or 0), user, _password(password) if password else "", str(ca) if ca else None)
+    return Broker(host, number, user, _password(password) if password else "", str(ca) if ca else None)
+
+
+def _address(option, text):
+    """(host, port) of HOST:PORT; the port may be missing: 0. Raises Failure."""
+    host, colon, number = text.rpartition(":") if text.count(":") == 1 else (text, "", "0")
+    if not host or not number.isdigit() or colon and not 0 < int(number) < 65536:
+        raise Failure("{} {}: HOST or HOST:PORT is wanted", option, text)
+    return host, int(number)
+
+
+def _figures(address, stack):
+    """The Figures served at an address; None: none are asked for."""
+    if address is None:
+        return None
+    from host_tools.shop.figures import Figures
+
+    found = Figures()
+    stack.callback(found.serve(*address))
+    return found
 
 
 def _password(path):

@@ -5,7 +5,8 @@
     agent.run(stopped)                                          # until stopped() is true
     agent.close()
 
-Boards are spoken to by the machines behind `passo panel`'s page (host_tools/page), which ask for reports and send nothing else.
+Boards are spoken to by the machines behind `passo panel`'s page (host_tools/page): they are asked for reports, and stopped. Nothing else
+is sent to them.
 """
 
 import selectors
@@ -27,7 +28,7 @@ class _Board:
     def __init__(self, name, language, board, make_port, link, changed):
         self.name = name
         self._link = link
-        self._telling = Telling()
+        self.telling = Telling()
         self._port = make_port(lambda fd, opened: changed(self, fd, opened))
         self._machine = languages.create(language, board, self._port.write, self._hear).machine
         self._machine.ask_ms = max(self._machine.ask_ms, _ASK_MS)
@@ -41,7 +42,7 @@ class _Board:
     def _hear(self, event):
         """What the machine tells its pages."""
         if event["t"] == "refused" and event.get("error"):
-            self._telling.refused(event["error"])
+            self.telling.refused(event["error"])
 
     def read(self):
         data = self._port.read()
@@ -50,6 +51,9 @@ class _Board:
 
     def poll(self, now_s):
         self._begun_s = self._begun_s or now_s
+        if self._link.stops():
+            self._machine.stop()
+            self.telling.stopped()
         self._port.look()
         self._machine.poll(clock_ms())
         if now_s - self._told_s < _TELL_S:
@@ -58,11 +62,11 @@ class _Board:
         shown = self._machine.shown()
         if not shown["link"] and now_s - self._begun_s < _FIRST_S:
             return
-        topics = self._telling.look(shown, now_s)
+        topics = self.telling.look(shown, now_s)
         if now_s - self._placed_s >= _PLACE_S or not topics["job"]:
             self._often = {key: topics[key] for key in _OFTEN}
             self._placed_s = now_s
-        for event in self._telling.events(time.time()):
+        for event in self.telling.events(time.time()):
             self._link.log(event)
         self._link.tell({**topics, **self._often})
 
@@ -72,13 +76,18 @@ class _Board:
 
 
 class Agent:
-    def __init__(self):
+    def __init__(self, figures=None):
+        """`figures`: a Figures that watches the machines, or None."""
+        self._figures = figures
         self._selector = selectors.DefaultSelector()
         self._boards = []
 
     def add(self, name, language, board, make_port, link):
         """`board`: a board file's table; `link`: a Link of that name."""
-        self._boards.append(_Board(name, language, board, make_port, link, self._changed))
+        added = _Board(name, language, board, make_port, link, self._changed)
+        self._boards.append(added)
+        if self._figures:
+            self._figures.watch(name, added.telling)
 
     def _changed(self, board, fd, opened):
         board.attached(opened)

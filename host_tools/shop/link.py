@@ -3,6 +3,7 @@
     link = Link(Broker("192.168.1.20"), "plotter-3")
     link.tell({"state": "idle", …})         # publishes the topics that have changed, all of them behind each connection
     link.log({"what": "alarm", …})          # not retained; waits while there is no connection, the oldest are dropped
+    link.stops()                            # True once after each STOP, for this machine or for all
     link.close()                            # "gone", as the last will says if this process dies
 
 Topics are passo/NAME/… A connection each: a last will belongs to one.
@@ -19,11 +20,13 @@ from paho.mqtt.enums import CallbackAPIVersion
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 from paho.mqtt.reasoncodes import ReasonCode
+from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from host_tools.failure import Failure, reason
 from host_tools.shop.telling import GONE
 
 ROOT = "passo"
+STOP = "stop"  # passo/stop: all machines; passo/NAME/stop: that one. Any text
 _KEEP_ALIVE_S = 10  # half as long again without a sign, and the broker publishes the last will
 _AGAIN_S = 1, 10  # until the next attempt to connect, at least and at most
 _MOST_WAITING = 1000  # events
@@ -59,23 +62,39 @@ class Broker(NamedTuple):
 
 
 class Link:
-    def __init__(self, broker, name, refused=None):
-        """`refused(text)`: told once, from another thread, why the broker does not let it in."""
+    def __init__(self, broker, name, refused=None, more=None):
+        """`refused(text)`: hears, from another thread, why the broker does not let it in; `more`: {topic: text}, retained, beside the
+        machine's own topics."""
+        self._more = more or {}
         self._topic = f"{ROOT}/{name}/"
         self._refused = refused or (lambda text: None)
         self._told = {}
         self._fresh = threading.Event()  # connected anew: the broker may have forgotten all
+        self._stop = threading.Event()
         self._waiting = collections.deque(maxlen=_MOST_WAITING)
         self._client = broker.client(f"{ROOT}-{name}")
         self._client.will_set(self._topic + "state", GONE, 1, True)
         self._client.on_connect = self._connected
+        self._client.on_message = self._hear
         broker.connect(self._client)
 
     def _connected(self, client, userdata, flags, code, properties):
         if code.is_failure:
             self._refused(str(code))
-        else:
-            self._fresh.set()
+            return
+        # One that is retained would stop the machine again at each connection, long after.
+        options = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
+        client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])
+        self._fresh.set()
+
+    def _hear(self, client, userdata, message):
+        self._stop.set()
+
+    def stops(self):
+        if not self._stop.is_set():
+            return False
+        self._stop.clear()
+        return True
 
     @property
     def up(self):
@@ -87,6 +106,8 @@ class Link:
         if self._fresh.is_set():
             self._fresh.clear()
             self._told = {}
+            for topic, text in self._more.items():
+                self._client.publish(topic, text, 1, True)
         for topic, text in topics.items():
             if self._told.get(topic) != text:
                 self._told[topic] = text

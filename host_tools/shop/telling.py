@@ -26,7 +26,9 @@ class Telling:
         self._job = None  # (name, when it has begun)
         self._place = None
         self._then_s = None
-        self._counters = {"jobs": 0, "failed": 0, "alarms": 0, "run_s": 0.0, "metres": 0.0}
+        self.counters = {"jobs": 0, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 0.0, "metres": 0.0}
+        self.told = {}  # what look() has said last
+        self.full = None  # per cent of the board's queue that is in use, if it tells
 
     def look(self, shown, now_s):
         state = shown["state"].lower() if shown["link"] and shown["state"] else LOST
@@ -35,30 +37,38 @@ class Telling:
         self._follow(name, shown, now_s)
         alarm = shown["alarm"]
         if alarm and alarm != self._alarm:
-            self._counters["alarms"] += 1
+            self.counters["alarms"] += 1
             self._event("alarm", number=alarm, text=error_text(alarm))
         self._alarm = alarm
         if state != self._state:
             self._event("state", before=self._state, state=state)
             self._state = state
         left = "" if share is None or share < _SURE or not self._job else round((now_s - self._job[1]) * (100 - share) / share)
-        return {
+        self.full = shown.get("full")
+        self.told = {
             "state": state,
             "job": name,
             "progress": "" if share is None else str(share),
             "left": str(left),
             "place": json.dumps(shown["w"]) if shown.get("w") else "",
             "alarm": error_text(alarm or errors.LOCKED) if alarm or state == "alarm" else "",
-            "counters": json.dumps({key: round(value, 3) for key, value in self._counters.items()}),
+            "counters": json.dumps({key: round(value, 3) for key, value in self.counters.items()}),
         }
+        return self.told
 
     def events(self, now_s):
         """What has happened since the last time; `at`: seconds since 1970."""
         found, self._events = self._events, []
         return [{"at": round(now_s, 3), **event} for event in found]
 
+    def stopped(self):
+        """Somebody at the broker has stopped the machine."""
+        self.counters["stops"] += 1
+        self._event("stop")
+
     def refused(self, number):
         """The board has refused something, or notes an error."""
+        self.counters["refused"] += 1
         self._event("refused", number=number, text=error_text(number))
 
     def _event(self, what, **more):
@@ -78,7 +88,7 @@ class Telling:
         if self._job and self._job[0] != name:
             job = shown.get("job")
             failed = shown["alarm"] or bool(job and job["name"] == self._job[0] and job["how"] == "failed")
-            self._counters["failed" if failed else "jobs"] += 1
+            self.counters["failed" if failed else "jobs"] += 1
             self._event("failed" if failed else "done", job=self._job[0], seconds=round(now_s - self._job[1], 1))
             self._job = None
         if name and not self._job:
@@ -89,7 +99,7 @@ class Telling:
         """Time in motion, and the way from report to report: what lies between two is taken as straight."""
         place = shown.get("m")
         if self._then_s is not None and state in ("run", "jog", "home"):
-            self._counters["run_s"] += now_s - self._then_s
+            self.counters["run_s"] += now_s - self._then_s
         if place and self._place and len(place) == len(self._place) and state not in (LOST, "home"):
-            self._counters["metres"] += sum((to - at) ** 2 for to, at in zip(place, self._place)) ** 0.5 / 1000
+            self.counters["metres"] += sum((to - at) ** 2 for to, at in zip(place, self._place)) ** 0.5 / 1000
         self._place, self._then_s = place, now_s

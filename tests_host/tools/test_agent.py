@@ -2,17 +2,22 @@
 
 import json
 import os
+import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import pytest
+import requests
 
 from host_tools.cli import agent as command
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
+from host_tools.shop.home_assistant import discovery
 from host_tools.shop.telling import GONE, LOST, TOPICS, Telling
 
 MOSQUITTO = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
@@ -47,7 +52,7 @@ def test_a_job_from_its_beginning_to_its_end():
     assert (told["progress"], told["left"]) == ("25", "90")
     told = telling.look(shown(job=job("done", 200)), 130)
     assert told["job"] == told["progress"] == told["left"] == ""
-    assert json.loads(told["counters"]) == {"jobs": 1, "failed": 0, "alarms": 0, "run_s": 40, "metres": 2.0}
+    assert json.loads(told["counters"]) == {"jobs": 1, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 40, "metres": 2.0}
     events = [event for event in telling.events(5) if event["what"] != "state"]
     assert events == [
         {"at": 5, "what": "begun", "job": "part.nc"},
@@ -120,17 +125,19 @@ def test_the_broker_and_its_password(tmp_path):
 # --- a real broker
 
 
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 class Shop:
     """Mosquitto, and what it has been told: `told`, the newest of each topic; `heard`, all of it."""
 
     def __init__(self, folder):
-        import socket
-
         import paho.mqtt.client as mqtt
 
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = probe.getsockname()[1]
+        self.port = free_port()
         self.file = folder / "mosquitto.conf"
         self.file.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\n")
         self.told, self.heard, self.programs = {}, [], []
@@ -151,8 +158,6 @@ class Shop:
         self.until(self.answers)
 
     def answers(self):
-        import socket
-
         try:
             socket.create_connection(("127.0.0.1", self.port), 1).close()
             return True
@@ -230,3 +235,140 @@ def test_a_machine_at_work_for_somebody_else(shop, tmp_path):
     shop.until(lambda: shop.told["passo/a/state"] == "idle" and json.loads(shop.told["passo/a/place"])[0] == 20)
     counters = json.loads(shop.told["passo/a/counters"])
     assert counters["run_s"] > 1 and counters["metres"] == pytest.approx(0.02)
+
+
+@needs_broker
+def test_a_stop_for_all_and_one_that_was_kept(shop, tmp_path):
+    """A message that the broker kept from yesterday stops nothing; one that comes does, on a link that does not command, too."""
+    shop.client.publish("passo/stop", "yesterday", 1, retain=True).wait_for_publish(LIMIT_S)
+    board = shop.run("board", "--board", "router_3axis", "--link", f"pc={tmp_path}/one", "--link", f"serial={tmp_path}/two")
+    for _line in range(2):
+        board.stdout.readline()
+    shop.agent("--port", f"a={tmp_path}/one", "--protocol", "grbl", "--emulated", "b=plotter_2014")
+    shop.until(lambda: shop.told.get("passo/a/state") == "alarm" and shop.told.get("passo/b/state") == "idle")
+    with GrblClient(f"{tmp_path}/two") as client:
+        client.command("$LINK=0")
+        client.command("$X")
+        client.command("G21G91G1X200F300")
+        shop.until(lambda: shop.told["passo/a/state"] == "run")
+        shop.client.publish("passo/b/stop", "only b", 1)
+        shop.until(lambda: [text for topic, text, _kept in shop.heard if topic == "passo/b/log" and '"stop"' in text])
+        assert client.ask_status()["state"] == "Run"
+        begun = time.monotonic()
+        shop.client.publish("passo/stop", "all", 1)
+        while client.alarm is None:
+            client.lines()
+            assert time.monotonic() - begun < LIMIT_S
+        print(f"from the message to the alarm on another link: {1000 * (time.monotonic() - begun):.0f} ms")
+        assert client.alarm == 3
+    shop.until(lambda: shop.told["passo/a/state"] == "alarm")
+    assert json.loads(shop.told["passo/a/counters"])["stops"] == 1
+
+
+# --- figures
+
+
+PROMETHEUS = shutil.which("prometheus")
+DASHBOARD = json.loads((Path(__file__).parents[2] / "docs" / "grafana-passo.json").read_text())
+
+
+def scraped():
+    """What a telling with a history has to say to Prometheus, as text."""
+    from prometheus_client import CollectorRegistry
+    from prometheus_client.openmetrics.exposition import generate_latest
+
+    from host_tools.shop.figures import Figures
+
+    telling = Telling()
+    telling.look(shown(state="Run", job=job("run", 100), full=30), 0)
+    telling.look(shown(state="Run", job=job("run", 150), full=30, m=[1.0, 1002.0]), 60)
+    telling.refused(2)
+    figures = Figures()
+    figures.watch("a", telling)
+    figures.watch("not yet heard of", Telling())
+    registry = CollectorRegistry()
+    registry.register(figures)
+    return generate_latest(registry).decode()
+
+
+def test_figures_in_openmetrics():
+    from prometheus_client.openmetrics.parser import text_string_to_metric_families
+
+    found = {
+        (sample.name, *sorted(sample.labels.values())): sample.value
+        for family in text_string_to_metric_families(scraped())
+        for sample in family.samples
+    }
+    assert found["passo_up", "a"] == found["passo_state", "a", "run"] == 1
+    assert found["passo_job_progress_ratio", "a"] == 0.75 and found["passo_job_left_seconds", "a"] == 20
+    assert found["passo_queue_ratio", "a"] == 0.3
+    assert found["passo_motion_seconds_total", "a"] == 60 and found["passo_way_metres_total", "a"] == 1
+    assert found["passo_refused_total", "a"] == 1 and found["passo_jobs_total", "a", "failed"] == 0
+    assert not [key for key in found if "not yet heard of" in key]
+
+
+def test_the_dashboard_asks_for_figures_that_there_are():
+    names = set(re.findall(r"passo_\w+", scraped()))
+    for each in DASHBOARD["panels"]:
+        wanted = set(re.findall(r"passo_\w+", each["targets"][0]["expr"]))
+        assert wanted and wanted <= names, each["title"]
+
+
+@pytest.mark.skipif(not PROMETHEUS, reason="there is no Prometheus: apt-get install prometheus")
+@needs_broker
+def test_prometheus_scrapes_and_the_dashboard_s_queries_answer(shop, tmp_path):
+    figures, served = free_port(), free_port()
+    shop.agent("--emulated", "a=plotter_2014", "--figures", str(figures))
+    shop.until(lambda: shop.told.get("passo/a/state") == "idle")
+    (tmp_path / "prometheus.yml").write_text(
+        f"scrape_configs: [{{job_name: passo, scrape_interval: 200ms, scrape_timeout: 200ms, static_configs: [{{targets: ['127.0.0.1:{figures}']}}]}}]\n"
+    )
+    program = subprocess.Popen(
+        [PROMETHEUS, f"--config.file={tmp_path}/prometheus.yml", f"--storage.tsdb.path={tmp_path}/data", f"--web.listen-address=127.0.0.1:{served}"],
+        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+    )  # fmt: skip
+    shop.programs.append(program)
+
+    def answer(query):
+        try:
+            found = requests.get(f"http://127.0.0.1:{served}/api/v1/query", {"query": query}, timeout=10).json()
+        except (requests.ConnectionError, ValueError):
+            return []
+        assert found["status"] == "success", (query, found)
+        return found["data"]["result"]
+
+    shop.until(lambda: [each for each in answer("passo_up") if each["value"][1] == "1"])
+    for each in DASHBOARD["panels"]:
+        shop.until(lambda each=each: answer(each["targets"][0]["expr"]))
+
+
+# --- Home Assistant
+
+
+def test_discovery():
+    found = {topic: json.loads(text) for topic, text in discovery("homeassistant", "passo/", "mill.2").items()}
+    assert len({config["unique_id"] for config in found.values()}) == len(found) == 6
+    for topic, config in found.items():
+        # <discovery_prefix>/<component>/<node_id>/<object_id>/config: letters, digits, '_' and '-'.
+        assert re.fullmatch(r"homeassistant/(sensor|button)/[\w-]+/[\w-]+/config", topic)
+        kind = topic.split("/")[1]
+        assert config["device"]["identifiers"] and config["origin"]["name"] == "Passo"
+        assert config["availability_topic"] == "passo/mill.2/state" and f"'{GONE}'" in config["availability_template"]
+        assert ("state_topic" in config, "command_topic" in config) == ((True, False) if kind == "sensor" else (False, True))
+        if kind == "sensor":
+            assert config["state_topic"].rpartition("/")[2] in TOPICS
+    stop = found["homeassistant/button/passo_mill_2/stop/config"]
+    assert stop["command_topic"] == "passo/mill.2/stop" and stop["retain"] is False
+
+
+@needs_broker
+def test_home_assistant_is_told_again_behind_each_start_of_the_broker(shop):
+    shop.client.subscribe("homeassistant/#", 1)
+    shop.client.on_connect = lambda *_: shop.client.subscribe([("passo/#", 1), ("homeassistant/#", 1)])
+    shop.agent("--emulated", "a=plotter_2014", "--home-assistant", "homeassistant")
+    shop.until(lambda: sum(topic.startswith("homeassistant/") for topic in shop.told) == 6)
+    shop.broker.kill()
+    shop.broker.wait()
+    shop.told.clear()
+    shop.start()
+    shop.until(lambda: sum(topic.startswith("homeassistant/") for topic in shop.told) == 6)

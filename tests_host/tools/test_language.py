@@ -33,6 +33,7 @@ TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "Unavailab
          "ProgramError": 1, "_misfit": 2}  # fmt: skip
 # Functions that hand on a text of their caller's, or one of a table.
 HANDED_ON = {
+    "shop/home_assistant.py": ("discovery",),
     "language.py": ("_", "speak", "error_text", "reworded"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
     "programs/compensation.py": ("_misfit",), "programs/program_errors.py": ("told",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
