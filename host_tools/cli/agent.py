@@ -66,7 +66,7 @@ def agent(
         for name, (where, virtual) in boards.items():
             language, table, make_port = _virtual(where, stack) if virtual else _real(where, baud, protocol, board)
             more = discovery(home_assistant, f"{ROOT}/", name) if home_assistant else None
-            link = Link(broker, name, lambda text, name=name: print(_("{}: the broker refuses: {}", name, text), file=sys.stderr, flush=True), more)
+            link = Link(broker, name, lambda text, name=name: print(f"{name}: {text}", file=sys.stderr, flush=True), more)
             agent.add(name, language, table, make_port, link)
             print(_("{}: {} at {}", name, language, where), flush=True)
         print(_("Ctrl-C ends it."), flush=True)

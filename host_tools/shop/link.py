@@ -12,6 +12,7 @@ Topics are passo/NAME/… A connection each: a last will belongs to one.
 import collections
 import json
 import ssl
+import sys
 import threading
 from typing import NamedTuple, Optional
 
@@ -23,6 +24,7 @@ from paho.mqtt.reasoncodes import ReasonCode
 from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from host_tools.failure import Failure, reason
+from host_tools.language import _
 from host_tools.shop.telling import GONE
 
 ROOT = "passo"
@@ -63,11 +65,12 @@ class Broker(NamedTuple):
 
 class Link:
     def __init__(self, broker, name, refused=None, more=None):
-        """`refused(text)`: hears, from another thread, why the broker does not let it in; `more`: {topic: text}, retained, beside the
+        """`refused(text)`: hears, from another thread, why there is no connection; `more`: {topic: text}, retained, beside the
         machine's own topics."""
         self._more = more or {}
         self._topic = f"{ROOT}/{name}/"
         self._refused = refused or (lambda text: None)
+        self._why = ""  # the last reason that it has heard
         self._told = {}
         self._fresh = threading.Event()  # connected anew: the broker may have forgotten all
         self._stop = threading.Event()
@@ -76,16 +79,28 @@ class Link:
         self._client.will_set(self._topic + "state", GONE, 1, True)
         self._client.on_connect = self._connected
         self._client.on_message = self._hear
+        self._client.on_connect_fail = lambda client, userdata: self._fail(_("no broker answers: {}", reason(sys.exc_info()[1])))
+        self._client.on_disconnect = self._disconnected
         broker.connect(self._client)
 
     def _connected(self, client, userdata, flags, code, properties):
         if code.is_failure:
-            self._refused(str(code))
+            self._fail(_("the broker refuses: {}", code))
             return
+        self._why = ""
         # One that is retained would stop the machine again at each connection, long after.
         options = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
         client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])
         self._fresh.set()
+
+    def _disconnected(self, client, userdata, flags, code, properties):
+        if code.is_failure:
+            self._fail(_("the connection to the broker is lost: {}", code))
+
+    def _fail(self, why):
+        if why != self._why:
+            self._why = why
+            self._refused(why)
 
     def _hear(self, client, userdata, message):
         self._stop.set()

@@ -135,19 +135,25 @@ class Shop:
     """Mosquitto, and what it has been told: `told`, the newest of each topic; `heard`, all of it."""
 
     def __init__(self, folder):
-        import paho.mqtt.client as mqtt
-
         self.port = free_port()
-        self.file = folder / "mosquitto.conf"
-        self.file.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\n")
+        self.configure(folder)
         self.told, self.heard, self.programs = {}, [], []
         self.start()
-        self.client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5)
+        self.client = self.make_client()
         self.client.on_message = self._hear
         self.client.on_connect = lambda *_: self.client.subscribe("passo/#", 1)
         self.client.reconnect_delay_set(1, 1)
         self.client.connect("127.0.0.1", self.port)
         self.client.loop_start()
+
+    def configure(self, folder):
+        self.file = folder / "mosquitto.conf"
+        self.file.write_text(f"listener {self.port} 127.0.0.1\nallow_anonymous true\n")
+
+    def make_client(self):
+        import paho.mqtt.client as mqtt
+
+        return mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, protocol=mqtt.MQTTv5)
 
     def _hear(self, client, userdata, message):
         self.told[message.topic] = message.payload.decode()
@@ -170,14 +176,14 @@ class Shop:
             assert time.monotonic() < limit, self.heard
             time.sleep(0.02)
 
-    def run(self, *words):
-        """A program of Passo's; returns it behind its first line."""
-        program = subprocess.Popen([sys.executable, "-m", "host_tools.cli", *words], stdout=subprocess.PIPE, text=True)
+    def run(self, *words, stderr=None):
+        """Start a program of Passo's."""
+        program = subprocess.Popen([sys.executable, "-m", "host_tools.cli", *words], stdout=subprocess.PIPE, stderr=stderr, text=True)
         self.programs.append(program)
         return program
 
-    def agent(self, *words):
-        return self.run("agent", *words, "--broker", f"127.0.0.1:{self.port}")
+    def agent(self, *words, stderr=None):
+        return self.run("agent", *words, "--broker", f"127.0.0.1:{self.port}", stderr=stderr)
 
     def close(self):
         self.client.loop_stop()
