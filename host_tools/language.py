@@ -109,16 +109,17 @@ def line_text(number):
 
 
 def pieces(help_):
-    """The paragraphs of a help as (what stands before, a text of the catalogue, what follows). Of an example, which is indented, the text
-    is the comment behind it."""
-    for paragraph in (help_ or "").split("\n\n"):
-        example = re.match(r"(\s+.*?)(#|$)\s*(.*)|(Example:)(.*)", paragraph, re.DOTALL)
+    """The paragraphs and examples of a help as (what stands before, a text of the catalogue, what follows). Of an example, a line that is
+    indented, the text is the comment behind it."""
+    *parts, last = re.split(r"(\n\n|\n(?=    ))", help_ or "")
+    for part, end in zip([*parts[::2], last], [*parts[1::2], ""], strict=True):
+        example = re.match(r"(\s+.*?)(#|$)\s*(.*)|(Example:)(.*)", part, re.DOTALL)
         if not example:
-            yield "", " ".join(paragraph.split()), ""
+            yield "", " ".join(part.split()), end
         elif example[4]:
-            yield "", example[4], example[5]
+            yield "", example[4], example[5] + end
         else:
-            yield example[1] + example[2] + " " * bool(example[3]), example[3], ""
+            yield example[1] + example[2] + " " * bool(example[3]), example[3], end
 
 
 def speak(command):
@@ -126,7 +127,7 @@ def speak(command):
     for each in [command, *command.params]:
         english = each.english = getattr(each, "english", getattr(each, "help", None))
         if english and catalogue(chosen()) is not catalogue("en"):
-            each.help = "\n\n".join(before + _(text) + after for before, text, after in pieces(english))
+            each.help = "".join(before + _(text) + after for before, text, after in pieces(english))
         else:
             each.help = english
     for other in getattr(command, "commands", {}).values():

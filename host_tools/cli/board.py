@@ -76,11 +76,8 @@ def board(
     Examples:
 
         passo board --time fast --trace job.csv
-
         passo board --link /tmp/plotter --bounce-ms 4 --fault barrier_x=dead
-
         passo board --board boards/mine.py --tcp 5000 --vcd pins.vcd
-
         passo board --board torch_pico_w --http 8080
     """
     from host_tools import boards

@@ -57,11 +57,8 @@ def check(
     Examples:
 
         passo check part.gcode
-
         passo check part.gcode --at 20,30,-35
-
         passo check part.gcode --port /dev/ttyACM0
-
         passo check part.gcode --board boards/mine.py -o part.png
 
         passo check programs --workers 4 -o table.csv

@@ -33,9 +33,7 @@ def compile_(
     Examples:
 
         passo compile part.ngc
-
         passo compile part.ngc --tools tools.tbl -o part.gcode --picture part.png
-
         passo compile pocket.num --dialect num --tools tools.tbl -o pocket.gcode
     """
     from host_tools.programs.compiler import compile_file

@@ -12,25 +12,15 @@ EXAMPLES = """Draw a file on a plotter, or by G-code on a laser, a router or any
 Examples:
 
     passo draw map.svg --port /dev/ttyACM0
-
     passo draw map.svg --port /dev/ttyACM0 --fit --margin 20
-
     passo draw map.svg --scale 0.5 --origin 30,40 --dry-run --preview map.png
-
     passo draw map.svg --port /dev/ttyACM0 --layer 2
-
     passo draw map.svg --port /dev/ttyACM0 --continue
-
     passo draw sign.svg --board laser_xy --power 400 --feed 1200 -o sign.gcode
-
     passo draw map.plt --pens layers --marks --port /dev/ttyACM0
-
     passo draw part.dxf --hatch 45,1 --hatch 2:0,0.5,crossed --preview -
-
     passo draw a.svg b.svg c.svg --gap 3 --board laser_xy -o sheet.gcode
-
     passo draw label.svg --copies 4x6 --gap 2 --place outlines --port /dev/ttyACM0
-
     passo draw sign.svg --board router_3axis --depth 1.5 --passes 3 --for 2:depth=0.3,passes=1
 
 The page lies with its lower left corner at 0;0, in its real size. It is reduced if it is larger than the table and has

@@ -48,7 +48,6 @@ def emulate(
     Examples:
 
         passo emulate --uart0 /tmp/plotter --trace job.csv
-
         passo emulate --blank --tcp 5001, then: make flash BOARD=plotter_2014 PORT=socket://localhost:5001
     """
     from host_tools import boards

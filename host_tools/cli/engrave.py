@@ -19,13 +19,9 @@ EXAMPLES = """Engrave a picture with a laser: to its size, in rows of dots, as G
 Examples:
 
     passo engrave photo.jpg --width 60 --preview photo.png
-
     passo engrave photo.jpg --width 60 --power 35 --speed 6000 --port /dev/ttyACM0 --unlock
-
     passo engrave photo.jpg --width 60 --shade grey --curve card.jpg -o photo.gcode
-
     passo engrave photo.jpg --width 60 --power 35 --speed 6000 --port /dev/ttyACM0 --continue
-
     passo engrave --card --power 60 -o card.gcode
 
 The lower left corner of the picture lies at the program's zero, or at --origin. The head needs room on both sides to speed up and

@@ -26,7 +26,6 @@ def film(
     Examples:
 
         passo film out/contours.csv
-
         passo film job.csv -o job.mp4 --speed 10 --board router_3axis
     """
     from host_tools.cli.plot import scale_of

@@ -104,11 +104,8 @@ def store(
     Examples:
 
         passo jobs store part.gcode
-
         passo jobs store part.gcode --name PART --no-check --port /dev/ttyACM0
-
         passo jobs store part.gcode --card /media/me/SD
-
         passo jobs store hexagon.txt --protocol pulses
     """
     from host_tools.clients.grbl import Refused
@@ -215,7 +212,6 @@ def run(
     Examples:
 
         passo jobs run PART.GCODE --home
-
         passo jobs run PART.GCODE --no-wait
     """
     with _connected(port, baud, protocol) as client:

@@ -34,9 +34,7 @@ def keys(
     Examples:
 
         passo keys --port /dev/ttyUSB0
-
         passo keys --send "A1 C"
-
         passo keys --send "A5 B10 I 2s G 500ms J" --port /tmp/kit
 
         echo "I 10s J" | passo keys

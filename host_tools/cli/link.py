@@ -28,9 +28,7 @@ def link(
     Examples:
 
         passo link 0 --protocol grbl --port /dev/ttyACM0        # this one commands
-
         passo link 2 --protocol plotter --port /dev/ttyUSB0     # the second link of the board file commands
-
         passo link --protocol grbl
     """
     from host_tools.cli import ports

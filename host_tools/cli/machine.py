@@ -28,9 +28,7 @@ app = typer.Typer(
     Examples:
 
         passo machine add lpt_router --port /dev/ttyACM0
-
         passo machine list --port /dev/ttyACM0
-
         passo machine choose lpt_router --port /dev/ttyACM0
     """,
     no_args_is_help=True,

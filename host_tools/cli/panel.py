@@ -50,13 +50,9 @@ def panel(
     Examples:
 
         passo panel --demo --open
-
         passo panel --demo --board lpt_router --open        # pulse files; torch_manipulator, plotter_2014, …
-
         passo panel --port /dev/ttyACM0 --guest /tmp/machine        # or 5000, or ws:8081
-
         passo panel --port /dev/ttyACM0 --host 0.0.0.0      # for a phone; give it the key that is shown
-
         passo panel --port /dev/ttyUSB0 --prompt /dev/ttyACM0 --board plotter_2014      # it may also become another machine
     """
     from host_tools.panel.board import Demo

@@ -20,9 +20,7 @@ def plot(
     Examples:
 
         passo plot out/contours.csv
-
         passo plot job.csv -o job.png --order
-
         passo plot job.csv -o job.png --steps-per-mm 48,83
     """
     from host_tools.drawings.plot import save, strokes_of_trace, title_of_trace

@@ -17,9 +17,7 @@ app = typer.Typer(
     Examples:
 
         passo pulses example octagon -o octagon.txt
-
         passo pulses play octagon.txt --repeat 3 --port /dev/ttyACM0
-
         passo pulses convert part.gcode -o part.txt
     """,
     no_args_is_help=True,
@@ -94,11 +92,8 @@ def play(
     Examples:
 
         passo pulses play square.txt
-
         passo pulses play hexagon.txt --repeat 100 --speed 800 --no-wait
-
         passo pulses play engraving.txt --stream --repeat 3
-
         passo pulses play engraving.txt --from 250000 --back
     """
     from host_tools.programs import pulse_file
@@ -256,7 +251,6 @@ def jog(
     Examples:
 
         passo pulses jog z -0.5
-
         passo pulses jog x 800 y -800 --steps
     """
     from host_tools import boards

@@ -64,11 +64,8 @@ def convert(
     Examples:
 
         passo pulses convert hexagon.txt -o hexagon.png
-
         passo pulses convert taught.txt -o taught.gcode
-
         passo pulses convert taught.txt -o part.gcode --side left --radius 1.5
-
         passo pulses convert part.gcode -o part.txt
     """
     from host_tools.drawings import plot

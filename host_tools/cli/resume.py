@@ -45,11 +45,8 @@ def resume(
     Examples:
 
         passo resume part.gcode
-
         passo resume part.gcode --home --port /dev/ttyACM0
-
         passo resume hexagon.txt --unverified
-
         passo resume map.svg --home
     """
     from host_tools.cli import ports

@@ -29,11 +29,8 @@ def send(
     Examples:
 
         passo send --port /dev/ttyACM0 REQUEST ORIGIN "SPEED 1000"
-
         passo send "MOVE 644 314" "LINE 644 454" "LINE 884 454" END STATUS
-
         passo send 6d 02 84 01 3a 2e
-
         passo send
 
     Names: REQUEST, LINE x y, MOVE x y, END, ORIGIN, SPEED n, UP, LEFT, DOWN, RIGHT, STOP, STATUS, LINK n. Bytes in

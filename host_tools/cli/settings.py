@@ -36,9 +36,7 @@ def settings(
     Examples:
 
         passo settings
-
         passo settings backup router.txt --port /dev/ttyACM0
-
         passo settings restore router.txt
     """
     from host_tools.cli import ports

@@ -22,7 +22,6 @@ def site(
     Examples:
 
         passo site --serve 8000                # then open http://127.0.0.1:8000/
-
         passo site --out public                # for any file server; try it: python -m http.server -d public
     """
     from rich.console import Console

@@ -62,11 +62,8 @@ def stream(
     Examples:
 
         passo stream part.gcode --home
-
         passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
-
         passo stream pocket.ngc --tools tools.tbl --home
-
         passo stream part.gcode --from 1200 --home
     """
     from host_tools.cli import ports

@@ -17,7 +17,6 @@ app = typer.Typer(
     Examples:
 
         passo torch connect --port /dev/ttyACM0
-
         passo torch move 10 -5 --speed 600
     """,
     no_args_is_help=True,
@@ -113,9 +112,7 @@ def move(
     Examples:
 
         passo torch move 10 0
-
         passo torch move 20 -7.5 --speed 300 --y-speed 120
-
         passo torch move 480 830 --steps --x-speed 480 --y-speed 830
     """
     units = Units(board, steps)
@@ -160,7 +157,6 @@ def jog(
     Examples:
 
         passo torch jog x+
-
         passo torch jog y- --times 10
     """
     if direction.lower() not in JOGS:
@@ -181,7 +177,6 @@ def info(
     Examples:
 
         passo torch info
-
         passo torch info --watch --steps
     """
     import time
@@ -240,7 +235,6 @@ def weave(
     Examples:
 
         passo torch weave 40 0 --shape trapezoid --left 200 --right 200
-
         passo torch weave 20 20 --centre 0,20 --amplitude 2
     """
     from passo.motion.weave import NAMES
@@ -285,7 +279,6 @@ def config(
     Examples:
 
         passo torch config 1 1 --speed 600
-
         passo torch config 48 83 --steps --x-speed 480 --y-speed 830
     """
     from passo.protocols.torch import protocol as torch

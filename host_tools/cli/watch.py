@@ -31,7 +31,6 @@ def watch(
     Examples:
 
         passo watch
-
         passo watch --port /dev/ttyUSB1 --protocol grbl --interval 0.1
     """
     from rich.console import Console

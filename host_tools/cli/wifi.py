@@ -27,9 +27,7 @@ app = typer.Typer(
     Examples:
 
         passo wifi access tocha --port /dev/ttyACM0
-
         passo wifi show --port /dev/ttyACM0
-
         passo wifi off --port /dev/ttyACM0
     """,
     no_args_is_help=True,

@@ -21,9 +21,7 @@ def wiring(
     Examples:
 
         passo wiring router_3axis                    # the table
-
         passo wiring router_3axis --out router.svg   # the drawing: open it in a browser, print it
-
         passo wiring boards/mine.py -o mine.svg      # that of your own machine
     """
     from host_tools import boards

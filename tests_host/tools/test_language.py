@@ -306,10 +306,10 @@ def test_a_failure_is_english_until_it_is_told(portuguese):
 
 
 def test_a_help_in_pieces():
-    help_ = "What it\nis for.\n\nExample: passo x 1\n\nExamples:\n\n    passo x --y      # this one\n\n    passo z"
+    help_ = "What it\nis for.\n\nExample: passo x 1\n\nExamples:\n\n    passo x --y      # this one\n    passo z"
     pieces = list(language.pieces(help_))
     assert [text for _, text, _ in pieces] == ["What it is for.", "Example:", "Examples:", "this one", ""]
-    assert "\n\n".join(map("".join, pieces)) == help_.replace("What it\nis", "What it is")
+    assert "".join(map("".join, pieces)) == help_.replace("What it\nis", "What it is")
 
 
 def test_what_typer_says_of_a_wrong_command_line():
