@@ -178,6 +178,8 @@ def queue(board, streamed):
     """The class of a board's queue; `streamed`: lines of G-code queue in it, one behind the other."""
     if board.get("motion"):
         return __import__("passo.control." + board["queue"], None, None, ("Queue",)).Queue
+    if board.get("turns"):  # as rotary_keys.py says
+        return __import__(board["turns"], None, None, ("Queue",)).Queue
     if streamed:
         from passo.control.stream_queue import StreamQueue as Queue
     else:

@@ -76,6 +76,7 @@ MEANINGS = {
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "
     "an interrupt for each step.",
     "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](backlash.md). Without the key there are no such settings.",
+    "rotary": "The axis that turns, `a`; without the key none does. See [A rotary axis](rotary.md).",
     "kinematics": "How motors move axes: `corexy`, two of them on one belt, see [CoreXY](corexy.md); else each its own.",
     "changeover_by": "If outputs have roles: a command or the first motion takes the motors from the other controller.",
     "changeover_ms": "Between releasing the relays of one controller and closing the other's, ms.",

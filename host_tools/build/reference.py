@@ -57,10 +57,10 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import backlash_keys, device_keys, kinematics_keys, motor_keys, shift_keys
+    from passo.config import backlash_keys, device_keys, kinematics_keys, motor_keys, rotary_keys, shift_keys
     from passo.config.job_keys import JOBS
 
-    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, kinematics_keys)}
+    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, kinematics_keys, rotary_keys)}
     own = {key: module.RULES[key] for key, module in rare.items()}
     return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 

@@ -117,7 +117,8 @@ OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memo
 OF_BACKLASH = (
     Path("passo", "motion", "backlash.py"), Path("passo", "control", "backlash_queue.py"), Path("passo", "config", "backlash_keys.py"),
 )  # fmt: skip
-# Only machines whose motors are not their axes have these, by name.
+# Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
+ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
 MAPPED = (
     Path("passo", "motion", "mapped.py"), Path("passo", "control", "mapped_queue.py"), Path("passo", "config", "kinematics_keys.py"),
 )  # fmt: skip
@@ -200,6 +201,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     mapped = kinematics != "none"
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
     absent += () if board.get("backlash") else OF_BACKLASH
+    absent += () if board.get("rotary") else ROTARY
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
@@ -225,6 +227,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
         chosen |= {*OF_BACKLASH}
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
+    chosen |= {*ROTARY} if board.get("rotary") else set()
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))

@@ -196,7 +196,8 @@ def summary(job):
         low, high = job.low[number], job.high[number]
         note = "  " + _("MORE THAN THE TRAVEL") if job.excess(number) else ""
         fastest = job.track.fastest[number]
-        yield _("{}       {:9.3f} … {:9.3f} mm, up to {:.0f} mm/min", axis["name"].upper(), low, high, fastest) + note
+        unit = "°" if job.board.get("rotary") == axis["name"] else "mm"
+        yield _("{}       {:9.3f} … {:9.3f} {}, up to {:.0f} {}/min", axis["name"].upper(), low, high, unit, fastest, unit) + note
     for number, text in job.pauses[:_MOST_SHOWN]:
         yield _("pause   {}: {}: it goes on when the operator resumes", job.origin(number), text)
     if len(job.pauses) > _MOST_SHOWN:

@@ -251,6 +251,8 @@ class VirtualJob:
     def excess(self, number):
         """A text if the job is longer than the travel of that axis, else ""."""
         axis = self.board["axes"][number]
+        if boards.endless(self.board, axis):
+            return ""
         travel = axis["travel_steps"] / self.steps_per_mm[number]
         length = self.high[number] - self.low[number]
         # Travel and position are whole steps, each rounded once.

@@ -31,16 +31,10 @@ import random
 
 from host_tools.sim.belt import Belt
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
-from host_tools.sim.parts import NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle
+from host_tools.sim.parts import MARGIN_MM, NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle, hard_ends, pull_off_of
 
 TICKS_PER_MS = 12_500
-MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to the hard end
 MAX_ERRORS = 1000  # kept by `errors`; `error_count` goes on
-
-
-def pull_off_of(homing, axis):
-    own = homing.get("each", {}).get(axis, {})
-    return own.get("pull_off_steps", homing.get("pull_off_steps", 0))
 
 
 class Plant:
@@ -92,18 +86,13 @@ class Plant:
         if start is not None and len(start) != len(axes):
             raise ValueError(f"start: {len(axes)} positions are wanted, one an axis, not {len(start)}")
         homing = self._board.get("homing") or {}
-        high_end = homing.get("high_end", "")
         self.carriages = []
         for i, axis in enumerate(axes):
-            margin = axis["steps_per_m"] * MARGIN_MM // 1000
-            pull_off = pull_off_of(homing, axis["name"])
-            low, high = -pull_off - margin, axis["travel_steps"] + margin
-            if axis["name"] in high_end:
-                low, high = -high, -low
+            low, high = hard_ends(self._board, axis)
             at = self._random.randint(low, high)
             if start is not None:
                 at = start[i]
-            elif not homing:
+            elif axis["name"] not in homing.get("sensors", ()):
                 at = (low + high) // 2  # it cannot home: give it room on both sides
             if not low <= at <= high:
                 raise ValueError(f"start: {axis['name']} {at} is not between the hard ends {low} and {high}")

@@ -57,6 +57,7 @@ FAR = (
 def test_far_lines_are_read_as_on_a_pc(uf2):
     """Up to 2.1 m, at the limits of 32 bits."""
     place = [0] * parse_records.PARSE_FIELDS
+    place[parse_records.PARSE_NAMED] = 3
     place[parse_records.PARSE_AXES], place[parse_records.PARSE_MODAL], place[parse_records.PARSE_FEED] = 3, 1, 10_000
     for axis, (offset, per_m) in enumerate(((0, 320_000), (1_900_000_000, 83_333), (-2_147_483_647, 400_000))):
         place[parse_records.PARSE_OFFSET + axis], place[parse_records.PARSE_RESOLUTION + axis] = offset, per_m

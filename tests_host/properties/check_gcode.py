@@ -44,11 +44,12 @@ class Memory:
 
 
 class Machine:
-    """Does at once what it is told: 250 steps/mm, on Z 400."""
+    """Does at once what it is told: 250 steps/mm, on Z 400, on A 53.333."""
 
-    def __init__(self):
-        self.target = [0, 0, 0]
-        self.steps_per_m = [250_000, 250_000, 400_000]
+    def __init__(self, axes="xyz"):
+        self.axes = axes
+        self.target = [0] * len(axes)
+        self.steps_per_m = [250_000, 250_000, 400_000, 53_333][: len(axes)]
         self.arcs = arcs
 
 
@@ -72,7 +73,7 @@ class Shop:
     def __init__(self, machine=None):
         self.machine = machine or Machine()
         self.memory = Memory()
-        self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine)
+        self.gcode = GCode(self.machine.axes, Offsets(len(self.machine.axes), self.memory), self.machine)
         self.made = []
 
     def do(self, *lines):

@@ -11,7 +11,7 @@ from passo.protocols.grbl.lines import ARC, Lines
 from passo.protocols.grbl.take_viper import take_lines
 from passo.protocols.gcode.parse_records import (
     LINES_AT, LINES_TAKEN, LINES_WAITS, PARSE_ARC, PARSE_ARCS, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW,
-    PARSE_RELATIVE,
+    PARSE_NAMED, PARSE_RELATIVE,
 )  # fmt: skip
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
@@ -51,8 +51,8 @@ def power(random):
 
 def draw_line(random):
     words = random.choice(("", "G0", "G1", "g01", "G00", "N7 G1", "G 1", "N12"))
-    for letter in "XYZ":
-        if random.between(0, 2):
+    for letter in "XYZA":
+        if random.between(0, 2) if letter != "A" else not random.between(0, 5):
             words += random.choice((" ", "")) + letter + number(random)
     if random.between(0, 3) == 0:
         words += "F" + random.choice((number(random).strip("-"), "%d.%03d" % (random.between(0, 64_000), random.between(0, 999))))
@@ -88,8 +88,8 @@ def draw_arc(random):
 class Straight(Machine):
     """A machine that takes batches: controller, program and planner in one."""
 
-    def __init__(self):
-        Machine.__init__(self)
+    def __init__(self, axes="xyz"):
+        Machine.__init__(self, axes)
         self.blocks = 96
         self.travel = None
         self.tool = False  # the queue's, and the planner's
@@ -114,7 +114,7 @@ class Straight(Machine):
         for row in range(count):
             fields = rows[row * BATCH_FIELDS : (row + 1) * BATCH_FIELDS]
             before = self.took[-1][0] if self.took else self.target
-            target = [before[axis] + fields[BATCH_STEPS + axis] for axis in range(3)]
+            target = [before[axis] + fields[BATCH_STEPS + axis] for axis in range(len(self.axes))]
             flags, nm_s = fields[BATCH_FLAGS], fields[BATCH_FEED]
             assert fields[BATCH_KIND] == fields[BATCH_FIRST] == 0 and bool(flags & 2) == (not nm_s)
             self.tool, self.power, self.dynamic = bool(flags & 1), fields[BATCH_POWER] & DOTS_POWER, bool(flags & 4)
@@ -205,9 +205,11 @@ def dots_ring(count):
     return ring
 
 
-def shops(count, laser, max_rpm=1_000_000, slow=False):
-    made = [Shop(Straight()) for _ in range(count)]
+def shops(count, laser, max_rpm=1_000_000, slow=False, axes="xyz", rotary=False):
+    made = [Shop(Straight(axes)) for _ in range(count)]
     for shop in made:
+        if rotary:
+            shop.gcode.turns = True
         shop.gcode.laser = laser
         shop.gcode.max_rpm = max_rpm
         shop.machine.batch.slow_tool = slow
@@ -218,14 +220,15 @@ def check_same_as_in_full(seed):
     """Two machines, one of which never deals with a line in short; what is refused or waits in between counts too."""
     random = Random(seed)
     most = random.choice((1_000_000, 1_000_000, 255_000, 24_000_000, 100_000_000, 2, 1, 333_333_333))
-    short, full = shops(2, bool(seed & 1), most, random.between(0, 9) == 0)
+    axes = random.choice(("xyz", "xyza"))
+    short, full = shops(2, bool(seed & 1), most, random.between(0, 9) == 0, axes, axes == "xyza" and bool(seed & 2))
     dealt = 0
     for _ in range(60):
         if random.between(0, 9) == 0:
             line = random.choice(BEFORE)
         else:
             line = draw_line(random)
-        travel = random.choice((None, None, ([-90_000] * 3, [0, 70_000, 250_000])))
+        travel = random.choice((None, None, ([-90_000] * 4, [0, 70_000, 250_000, 900_000])))
         for shop in (short, full):
             shop.machine.travel = travel
         lines = Lines()
@@ -239,7 +242,7 @@ def check_same_as_in_full(seed):
         if taken:
             dealt += 1
             assert error == 0 and not lines.waiting() and waits(lines) == (type(taken[0][2]) is int), (line, error)
-            for axis in range(3):
+            for axis in range(len(axes)):
                 at = taken[0][0][axis]
                 assert not travel or at == before[axis] or travel[0][axis] <= at <= travel[1][axis], line
         else:
@@ -337,7 +340,8 @@ def check_machine_code(seed):
 
     parse = plain(module)["parse"]
     random = Random(seed)
-    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * (PARSE_FIELDS - 13))
+    place = array("i", [4, 0, 1, 10_000, 0, 0, 0, 0, 0, -5_000_000, 9, 7, 250_000, 83_333, 400_000, 53_333] + [0] * (PARSE_FIELDS - 16))
+    place[PARSE_NAMED] = random.between(3, 4)
     batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))
     sides = ((place, batch, dots_ring(64)), (place[:], batch[:], dots_ring(64)))
     for _ in range(50):
@@ -349,8 +353,8 @@ def check_machine_code(seed):
         room = random.between(1, 63)
         for numbers, _, dots in sides:
             dots[DOTS_TAIL] = dots[DOTS_HEAD] + room & 63
-            numbers[PARSE_LOW : PARSE_LOW + 3] = array("i", [0, 0x1FFF0000, 0])
-            numbers[PARSE_HIGH : PARSE_HIGH + 3] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF])
+            numbers[PARSE_LOW : PARSE_LOW + 4] = array("i", [0, 0x1FFF0000, 0, 0])
+            numbers[PARSE_HIGH : PARSE_HIGH + 4] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF, 0x3FFFFFFF])
             numbers[PARSE_LEAST] = 700
             numbers[PARSE_RELATIVE] = relative
             numbers[PARSE_INCHES] = inches

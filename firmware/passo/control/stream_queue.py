@@ -12,6 +12,8 @@ _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 
 
 class StreamQueue(Queue):
+    turns = False  # the last axis does, in degrees
+
     def __init__(self, board, planner, feeder, player, port):
         Queue.__init__(self, board, planner, feeder, player, port)
         self.eager = getattr(port, "eager", True)  # False: a digest does not depend on how lines arrive

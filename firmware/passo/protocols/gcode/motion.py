@@ -6,7 +6,7 @@ from passo import commands, errors
 from passo.commands import Command, Motion
 from passo.protocols.gcode.codes import CODES, CYCLE, G73, G80, G82, G83
 from passo.protocols.gcode.reader import Reader, Refused
-from passo.protocols.gcode.words import H, I, L, P, Q, R, X, Z, rounded
+from passo.protocols.gcode.words import A, H, I, L, P, Q, R, X, Z, rounded
 from passo.records import NM_PER_M
 
 MAX_STEPS = const(0x1FFFFFFF)
@@ -46,19 +46,23 @@ class Motions(Reader):
                 self.position[axis] = rounded(target[axis] * NM_PER_M, self.machine.steps_per_m[axis])
 
     def _to_steps(self, target):
+        """Of the axes that it leaves out those where the machine is."""
         steps = []
-        for axis in range(self.axes):
+        for axis in range(len(target)):
             steps.append(rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M))
             if not -MAX_STEPS <= steps[axis] <= MAX_STEPS:
                 raise Refused(errors.TARGET)
+        if len(steps) < self.axes:
+            steps += self._steps[len(steps) :]
         return steps
 
     def _target(self, machine_coordinates):
         """Where the axis words lead, in machine coordinates."""
         target = self.position[:]
         for axis in range(self.axes):
-            if self._take(X + axis):
-                value = self._length(X + axis)
+            letter = (X + axis) % 26
+            if self._take(letter):
+                value = self._length(letter)
                 if machine_coordinates:
                     target[axis] = value
                 elif self._absolute:
@@ -96,6 +100,10 @@ class Motions(Reader):
         command.dynamic = self._dynamic
         return command
 
+    def _pace(self, target, feed):
+        """The feed of a line in G20: of one that only turns it counts degrees, too."""
+        return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
+
     def _read_motion(self, motion, axis_words, machine_coordinates):
         """(where the motion ends, the canned cycle's heights). None, where the line has nothing to move."""
         cycle = self.cycle
@@ -110,6 +118,8 @@ class Motions(Reader):
         if motion in (200, 300):
             return self._arc(motion == 200), cycle
         target = self._target(machine_coordinates)
+        if self.turns and self._inches:
+            self._feed = self._pace(target, self._feed)
         if motion > 300:
             if target == self.position:
                 raise Refused(errors.TARGET)
@@ -138,6 +148,8 @@ class Motions(Reader):
             raise Refused(errors.AXIS_WORDS_UNUSED)
         start = self.position
         target = self._target(False)
+        if target[3:] != start[3:]:
+            raise Refused(errors.UNSUPPORTED)
         across, along = target[first] - start[first], target[second] - start[second]
         error = i = j = 0
         over_half = None
@@ -190,7 +202,7 @@ class Motions(Reader):
             self._move(commands.LINE, between, 0)
             target = between[:]
             for axis in range(self.axes):
-                if axis_words >> X + axis & 1:
+                if axis_words >> (X + axis) % 26 & 1:
                     target[axis] = stored[axis]
         self._move(commands.LINE, target, 0)
         return target
@@ -199,11 +211,11 @@ class Motions(Reader):
         """G73, G81, G82, G83, an extension. (where it ends, heights, dwell and peck for the next hole.) `commands` are the way to the
         tops and bottoms of the first and the last hole, for the machine to check; what comes behind the first of them is made by
         `_drilling`, one by one: a hole of many pecks as a list would be more than a board has room for."""
-        if self.axes < 3:
+        if self.axes < 3 or self._left & 1 << A:
             raise Refused(errors.UNSUPPORTED)
         has_depth = self._left >> Z & 1
         target = self._target(False)
-        x, y, z = self.position
+        x, y, z = self.position[:3]
         above, bottom, dwell, peck = self.cycle
         again = self.motion == motion
         if self._take(R):
@@ -237,7 +249,7 @@ class Motions(Reader):
                 self._move(commands.LINE, [x + hole * way[0], y + hole * way[1], level], (self._feed or 1) if level == bottom else 0)
         self._drilling = self._holes((x, y, z), way, times, (height, above, bottom, back), motion, dwell, peck)
         next(self._drilling)  # the first of `commands`
-        return [x + hole * way[0], y + hole * way[1], back], (above, bottom, dwell, peck)
+        return [x + hole * way[0], y + hole * way[1], back] + self.position[3:], (above, bottom, dwell, peck)
 
     def _holes(self, start, way, times, heights, motion, dwell, peck):
         """All commands of a cycle, then None."""

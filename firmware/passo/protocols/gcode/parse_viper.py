@@ -44,9 +44,10 @@ def parse(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots:
             break
         if int(set_deltas(fields)) == 0 or int(set_power(fields)) == 0:
             break
-        centre = fields[PARSE_HAVE] & (HAS_I | HAS_J)
+        have = fields[PARSE_HAVE]
+        centre = have & (HAS_I | HAS_J)
         if fields[PARSE_MOTION] > 1 or centre:
-            if fields[PARSE_MOTION] > 1 and centre and fields[PARSE_ARCS] and fields[PARSE_HAVE] & (HAS_X | HAS_X << 1):
+            if fields[PARSE_MOTION] > 1 and centre and fields[PARSE_ARCS] and have & (HAS_X | HAS_X << 1) and have & HAS_X << 3 == 0:
                 fields[PARSE_ARC] = after
             break
         if row and int(add_row(fields, dots)) == 0:
@@ -71,7 +72,7 @@ def read_line(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> in
     fields[PARSE_I] = 0
     fields[PARSE_J] = 0
     axis = 0
-    while axis < 3:
+    while axis < fields[PARSE_AXES]:
         fields[PARSE_TO + axis] = fields[PARSE_POSITION + axis]
         axis += 1
     while True:
@@ -208,6 +209,8 @@ def read_word(fields: ptr32, letter: int) -> int:
     """What the word says; 0 if it is no plain one, or the line has it already."""
     if letter >= 88:
         return int(axis_word(fields, letter - 88))
+    if letter == 65:
+        return int(axis_word(fields, 3))
     if letter == 73 or letter == 74:
         return int(centre_word(fields, letter - 73))
     have = fields[PARSE_HAVE]
@@ -272,7 +275,7 @@ def feed_of(value: int, decimals: int, inches: int) -> int:
 def axis_word(fields: ptr32, axis: int) -> int:
     """PARSE_TO of the axis, in nanometres; 0 if it has none, is told twice, or leads beyond 2.1 m."""
     have = fields[PARSE_HAVE]
-    if axis >= fields[PARSE_AXES] or have >> 4 + axis & 1:
+    if axis >= fields[PARSE_NAMED] or have >> 4 + axis & 1:
         return 0
     fields[PARSE_HAVE] = have | HAS_X << axis
     value = int(length_of(fields))

@@ -44,7 +44,7 @@ _ROUNDING = const(0x18000)  # P and Q: of G64 how far corners may be rounded; th
 
 class GCode(Motions):
     def __init__(self, axes, offsets, machine):
-        """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
+        """`axes`: the names of the machine's axes in their order, the first of "xyza"."""
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
         self.changer = None  # of a board with tool_change
@@ -98,7 +98,8 @@ class GCode(Motions):
             self.ended = False
             self.motion = fields[PARSE_MODAL] * 100
             self._steps = list(self._ends)
-            self.position = list(fields[PARSE_POSITION : PARSE_POSITION + self.axes])
+            named = fields[PARSE_NAMED]
+            self.position[:named] = list(fields[PARSE_POSITION : PARSE_POSITION + named])
 
     def end_programme(self):
         """What M2 and M30 put back."""
@@ -174,13 +175,15 @@ class GCode(Motions):
         fields[PARSE_NUMBER] = self.number
         fields[PARSE_LEAST] = 1
         self._reach = batch.reach
+        fields[PARSE_NAMED] = 3 if self.turns else self.axes  # degrees are for the full parser
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
-            if max(abs(self.position[axis]), abs(offset)) > _FARTHEST_NM or resolution > FARTHEST:
-                return False
-            fields[PARSE_POSITION + axis] = self.position[axis]
-            fields[PARSE_OFFSET + axis] = offset
+            if axis < fields[PARSE_NAMED]:
+                if max(abs(self.position[axis]), abs(offset)) > _FARTHEST_NM or resolution > FARTHEST:
+                    return False
+                fields[PARSE_POSITION + axis] = self.position[axis]
+                fields[PARSE_OFFSET + axis] = offset
             fields[PARSE_RESOLUTION + axis] = resolution
             fields[PARSE_TARGET + axis] = self._steps[axis]
             fields[PARSE_LEAST] += 25_000_000 // resolution
@@ -354,6 +357,8 @@ class GCode(Motions):
             raise Refused(errors.NO_FEED)
         self._prepare(0, feed, 0, number, self.spindle, self.rpm)
         target = self._target(found[NON_MODAL] == 5300)
+        if self.turns and self._inches:
+            feed = self._pace(target, feed)
         if self._left:
             raise Refused(errors.WORDS_UNUSED)
         self._move(commands.JOG_TO, target, feed)

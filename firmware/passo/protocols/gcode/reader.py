@@ -5,7 +5,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.gcode.codes import AXES, CODES, G43, GROUP, GROUPS, LETTER, ON, why_unknown
-from passo.protocols.gcode.words import F, H, L, M_CODES, N, P, R, X, Z, Words, rounded
+from passo.protocols.gcode.words import A, F, H, L, M_CODES, N, P, R, X, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)
@@ -18,15 +18,17 @@ class Refused(Exception):
 
 class Reader:
     _length_before = None  # while a line is read that changes it
+    turns = False  # the fourth axis, A, counts degrees
 
     def __init__(self, axes, offsets):
         self.axes = axes
         self.offsets = offsets
-        self.words = Words()
+        mask = ((1 << axes) - 1) << X
+        self._axis_mask = mask & (1 << 26) - 1 | mask >> 26  # behind Z comes A
+        self.words = Words(self._axis_mask)
         self.position = [0] * axes  # machine coordinates
         self.feed = self.tool = self.coolant = 0  # as the lines so far have them
         self._system = 0  # as this line has it
-        self._axis_mask = ((1 << axes) - 1) << X
         self._found = [NONE] * GROUPS
         self._on = ()  # the line's codes that are handed on
         self._left = 0
@@ -69,7 +71,9 @@ class Reader:
         return True
 
     def _length(self, letter):
-        return self.words.inches_nm(letter) if self._inches else self.words.fixed(letter, 6)
+        """Nanometres; of a rotary axis millionths of a degree."""
+        inches = self._inches and not (letter == A and self.turns)
+        return self.words.inches_nm(letter) if inches else self.words.fixed(letter, 6)
 
     def _line_number(self):
         if not self._take(N):
@@ -133,8 +137,9 @@ class Reader:
         """A copy of `places` with value(axis, its word) where the line has the axis's word."""
         changed = places[:]
         for axis in range(self.axes):
-            if self._take(X + axis):
-                changed[axis] = value(axis, self._length(X + axis))
+            letter = (X + axis) % 26
+            if self._take(letter):
+                changed[axis] = value(axis, self._length(letter))
         return changed
 
     def _read_length(self, code, tool):

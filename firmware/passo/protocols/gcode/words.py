@@ -24,7 +24,8 @@ _CODES = const(40)  # G and M words a line of 80 characters can hold
 _NINE_DIGITS = const(100_000_000)
 _DECIMALS = const(12)
 
-# Letters as bits of a mask, A is 0: as constants they take no memory on a board.
+# Letters as bits of a mask: as constants they take no memory on a board.
+A = const(0)
 F = const(5)
 G = const(6)
 H = const(7)
@@ -58,7 +59,9 @@ _NEVER_NEGATIVE = _mask("FHNPST")
 
 
 class Words:
-    def __init__(self):
+    def __init__(self, known=0):
+        """`known`: letters beside those of three axes, as a mask."""
+        self._known = _KNOWN | known
         self.have = 0  # mask of the letters that have a value, A is bit 0; G and M are not among them
         self.codes = array("i", [0] * _CODES)
         self.count = 0  # of codes
@@ -153,7 +156,7 @@ class Words:
         bit = 1 << letter
         if letter == G or letter == M:
             return self._keep_code(letter, value, decimals)
-        if not bit & _KNOWN:
+        if not bit & self._known:
             return errors.UNSUPPORTED
         if value < 0 and bit & _NEVER_NEGATIVE:
             return errors.NEGATIVE

@@ -9,7 +9,8 @@ GUARDED = True  # with homing ($22) a link moves nothing before the machine is h
 
 
 def _axes(board):
-    return "".join([axis["name"] for axis in board["axes"]])[:3]
+    axes = "".join([axis["name"] for axis in board["axes"]])
+    return axes if axes == "xyza" else axes[:3]
 
 
 def check(board):
@@ -25,7 +26,7 @@ def check(board):
     if board["journal"]:
         from passo.protocols.jobs.journal import told  # noqa: F401
     axes = _axes(board)
-    return None if axes in ("x", "xy", "xyz") else "grbl wants axes x, y, z in this order, not " + axes
+    return None if axes in ("x", "xy", "xyz", "xyza") else "grbl wants axes x, y, z in this order, not " + axes
 
 
 def create(link, number, board, controller, shared, most):
@@ -36,6 +37,7 @@ def create(link, number, board, controller, shared, most):
     program = controller.features["program"]
     batch = Lines(number, program.rows, most, program.slow_tool(), program.dots)
     made = Grbl(axes, shared["offsets"], machine, batch, (most + 7) >> 3)  # one that goes as a command costs as much as eight
+    made.gcode.turns = controller.queue.turns
     if board["tool_change"]:
         from passo.protocols.gcode.tool_change import ToolChange
 

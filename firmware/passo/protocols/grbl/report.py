@@ -147,7 +147,7 @@ class Status:
         self._offsets_of = gcode.offsets.version
         self._system = gcode.system
         self._mask = settings.value(SETTING_REPORT)
-        self._inches = settings.value(SETTING_INCHES)
+        self._inches = settings.value(SETTING_INCHES) and not gcode.turns
         self._pins = self._power = self._state = None  # that `_pressed`, the rpm and `_form` are of
         self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         self._fields[REPORT_SPEED + NUMBER_FIRST] = 1 if self._inches else 0

@@ -50,7 +50,8 @@ class System:
         self.touched = False
 
     def inches(self):
-        return self._settings.value(SETTING_INCHES)
+        """Whether reports are in inches; those of degrees stay."""
+        return self._settings.value(SETTING_INCHES) and not self._gcode.turns
 
     def execute(self, line):
         state = self._machine.state
@@ -148,8 +149,9 @@ class System:
         if not self._settings.value(22):
             return errors.HOMING_OFF
         command = Command(commands.HOME)
-        if len(what) == 1 and what in "XYZ":
-            command.value = 1 << "XYZ".find(what)
+        axes = "XYZA" if self._gcode.axes > 3 else "XYZ"
+        if len(what) == 1 and what in axes:
+            command.value = 1 << axes.find(what)
         elif what[:2] == "R=" and what[2:].isdigit() and 0 < int(what[2:]) <= _MOST_RUNS:
             command.power = int(what[2:])
         elif what:
@@ -170,6 +172,8 @@ class System:
         handlers = self._machine.handlers
         more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
         rows = "[CLUSTER:%d]\r\n[PACKED:%d]\r\n" % (_CLUSTER, _PACKED) if self._rows else ""
+        if self._gcode.axes > 3:
+            rows += "[AXS:4:XYZA]\r\n"
         return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):

@@ -1,0 +1,16 @@
+"""The key `rotary`: the axis that turns. Only loaded if the board file has it."""
+
+from passo.config.board_error import BoardError
+
+RULES = {
+    "rotary": ("a",),  # the axis; its millimetres are degrees, and a metre is a thousand of them
+    "turns": (str, "", 0, 40),  # set by check() to the module of its queue. A word that all boards have in memory: another would take room in them
+}
+
+
+def check(board):
+    board["turns"] = "passo.control.rotary_queue"
+    if "".join([axis["name"] for axis in board["axes"]]) != "xyza":
+        raise BoardError("rotary: axes x, y, z, a are wanted")
+    if "grbl" not in [link["protocol"] for link in board["links"]]:
+        raise BoardError("rotary: a link that speaks grbl is wanted")
