@@ -50,6 +50,7 @@ FEATURES = (
     ("tools", "Tools", None),
     ("digital", "DigitalOutputs", lambda board: [item for item in board["outputs"] if item["name"][0] == "p" and item["name"][1:].isdigit()]),
     ("inverter", "Inverter", lambda board: board["inverter"]),
+    ("drives", "Motors", lambda board: board.get("drives")),
     ("tachometer", "Tachometer", lambda board: board["tachometer"]),
     ("servo", "PenServo", lambda board: board["servo"]),
     ("pins", "Pins", None),

@@ -34,6 +34,12 @@ SECTIONS = {
         "inverter",
         "The spindle's frequency inverter, over Modbus RTU. See [spindle](spindle.md). `spindle.max_rpm` is S at its fastest.",
     ),
+    "drivers": (
+        "drivers",
+        "TMC2209 or TMC2226 drivers, set up and watched over one UART wire. See [drivers](drivers.md). Without it the drivers' own pins say "
+        "current and microsteps.",
+    ),
+    "drivers.motors": ("drivers.motors", "A list, one entry a driver; an axis without one has a driver that its own pins set up."),
     "tool_change": (
         "tool_change",
         "M6 at a place of its own, and the new tool's length. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
@@ -77,6 +83,17 @@ MEANINGS = {
     "an interrupt for each step.",
     "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](backlash.md). Without the key there are no such settings.",
     "rotary": "The axis that turns, `a`; without the key none does. See [A rotary axis](rotary.md).",
+    "drivers.port": "`uart0` or `uart1`, that no link has.",
+    "drivers.tx": "TX pin, by 1 kΩ to the wire.",
+    "drivers.rx": "RX pin, on the wire.",
+    "drivers.baud": "Bits a second; a driver takes 9600 to 500 000 and finds out by itself.",
+    "drivers.sense_mohm": "The resistors beside each driver, mΩ: 110 on most modules.",
+    "drivers.motors.axis": "Name of its axis.",
+    "drivers.motors.address": "As its pins MS1 and MS2 say: MS1 + 2 · MS2.",
+    "drivers.motors.current_ma": "Current of a coil, RMS.",
+    "drivers.motors.hold_percent": "Part of it at rest.",
+    "drivers.motors.microsteps": "Microsteps a full step: 1, 2, 4 … 256, interpolated to 256.",
+    "drivers.motors.stealth": "stealthChop, quiet; `False`: spreadCycle, more torque at speed.",
     "kinematics": "How motors move axes: `corexy`, two of them on one belt, see [CoreXY](corexy.md); else each its own.",
     "changeover_by": "If outputs have roles: a command or the first motion takes the motors from the other controller.",
     "changeover_ms": "Between releasing the relays of one controller and closing the other's, ms.",

@@ -25,7 +25,10 @@ ESP32_NEEDS = {
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter": 122}
-KEYS_KB = {"motion": 4, "backlash": 5, "rotary": 4, "weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1, "journal": 4, "jobs": 14}
+KEYS_KB = {
+    "motion": 4, "backlash": 5, "rotary": 4, "drives": 21, "weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1,
+    "journal": 4, "jobs": 14,
+}  # fmt: skip
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 12, 2  # a laser's rows of dots, and what burns them
 
@@ -43,6 +46,7 @@ def budget(board):
     elif board["chip"] == "rp2040":
         rows.append((_("memory"), _("some {} kB of {} on stock MicroPython", heap_kb(board), _stock_kb(board))))
     uarts = [(board["inverter"]["port"], _("inverter"))] if board["inverter"] else []
+    uarts += [(board["drivers"]["port"], _("drivers"))] if board.get("drivers") else []
     uarts += [(link["port"], _("link {}", link["name"])) for link in board["links"] if link["port"] != "usb"]
     rows.append((_("serial lines"), ", ".join(f"{port}: {who}" for port, who in sorted(uarts)) or _("none but USB")))
     return rows

@@ -57,10 +57,10 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import backlash_keys, device_keys, kinematics_keys, motor_keys, rotary_keys, shift_keys
+    from passo.config import backlash_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, rotary_keys, shift_keys
     from passo.config.job_keys import JOBS
 
-    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, kinematics_keys, rotary_keys)}
+    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, drivers_keys, kinematics_keys, rotary_keys)}
     own = {key: module.RULES[key] for key, module in rare.items()}
     return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 
@@ -87,7 +87,7 @@ def _section(boardfile, name):
     optional = " May be left out."
     if isinstance(rule, list):
         return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)
-    return rule, optional if name in boardfile._OPTIONAL else " Needed."
+    return rule, optional if name in (*boardfile._OPTIONAL, "drivers") else " Needed."
 
 
 def _number(value):
@@ -170,6 +170,9 @@ def _pins(board):
             yield board["registers"]["tool"], "out tool", _active(board["tool"])
     if board["servo"]:
         yield board["servo"]["pin"], "servo", ", 50 Hz"
+    if board.get("drivers"):
+        yield board["drivers"]["tx"], "drivers TX", f", {board['drivers']['baud']} baud, behind 1 kΩ"
+        yield board["drivers"]["rx"], "drivers RX", ", the same wire"
     if board["inverter"]:
         yield board["inverter"]["tx"], "inverter TX", f", {board['inverter']['baud']} baud"
         yield board["inverter"]["rx"], "inverter RX", ""

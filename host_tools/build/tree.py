@@ -117,6 +117,10 @@ OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memo
 OF_BACKLASH = (
     Path("passo", "motion", "backlash.py"), Path("passo", "control", "backlash_queue.py"), Path("passo", "config", "backlash_keys.py"),
 )  # fmt: skip
+# Only machines whose drivers are set up have these.
+OF_DRIVERS = (
+    Path("passo", "config", "drivers_keys.py"), Path("passo", "control", "drives.py"), Path("passo", "config", "tmc2209.py"),
+)  # fmt: skip
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
 MAPPED = (
@@ -200,7 +204,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     kinematics = board.get("kinematics", "none")
     mapped = kinematics != "none"
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
-    absent += () if board.get("backlash") else OF_BACKLASH
+    absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") else OF_DRIVERS)
     absent += () if board.get("rotary") else ROTARY
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
@@ -223,8 +227,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
-    if board.get("backlash"):
-        chosen |= {*OF_BACKLASH}
+    chosen |= {*(OF_BACKLASH if board.get("backlash") else ()), *(OF_DRIVERS if board.get("drivers") else ())}
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
     chosen |= {*ROTARY} if board.get("rotary") else set()

@@ -16,6 +16,7 @@ from host_tools.sim.inverter import SimInverter
 from host_tools.sim.pages import Pages
 from host_tools.sim.plant import Plant
 from host_tools.sim.recording import Recording
+from host_tools.sim.tmc import SimDrivers
 from passo.app import App
 from passo.config.boardfile import check
 from passo.config.journal import FileSlots
@@ -48,6 +49,10 @@ class Machine:
         if self.board["inverter"]:
             self.inverter = inverter or SimInverter(self.board["inverter"], self.now_ms)
             lines = {**lines, "inverter": self.inverter}
+        self.drivers = None
+        if self.board.get("drivers"):
+            self.drivers = SimDrivers(self.board["drivers"], self.now_ms)
+            lines = {**lines, "drivers": self.drivers}
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, radio=radio)
         if self.board["journal"]:
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)

@@ -205,6 +205,12 @@ def _lines(board):
         terminals = [Terminal("DI", inverter["tx"]), Terminal("RO", inverter["rx"])]
         notes = [_("RS-485 transceiver that"), _("switches itself; {} baud", inverter["baud"])]
         yield Part("inverter", "serial", _("spindle's inverter"), terminals, notes, ("3V3", "GND"))
+    drivers = board.get("drivers")
+    if drivers:
+        terminals = [Terminal("PDN", drivers["tx"]), Terminal("PDN", drivers["rx"])]
+        addresses = ", ".join(f"{motor['axis'].upper()} {motor['address']}" for motor in drivers["motors"])
+        notes = [_("1 kΩ from TX to the wire; RX on it"), _("addresses (MS1, MS2): {}", addresses)]
+        yield Part("drivers", "serial", _("drivers' UART"), terminals, notes, ("GND",))
     if card:
         terminals = [Terminal(label, card[key]) for label, key in (("CLK", "sck"), ("DI", "mosi"), ("DO", "miso"), ("CS", "cs"))]
         yield Part("card", "serial", _("memory card"), terminals, [_("10 kΩ from DO to 3V3")], ("3V3", "GND"))

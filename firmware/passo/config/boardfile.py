@@ -302,8 +302,8 @@ def claimed_pins(board):
             claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
         for item in board["registers"]["edges"]:
             claims.append((item["pin"], "input of the registers' edges of " + item["inputs"]))
-    for device, keys in (("inverter", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs")), ("servo", ("pin",))):
-        for key in keys if board[device] else ():
+    for device, keys in (("inverter", ("tx", "rx")), ("drives", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs")), ("servo", ("pin",))):
+        for key in keys if board.get(device) else ():
             claims.append((board[device][key], device + " " + key))
     for link in board["links"]:
         if link["port"].startswith("uart"):

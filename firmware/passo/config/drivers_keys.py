@@ -1,0 +1,59 @@
+"""The key `drivers`: TMC2209 or TMC2226 drivers that are set up over a UART. Only loaded if the board file has it."""
+
+from passo.config.board_error import BoardError
+from passo.config.boardfile import claimed_pins
+from passo.config.chip_pins import check_link, check_pin
+from passo.config.tmc2209 import scale
+
+_DRIVER = {
+    "axis": (str, ..., 1, 1),
+    "address": (int, ..., 0, 3),  # as its pins MS1 and MS2 say: MS1 + 2 · MS2
+    "current_ma": (int, ..., 50, 2000),  # of a coil, RMS
+    "hold_percent": (int, 50, 0, 100),  # of it, at rest
+    "microsteps": (int, 16, 1, 256),
+    "stealth": (bool, True, 0, 1),  # stealthChop; False: spreadCycle
+}
+RULES = {
+    "drivers": {
+        "port": (str, ..., 5, 5),
+        "tx": (int, ..., 0, 48),
+        "rx": (int, ..., 0, 48),
+        "baud": (int, 115_200, 9600, 500_000),
+        "sense_mohm": (int, 110, 10, 1000),  # the resistors beside each driver
+        "motors": [_DRIVER, 1, 4],
+    },
+    "drives": (str, "", 0, 0),  # the same, set by check(): the rest of the firmware reads this key, whose word all boards have in memory
+}
+
+
+def check(board):
+    config = board["drivers"]
+    for key in ("tx", "rx"):
+        for pin, who in claimed_pins(board):
+            if pin == config[key]:
+                raise BoardError("pin %d is claimed by %s and by %s" % (pin, who, "drivers " + key))
+    if board["drive"]["kind"] != "step_dir":
+        raise BoardError("drivers: they want a step_dir drive")
+    taken = [(link["port"], "link " + link["name"]) for link in board["links"]]
+    if board["inverter"]:
+        taken.append((board["inverter"]["port"], "the inverter"))
+    for port, who in taken:
+        if port == config["port"]:
+            raise BoardError("drivers: %s belongs to %s; take another" % (port, who))
+    check_link(board["chip"], {"name": "drivers", "port": config["port"], "tx": config["tx"], "rx": config["rx"]})
+    check_pin(board["chip"], config["tx"], "drivers tx", True)
+    check_pin(board["chip"], config["rx"], "drivers rx", False)
+    names = [axis["name"] for axis in board["axes"]]
+    for key in ("axis", "address"):
+        found = [motor[key] for motor in config["motors"]]
+        if len(set(found)) != len(found):
+            raise BoardError("drivers.motors: every %s once, not %r" % (key, found))
+    for motor in config["motors"]:
+        where = "drivers.motors, %s" % motor["axis"]
+        if motor["axis"] not in names:
+            raise BoardError("%s: there is no such axis" % where)
+        if motor["microsteps"] & motor["microsteps"] - 1:
+            raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
+        if scale(motor["current_ma"], config["sense_mohm"]) is None:
+            raise BoardError("%s: %d mA are too much for %d mΩ" % (where, motor["current_ma"], config["sense_mohm"]))
+    board["drives"] = config

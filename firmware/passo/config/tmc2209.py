@@ -1,0 +1,87 @@
+"""TMC2209 and TMC2226: telegrams of their UART, and the registers that a board file's section becomes (datasheet rev. 1.09, 4 and 5).
+
+    telegram(0, GSTAT)              # asks driver 0 for a register: four bytes
+    telegram(0, GSTAT, 7)           # writes it: eight
+    found = value(reply)            # of the eight bytes of a reply; None if they are not whole
+
+Bytes go on one wire, low bit first, so a sender that hears the wire hears itself.
+"""
+
+from micropython import const
+
+GCONF = const(0x00)
+GSTAT = const(0x01)
+IFCNT = const(0x02)  # telegrams taken, modulo 256
+SLAVECONF = const(0x03)
+IOIN = const(0x06)  # the chip's version in its high byte
+IHOLD_IRUN = const(0x10)
+TPOWERDOWN = const(0x11)
+TPWMTHRS = const(0x13)
+CHOPCONF = const(0x6C)
+DRV_STATUS = const(0x6F)
+
+VERSION = const(0x21)
+RESET = const(1)  # of GSTAT: it has been reset, its registers with it
+FAILED = const(2)  # it has switched itself off: overheated, or a short
+UNDERVOLTAGE = const(4)  # of its charge pump
+WARNED = const(1)  # of DRV_STATUS: 120 °C
+OVERHEATED = const(2)
+SHORTED = const(0x3C)
+OPEN = const(0xC0)
+MASTER = const(0xFF)  # the address in replies
+_SYNC = const(5)
+_WRITES = const(0x80)
+_FULL_MV = (325, 180)  # across the sense resistors at full scale, without and with vsense
+
+
+def crc(data):
+    """CRC-8 of polynomial 7, low bits first."""
+    found = 0
+    for byte in data:
+        for _ in range(8):
+            found = found << 1 & 0xFF ^ (7 if (found >> 7 ^ byte) & 1 else 0)
+            byte >>= 1
+    return found
+
+
+def telegram(address, register, number=None):
+    data = bytearray((_SYNC, address, register))
+    if number is not None:
+        data[2] |= _WRITES
+        for shift in (24, 16, 8, 0):
+            data.append(number >> shift & 0xFF)
+    data.append(crc(data))
+    return bytes(data)
+
+
+def value(reply, register):
+    if len(reply) != 8 or reply[0] != _SYNC or reply[1] != MASTER or reply[2] != register or crc(reply[:7]) != reply[7]:
+        return None
+    return reply[3] << 24 | reply[4] << 16 | reply[5] << 8 | reply[6]
+
+
+def scale(current_ma, sense_mohm):
+    """(vsense, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for these resistors."""
+    for vsense in (1, 0):
+        scaled = current_ma * (sense_mohm + 20) * 45255 // (_FULL_MV[vsense] * 1_000_000)  # 32·√2
+        if scaled <= 32:
+            return vsense, max(scaled - 1, 0)
+    return None
+
+
+def registers(driver, sense_mohm):
+    """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
+    vsense, run = scale(driver["current_ma"], sense_mohm)
+    hold = run * driver["hold_percent"] // 100
+    halvings = 0
+    while driver["microsteps"] << halvings < 256:
+        halvings += 1
+    return (
+        (GSTAT, 7),
+        (SLAVECONF, 0x200),  # a reply eight bits behind the request
+        (IHOLD_IRUN, 8 << 16 | run << 8 | hold),
+        (TPOWERDOWN, 20),  # 0.4 s at rest, then the holding current
+        (TPWMTHRS, 0),
+        (GCONF, 0x1C0 | (0 if driver["stealth"] else 4)),  # registers, not pins, set it up; steps are filtered
+        (CHOPCONF, 0x10010053 | halvings << 24 | vsense << 17),  # interpolated to 256
+    )

@@ -1,0 +1,158 @@
+"""TMC2209 and TMC2226 drivers on one UART wire: set up and read back at the start, watched from then on.
+
+    "drivers": {"port": "uart1", "tx": 8, "rx": 9, "motors": [{"axis": "x", "address": 0, "current_ma": 800}]}
+
+One telegram at a time is on its way, once a cycle of the main loop it is looked at, nothing waits; one without a good reply is sent
+three times. Nothing moves before all drivers have proved to be set up: each tells how many telegrams it has taken, and the two registers
+that can be read. What fails is an alarm whose log entry names the axis. It stops the machine at once and takes the current off:
+
+    260 no answer, or garbled     261 another chip, or registers that differ     262 a short, or overheated     263 the power failed
+
+Unlocking sets the drivers up anew. While the machine is in one of these alarms it asks no more. Heat of 120 °C and open coils, which an idle motor
+shows too, are only told: `Dr:x-hot,y-open` in a report. From a fault to its alarm: some 50 ms a driver, of a dead wire 0.2 s.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.commands import STATUS_WORDS
+from passo.config import tmc2209 as chip
+from passo.control.feature import Feature
+from passo.records import COUNT_HALF, COUNT_MASK
+
+_WORD = ("drives", "Dr")  # what is remarkable of which axis, in reports
+_ASKS = const(3)
+_WAIT_MS = const(20)  # for a reply
+_PERIOD_MS = const(50)  # between two looks at a driver that is set up
+_REPLY = const(8)  # bytes
+
+
+class Motors(Feature):
+    def __init__(self, board, machine, queue):
+        config = board["drivers"]
+        Feature.__init__(self, board, machine, queue)
+        if _WORD not in STATUS_WORDS:
+            STATUS_WORDS.append(_WORD)
+        line = dict(config)
+        line["name"] = "drivers"
+        self._line = machine.port.serial(line)
+        self._motors = config["motors"]
+        self._registers = [chip.registers(motor, config["sense_mohm"]) for motor in self._motors]
+        self._told = [""] * len(self._motors)  # what is remarkable of each
+        self._text = None  # all of it
+        self._failed = 0  # the alarm that was raised
+        self._due_ms = machine.port.machine_ms()
+        self._begin()
+
+    def _begin(self):
+        """Set all up anew."""
+        self._set = 0  # how many are
+        self._number = 0  # of the driver that is asked
+        self._stage = 0
+        self._count = 0  # telegrams that it had taken
+        self._tries = 0
+        self._register = -1  # asked for, and its reply is awaited
+        self._reply = b""
+
+    def ready(self):
+        return self._set == len(self._motors)
+
+    def report(self, report):
+        report["drives"] = self._text
+
+    def look(self, now_ms):
+        if self._failed:
+            if self._machine.alarm == self._failed:
+                return
+            self._failed = 0
+            self._begin()
+        if self._register >= 0:
+            self._listen(now_ms)
+        elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
+            self._ask(now_ms)
+
+    # --- telegrams
+
+    def _ask(self, now_ms):
+        self._line.read()  # what nobody asked for
+        motor = self._motors[self._number]
+        address = motor["address"]
+        rows = self._registers[self._number]
+        stage = self._stage
+        if self._set < len(self._motors):
+            register = (chip.IOIN, chip.IFCNT, chip.IFCNT, chip.GCONF, chip.CHOPCONF)[stage]
+        else:
+            register = chip.DRV_STATUS if stage else chip.GSTAT
+        data = b""
+        if self._set < len(self._motors) and stage == 2:
+            for row in rows:
+                data += chip.telegram(address, *row)
+        data += chip.telegram(address, register)
+        self._sent = len(data)  # which the wire may give back
+        self._line.write(data)
+        self._register = register
+        self._reply = b""
+        self._due_ms = now_ms + _WAIT_MS + self._sent // 4
+
+    def _listen(self, now_ms):
+        self._reply += bytes(self._line.read())
+        found = chip.value(self._reply[-_REPLY:], self._register)
+        if found is not None and len(self._reply) in (_REPLY, _REPLY + self._sent):
+            self._register = -1
+            self._due_ms = now_ms
+            self._tries = 0
+            self._heard(found, now_ms)
+        elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
+            self._register = -1
+            self._tries += 1
+            if self._tries == _ASKS:
+                self._fail(errors.ALARM_DRIVER_SILENT, "no answer")
+            elif self._set < len(self._motors) and self._stage == 2:
+                self._stage = 1  # they may have been taken: count anew
+
+    def _heard(self, found, now_ms):
+        if self._set == len(self._motors):
+            self._watch(found, now_ms)
+            return
+        rows = self._registers[self._number]
+        stage = self._stage
+        if stage == 0 and found >> 24 != chip.VERSION:
+            self._fail(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
+        elif stage == 2 and (found - self._count) & 255 != len(rows):
+            self._fail(errors.ALARM_DRIVER_DIFFERS, "%d of %d registers taken" % ((found - self._count) & 255, len(rows)))
+        elif stage > 2 and found != rows[stage - 5][1]:
+            self._fail(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (rows[stage - 5][0], found, rows[stage - 5][1]))
+        else:
+            self._count = found
+            self._stage = stage + 1
+            if self._stage == 5:
+                self._stage = 0
+                self._set += 1
+                self._number = self._set % len(self._motors)
+
+    def _watch(self, found, now_ms):
+        """GSTAT or DRV_STATUS of a driver that is set up."""
+        if self._stage == 0:
+            if found & (chip.RESET | chip.UNDERVOLTAGE):
+                self._fail(errors.ALARM_DRIVER_POWER, "reset" if found & chip.RESET else "undervoltage")
+                return
+            self._stage = 1
+            return
+        if found & (chip.OVERHEATED | chip.SHORTED):
+            self._fail(errors.ALARM_DRIVER_FAULT, "short" if found & chip.SHORTED else "overheated")
+            return
+        told = "-hot" if found & chip.WARNED else ""
+        if found & chip.OPEN:
+            told += "-open"
+        if told != self._told[self._number]:
+            self._told[self._number] = told
+            texts = [motor["axis"] + text for motor, text in zip(self._motors, self._told) if text]
+            self._text = ",".join(texts) or None
+        self._stage = 0
+        self._number = (self._number + 1) % len(self._motors)
+        self._due_ms = now_ms + _PERIOD_MS // len(self._motors)
+
+    def _fail(self, number, why):
+        self._failed = number
+        self._set = 0
+        self._machine.raise_alarm(number, "driver of %s: %s" % (self._motors[self._number]["axis"], why))

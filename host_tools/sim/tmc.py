@@ -1,0 +1,117 @@
+"""TMC2209 drivers on one UART wire, as the board's serial line sees them: telegrams, registers, and faults.
+
+    drivers = SimDrivers(board["drivers"], lambda: port.now / 12_500)
+    lines["drivers"] = drivers
+    drivers["x"].dead = True            # its wire is cut
+    drivers["x"].address = 2            # its jumpers are set wrong
+    drivers["x"].power_cycle()          # its supply was gone for a moment
+    drivers["x"].status |= 1 << 1       # DRV_STATUS: overheated
+
+A telegram with a wrong CRC is ignored. The wire gives the sender's bytes back, `echo`.
+"""
+
+CLOCKS = 8  # bits that a reply comes behind its request, at least
+_DEFAULTS = {0x00: 0x141, 0x01: 1, 0x02: 0, 0x06: 0x21000000, 0x6C: 0x10000053, 0x6F: 0x80000000}
+_READABLE = (0x00, 0x01, 0x02, 0x06, 0x6C, 0x6F)
+
+
+def crc8(data):
+    """By the bits, as a shift register has them: x⁸ + x² + x + 1, each byte's lowest bit first."""
+    register = [0] * 8
+    for byte in data:
+        for bit in range(8):
+            into = register[7] ^ (byte >> bit & 1)
+            register = [into, register[0] ^ into, register[1] ^ into, *register[2:7]]
+    return sum(bit << number for number, bit in enumerate(register))
+
+
+class SimDriver:
+    def __init__(self, address):
+        self.address = address
+        self.dead = False
+        self.frozen = ()  # registers that keep their value
+        self.power_cycle()
+
+    def power_cycle(self):
+        self.registers = dict(_DEFAULTS)
+
+    @property
+    def status(self):
+        return self.registers[0x6F]
+
+    @status.setter
+    def status(self, value):
+        self.registers[0x6F] = value
+
+    def take(self, telegram):
+        """The reply, or b""."""
+        register = telegram[2] & 0x7F
+        if telegram[2] & 0x80:
+            value = int.from_bytes(telegram[3:7], "big")
+            if register == 0x01:
+                value = self.registers[1] & ~value  # ones are cleared
+            if register not in self.frozen:
+                self.registers[register] = value
+            self.registers[0x02] = (self.registers[0x02] + 1) & 255
+            return b""
+        value = self.registers[register] if register in _READABLE else 0
+        body = bytes((5, 0xFF, register)) + value.to_bytes(4, "big")
+        return body + bytes((crc8(body),))
+
+
+class SimDrivers:
+    def __init__(self, config, now_ms):
+        self._motors = {motor["axis"]: SimDriver(motor["address"]) for motor in config["motors"]}
+        self._now_ms = now_ms
+        self._bit_ms = 1000 / config["baud"]
+        self._coming = bytearray()
+        self._due = []  # (ms, bytes)
+        self.echo = True
+        self.garbles = 0  # replies to come that have a wrong bit
+
+    def __getitem__(self, axis):
+        return self._motors[axis]
+
+    # --- the line
+
+    def write(self, data):
+        if self.echo:
+            self._due.append((self._now_ms() + len(data) * 10 * self._bit_ms, bytes(data)))
+        for reply in self.hear(data):
+            self._due.append((self._now_ms() + ((len(data) + 8) * 10 + CLOCKS) * self._bit_ms, reply))
+
+    def hear(self, data):
+        """Replies to what these bytes complete."""
+        self._coming += data
+        replies = []
+        while len(self._coming) >= 4:
+            if self._coming[0] != 5:
+                del self._coming[0]
+                continue
+            size = 8 if self._coming[2] & 0x80 else 4
+            if len(self._coming) < size:
+                break
+            telegram = bytes(self._coming[:size])
+            del self._coming[:size]
+            if crc8(telegram[:-1]) == telegram[-1]:
+                replies += self._all(telegram)
+        return replies
+
+    def _all(self, telegram):
+        heard = [motor.take(telegram) for motor in self._motors.values() if not motor.dead and motor.address == telegram[1]]
+        found = [reply for reply in heard if reply]
+        if len(found) > 1:  # two speak at once
+            found = [bytes(a & b for a, b in zip(*found))] if found[0] != found[1] else found[:1]
+        if found and self.garbles:
+            self.garbles -= 1
+            found = [bytes((*found[0][:4], found[0][4] ^ 8, *found[0][5:]))]
+        return found
+
+    def read(self):
+        data = b""
+        while self._due and self._due[0][0] <= self._now_ms():
+            data += self._due.pop(0)[1]
+        return data
+
+    def any(self):
+        return 0
