@@ -12,6 +12,7 @@ from host_tools.cli.draw import corner
 from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
 from host_tools.language import _, line_text
+from host_tools.programs.begun import CARD
 
 DIALECTS = "plain", "cluster", "frames"
 EXAMPLES = """Engrave a picture with a laser: to its size, in rows of dots, as G-code that is sent or kept.
@@ -122,7 +123,7 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
         out.write_bytes(b"".join(line + b"\n" for _number, line in lines))
         console.print(_("{}: {} lines", out, len(lines)))
     if client:
-        name = file.name if file else "card"
+        name = file.name if file else CARD
         if go_on:
             go_on(client, lines, name)
             return

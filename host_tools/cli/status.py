@@ -1,7 +1,5 @@
 """`passo status`: how a board is now: state, positions, inputs, encoders, what it has logged."""
 
-
-
 from host_tools.cli.log import BAUD, link, shown
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
@@ -87,7 +85,8 @@ def _job(client, fields):
     name = name or _("a program that this PC has not begun ({})", f"{record.job:08x}")
     text = _("stopped after line {} of {}", record.line, name) if record.done else _("stopped amid line {} of {}", record.line, name)
     turns = _(", the spindle turns") if set("SC") & set(fields.get("A", "")) else _(", spindle off")
-    return [(N_("job"), text + turns + _("; passo resume goes on with it"))]
+    goes_on = _("; passo engrave --continue goes on with it") if begun.engraved(name) else _("; passo resume goes on with it")
+    return [(N_("job"), text + turns + goes_on)]
 
 
 def grbl_rows(fields, encoders, log):

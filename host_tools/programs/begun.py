@@ -7,12 +7,14 @@ has died can be told of by name.
 """
 
 import json
+import mimetypes
 import os
 from pathlib import Path
 
 from host_tools.programs.interrupted import number_of
 
 KEPT = Path.home() / ".local" / "share" / "passo" / "begun.json"
+CARD = "card"  # the program of the test card of `passo engrave`
 _MOST = 100
 
 
@@ -50,3 +52,9 @@ def found(number):
     if not isinstance(kept, list) or len(kept) != 2 or not isinstance(kept[0], str) or not isinstance(kept[1], int):
         return "", 0
     return kept[0], kept[1]
+
+
+def engraved(name):
+    """True if `name` is what `passo engrave` calls its program: that of a picture, or of its test card."""
+    kind = mimetypes.guess_type(name)[0] or ""
+    return name == CARD or kind.startswith("image/") and kind != "image/svg+xml"

@@ -8,7 +8,8 @@ import pytest
 from host_tools.cli import jobs, status
 from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.failure import Failure
-from host_tools.programs import stored_job
+from host_tools.programs import begun, stored_job
+from host_tools.programs.job_record import Record
 from running_router import Running
 
 PART = b"(a part) G21 G90\n\nG1 X20 Y0 F6000 ; there\nG0 X0\nM30\n"
@@ -70,8 +71,9 @@ def told_job(port):
         return status._job(client, client.ask_status())
 
 
-def test_what_status_says_of_a_stored_job(tmp_path, part):
+def test_what_status_says_of_a_stored_job(tmp_path, part, monkeypatch):
     """One that was done to its end, with M30 or without, is not to be gone on with; one that was stopped is told by its name."""
+    monkeypatch.setattr(begun, "KEPT", tmp_path / "begun.json")
     board = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "flash")}, journal={"every_ms": 200})
     try:
         port = board.line.name
@@ -87,6 +89,11 @@ def test_what_status_says_of_a_stored_job(tmp_path, part):
         assert re.fullmatch(r"stopped (after|amid) line \d+ of BAD, spindle off; passo resume goes on with it", told_job(port)[0][1])
         jobs.delete("BAD", port, 115200)
         assert "has not begun" in told_job(port)[0][1]
+        with GrblClient(port) as client:
+            number = Record.of(client.command("$JR")).job
+        for name, command in (("photo.jpg", "engrave --continue"), ("card", "engrave --continue"), ("map.svg", "resume"), ("part.nc", "resume")):
+            begun.remember(number, name, 122)
+            assert told_job(port)[0][1].endswith(f" of {name}, spindle off; passo {command} goes on with it")
     finally:
         board.close()
 
