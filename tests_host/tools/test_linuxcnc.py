@@ -17,7 +17,6 @@ pytestmark = [pytest.mark.slow, pytest.mark.skipif(not rs274.RS274, reason="need
 # Taken, and not the same: why.
 OTHERWISE = {
     "nc_files/skeleton.ngc": "rs274 alone raises Z by the tool's length at the next line",
-    "nc_files/lathecomp.ngc": "another way in",
     "nc_files/useful-subroutines.ngc": "Z alone behind G40 moves X and Y there",
     "tests/interp/inside-corners/test.ngc": "another way in",
     "tests/interp/inverse-time-with-comp/inverse.ngc": "another way in",
