@@ -12,7 +12,7 @@ CASES = {
     "check_what_is_told": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "reversals")),
     "check_a_change_of_play": (("seed", "seed"),),
 }
-RUNS = {"check_limits": 40, "check_what_is_told": 15, "check_a_change_of_play": 10}
+RUNS = {"check_limits": 16, "check_what_is_told": 15, "check_a_change_of_play": 10}
 
 
 class Played(Machine):

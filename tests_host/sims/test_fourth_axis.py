@@ -79,7 +79,7 @@ def lasts(mm_or_degrees, per_min, accelerations):
 
 
 @pytest.mark.parametrize("x, a", [(50, 900), (50, -90), (-3, 360), (20, 0.5), (0, 360), (0, -7)])
-@pytest.mark.parametrize("feed", [60, 600])
+@pytest.mark.parametrize("feed", [pytest.param(60, marks=pytest.mark.slow), 600])
 def test_f_counts_for_the_linear_axes_and_degrees_only_where_nothing_else_moves(table, x, a, feed):
     if x and abs(a / x) * feed > 21_600:
         feed = 60
@@ -111,10 +111,10 @@ def test_a_table_turns_without_an_end_and_homing_leaves_it_where_it_stands():
     table = Table(unlock=False)
     said = table.ask("$H")
     assert said.endswith("ok") and table.settle() == [0, 0, 0, 0]
-    table.do("G91", "G1A7200F21600", "G1A7200", "G1A-20000")
-    assert table.settle()[3] == round(53.333 * -5600)
+    table.do("G91", "G1A1800F21600", "G1A360", "G1A-2760")
+    assert table.settle()[3] == round(53.333 * -600)
     table.do("$20=1", "G1A-300")
-    assert table.settle()[3] == round(53.333 * -5900) and "MPos:0.000,0.000,0.000,-5900." in table.status()
+    assert table.settle()[3] == round(53.333 * -900) and "MPos:0.000,0.000,0.000,-900." in table.status()
     assert table.ask("G1X-1F100").startswith("ALARM:2"), "the travel of X holds"
     table = Table(start=(2000, 2000, -2000, 0), unlock=False)
     table.do("$X", "G91G1A90F3600")
@@ -171,7 +171,7 @@ def test_a_hold_amid_a_turn_goes_on_to_the_step(table):
 
 
 @pytest.mark.parametrize("rotary", [True, False])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 6))])
 def test_random_programs_end_to_the_step_within_all_limits(seed, rotary):
     """Lines of any of four axes, by the kernel and by the parser: where they end, and no axis faster than it may be."""
     chance = random.Random(seed)
@@ -180,12 +180,10 @@ def test_random_programs_end_to_the_step_within_all_limits(seed, rotary):
     per_mm = (320, 320, 400, 53.333 if rotary else 80)
     at = [0.0] * 4
     before = len(table.machine.trace.rows())
-    for _ in range(60):
+    for _ in range(30):
         at = [chance.choice((here, here, round(chance.uniform(-20, 20), 3))) for here in at]
-        words = "".join(letter + f"{to:.3f}" for letter, to in zip("XYZA", at) if chance.random() < 0.9 or to == 0)
-        given = {letter: to for letter, to in zip("XYZA", at)}
-        table.do(chance.choice(("G0", "G1")) + "".join(f"{letter}{to:.3f}" for letter, to in given.items()) + f"F{chance.randint(60, 6000)}")
-        assert words is not None
+        words = "".join(f"{letter}{to:.3f}" for letter, to in zip("XYZA", at))
+        table.do(f"{chance.choice(('G0', 'G1'))}{words}F{chance.randint(60, 6000)}")
     places = table.settle()
     assert places == [begun + math.floor(abs(to) * each + 0.5) * (1 if to >= 0 else -1) for begun, to, each in zip(start, at, per_mm)]
     rows = table.machine.trace.rows()[before:]
@@ -205,10 +203,10 @@ def test_random_programs_end_to_the_step_within_all_limits(seed, rotary):
 def test_passo_check_says_degrees(tmp_path):
     """A drawing on a cylinder: no axis is out of its travel, and A is told in degrees."""
     file = tmp_path / "cylinder.nc"
-    file.write_text("G21G90\nG1X10A3600F600\nG93G1X0A-90F2\nG94\nM30\n")
+    file.write_text("G21G90\nG1X10A720F600\nG93G1X0A-90F6\nG94\nM30\n")
     done = CliRunner().invoke(app, ["check", str(file), "--board", NAME])
     assert done.exit_code == 0, done.output
-    assert "A         -90.0" in done.output and "3600.0" in done.output and "°" in done.output.split("\nA")[1]
+    assert "A         -90.0" in done.output and "720.0" in done.output and "°" in done.output.split("\nA")[1]
 
 
 def test_a_board_file_says_which_axis_turns():
