@@ -57,11 +57,6 @@ def steps_per_mm(board):
     return x_axis["steps_per_m"] / 1000, y_axis["steps_per_m"] / 1000
 
 
-def endless(board, axis):
-    """Whether an axis turns without an end: a rotary one that homes at no sensor."""
-    return board.get("rotary") == axis["name"] and axis["name"] not in (board.get("homing") or {}).get("sensors", ())
-
-
 def travel_steps(board):
     """The largest coordinate of X and Y in steps; the smallest is 0."""
     return board["axes"][0]["travel_steps"], board["axes"][1]["travel_steps"]

@@ -33,6 +33,7 @@ from host_tools.build.pc_kernels import use_compiled
 from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
 from host_tools.sim import job_runner
+from host_tools.sim.parts import endless
 from host_tools.sim.track import Track
 
 BLOCK_LINES = 256
@@ -251,7 +252,7 @@ class VirtualJob:
     def excess(self, number):
         """A text if the job is longer than the travel of that axis, else ""."""
         axis = self.board["axes"][number]
-        if boards.endless(self.board, axis):
+        if endless(self.board, axis):
             return ""
         travel = axis["travel_steps"] / self.steps_per_mm[number]
         length = self.high[number] - self.low[number]

@@ -6,13 +6,16 @@ Parts with events of their own have `due`, the tick of the next event or NEVER, 
 import math
 import re
 
-from host_tools import boards
-
 NEVER = float("inf")
 CHATTER = 6  # pairs of false edges that a bouncing barrier gives at most
 TICKS_PER_MS = 12_500
 MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to the hard end
 _ENDLESS = 1 << 40  # steps
+
+
+def endless(board, axis):
+    """Whether an axis turns without an end: a rotary one that homes at no sensor."""
+    return board.get("rotary") == axis["name"] and axis["name"] not in (board.get("homing") or {}).get("sensors", ())
 
 
 def pull_off_of(homing, axis):
@@ -23,7 +26,7 @@ def pull_off_of(homing, axis):
 def hard_ends(board, axis):
     """(lowest, highest) position of an axis, in steps from its origin."""
     homing = board.get("homing") or {}
-    if boards.endless(board, axis):
+    if endless(board, axis):
         return -_ENDLESS, _ENDLESS
     margin = axis["steps_per_m"] * MARGIN_MM // 1000
     low, high = -pull_off_of(homing, axis["name"]) - margin, axis["travel_steps"] + margin

@@ -47,6 +47,7 @@ def gone(machine):
     return [tuple(at - end for at, end in zip(place, last)) for before, place in zip([None, *places], places) if place != before]
 
 
+@pytest.mark.slow
 def test_the_carriages_go_as_on_the_virtual_board(make_machine, show):  # noqa: F811
     """Each place, in order, to the step; the pins' words make no other."""
     wanted = gone(VirtualMachine(BOARD, start=START, play=PLAY))

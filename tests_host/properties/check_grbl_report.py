@@ -107,6 +107,7 @@ class _Longest:
     """Gcode, its offsets, settings and machine in one, every value the longest there is."""
 
     axes = 4
+    turns = False
     mask = 3
     inches = 0
     system = 0
