@@ -56,7 +56,7 @@ def check_a_new_word_is_a_row():
     rows = commands.STATUS_WORDS
     modules = [__import__("passo." + name, None, None, ("STATUS_WORDS",)) for name in ("protocols.grbl.report", "protocols.pulses.report", "protocols.torch.forms")]
     for module in modules:
-        module.STATUS_WORDS = [*rows, ("up", "Up")]
+        module.STATUS_WORDS = rows + [("up", "Up")]
     try:
         for said in (grbl, pulses, torch):
             assert said(dict(report(), up=41))["Up"] == "41", said
