@@ -215,4 +215,7 @@ def test_a_board_file_says_which_axis_turns():
     for each in (*wrong, {**board, "links": [{**link, "protocol": "plotter"} for link in board["links"]]}):
         with pytest.raises(BoardError, match="rotary"):
             check(copy.deepcopy(each))
+    for other in ({"backlash": {"x": 20}}, {"kinematics": "corexy"}):
+        with pytest.raises(BoardError, match="remove"):
+            check({**copy.deepcopy(board), **other})
     assert check(copy.deepcopy(board))["turns"] == "passo.control.rotary_queue"
