@@ -69,7 +69,7 @@ INPUTS = (
 
 # What only some machines have to say in a status: its key in the report, to which a feature's report() puts a value, or None; the word
 # for it in grbl's report, the status of pulses, the torch's /INFO and the page. The plotter's and the torch's packets have no room for
-# more words.
+# more words. A feature of few machines appends its own row.
 STATUS_WORDS = [
     ("job", "SD"),  # a stored job: "per cent,name"
     ("counts", "En"),  # of encoders

@@ -2,11 +2,11 @@
 
     "drivers": {"port": "uart1", "tx": 8, "rx": 9, "motors": [{"axis": "x", "address": 0, "current_ma": 800}]}
 
-One telegram at a time is on its way, once a cycle of the main loop it is looked at, nothing waits; one without a good reply is sent
-three times. Nothing moves before all drivers have proved to be set up: each tells how many telegrams it has taken, and the two registers
-that can be read. What fails is an alarm whose log entry names the axis. It stops the machine at once and takes the current off:
+One telegram at a time is on its way. The main loop looks for its reply once a cycle and never waits; without a good reply the telegram is
+sent three times. Nothing moves before each driver has confirmed its set-up: the number of telegrams it has taken, and the two registers
+that can be read. A failure raises an alarm, whose log entry names the axis; it stops the machine at once and takes the current off:
 
-    260 no answer, or garbled     261 another chip, or registers that differ     262 a short, or overheated     263 the power failed
+    221 no answer, or garbled     222 another chip, or registers that differ     223 a short, or overheated     224 the power failed
 
 Unlocking sets the drivers up anew. While the machine is in one of these alarms it asks no more. Heat of 120 °C and open coils, which an idle motor
 shows too, are only told: `Dr:x-hot,y-open` in a report. From a fault to its alarm: some 50 ms a driver, of a dead wire 0.2 s.

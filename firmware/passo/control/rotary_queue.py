@@ -1,6 +1,6 @@
-"""The queue of a machine whose last axis turns: a feed counts for the linear axes, and degrees where nothing else moves.
+"""The queue of a machine whose last axis turns: F is the speed of the linear axes, and degrees a minute if no other axis moves.
 
-So LinuxCNC has it (Machining Center, "Feed Rate"). Without a sensor to home at the axis turns without an end.
+RS274/NGC and LinuxCNC define F this way. If the axis homes at no sensor, it has no travel limit.
 """
 
 from passo.control.stream_queue import StreamQueue

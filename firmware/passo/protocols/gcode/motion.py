@@ -46,7 +46,7 @@ class Motions(Reader):
                 self.position[axis] = rounded(target[axis] * NM_PER_M, self.machine.steps_per_m[axis])
 
     def _to_steps(self, target):
-        """Of the axes that it leaves out those where the machine is."""
+        """`target` in steps. An axis that it leaves out stays where it is."""
         steps = []
         for axis in range(len(target)):
             steps.append(rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M))
@@ -101,7 +101,7 @@ class Motions(Reader):
         return command
 
     def _pace(self, target, feed):
-        """The feed of a line in G20: of one that only turns it counts degrees, too."""
+        """The feed of a line in G20: degrees a minute, not inches, if only the rotary axis moves."""
         return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
     def _read_motion(self, motion, axis_words, machine_coordinates):

@@ -25,7 +25,7 @@ _NINE_DIGITS = const(100_000_000)
 _DECIMALS = const(12)
 
 # Letters as bits of a mask: as constants they take no memory on a board.
-A = const(0)
+A = const(0)  # the fourth axis: that of an axis's number is (X + axis) % 26
 F = const(5)
 G = const(6)
 H = const(7)
@@ -60,7 +60,7 @@ _NEVER_NEGATIVE = _mask("FHNPST")
 
 class Words:
     def __init__(self, known=0):
-        """`known`: letters beside those of three axes, as a mask."""
+        """`known`: mask of letters to accept beside those of a machine with three axes."""
         self._known = _KNOWN | known
         self.have = 0  # mask of the letters that have a value, A is bit 0; G and M are not among them
         self.codes = array("i", [0] * _CODES)

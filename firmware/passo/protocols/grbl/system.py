@@ -50,7 +50,7 @@ class System:
         self.touched = False
 
     def inches(self):
-        """Whether reports are in inches; those of degrees stay."""
+        """Whether reports are in inches: never, if an axis counts degrees."""
         return self._settings.value(SETTING_INCHES) and not self._gcode.turns
 
     def execute(self, line):
