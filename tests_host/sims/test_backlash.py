@@ -5,9 +5,9 @@ import math
 import random
 
 import pytest
+from asked import Asked
 
 from host_tools import boards
-from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
@@ -22,31 +22,13 @@ def router(backlash=None, **changes):
     return {**board, "backlash": UM if backlash is None else backlash} if backlash != {} else board
 
 
-class Router:
+class Router(Asked):
     def __init__(self, board=None, start=START, play=PLAY, **options):
-        self.machine = VirtualMachine(board or router(), start=start, play=play, **options)
-        self.plant = self.machine.plant
-        self.machine.run_ms(100)
-        self.machine.take()
-
-    def ask(self, line, limit_ms=120_000):
-        self.machine.take()
-        self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: any(word in self.machine.received() for word in (b"ok", b"error", b"ALARM")), limit_ms)
-        return self.machine.take().decode().strip()
-
-    def do(self, *lines):
-        for line in lines:
-            said = self.ask(line)
-            assert said.endswith("ok"), (line, said)
+        Asked.__init__(self, board or router(), start=start, play=play, **options)
 
     def settle(self):
         self.stand()
         return self.place()
-
-    def stand(self):
-        self.machine.settle()
-        assert not self.plant.errors, self.plant.errors
 
     def place(self):
         """Where the axes are, as the board says and the carriages show."""

@@ -7,6 +7,7 @@ import sys
 
 import polar
 import pytest
+from asked import Asked
 
 from host_tools import boards
 from host_tools.sim.job import VirtualJob
@@ -20,27 +21,12 @@ from passo.protocols.plotter.host import COMMANDS, packet
 NAME = "corexy_plotter"
 
 
-class Belt:
+class Belt(Asked):
     def __init__(self, board=NAME, **options):
-        self.machine = VirtualMachine(board, **options)
-        self.plant = self.machine.plant
-        self.machine.run_ms(100)
-        self.machine.take()
-
-    def ask(self, line, limit_ms=120_000):
-        self.machine.take()
-        self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: any(word in self.machine.received() for word in (b"ok", b"error", b"ALARM")), limit_ms)
-        return self.machine.take().decode().strip()
-
-    def do(self, *lines):
-        for line in lines:
-            said = self.ask(line)
-            assert said.endswith("ok"), (line, said)
+        Asked.__init__(self, board, **options)
 
     def settle(self):
-        self.machine.settle()
-        assert not self.plant.errors, self.plant.errors
+        self.stand()
         return self.places()
 
     def places(self):

@@ -5,6 +5,7 @@ import math
 import random
 
 import pytest
+from asked import Asked
 from typer.testing import CliRunner
 
 from host_tools import boards
@@ -28,28 +29,14 @@ def board_of(rotary=True):
     return board
 
 
-class Table:
+class Table(Asked):
     def __init__(self, start=(2000, 2000, -2000, 0), rotary=True, unlock=True):
-        self.machine = VirtualMachine(board_of(rotary), start=start)
-        self.plant = self.machine.plant
-        self.machine.run_ms(100)
+        Asked.__init__(self, board_of(rotary), start=start)
         if unlock:
             self.do("$X")
 
-    def ask(self, line, limit_ms=120_000):
-        self.machine.take()
-        self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: any(word in self.machine.received() for word in (b"ok", b"error", b"ALARM")), limit_ms)
-        return self.machine.take().decode().strip()
-
-    def do(self, *lines):
-        for line in lines:
-            said = self.ask(line)
-            assert said.endswith("ok"), (line, said)
-
     def settle(self):
-        self.machine.settle()
-        assert not self.plant.errors, self.plant.errors
+        self.stand()
         return list(self.plant.position)
 
     def seconds(self, *lines):
