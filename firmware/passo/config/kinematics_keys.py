@@ -15,7 +15,7 @@ def check(board):
     if kind == "none":
         return
     board["motion"] = kind
-    unfit = [other for other in ("gantry", "encoders", "weaving", "step_program") if board[other]]
+    unfit = [other for other in ("gantry", "encoders", "weaving", "step_program", "rotary") if board.get(other)]
     if board["homing"] and board["homing"]["latch"]:
         unfit.append("homing.latch")
     if unfit:

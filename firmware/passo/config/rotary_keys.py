@@ -9,9 +9,6 @@ RULES = {
 
 
 def check(board):
-    for other in ("backlash", "kinematics"):
-        if board.get(other, "none") != "none":
-            raise BoardError("rotary: remove %s: its queue knows linear axes only" % other)
     board["turns"] = "passo.control.rotary_queue"
     if "".join([axis["name"] for axis in board["axes"]]) != "xyza":
         raise BoardError("rotary: axes x, y, z, a are wanted")
