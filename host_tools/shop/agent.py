@@ -18,8 +18,6 @@ from host_tools.shop.telling import Telling
 
 _ASK_MS = 200  # between two reports of a board
 _TELL_S = 0.2  # between two looks at what has changed
-_PLACE_S = 1.0  # what changes with each report is told no more often: place, counters, time left
-_OFTEN = ("place", "counters", "left")
 _WAIT_S = 0.02
 _FIRST_S = 3.0  # a board's first report has come by then, or it is lost
 
@@ -33,8 +31,7 @@ class _Board:
         self._machine = languages.create(language, board, self._port.write, self._hear).machine
         self._machine.ask_ms = max(self._machine.ask_ms, _ASK_MS)
         self._begun_s = None  # not looked at yet
-        self._told_s = self._placed_s = 0.0
-        self._often = dict.fromkeys(_OFTEN, "")
+        self._told_s = 0.0
 
     def attached(self, opened):
         self._machine.attached(opened)
@@ -63,12 +60,9 @@ class _Board:
         if not shown["link"] and now_s - self._begun_s < _FIRST_S:
             return
         topics = self.telling.look(shown, now_s)
-        if now_s - self._placed_s >= _PLACE_S or not topics["job"]:
-            self._often = {key: topics[key] for key in _OFTEN}
-            self._placed_s = now_s
         for event in self.telling.events(time.time()):
             self._link.log(event)
-        self._link.tell({**topics, **self._often})
+        self._link.tell(topics)
 
     def close(self):
         self._port.close()

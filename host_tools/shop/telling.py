@@ -15,6 +15,9 @@ from passo import errors
 TOPICS = ("state", "job", "progress", "left", "place", "alarm", "counters")
 GONE = "gone"  # state: nobody speaks for the machine any more, the broker says so
 LOST = "lost"  # state: the board does not answer
+_MOVES = ("run", "jog", "home")
+_OFTEN = ("place", "counters", "left")  # they change with each report of a machine that moves, and are told anew
+_OFTEN_S = 1.0  # no more often than that
 _SURE = 2  # per cent of a job, from which on the time left is told
 
 
@@ -25,7 +28,7 @@ class Telling:
         self._alarm = 0
         self._job = None  # (name, when it has begun)
         self._place = None
-        self._then_s = None
+        self._then_s = self._often_s = None
         self.counters = {"jobs": 0, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 0.0, "metres": 0.0}
         self.told = {}  # what look() has said last
         self.full = None  # per cent of the board's queue that is in use, if it tells
@@ -45,7 +48,7 @@ class Telling:
             self._state = state
         left = "" if share is None or share < _SURE or not self._job else round((now_s - self._job[1]) * (100 - share) / share)
         self.full = shown.get("full")
-        self.told = {
+        told = {
             "state": state,
             "job": name,
             "progress": "" if share is None else str(share),
@@ -54,7 +57,12 @@ class Telling:
             "alarm": error_text(alarm or errors.LOCKED) if alarm or state == "alarm" else "",
             "counters": json.dumps({key: round(value, 3) for key, value in self.counters.items()}),
         }
-        return self.told
+        if state in _MOVES and self._often_s is not None and now_s - self._often_s < _OFTEN_S:
+            told |= {key: self.told[key] for key in _OFTEN}
+        else:
+            self._often_s = now_s
+        self.told = told
+        return told
 
     def events(self, now_s):
         """What has happened since the last time; `at`: seconds since 1970."""
@@ -96,10 +104,10 @@ class Telling:
             self._event("begun", job=name)
 
     def _count(self, shown, state, now_s):
-        """Time in motion, and the way from report to report: what lies between two is taken as straight."""
+        """Time in motion, and the way of X, Y and Z: a straight line from each report to the next."""
         place = shown.get("m")
         if self._then_s is not None and state in ("run", "jog", "home"):
             self.counters["run_s"] += now_s - self._then_s
         if place and self._place and len(place) == len(self._place) and state not in (LOST, "home"):
-            self.counters["metres"] += sum((to - at) ** 2 for to, at in zip(place, self._place)) ** 0.5 / 1000
+            self.counters["metres"] += sum((to - at) ** 2 for to, at in zip(place[:3], self._place[:3])) ** 0.5 / 1000
         self._place, self._then_s = place, now_s

@@ -84,6 +84,14 @@ def test_an_alarm_in_words_once():
     assert telling.look(shown(state="Alarm"), 0)["alarm"], "an alarm from before has no number"
 
 
+def test_what_changes_with_each_report_is_told_once_a_second_in_motion_and_at_once_at_rest():
+    for state in ("Run", "Jog", "Home"):
+        telling = Telling()
+        places = [telling.look(shown(state=state, w=[at / 10]), at / 5)["place"] for at in range(20)]
+        assert len(set(places)) == 4, state
+    assert [json.loads(telling.look(shown(w=[at]), 10 + at / 5)["place"]) for at in range(5)] == [[at] for at in range(5)]
+
+
 def test_a_board_that_does_not_answer():
     telling = Telling()
     telling.look(shown(state="Run", m=[0.0, 0.0]), 0)
