@@ -86,7 +86,7 @@ def test_keys(board, job):
         for line in ("$X", "$I", "$10=3"):
             client.command(line)
         panel = stream.Panel(client, [(1, b"")])
-        client.command("G1X50F3000")
+        client.command("G1X50F60")  # so long that the pause comes amid it, however quick the machine
         panel.key("p")
         board.until(board.standing)
         client.ask_status()
