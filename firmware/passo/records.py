@@ -269,21 +269,21 @@ MARK_PACE = const(4)
 MARK_FIELDS = const(5)
 MARKS = const(64)  # most segments made and not yet played, a power of two
 
-# Power.marks: how many have been put and how many played, for ever, modulo 2²⁹; then a ring of (word, level), and one of dots.
+# Power.marks: how many have been put and how many played, for ever, modulo 2²⁹; then a ring of marks, and one of dots.
 POWER_HEAD = const(0)
 POWER_TAIL = const(1)
 POWER_MASK = const(2)  # marks, a power of two, − 1
 POWER_WAIT = const(3)  # marks that may wait if another segment is made
-DOTS_AT = const(4)  # where the dots begin: powers, 0 … POWER_MOST, of the rows that are queued
+DOTS_AT = const(4)  # where the dots begin: powers, 0 … POWER_MOST, of the rows that are queued, two in a number, the second above DOTS_COUNT bits
 DOTS_MASK = const(5)  # dots, a power of two, − 1; 0: this machine takes no rows
 DOTS_HEAD = const(6)  # index of the next dot to be put; the parser's
 DOTS_TAIL = const(7)  # and of the oldest one that has not been burnt; the feeder's
 POWER_PERCENT = const(8)  # every value counts so much of itself
 POWER_LEAST = const(9)  # a value up to this one, but 0, shows as the weakest level
 POWER_MARKS = const(10)
-POWER_WORD = const(0)  # of a mark: the word that it counts from, modulo 2²⁹
-POWER_LEVEL = const(1)  # 0 … POWER_MOST << POWER_FINE
-POWER_FIELDS = const(2)
+POWER_WORD = const(14)  # of a mark: the bit from which on stands the word that it counts from, modulo 2¹⁶
+POWER_WORDS = const(0xFFFF)
+POWER_LEVEL = const(0x3FFF)  # mask of its level, 0 … POWER_MOST << POWER_FINE
 POWER_MOST = const(1000)
 POWER_AHEAD = const(9)  # words that a Pico has to have as a mark's begins, that one included: ports/rp2/laser_player.py
 POWER_FINE = const(4)  # bits of a mark behind the thousandths: in a ramp 1 % of a weak dot is less than one

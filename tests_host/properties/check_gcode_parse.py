@@ -127,7 +127,8 @@ class Straight(Machine):
         """The dots of a row, which are given back at once."""
         ring = self.batch.dots
         first, count = power >> DOTS_FIRST, power >> DOTS_COUNT & DOTS_MOST
-        found = [ring[ring[DOTS_AT] + (first + dot & ring[DOTS_MASK])] for dot in range(count)]
+        places = [first + dot & ring[DOTS_MASK] for dot in range(count)]
+        found = [ring[ring[DOTS_AT] + (at >> 1)] >> (at & 1) * DOTS_COUNT & DOTS_POWER for at in places]
         if count:
             assert found[-1] == self.power
             ring[DOTS_TAIL] = first + count & ring[DOTS_MASK]

@@ -63,8 +63,8 @@ class Sink:
             self._hash.update(memoryview(ring.words)[at : at + count])
             if self._counts:
                 self._count_steps(at, count)
-            while (ring.power.next() - self._played) & COUNT_MASK < count and ring.power.next() >= 0:
-                self._mark(ring.power.next())
+            while (ring.power.next(self._played) - self._played) & COUNT_MASK < count and ring.power.next(self._played) >= 0:
+                self._mark(ring.power.next(self._played))
             self._played = (self._played + count) & COUNT_MASK
             self.words += count
 

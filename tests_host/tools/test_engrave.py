@@ -126,7 +126,7 @@ class Burnt(Sink):
         while self._played != ring.head:
             at = self._played & ring.mask
             count = min((ring.head - self._played) & COUNT_MASK, ring.size - at)
-            mark = ring.power.next()
+            mark = ring.power.next(self._played)
             if mark >= 0:
                 until = (mark - self._played) & COUNT_MASK
                 if until == 0:

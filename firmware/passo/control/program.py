@@ -14,7 +14,7 @@ from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
-from passo.records import DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK, DOTS_TAIL, POWER_MOST, SEEN_FASTEST, SEEN_SHIFT
+from passo.records import DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK, DOTS_POWER, DOTS_TAIL, POWER_MOST, SEEN_FASTEST, SEEN_SHIFT
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
@@ -198,7 +198,8 @@ class Program(LineBatches):
         ring = self.dots
         first = head = ring[DOTS_HEAD]
         for level in dots:
-            ring[ring[DOTS_AT] + head] = level
+            at, by = ring[DOTS_AT] + (head >> 1), (head & 1) * DOTS_COUNT
+            ring[at] = ring[at] & ~(DOTS_POWER << by) | level << by
             head = head + 1 & ring[DOTS_MASK]
         ring[DOTS_HEAD] = head
         return last | len(dots) << DOTS_COUNT | first << DOTS_FIRST

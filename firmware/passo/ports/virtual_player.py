@@ -107,14 +107,14 @@ class Player:
         played = self._played
         tick = self._next
         power = self._ring.power
-        marked = power.next()
+        marked = power.next(played)
         while tick < until and played != head:
             word = words[played & mask]
             at = played
             played = (played + 1) & COUNT_MASK
             if at == marked:
                 power.play(played)
-                marked = power.next()
+                marked = power.next(played)
                 self.show_power(tick, power.level)
             levels = word & levels_mask
             end = tick + (word >> bits)

@@ -20,7 +20,7 @@ _A_SEGMENT = const(256)  # more marks than a segment of a line has: it has 255 s
 
 def power_items(marks, dots):
     """Numbers that Power.marks has."""
-    return POWER_MARKS + POWER_FIELDS * marks + dots
+    return POWER_MARKS + marks + dots // 2
 
 
 class Power:
@@ -34,16 +34,16 @@ class Power:
         made[POWER_MASK] = marks - 1
         made[POWER_PERCENT] = 100
         made[POWER_WAIT] = marks - _A_SEGMENT if dots else marks
-        made[DOTS_AT] = POWER_MARKS + POWER_FIELDS * marks
+        made[DOTS_AT] = POWER_MARKS + marks
         made[DOTS_MASK] = max(dots - 1, 0)
 
-    def next(self):
-        """The word of the next mark to be played, or -1."""
+    def next(self, played):
+        """The word of the next mark to be played, which is `played` or one of those to come; -1: there is none."""
         marks = self.marks
         tail = marks[POWER_TAIL]
         if tail == marks[POWER_HEAD]:
             return -1
-        return marks[POWER_MARKS + POWER_FIELDS * (tail & marks[POWER_MASK]) + POWER_WORD]
+        return played + ((marks[POWER_MARKS + (tail & marks[POWER_MASK])] >> POWER_WORD) - played & POWER_WORDS) & COUNT_MASK
 
     def play(self, played):  # ISR: no allocation
         """`played` words have begun: take up the marks among them."""

@@ -20,10 +20,10 @@ def passed(power: ptr32, played: int) -> int:  # ISR: no allocation
     tail = power[POWER_TAIL]
     value = -1
     while tail != power[POWER_HEAD]:
-        at = POWER_MARKS + POWER_FIELDS * (tail & power[POWER_MASK])
-        if (played - 1 - power[at + POWER_WORD]) & COUNT_MASK >= COUNT_HALF:
+        mark = power[POWER_MARKS + (tail & power[POWER_MASK])]
+        if (played - 1 - (mark >> POWER_WORD)) & POWER_WORDS > POWER_WORDS >> 1:
             break
-        value = power[at + POWER_LEVEL]
+        value = mark & POWER_LEVEL
         tail = (tail + 1) & COUNT_MASK
     power[POWER_TAIL] = tail
     return value

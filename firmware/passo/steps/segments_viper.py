@@ -279,9 +279,7 @@ def put_mark(state: ptr32, power: ptr32, word: int, level: int):  # ISR: no allo
     """The power is `level` from `word` on, if it is another one."""
     if level != state[FEED_POWER]:
         state[FEED_POWER] = level
-        mark = POWER_MARKS + POWER_FIELDS * (power[POWER_HEAD] & power[POWER_MASK])
-        power[mark + POWER_WORD] = word
-        power[mark + POWER_LEVEL] = level
+        power[POWER_MARKS + (power[POWER_HEAD] & power[POWER_MASK])] = (word & POWER_WORDS) << POWER_WORD | level
         power[POWER_HEAD] = (power[POWER_HEAD] + 1) & COUNT_MASK
 
 

@@ -91,11 +91,11 @@ def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -
     full = laser[_FULL]
     dry = False
     while mark != last:
-        at = POWER_MARKS + POWER_FIELDS * (mark & power[POWER_MASK])
-        word = (power[at + POWER_WORD] + POWER_AHEAD) & COUNT_MASK
+        marked = power[POWER_MARKS + (mark & power[POWER_MASK])]
+        word = (head - ((head - (marked >> POWER_WORD)) & POWER_WORDS) + POWER_AHEAD) & COUNT_MASK
         if (head - word) & COUNT_MASK >= COUNT_HALF:
             break
-        value = int(scaled(power, power[at + POWER_LEVEL])) * full + laser[_REST]
+        value = int(scaled(power, marked & POWER_LEVEL)) * full + laser[_REST]
         duty = value // _PARTS
         if not _tell(state, laser, word, laser[_DUTY], duty):
             break
@@ -125,9 +125,9 @@ def first_mark(state: ptr32, laser: ptr32, power: ptr32, level: int) -> int:
         laser[_DUTY] = (level * laser[_FULL] + (_PARTS >> 1)) // _PARTS
         _show(state, laser, laser[_DUTY], PIO_RUNS)
     if state[PIO_PLAYING] != 1 and mark != power[POWER_HEAD]:
-        at = POWER_MARKS + POWER_FIELDS * (mark & power[POWER_MASK])
-        if (power[at + POWER_WORD] - state[PIO_PLAYED]) & COUNT_MASK < 2:  # behind a word that only turns: so few words may be there
-            laser[_DUTY] = (int(scaled(power, power[at + POWER_LEVEL])) * laser[_FULL] + (_PARTS >> 1)) // _PARTS
+        marked = power[POWER_MARKS + (mark & power[POWER_MASK])]
+        if ((marked >> POWER_WORD) - state[PIO_PLAYED]) & POWER_WORDS < 2:  # behind a word that only turns: so few words may be there
+            laser[_DUTY] = (int(scaled(power, marked & POWER_LEVEL)) * laser[_FULL] + (_PARTS >> 1)) // _PARTS
             _show(state, laser, laser[_DUTY], PIO_RUNS)
             mark = (mark + 1) & COUNT_MASK
     return mark

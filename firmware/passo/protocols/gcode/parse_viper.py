@@ -111,7 +111,7 @@ def read_row(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int
     while True:
         level = int(thousandths(value, full))
         if row < room:
-            dots[dots[DOTS_AT] + ((head + row) & mask)] = level
+            put_dot(dots, (head + row) & mask, level)
         row += 1
         if at == count or text[at] != 58:
             break
@@ -145,7 +145,7 @@ def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> 
         if level > 1000:
             return 0
         if row < room:
-            dots[dots[DOTS_AT] + ((head + row) & mask)] = level
+            put_dot(dots, (head + row) & mask, level)
         row += 1
         at += 1
     if row == 0 or at < count and text[at] != 10:
@@ -153,6 +153,13 @@ def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> 
     fields[PARSE_DOTS] = row
     fields[PARSE_LAST] = level
     return at + 1
+
+
+@micropython.viper
+def put_dot(dots: ptr32, dot: int, level: int):
+    at = dots[DOTS_AT] + (dot >> 1)
+    by = (dot & 1) * DOTS_COUNT
+    dots[at] = dots[at] & ~(DOTS_POWER << by) | level << by
 
 
 @micropython.viper
