@@ -109,7 +109,7 @@ def texts_of(name, firmware=FIRMWARE, more=(), march=None):
     if chip.network:
         sources["passo_pages.py"] = pages_text()
     sources.update(more)
-    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, march or MARCH[chip.mcu], COLD if chip.mcu.startswith("rp2") else ())
+    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, march or MARCH[chip.mcu], COLD if chip.mcu.startswith("rp2") else (), frozen=True)
     return inline.inlined(compiled.texts), compiled.modules
 
 

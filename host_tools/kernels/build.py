@@ -6,6 +6,7 @@
 """
 
 import ast
+import re
 from collections import namedtuple
 from pathlib import Path
 
@@ -23,6 +24,15 @@ STEPS = (
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
 LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's
+# Frozen, these are one module, which is copied into memory. What else would be in it stays in flash, and what dots want.
+HOT = (
+    "passo.motion.block_viper.plan_block", "passo.motion.look_ahead_viper.plan_lines", "passo.motion.ramp_viper.begin", "passo.motion.ramp_viper.cut",
+    "passo.protocols.grbl.lines.keep", "passo.protocols.grbl.take_viper.take_lines", "passo.steps.pace_viper.repay",
+    "passo.steps.power_viper.passed", "passo.steps.segments_viper.make",
+)  # fmt: skip
+LASER = "passo.steps.dots_viper", "passo.ports.rp2.laser_player"
+STAYING = "calm", "laser"  # modules
+_IMPORT = re.compile(r"^( *)from (passo[.\w]+) import (\w+(?:, \w+)*)$", re.MULTILINE)
 Compiled = namedtuple("Compiled", "texts modules by pointers")
 
 
@@ -31,11 +41,18 @@ def accelerates(board):
     return any("accel_mm_s2" in axis for axis in board.get("axes", ()))
 
 
-def groups(program, board, left=(), keep=False):
-    """[(name, kernels)]; `keep`: also kernels that only kernels call."""
+def groups(program, board, left=(), keep=False, frozen=False):
+    """[(name, kernels)]; `keep`: also kernels that only kernels call; `frozen`: as they are in a UF2."""
     plan, planned = program.loaded_with(PLAN), accelerates(board)
 
-    def group(module):
+    def group(kernel):
+        module = kernel.module
+        if frozen and module in LASER:
+            return STAYING[1]
+        name = together(module)
+        return STAYING[0] if frozen and name == "steps" and kernel.full not in HOT else name
+
+    def together(module):
         if module in STEPS or planned and (module in plan or module.startswith(LINES)):
             return "steps"
         return "plan" if module in plan or module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
@@ -44,17 +61,17 @@ def groups(program, board, left=(), keep=False):
     found = {}
     for kernel in program.kernels.values():
         if kernel.path not in left and (keep or uses[kernel.full][1]):
-            found.setdefault(group(kernel.module), []).append(kernel)
+            found.setdefault(group(kernel), []).append(kernel)
     return sorted(found.items())
 
 
-def compiled(numbered, texts, board, march, left=(), keep=False):
+def compiled(numbered, texts, board, march, left=(), keep=False, frozen=False):
     """`numbered`: the same texts with numbers for constants, and all other names as they are; `left`: paths of modules that are left
-    to viper; `keep`: every kernel can still be called from Python, for tests call each."""
+    to viper; `keep`: every kernel can still be called from Python, for tests call each; `frozen`: as in groups()."""
     program = Program(numbered)
     modules, imports, by, inside, pointers = {}, {}, [], set(), 0
-    for name, kernels in groups(program, board, left, keep):
-        unit = Unit(program, kernels)
+    for name, kernels in groups(program, board, left, keep, frozen):
+        unit = Unit(program, kernels, name in STAYING)
         made = module(unit.text(RUNTIME), unit.names, march)
         if made is None:
             continue
@@ -65,7 +82,16 @@ def compiled(numbered, texts, board, march, left=(), keep=False):
         for kernel in kernels:
             imports[kernel.full] = f"from passo.kernels_{name} import {unit.python_name(kernel)} as {kernel.name}\n"
     gone = set() if keep else inside - imports.keys() - _staying(program, inside | imports.keys(), imports)
-    return Compiled({path: _thin(program, path, text, imports, gone) for path, text in texts.items()}, modules, by, pointers)
+    made = {path: _thin(program, path, text, imports, gone) for path, text in texts.items()}
+    if frozen:
+        made = {path: _IMPORT.sub(lambda found: _straight(imports, *found.groups()) or found[0], text) for path, text in made.items()}
+    return Compiled(made, modules, by, pointers)
+
+
+def _straight(imports, indent, module, names):
+    """An import of kernels, from where they are compiled: of the module that had them nothing need be loaded. None if it names anything else."""
+    lines = [imports.get(f"{module}.{name}") for name in names.split(", ")]
+    return indent + "; ".join(line.strip() for line in lines) if all(lines) else None
 
 
 def _staying(program, compiled, imports):

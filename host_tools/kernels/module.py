@@ -56,7 +56,7 @@ ZIG_OPTIONS = (  # without -g it leaves the names of functions out
 ROUNDS = 5  # of moving functions
 KEEPS = 1000  # bytes that a word which looks like a pointer is taken to keep
 SCRIPT = """
-SECTIONS {{ . = {base:#x}; .text : {{ *(.text.start) *(.text .text.*) *(.rodata .rodata.*) code_end = .; }}
+SECTIONS {{ . = {base:#x}; .text : {{ *(.text.start) *(.text.once) . = ALIGN(4); code_begin = .; *(.text .text.*) *(.rodata .rodata.*) code_end = .; }}
 .other : {{ *(.got .got.plt) *(.data .data.*) *(.bss .bss.*) }}
 /DISCARD/ : {{ *(.comment .ARM.* .note* .debug* .eh_frame* .riscv.attributes .dyn* .gnu.hash .hash .interp) }} }}
 """

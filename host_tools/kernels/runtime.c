@@ -148,20 +148,24 @@ INLINE object_t called_method(context_t at, object_t base, uintptr_t name, size_
 
 // --- the module's beginning: it defines a function for each kernel
 
-FUNCTION void define(context_t at, uintptr_t name, const void *code, object_t arrays) {
+// Runs once, and is not copied with the rest.
+#define ONCE static __attribute__((noinline, used, section(".text.once")))
+
+ONCE void define(context_t at, uintptr_t name, const void *code, object_t arrays) {
     const void *raw[] = {(void *)(uintptr_t)(4 << 16), code, arrays, 0};  // mp_raw_code_t, of viper's kind
     object_t function = TABLE(26, object_t (*)(const void *, const void *, const void *))(raw, at->context, 0);
     TABLE(13, void (*)(uintptr_t, object_t))(name, function);
 }
 
-static void define_all(context_t at, object_t arrays);
+ONCE void define_all(context_t at, object_t arrays, intptr_t away);
 
-#if defined(__arm__)
-extern const char code_end[] __attribute__((visibility("hidden")));  // of the linker
+#if defined(__arm__) && !defined(STAYS)
+extern const char code_begin[] __attribute__((visibility("hidden")));  // of the linker
+extern const char code_end[] __attribute__((visibility("hidden")));
 
 // Frozen code lies in flash, from where it is half as fast: it is copied into memory. How far away that is; 0 if it stays where it is.
-FUNCTION intptr_t copied(context_t at) {
-    const char *code = at->code;
+ONCE intptr_t copied(context_t at) {
+    const char *code = code_begin;
     size_t size = code_end - code;
     if ((uintptr_t)code >> 28 != 1) return 0;
     char *copy = TABLE(52, void *(*)(void *, size_t, bool))(0, size, false);
@@ -185,7 +189,7 @@ __attribute__((section(".text.start"), used)) object_t start(context_t at, size_
     void *before = TABLE(5, void *(*)(void *))(at->context->globals);
     intptr_t away = copied(at);
     if (!away) TABLE(13, void (*)(uintptr_t, object_t))(NAME(2), (object_t)at);  // its code is where all begins: the collector keeps what is pointed to so
-    ((void (*)(context_t, object_t))((uintptr_t)define_all + away))(at, arrays);
+    define_all(at, arrays, away);
     TABLE(5, void *(*)(void *))(before);
     return none(at);
 }

@@ -13,8 +13,9 @@ ALWAYS_NAMED = "kernels", "array", "_code", "i"  # the first names of a module: 
 class Unit:
     """One module of machine code."""
 
-    def __init__(self, program, kernels):
-        self.program, self.kernels, self.functions, self.names = program, kernels, {}, list(ALWAYS_NAMED)
+    def __init__(self, program, kernels, stays=False):
+        """`stays`: where it is frozen it runs from flash."""
+        self.program, self.kernels, self.functions, self.names, self.stays = program, kernels, {}, list(ALWAYS_NAMED), stays
         self.called = [self.function(kernel) for kernel in kernels]
 
     def function(self, kernel):
@@ -35,9 +36,10 @@ class Unit:
     def text(self, runtime):
         heads, bodies, wrapped = self._parts()
         heads += "".join(f"static object_t {each.wrapper_name()}(context_t at, size_t count, size_t named, object_t *args);\n" for each in wrapped)
-        stores = "".join(f"    define(at, {self.name(self.python_name(each.kernel))}, {each.wrapper_name()}, arrays);\n" for each in self.called)
+        stores = "".join(f"    define(at, {self.name(self.python_name(each.kernel))}, (const char *){each.wrapper_name()} + away, arrays);\n" for each in self.called)
         bodies += "".join(each.wrapper() for each in wrapped)
-        return f"{runtime}\n{heads}\n{bodies}static void define_all(context_t at, object_t arrays) {{\n{stores}}}\n"
+        first = "#define STAYS\n" if self.stays else ""
+        return f"{first}{runtime}\n{heads}\n{bodies}ONCE void define_all(context_t at, object_t arrays, intptr_t away) {{\n{stores}}}\n"
 
     def pc_text(self, runtime):
         """Instead of that, for a library of a PC: a function pc_… for each kernel that Python calls."""

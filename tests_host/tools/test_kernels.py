@@ -250,8 +250,8 @@ def test_a_module_needs_no_data_and_no_address(march):
     assert not module.pointers(module.code_of(made.data, unit.names, march), march)
     assert module.module(unit.text(RUNTIME), unit.names, march) == made
     with pytest.raises(Failure, match="undefined"):
-        module.linked(RUNTIME + "int f(int);\nvoid define_all(context_t at, object_t o) { f(1); }", module.compiler(march)[1] + ["-Os"])
-    writes = "static int kept;\nstatic void define_all(context_t at, object_t o) { kept++; if (kept > 3) wrong_count(at, 1, kept); }"
+        module.linked(RUNTIME + "int f(int);\nvoid define_all(context_t at, object_t o, intptr_t away) { f(1); }", module.compiler(march)[1] + ["-Os"])
+    writes = "static int kept;\nstatic void define_all(context_t at, object_t o, intptr_t away) { kept++; if (kept > 3) wrong_count(at, 1, kept); }"
     with pytest.raises(Failure, match="data|address"):
         module.linked(RUNTIME + writes, module.compiler(march)[1] + ["-O1"])
 
