@@ -56,6 +56,9 @@ if WHOLE:
     from passo.config.board_error import BoardError
     from passo.memory import forget
 
+    image = None
+    forget("passo_image")
+
 
 def checked(board):
     from passo.config.boardfile import check

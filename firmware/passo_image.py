@@ -14,6 +14,8 @@ CHIP = None
 VERSION = None
 MARK = None
 SOURCE = "source.txt"  # names the stamp of a package on the file system that is to run
+# Modules of the interpreter's that a file could stand for: whatever imports one has it looked for on the file system, unless it is known.
+_OFTEN = "array", "binascii", "io", "machine", "os", "select", "struct", "time"
 
 
 def whole():
@@ -51,4 +53,6 @@ def chosen():
         print("the package in /passo, build %s, is not run: build %s is in the UF2 (passo flash --source runs modules of yours)" % (there, STAMP))
     sys.path.remove(".frozen")
     sys.path.insert(0, ".frozen")
+    for name in _OFTEN:
+        sys.modules[name] = __import__(name)
     return True

@@ -83,6 +83,7 @@ class Start(start.Start):
         from passo.ports.rp2 import clock
 
         clock.set_mhz(board["clock_mhz"])
+        forget("passo.ports.rp2.clock")
         from passo.ports.rp2.port import Port
 
         return Port(board)
