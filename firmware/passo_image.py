@@ -14,8 +14,6 @@ CHIP = None
 VERSION = None
 MARK = None
 SOURCE = "source.txt"  # names the stamp of a package on the file system that is to run
-# Modules of the interpreter's that a file could stand for: whatever imports one has it looked for on the file system, unless it is known.
-_OFTEN = "array", "binascii", "io", "machine", "os", "select", "struct", "time"
 
 
 def whole():
@@ -25,8 +23,9 @@ def whole():
     import uctypes
 
     from passo.ports.rp2 import clock
-    from passo.ports.rp2.image import total
+    from passo.ports.rp2.image import keep_known, total
 
+    keep_known()
     clock.hurry()  # here already: outputs are safe the sooner
     end = uctypes.addressof(rp2.Flash())
     record = [int.from_bytes(uctypes.bytearray_at(end - 256 + 4 * field, 4), "little") for field in range(4)]
@@ -53,6 +52,4 @@ def chosen():
         print("the package in /passo, build %s, is not run: build %s is in the UF2 (passo flash --source runs modules of yours)" % (there, STAMP))
     sys.path.remove(".frozen")
     sys.path.insert(0, ".frozen")
-    for name in _OFTEN:
-        sys.modules[name] = __import__(name)
     return True

@@ -281,7 +281,9 @@ DOTS_TAIL = const(7)  # and of the oldest one that has not been burnt; the feede
 POWER_PERCENT = const(8)  # every value counts so much of itself
 POWER_LEAST = const(9)  # a value up to this one, but 0, shows as the weakest level
 POWER_MARKS = const(10)
-POWER_WORD = const(14)  # of a mark: the bit from which on stands the word that it counts from, modulo 2¹⁶
+
+# A mark of them.
+POWER_WORD = const(14)  # the bit from which on stands the word that it counts from, modulo 2¹⁶
 POWER_WORDS = const(0xFFFF)
 POWER_LEVEL = const(0x3FFF)  # mask of its level, 0 … POWER_MOST << POWER_FINE
 POWER_MOST = const(1000)

@@ -402,7 +402,7 @@ def test_no_kernel_of_a_router_masks_interrupts(march):
 
 @pytest.mark.parametrize("instruction", ["cpsid i", "cpsie i", "mrs r0, PRIMASK", "msr PRIMASK, r0", "wfi"])
 def test_that_one_who_masks_them_is_seen(instruction):
-    text = RUNTIME + f'static void define_all(context_t at, object_t o) {{ __asm volatile("{instruction}" ::: "r0"); }}'
+    text = RUNTIME + f'static void define_all(context_t at, object_t o, intptr_t away) {{ __asm volatile("{instruction}" ::: "r0"); }}'
     for march in MARCHES:
         if march.startswith("armv"):
             assert masks(module.linked(text, module.compiler(march)[1] + ["-O1"]))

@@ -101,17 +101,13 @@ def read_row(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int
     """Read the powers of a row, the first being PARSE_TURNS, from the colon behind it on, and put them behind those that are queued, as far
     as there is room. Returns where they end, 0 if this one has to be left to the parser."""
     full = fields[PARSE_FULL]
-    mask = dots[DOTS_MASK]
-    if full <= 1 or mask == 0:
+    if full <= 1 or dots[DOTS_MASK] == 0:
         return 0
-    head = dots[DOTS_HEAD]
-    room = (dots[DOTS_TAIL] - head - 1) & mask
     value = fields[PARSE_TURNS]
     row = 0
     while True:
         level = int(thousandths(value, full))
-        if row < room:
-            put_dot(dots, (head + row) & mask, level)
+        put_dot(dots, row, level)
         row += 1
         if at == count or text[at] != 58:
             break
@@ -127,11 +123,8 @@ def read_row(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int
 @micropython.viper
 def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> int:
     """Read a packed row up to its line's end, as read_row(). Returns where the next line begins, 0 if this one has to be left to the parser."""
-    mask = dots[DOTS_MASK]
-    if fields[PARSE_FULL] <= 1 or mask == 0 or fields[PARSE_HAVE] & HAS_S:
+    if fields[PARSE_FULL] <= 1 or dots[DOTS_MASK] == 0 or fields[PARSE_HAVE] & HAS_S:
         return 0
-    head = dots[DOTS_HEAD]
-    room = (dots[DOTS_TAIL] - head - 1) & mask
     level = 0
     row = 0
     while at + 1 < count:
@@ -144,8 +137,7 @@ def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> 
         level = (high & 31) << 5 | low & 31
         if level > 1000:
             return 0
-        if row < room:
-            put_dot(dots, (head + row) & mask, level)
+        put_dot(dots, row, level)
         row += 1
         at += 1
     if row == 0 or at < count and text[at] != 10:
@@ -156,10 +148,14 @@ def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> 
 
 
 @micropython.viper
-def put_dot(dots: ptr32, dot: int, level: int):
-    at = dots[DOTS_AT] + (dot >> 1)
-    by = (dot & 1) * DOTS_COUNT
-    dots[at] = dots[at] & ~(DOTS_POWER << by) | level << by
+def put_dot(dots: ptr32, row: int, level: int):
+    """Dot number `row` of a row that is not counted yet, if there is room for it."""
+    head = dots[DOTS_HEAD]
+    if row < (dots[DOTS_TAIL] - head - 1) & dots[DOTS_MASK]:
+        dot = (head + row) & dots[DOTS_MASK]
+        at = dots[DOTS_AT] + (dot >> 1)
+        by = (dot & 1) * DOTS_COUNT
+        dots[at] = dots[at] & ~(DOTS_POWER << by) | level << by
 
 
 @micropython.viper
