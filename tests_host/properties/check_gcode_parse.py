@@ -128,7 +128,7 @@ class Straight(Machine):
         ring = self.batch.dots
         first, count = power >> DOTS_FIRST, power >> DOTS_COUNT & DOTS_MOST
         places = [first + dot & ring[DOTS_MASK] for dot in range(count)]
-        found = [ring[ring[DOTS_AT] + (at >> 1)] >> (at & 1) * DOTS_COUNT & DOTS_POWER for at in places]
+        found = [ring[ring[DOTS_AT] + at // 3] >> at % 3 * DOTS_COUNT & DOTS_POWER for at in places]
         if count:
             assert found[-1] == self.power
             ring[DOTS_TAIL] = first + count & ring[DOTS_MASK]

@@ -198,7 +198,7 @@ class Program(LineBatches):
         ring = self.dots
         first = head = ring[DOTS_HEAD]
         for level in dots:
-            at, by = ring[DOTS_AT] + (head >> 1), (head & 1) * DOTS_COUNT
+            at, by = ring[DOTS_AT] + head // 3, head % 3 * DOTS_COUNT
             ring[at] = ring[at] & ~(DOTS_POWER << by) | level << by
             head = head + 1 & ring[DOTS_MASK]
         ring[DOTS_HEAD] = head

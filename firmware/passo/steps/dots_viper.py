@@ -48,7 +48,7 @@ def burn(state: ptr32, rows: ptr32, power: ptr32, path: ptr32, words: ptr32, at:
             until = end
         if step < until:
             burns = (first + dot) & power[DOTS_MASK]
-            burns = power[power[DOTS_AT] + (burns >> 1)] >> (burns & 1) * DOTS_COUNT & DOTS_POWER
+            burns = power[power[DOTS_AT] + burns // 3] >> burns % 3 * DOTS_COUNT & DOTS_POWER
             put_mark(state, power, (word + step) & COUNT_MASK, int(level_of(state, rows, burns)))
             if burns:
                 burns = tool

@@ -20,7 +20,7 @@ _A_SEGMENT = const(256)  # more marks than a segment of a line has: it has 255 s
 
 def power_items(marks, dots):
     """Numbers that Power.marks has."""
-    return POWER_MARKS + marks + dots // 2
+    return POWER_MARKS + marks + (dots + 2) // 3
 
 
 class Power:

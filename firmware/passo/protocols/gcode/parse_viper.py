@@ -153,8 +153,8 @@ def put_dot(dots: ptr32, row: int, level: int):
     head = dots[DOTS_HEAD]
     if row < (dots[DOTS_TAIL] - head - 1) & dots[DOTS_MASK]:
         dot = (head + row) & dots[DOTS_MASK]
-        at = dots[DOTS_AT] + (dot >> 1)
-        by = (dot & 1) * DOTS_COUNT
+        at = dots[DOTS_AT] + dot // 3
+        by = dot % 3 * DOTS_COUNT
         dots[at] = dots[at] & ~(DOTS_POWER << by) | level << by
 
 
