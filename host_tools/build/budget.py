@@ -30,7 +30,7 @@ KEYS_KB = {
     "journal": 4, "jobs": 14,
 }  # fmt: skip
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 12, 2  # a laser's rows of dots, and what burns them
+FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 7, 2  # a laser's rows of dots, and what burns them
 
 
 def budget(board):
