@@ -57,7 +57,6 @@ if WHOLE:
     from passo.memory import forget
 
     image = None
-    forget("passo_image")
 
 
 def checked(board):

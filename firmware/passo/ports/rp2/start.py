@@ -29,6 +29,7 @@ class Start(start.Start):
         if start.FROZEN:
             self._said = "code in the UF2"
             gc.threshold(_COLLECT_FROZEN)
+            forget("passo_image")
             return
         from passo.ports.rp2 import flash_code
 
