@@ -150,9 +150,8 @@ def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> 
 @micropython.viper
 def put_dot(dots: ptr32, row: int, level: int):
     """Dot number `row` of a row that is not counted yet, if there is room for it."""
-    head = dots[DOTS_HEAD]
-    if row < (dots[DOTS_TAIL] - head - 1) & dots[DOTS_MASK]:
-        dot = (head + row) & dots[DOTS_MASK]
+    dot = (dots[DOTS_HEAD] + row) & dots[DOTS_MASK]
+    if row < (dots[DOTS_TAIL] - dots[DOTS_HEAD] - 1) & dots[DOTS_MASK]:
         at = dots[DOTS_AT] + dot // 3
         by = dot % 3 * DOTS_COUNT
         dots[at] = dots[at] & ~(DOTS_POWER << by) | level << by
@@ -162,13 +161,12 @@ def put_dot(dots: ptr32, row: int, level: int):
 def add_row(fields: ptr32, dots: ptr32) -> int:
     """The dots of the row that has been read are queued with it; 0 if there is no room for them now."""
     row = fields[PARSE_DOTS]
-    mask = dots[DOTS_MASK]
     head = dots[DOTS_HEAD]
-    if row > (dots[DOTS_TAIL] - head - 1) & mask:
+    if row > (dots[DOTS_TAIL] - head - 1) & dots[DOTS_MASK]:
         fields[PARSE_NO_ROOM] = 1
         return 0
     fields[PARSE_POWER] = fields[PARSE_LAST] | row << DOTS_COUNT | head << DOTS_FIRST
-    dots[DOTS_HEAD] = (head + row) & mask
+    dots[DOTS_HEAD] = (head + row) & dots[DOTS_MASK]
     return 1
 
 
