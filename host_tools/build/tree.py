@@ -161,17 +161,24 @@ def source_of(path, firmware):
 def modules_imported(path, firmware, spared=frozenset()):
     """Full names of all that a file imports, or has loaded by name, without the features `spared`. Raises Failure if it is not
     Python."""
-    found = set()
     try:
-        tree = ast.parse(source_of(path, firmware).read_text(encoding="utf-8"))
+        imported, features = _names_read(source_of(path, firmware).read_text(encoding="utf-8"))
     except SyntaxError as error:
         raise Failure("{}:{}: {}", path, error.lineno, error.msg) from None
+    return imported | {f"passo.control.{name}" for name in features - spared}
+
+
+@lru_cache(maxsize=1024)
+def _names_read(text):
+    """(names that a module of this text imports, features that it has loaded by name)."""
+    tree = ast.parse(text)
+    found = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
             found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
-    return found | {f"passo.control.{name}" for name in features_named(tree) - spared}
+    return frozenset(found), frozenset(features_named(tree))
 
 
 def features_named(tree):

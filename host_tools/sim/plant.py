@@ -50,7 +50,8 @@ class Plant:
         self._board = board
         self.stock = stock
         self._power = 0 if (board.get("spindle") or {}).get("pwm") else 1000
-        self._levels = {item["name"]: 1 - item.get("active", 1) for item in board.get("inputs", ())}
+        self._actives = {item["name"]: item.get("active", 1) for item in board.get("inputs", ())}  # their levels while active
+        self._levels = {name: 1 - active for name, active in self._actives.items()}
         self._enable = None
         for item in board.get("outputs", ()):
             if item["name"] == "enable":
@@ -314,7 +315,8 @@ class Plant:
         """The electrical level of an input; one that watches no axis rests inactive."""
         if tick >= self._due:
             self.run(tick)
-        level = self._level(self.barriers[name], tick) if name in self.barriers else self._levels[name]
+        barrier = self.barriers.get(name)
+        level = self._levels[name] if barrier is None else self._level(barrier, tick)
         return level ^ self.noise[name].flipped if name in self.noise else level
 
     def run(self, tick):
@@ -395,14 +397,12 @@ class Plant:
             self.trace.row(tick, self.position, self.tool)
 
     def _active(self, name):
-        for item in self._board["inputs"]:
-            if item["name"] == name:
-                return item.get("active", 1)
-        raise ValueError(f"there is no input {name}")
+        if name not in self._actives:
+            raise ValueError(f"there is no input {name}")
+        return self._actives[name]
 
     def _level(self, barrier, tick):
-        active = self._active(barrier.name)
-        return active if barrier.active(tick) else 1 - active
+        return self._actives[barrier.name] ^ (not barrier.active(tick))
 
     def _show(self, tick, barrier):
         level = self._level(barrier, tick)
