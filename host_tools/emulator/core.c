@@ -1,4 +1,4 @@
-/* A Cortex-M0+ for what needs nothing but registers, memories, divider and spinlocks, with a model of the flash cache.
+/* A Cortex-M0+ for what needs nothing but registers, memories, divider, spinlocks and the timer's count, with a model of the flash cache.
  *
  * core_run() works on rp2040py's own registers and memories until `budget` cycles are spent, or an instruction comes that
  * is not its own: one that touches a peripheral, returns from an exception, sleeps, or may let an interrupt in. That one
@@ -17,6 +17,7 @@ enum { FLASH_SLOTS = 1 << 20, RAM_SLOTS = RAM_BYTES / 2 }; /* of the profile: a 
 #define RAM 0x20000000u
 #define SIO 0xD0000000u
 #define SPINLOCKS 0x100u
+#define TIMER_HIGH 0x40054024u /* TIMERAWH, and TIMERAWL behind it */
 #define VALID 0x80000000u
 
 typedef struct {
@@ -29,6 +30,8 @@ typedef struct {
     u32 fault;
     u32 miss_cycles, disabled, random;
     u32 dividend, divisor, quotient, remainder, csr, spinlocks;
+    u32 event; /* whether there was a SEV */
+    double timer_ns, cycle_ns; /* what the timer has counted as core_run() begins */
     u32 tags[SETS][2]; /* of each set, the line used last first */
 } Core;
 
@@ -149,6 +152,18 @@ static int sio_write(Core *core, u32 address, u32 value)
     return 0;
 }
 
+/* The timer's microseconds, which the firmware looks at all the time; reading them changes nothing. */
+static int timer_read(Core *core, u32 address, u32 *value)
+{
+    uint64_t us;
+
+    if (address - TIMER_HIGH > 4)
+        return 0;
+    us = (uint64_t)((core->timer_ns + (double)core->cycles * core->cycle_ns) / 1000.0);
+    *value = (u32)(address == TIMER_HIGH ? us >> 32 : us);
+    return 1;
+}
+
 static uint64_t *slot(Core *core, u32 pc, int handler)
 {
     uint64_t *profile = core->profile[handler];
@@ -166,6 +181,8 @@ static uint64_t *slot(Core *core, u32 pc, int handler)
     uint8_t *memory = readable(core, address, sizeof(type)); \
     if (memory) { into = (u32)*(type *)memory; spent = 2; } \
     else if (sizeof(type) == 4 && sio_read(core, address, &into)) spent = 1; \
+    else if (address == SIO) into = 0, spent = 1; /* the processor's number, as a byte */ \
+    else if (sizeof(type) == 4 && timer_read(core, address, &into)) spent = 4; \
     else goto not_mine; \
 } while (0)
 
@@ -425,8 +442,10 @@ u32 core_run(Core *core, int64_t budget, u32 state)
             r[13] += 4 * count;
             break;
         }
-        case 0xBF: /* hints: all but NOP are rp2040py's */
-            if (opcode != 0xBF00)
+        case 0xBF: /* hints: all but NOP and SEV are rp2040py's */
+            if (opcode == 0xBF40)
+                core->event = 1;
+            else if (opcode != 0xBF00)
                 goto not_mine;
             break;
         case 0xC0 ... 0xC7: { /* STMIA */

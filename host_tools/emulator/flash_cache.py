@@ -78,6 +78,9 @@ class Core(ctypes.Structure):
         ("disabled", ctypes.c_uint32),
         ("random", ctypes.c_uint32),
         ("sio", ctypes.c_uint32 * 6),  # divider and spinlocks
+        ("event", ctypes.c_uint32),
+        ("timer_ns", ctypes.c_double),
+        ("cycle_ns", ctypes.c_double),
         ("tags", ctypes.c_uint32 * (2 * SETS)),
     ]
 

@@ -91,7 +91,7 @@ class NativeLoop:
         chip, core, clock, state, pointer, run = (
             self._chip, self._chip.core, self.clock, self._state, self._pointer, self._run
         )
-        system = self._system
+        system, timer = self._system, chip.timer
         self.ended = False
         if chip.run_pin_low:
             return
@@ -109,10 +109,13 @@ class NativeLoop:
                 if core.interrupts_updated:
                     budget = 1  # rp2040py looks again after the first instruction of the handler
             masked = core.pm
+            state.timer_ns, state.cycle_ns = clock.nanos - timer._epoch_nanos, cycle_ns
             said = run(pointer, int(budget), core.apsr | core.ipsr << 8 | core.current_mode << 1 | masked)
             core.apsr = said
             if said & 1 != masked:
                 core.pm = said & 1
+            if state.event:
+                core.event_registered, state.event = True, 0
             spent = state.cycles
             if spent:
                 clock.tick(spent * cycle_ns)
