@@ -36,6 +36,7 @@ def test_drivers_are_set_up_and_a_cut_wire_stops_the_machine(make_machine, show)
     assert b"driver of y: no answer" in ask(machine, "$LOG")
     drivers["y"].dead = False
     assert b"ok" in ask(machine, "$X") and b"ok" in ask(machine, "G91G1X-1F3000")
+    machine.run_until(lambda: machine.plant.position[0] != stood[0], 1000)
     machine.settle()
     assert list(machine.plant.position) == [stood[0] - 80, *stood[1:]]
     show("a cut wire of a TMC2209", f"an alarm {took:.0f} ms later")
