@@ -9,8 +9,8 @@ TOOLS = $(VENV)/.installed-tools
 DRAW = $(VENV)/.installed-draw
 EMULATE = $(VENV)/.installed-emulate
 STAMP = $(VENV)/.installed
-# Tests that share an emulated machine are a group, for one worker.
-JOBS ?= 2
+# Tests that share an emulated machine are a group, for one worker. Three for two cores: some wait for a browser or a program.
+JOBS ?= 3
 PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --durations-min=2
 
 MINOR = import sys; print(*sys.version_info[:2])

@@ -1,44 +1,18 @@
-"""The `passo` command: registers the verbs, each of which lives in its own module."""
+"""The `passo` command: registers the verbs, each of which lives in its own module, which is imported if it is asked for.
 
+    app         # the whole command, a typer.Typer
+"""
+
+import os
 import sys
+from functools import lru_cache
+from importlib import import_module
 from typing import Annotated, Optional
 
 import typer
 
 from host_tools import language
-from host_tools.cli.agent import agent
-from host_tools.cli.board import board
-from host_tools.cli.build import build
-from host_tools.cli.calibrate import calibrate
-from host_tools.cli.check import check
-from host_tools.cli.compile import compile_
-from host_tools.cli.draw import draw
-from host_tools.cli.emulate import emulate
-from host_tools.cli.engrave import engrave
-from host_tools.cli.film import film
-from host_tools.cli.flash import flash
-from host_tools.cli.interlock import interlock
-from host_tools.cli.jobs import app as jobs
-from host_tools.cli.keys import keys
-from host_tools.cli.link import link
-from host_tools.cli.log import log
-from host_tools.cli.machine import app as machine
-from host_tools.cli.panel import panel
-from host_tools.cli.plot import plot
-from host_tools.cli.ports import ports
-from host_tools.cli.prove import prove
-from host_tools.cli.pulses import app as pulses
-from host_tools.cli.resume import resume
-from host_tools.cli.send import send
-from host_tools.cli.settings import settings
-from host_tools.cli.site import site
-from host_tools.cli.status import status
-from host_tools.cli.stream import stream
-from host_tools.cli.torch import app as torch
 from host_tools.cli.usage import speak_by_itself
-from host_tools.cli.watch import watch
-from host_tools.cli.wifi import app as wifi
-from host_tools.cli.wiring import wiring
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 from host_tools.resources import version
@@ -54,7 +28,12 @@ EXTRAS = {
 UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
 _SEND = 'passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END'
 
-app = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode="markdown")
+# In the order of --help.
+VERBS = (
+    "panel", "site", "agent", "wiring", "board", "emulate", "draw", "engrave", "send", "stream", "resume", "keys", "check", "calibrate",
+    "settings", "link", "status", "log", "interlock", "watch", "plot", "film", "ports", "build", "flash", "prove", "compile", "jobs",
+    "machine", "pulses", "torch", "wifi",
+)  # fmt: skip
 
 
 def _ask_for_frames(wanted: Optional[bool]):
@@ -78,7 +57,6 @@ def _choose(context: typer.Context, lang: Optional[str]):
     language.speak(context.command)
 
 
-@app.callback(invoke_without_command=True)
 def _passo(
     context: typer.Context,
     _version: Annotated[
@@ -141,20 +119,37 @@ def explain_missing(name):
     return None
 
 
-for _verb in (panel, site, agent, wiring, board, emulate, draw, engrave, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash, prove):
-    app.command()(_verb)
-app.command("compile")(compile_)
-app.add_typer(jobs, name="jobs")
-app.add_typer(machine, name="machine")
-app.add_typer(pulses, name="pulses")
-app.add_typer(torch, name="torch")
-app.add_typer(wifi, name="wifi")
+@lru_cache(maxsize=None)
+def made(verbs=VERBS):
+    """A typer.Typer with these verbs."""
+    app = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode="markdown")
+    app.callback(invoke_without_command=True)(_passo)
+    for verb in verbs:
+        module = import_module(f"host_tools.cli.{verb}")
+        if hasattr(module, "app"):
+            app.add_typer(module.app, name=verb)
+        else:
+            app.command(verb)(getattr(module, verb, None) or getattr(module, f"{verb}_"))
+    return app
+
+
+def __getattr__(name):
+    if name == "app":
+        return made()
+    raise AttributeError(name)
+
+
+def asked(words):
+    """Verbs that a command line needs: the one it begins with, or all, for a help or for what is wrong with it."""
+    if words[:1] == ["--lang"]:
+        words = words[2:]
+    return tuple(words[:1]) if words and words[0] in VERBS and "_PASSO_COMPLETE" not in os.environ else VERBS
 
 
 def main():
     """Run `passo`. Failures and errors of the system become one line on stderr and exit status 1."""
     try:
-        command = typer.main.get_command(app)
+        command = typer.main.get_command(made(asked(sys.argv[1:])))
         language.speak(command)
         speak_by_itself(command)
         help_with_first_steps(command)
