@@ -191,6 +191,7 @@ class App:
             self._answer()
         if self.interrupt and (heeded or self._coming()):
             self._hear()  # so that `?` waits half as long
+            self._heed()
         if machine.awake or self.feeder.open:
             self._feed()
         return True
@@ -349,7 +350,7 @@ class App:
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
                     break
-            elif answers is None or len(data) < _FULL or not more:
+            elif answers is None or answers is False or len(data) < _FULL or not more:
                 break
             else:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost
