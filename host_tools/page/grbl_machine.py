@@ -43,6 +43,7 @@ class GrblMachine(_Cabled):
     def poll(self, now_ms):
         if self.state["link"] and not self._known and self.stands() and self.wire.room(len(b"$I\n$$")):
             if self.options is None:
+                self.turns = ""
                 self.wire.say(PAGE, b"$I", self._options_known)
             self._known = self.wire.say(PAGE, b"$$", self._all_known)
         _Cabled.poll(self, now_ms)
@@ -56,7 +57,7 @@ class GrblMachine(_Cabled):
             self._known = False
             return
         self.axes = AXES[: len([number for number in self.settings if 100 <= number < 104])]
-        self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
+        self._tell({"t": "settings", "axes": self.axes, "settings": self.settings, "turns": self.turns})
 
     def lost(self):
         _Cabled.lost(self)
@@ -95,6 +96,8 @@ class GrblMachine(_Cabled):
                 if len(sizes) > 1 and all(map(str.isdigit, sizes)):
                     self._blocks, self.wire.window = int(sizes[0]), max(RX_ROOM, int(sizes[1]))
         elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
+            if line[:8] == "[ROTARY:":
+                self.turns = line[8:-1].lower()
             self._probed(line)
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":

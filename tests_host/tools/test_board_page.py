@@ -116,7 +116,7 @@ def test_stop_needs_no_key(tmp_path):
         assert 0 <= page.state["m"][0] < 60
 
 
-@pytest.mark.parametrize("name", ["router_3axis", "torch_manipulator", "plotter_2014", "lpt_router", "two_motor_kit"])
+@pytest.mark.parametrize("name", ["router_3axis", "router_4axis", "torch_manipulator", "plotter_2014", "lpt_router", "two_motor_kit"])
 def test_each_language(tmp_path, name):
     """The same page before each machine: it takes the command, and what it asks for is done."""
     with Served(tmp_path, name) as served:
@@ -124,6 +124,7 @@ def test_each_language(tmp_path, name):
         page.until(lambda state: state["link"])
         assert page.order("give", to="page")["error"] == 0
         page.until(lambda state: state["owner"] == "page")
+        assert page.hello["turns"] == ("a" if name == "router_4axis" else "")
         if "step" not in page.hello["can"]:  # a kit: its motors turn, and nobody knows how far
             assert "turning" in page.hello["can"] and "motors" in page.state
             return

@@ -644,6 +644,26 @@ def test_what_is_longest_in_portuguese(tmp_path, driver, board, name, text):
             within_two_screens(browser, size)
 
 
+@pytest.mark.parametrize("language, name", [("en", "steps per degree"), ("pt", "passos por grau")])
+def test_a_rotary_axis_counts_degrees(tmp_path, driver, language, name):
+    with PanelProcess(tmp_path, "--board", "router_4axis") as process, Browser(process, driver, query=f"lang={language}&theme=light") as browser:
+        browser.until(lambda: browser.driver.execute_script("return [...document.querySelectorAll('#settings tr')].some((row) => row.textContent.includes(arguments[0]))", name))
+        for size in SIZES:
+            within_two_screens(browser, size)
+            browser.shot(f"rotary-{language}-{size[0]}")
+        said = {what: [each.get_attribute("textContent") for each in browser.driver.find_elements("css selector", what)]
+                for what in ("#places th", "#where small", "#goto-axes span", "#pad small", "#settings tr", "[data-turns]")}  # fmt: skip
+        assert ("Locked" if language == "en" else "Travada") in browser.text("message")
+        assert said["#places th"] == ["X mm", "Y mm", "Z mm", "A °"] and said["#where small"] == ["mm", "mm", "mm", "°"]
+        assert said["#goto-axes span"] == ["X, mm", "Y, mm", "Z, mm", "A, °"]
+        assert [text for text in said["#pad small"] if "°" in text] == ["A+ °", "A− °"]
+        rows = {row.partition(" ")[0]: row for row in (" ".join(row.split("\n")) for row in said["#settings tr"])}
+        for number, unit in (("$103", "steps/°"), ("$113", "°/min"), ("$123", "°/s²")):
+            assert [row for row in rows.values() if row.startswith(number) and unit in row and "mm" not in row], rows
+        assert [row for row in rows.values() if row.startswith("$103") and name in row] and [row for row in rows.values() if row.startswith("$102") and "mm" in row], rows
+        assert said["[data-turns]"] == [", A:\u00a0°/min", ", A:\u00a0°", ", A:\u00a0°/min"]
+
+
 # What can be read on the page, name by name; places and times of now are no words.
 READ = """
 const seen = [...document.querySelectorAll("body *")].filter((e) => !e.children.length && e.textContent.trim() && !e.closest("script, noscript, option, #where, #places, #job-state, dialog"));

@@ -174,6 +174,8 @@ class System:
         rows = "[CLUSTER:%d]\r\n[PACKED:%d]\r\n" % (_CLUSTER, _PACKED) if self._rows else ""
         if self._gcode.axes > 3:
             rows += "[AXS:4:XYZA]\r\n"
+        if self._gcode.turns:
+            rows += "[ROTARY:A]\r\n"
         return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):

@@ -49,6 +49,8 @@ class GrblPage(PageMachine):
         PageMachine.__init__(self, record, number, board, tell)
         self._spoken = spoken
         self._gcode = spoken and spoken.gcode  # a PC has neither
+        if spoken and spoken.gcode.turns:
+            self.turns = AXES[3:]
         self._settings = record.settings
         self._version = -1  # of the settings that pages have been told
         self._line = b""  # to be said

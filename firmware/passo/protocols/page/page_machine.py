@@ -33,6 +33,7 @@ def travel_of(board):
 
 class PageMachine:
     language = ""
+    turns = ""  # axes that count degrees
     can = ()
     tells = ("command",)  # what a page may ask for of any board that serves it
     stood = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")

@@ -61,7 +61,7 @@ class Page:
     def hello(self):
         """What a page is told first, a dict."""
         machine = self._machine
-        return {"can": self._orders.can(), "axes": machine.axes, "language": machine.language, "travel": machine.travel}
+        return {"can": self._orders.can(), "axes": machine.axes, "turns": machine.turns, "language": machine.language, "travel": machine.travel}
 
     def tell(self, event):
         """Something for every page, a dict."""

@@ -31,6 +31,7 @@ const KEYS = { ArrowLeft: "x-", ArrowRight: "x+", ArrowUp: "y+", ArrowDown: "y-"
 let report = { state: "", beat: 0, m: [], w: [] };
 let errors = {};
 let axes = "";
+let turns = "";  // those of them that count degrees
 let rules = {};
 let settings = {};
 let travel = null;  // [[low, high]] of each axis, where no settings say it
@@ -47,7 +48,7 @@ const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields })
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 let setup = null;  // once it has been loaded
-const list = new Settings({ order, ask, say, axes: () => axes, rules: () => rules, lines: () => loadSetup().then((made) => made.lines) });
+const list = new Settings({ order, ask, say, axes: () => axes, turns: () => turns, rules: () => rules, lines: () => loadSetup().then((made) => made.lines) });
 const tabs = new Tabs(() => { picture.draw(); if (language === "grbl" && !$("pane-setup").hidden) loadSetup(); });
 const typed = new Typed(order, errorText);
 const own = new OwnButtons(order, ask, atRest, () => link.stops);
@@ -143,7 +144,7 @@ function told(message) {
     hello(message);
     if (other) anew();
   } else if (message.t === "settings") {
-    setAxes(message.axes);
+    setAxes(message.axes, "turns" in message ? message.turns : turns);
     showSettings(message.settings);
   } else if (message.t === "jobs") {
     takeJobs(message);
@@ -184,29 +185,33 @@ function hello(message) {
   axes = "";
   $("home").hidden = !message.can.includes("home");
   $("unlock").hidden = !message.can.includes("unlock");
-  setAxes(message.axes);
+  setAxes(message.axes, message.turns || "");
   const machines = message.machines || [];
   $("machine-row").hidden = !machines.length;
   $("machines").replaceChildren(...machines.map((name) => new Option(name || "—", name)));
   tabs.show();
 }
 
-function setAxes(wanted) {
-  if (wanted === axes) return;
+const unit = (axis) => (turns.includes(axis) ? "°" : "mm");
+
+function setAxes(wanted, turned) {
+  if (wanted === axes && turned === turns) return;
   axes = wanted;
+  turns = turned;
+  for (const place of document.querySelectorAll("[data-turns]")) place.textContent = turns ? `, ${turns.toUpperCase()}:\u00a0${place.dataset.turns}` : "";
   $("places").replaceChildren(...[...axes].map((axis) => {
     const row = document.createElement("tr");
-    row.innerHTML = `<th scope="row">${axis.toUpperCase()} <small>mm</small></th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${axis.toUpperCase()} = 0</button></td>`;
+    row.innerHTML = `<th scope="row">${axis.toUpperCase()} <small>${unit(axis)}</small></th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${axis.toUpperCase()} = 0</button></td>`;
     row.querySelector("button").onclick = () => order("zero", { axes: axis });
     row.lastChild.hidden = !cards.can("zero");
     return row;
   }));
   $("goto-axes").replaceChildren(...[...axes].map((axis) => {
     const label = document.createElement("label");
-    label.innerHTML = `<span data-as-is>${axis.toUpperCase()}, mm</span><input type="number" step="any" id="goto-${axis}">`;
+    label.innerHTML = `<span data-as-is>${axis.toUpperCase()}, ${unit(axis)}</span><input type="number" step="any" id="goto-${axis}">`;
     return label;
   }));
-  makePad($("pad"), axes, cards.can("diagonal"), press, (button) => jog.release(button));
+  makePad($("pad"), axes, turns, cards.can("diagonal"), press, (button) => jog.release(button));
 }
 
 // --- what is shown
@@ -248,12 +253,12 @@ function show() {
 
 // The place in the head, to be read from afar.
 function showWhere() {
-  const shown = axes + (report.w || []).length;
+  const shown = [axes, turns, (report.w || []).length].join();
   if ($("where").dataset.shown !== shown) {
     $("where").dataset.shown = shown;
     $("where").replaceChildren(...(report.w || []).map((value, n) => {
       const place = document.createElement("span");
-      place.innerHTML = "<b></b> <span></span> <small>mm</small>";
+      place.innerHTML = `<b></b> <span></span> <small>${unit(axes[n])}</small>`;
       place.firstChild.textContent = (axes[n] || "").toUpperCase();
       return place;
     }));
@@ -666,11 +671,12 @@ async function speak(language) {
   makeOverrides(order);
   const now = axes;
   axes = "";
-  setAxes(now);
+  setAxes(now, turns);
   if (setup) setup.speak();
   cards.tellElsewhere();
   facts.tell();
   picture.draw();
+  if (alarmText && $("message").textContent === alarmText) say("");  // show() says it in the other language
   show();
   if (link.key && link.ready()) { link.order({ do: "settings" }); link.order({ do: "log" }); }
 }

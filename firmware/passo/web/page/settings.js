@@ -15,7 +15,7 @@ function sense(number, most, value, axes) {
 }
 
 export class Settings {
-  // page: { order(name, fields), ask(text), say(text), axes(), rules(), lines(): what asks the board line by line, a promise }
+  // page: { order(name, fields), ask(text), say(text), axes(), turns(): those that count degrees, rules(), lines(): what asks the board line by line, a promise }
   constructor(page) {
     this.page = page;
     this.values = {};
@@ -52,11 +52,12 @@ export class Settings {
 
   row(number) {
     const [name, unit, least, most] = this.page.rules()[number] || ["", "", "", ""];
+    const turned = number > 99 && this.page.turns().includes("xyza"[number % 10]);
     const row = document.createElement("tr");
     row.innerHTML = `<th scope="row">$${number}</th><td></td><td><input type="number" step="any"><small></small></td><td></td><td></td>`;
     const [, meaning, , units, bounds] = row.children;
-    meaning.textContent = name.replace(/^(?:[xyza]: )?(.*)$/, (whole, text) => whole.replace(text, _(text)));
-    units.textContent = unit;
+    meaning.textContent = name.replace(/^(?:[xyza]: )?(.*)$/, (whole, text) => whole.replace(text, _(turned ? text.replace("millimetre", "degree") : text)));
+    units.textContent = turned ? unit.replace("mm", "°") : unit;
     bounds.textContent = least === "" ? "" : `${least} … ${most}`;
     const input = row.querySelector("input");
     input.value = Number(this.values[number]);
