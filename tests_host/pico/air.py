@@ -8,6 +8,7 @@
     page.order("unlock")
 """
 
+import base64
 import json
 import shutil
 import tempfile
@@ -20,6 +21,8 @@ from host_tools.build import tree
 from host_tools.emulator import binary
 from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.heap import Heap
+from host_tools.programs import stored_job
+from passo.protocols.page.stored import PIECE
 from passo.web.session import Session
 
 BAUD = 921_600  # as uart_radio.py
@@ -183,3 +186,19 @@ class Page:
         self._air.say(b"D", self.number, masked(1, message.encode()))
         took = self.until(lambda: self._count in self.answers)
         return self.answers[self._count], took
+
+    def stored(self, what, name, **fields):
+        """Order something of a stored job. Returns how long it took, ms."""
+        answer, took = self.order("stored", what=what, name=name, **fields)
+        assert answer["error"] == 0, answer
+        return took
+
+    def upload(self, name, data, packed, look=None):
+        """Send a job, up to its last piece; look(): called behind each. Returns how long each took, ms."""
+        self.stored("begin", name, size=len(data), crc=f"{stored_job.crc(data):08x}", stored=len(packed))
+        found = []
+        for at in range(0, len(packed), PIECE):
+            found.append(self.stored("piece", name, at=at, data=base64.b64encode(packed[at : at + PIECE]).decode()))
+            if look:
+                look()
+        return found

@@ -9,6 +9,7 @@ import sys
 
 import pytest
 from air import RADIO, Air, Page
+from check_jobs import stored_form
 from emulated import uf2  # noqa: F401
 
 from host_tools import boards
@@ -18,10 +19,12 @@ from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.frozen import find_frozen, frozen_machine
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.queries import Asking
+from passo.protocols.plotter.host import COMMANDS, packet
 
 pytestmark = pytest.mark.slow
 LEAST = 45_000  # bytes free, at any time
 LINES = 3000
+JOB_BYTES = 4000
 SLOWER = 230_400  # bytes come: the interrupt that makes words may last longer than 32 of them at full pace
 # In front of main.py, which is frozen.
 _RADIO = b"""
@@ -45,7 +48,7 @@ def on_the_air(board, uf2):
     """(machine, air) of a board file with this radio."""
     files = {"boot.py": _RADIO, **beside("rp2040_w", {RADIO.name: RADIO.read_text()})}
     machine = frozen_machine(boards.load(board), uf2, files, trace=None).boot()
-    machine.pico.console.expect(b"for help]", 8_000_000)
+    machine.pico.console.expect(b"code in", 8_000_000)
     machine.run_ms(300)
     return machine, Air(machine, SLOWER)
 
@@ -91,3 +94,44 @@ def test_all_at_once(frozen_w, board, show):
     )
     assert b"error" not in sender.said and least >= LEAST and min(pushes) >= 2
     assert not machine.plant.errors
+
+
+def job_of(language):
+    if language == "grbl":
+        return b"G21G91F3000\n" + b"".join(b"G1X%.2fY%.2fS%d\n" % (at % 7 / 50, at % 5 / 40, at % 900) for at in range(JOB_BYTES // 16))
+    points = [packet(COMMANDS["LINE"], 100 + at % 7, 100 + at % 5) for at in range(JOB_BYTES // 6)]
+    return packet(COMMANDS["MOVE"], 100, 100) + b"".join(points) + packet(COMMANDS["END"])
+
+
+@pytest.mark.parametrize("board", ["laser_pico_w", "plotter_page"])
+def test_a_job_is_uploaded_while_two_pages_look_on(frozen_w, board, show):
+    machine, air = on_the_air(board, frozen_w)
+    begun = Heap(machine.pico, True)
+    pages = [Page(air), Page(air)]
+    page, heaps = pages[0], []
+    for each in pages:
+        each.until(lambda each=each: each.state.get("link"))
+    assert page.order("give", to="page")[0]["error"] == 0
+    page.until(lambda: page.state["owner"] == "page")
+    data = job_of(machine.board["jobs"]["language"])
+
+    def look():
+        heaps.append(Heap(machine.pico, True))
+        pages[1].look()
+
+    took = page.upload("PART", data, stored_form(data), look)
+    page.stored("end", "PART")
+    page.until(lambda: page.state["job"] and page.state["job"]["how"] == "kept")
+    page.order("unlock")
+    page.stored("run", "PART")
+    page.until(lambda: page.state["job"]["how"] == "run")
+    look()
+    page.until(lambda: page.state["job"]["how"] == "done", 60_000)
+    look()
+    least, piece = min(heap.free for heap in heaps), min(heap.largest for heap in heaps)
+    show(
+        f"{board} on a Pico W, two pages open, a job of {len(data)} bytes uploaded and run",
+        f"{begun.free} of {begun.total} bytes free before ({begun.largest} in one piece), {least} at least ({piece} in one piece); "
+        f"a piece in {min(took):.0f} to {max(took):.0f} ms",
+    )
+    assert least >= LEAST and not machine.plant.errors

@@ -3,7 +3,6 @@
 What this does not show: the radio, its driver and lwIP, whose memory lies outside MicroPython's heap.
 """
 
-import base64
 import gzip
 import json
 
@@ -15,10 +14,8 @@ from host_tools import boards
 from host_tools.build.pages import texts_of
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.sender import NEXT
-from host_tools.programs import stored_job
 from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.torch import protocol as torch
-from passo.protocols.page.stored import PIECE
 from test_pico_network import LATEST_US, LEAST_FREE, RATE, Z_TOO, network_board
 from test_pico_torch import until_up, worst_us
 
@@ -76,7 +73,7 @@ def test_the_page_while_three_axes_step(show):
     assert served.free >= LEAST_FREE
     assert worst < LATEST_US
     for page, count in zip(pages, pushes):
-        assert count >= 5 * passed / 1000
+        assert count >= int(5 * passed / 1000)
     machine.send(torch.move(STEPS, RATE, 0, RATE))
     machine.run_ms(200)
     begun = machine.now_ms()
@@ -164,19 +161,13 @@ def test_a_drawing_is_uploaded_and_drawn(show):
     data = b"".join(lines) + packet(COMMANDS["END"])
     packed = stored_form(data)  # as a browser's would be that cannot be made smaller
 
-    def stored(what, **fields):
-        answer, ms = page.order("stored", what=what, name="PART", **fields)
-        assert answer["error"] == 0, answer
-        return ms
-
-    stored("begin", size=len(data), crc=f"{stored_job.crc(data):08x}", stored=len(packed))
     begun = machine.now_ms()
-    took = [stored("piece", at=at, data=base64.b64encode(packed[at : at + PIECE]).decode()) for at in range(0, len(packed), PIECE)]
+    took = page.upload("PART", data, packed)
     passed = machine.now_ms() - begun
     loading = air.collected()
-    stored("end")
+    page.stored("end", "PART")
     page.until(lambda: page.state["job"] and page.state["job"]["how"] == "kept")
-    stored("run")
+    page.stored("run", "PART")
     page.until(lambda: page.state["state"] == "Run" and page.state["job"]["how"] == "run")
     drawing = air.collected()
     page.until(lambda: page.state["job"]["how"] == "done", 60_000)
