@@ -56,7 +56,7 @@ export class Settings {
     const row = document.createElement("tr");
     row.innerHTML = `<th scope="row">$${number}</th><td></td><td><input type="number" step="any"><small></small></td><td></td><td></td>`;
     const [, meaning, , units, bounds] = row.children;
-    meaning.textContent = name.replace(/^(?:[xyza]: )?(.*)$/, (whole, text) => whole.replace(text, _(turned ? text.replace("millimetre", "degree") : text)));
+    meaning.textContent = name.replace(/^(?:[xyza]: )?(.*)$/, (whole, text) => whole.replace(text, turned && number < 110 ? _("steps per degree") : _(text)));
     units.textContent = turned ? unit.replace("mm", "°") : unit;
     bounds.textContent = least === "" ? "" : `${least} … ${most}`;
     const input = row.querySelector("input");
