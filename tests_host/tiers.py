@@ -1,8 +1,8 @@
 """How much of the tests runs: `pytest --tier check|test|all`, which `make check`, `make test` and `make test-all` give.
 
     check   what is marked `quick`, and FEW examples of each property that NOT_QUICK does not name, under MicroPython nothing else: in 90 s
-    test    all but what is marked `slow`; under MicroPython one PARTth of the examples, at most SOME, and nothing that NOT_QUICK names: what
-            guards a commit
+    test    all but what is marked `slow`, and half of the examples of each property; under MicroPython one PARTth of them, at most SOME, and
+            nothing that NOT_QUICK names: what guards a commit
     all     everything; also what pytest runs if nobody asks for less
 
     examples(60, tier="check")      # how many of 60 examples of a property are tried
@@ -20,14 +20,15 @@ from contextlib import contextmanager
 
 TIERS = ("check", "test", "all")
 FEW = 3
-SOME, PART = 5, 16  # CPython has tried all of them
+SOME, PART = 5, 16  # CPython has tried more of them
 MEASURED_S = 0.05
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"
 
 
 def examples(count, tier=None):
-    return min(count, FEW) if (tier or current) == "check" else count
+    few = min(count, FEW)
+    return {"check": few, "test": max(few, count // 2), "all": count}[tier or current]
 
 
 def reads(text, tier):
