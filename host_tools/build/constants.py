@@ -13,6 +13,7 @@ A name is kept if it is more than a constant: bound twice, or in a module that i
 
 import ast
 import re
+from functools import lru_cache
 
 from host_tools.build.arguments import numbered
 from host_tools.build.attributes import shortened
@@ -30,29 +31,35 @@ class _Module:
         self.name = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
         self.text = text
         try:
-            self.tree = ast.parse(text)
+            self.nodes, self.bound, self.constants, self.read, self.imports = _read(text)
         except SyntaxError as error:
             raise Failure("{}:{}: {}", path, error.lineno, error.msg) from None
-        self.nodes = list(ast.walk(self.tree))
-        self.bound = {}  # name: how many times
-        methods = {id(node) for owner in self.nodes if isinstance(owner, ast.ClassDef) for node in owner.body}
-        for node in self.nodes:
-            for name in () if id(node) in methods and isinstance(node, ast.FunctionDef) else _bound(node):
-                self.bound[name] = self.bound.get(name, 0) + 1
-        self.constants = {}  # {name: (statement, expression)} of what may be a public constant
-        for node in self.tree.body:
-            for name, expression in _assigned(node):
-                if name.isupper() and not name.startswith("_") and self.bound[name] == 1:
-                    self.constants[name] = node, expression
-        self.read = {node.id for node in self.nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
         self.numbers = {}  # {name: number}: the constants found, own and imported
-        self.imports = [node for node in self.nodes if isinstance(node, ast.ImportFrom) and not node.level]
         self.edits = []  # (first line, column, last line, column, new text)
         self.kept = set()  # names that others read from here at run time
 
     def aliases(self):
         """(local name, module, name in it) of all that is imported by name."""
         return [(alias.asname or alias.name, node.module, alias.name) for node in self.imports for alias in node.names]
+
+
+@lru_cache(maxsize=512)
+def _read(text):
+    """(nodes, {name: how many times it is bound}, {name: (statement, expression)} of what may be a public constant, names read, imports)
+    of a text; nobody may change them."""
+    tree = ast.parse(text)
+    nodes = list(ast.walk(tree))
+    bound, constants = {}, {}
+    methods = {id(node) for owner in nodes if isinstance(owner, ast.ClassDef) for node in owner.body}
+    for node in nodes:
+        for name in () if id(node) in methods and isinstance(node, ast.FunctionDef) else _bound(node):
+            bound[name] = bound.get(name, 0) + 1
+    for node in tree.body:
+        for name, expression in _assigned(node):
+            if name.isupper() and not name.startswith("_") and bound[name] == 1:
+                constants[name] = node, expression
+    read = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
+    return nodes, bound, constants, read, [node for node in nodes if isinstance(node, ast.ImportFrom) and not node.level]
 
 
 def _named(texts):

@@ -57,7 +57,7 @@ def groups(program, board, left=(), keep=False, frozen=False):
             return "steps"
         return "plan" if module in plan or module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
 
-    uses = program.uses()
+    uses = program.uses
     found = {}
     for kernel in program.kernels.values():
         if kernel.path not in left and (keep or uses[kernel.full][1]):
@@ -97,7 +97,7 @@ def _straight(imports, indent, module, names):
 def _staying(program, compiled, imports):
     """Full names of the kernels whose Python has to stay in the texts, for viper to compile: those that are not in C; those that are in C
     only as another kernel's copy, if Python calls them; and what these call."""
-    uses = program.uses()
+    uses = program.uses
     found, new = set(), [each for each in program.kernels.values() if each.full not in compiled or each.full not in imports and uses[each.full][1]]
     while new:
         kernel = new.pop()

@@ -53,7 +53,7 @@ def inlined(texts, keep=False):
 
 def _chosen(program):
     """{full name: whether only kernels call it} of the kernels that go in."""
-    uses, weights, found = program.uses(), {}, {}  # weights: statements, with those of the kernels that go in
+    uses, weights, found = program.uses, {}, {}  # weights: statements, with those of the kernels that go in
 
     def weigh(kernel):
         full, called = kernel.full, program.calls(kernel)

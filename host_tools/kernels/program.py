@@ -188,6 +188,7 @@ class Program:
                     queue += sorted((names & self.paths.keys()) - found)
         return found
 
+    @cached_property
     def uses(self):
         """{full name of a kernel: (calls by kernels, other uses)}"""
         found = {full: [0, 0] for full in self.kernels}

@@ -333,7 +333,7 @@ def test_all_kernels_of_a_build_are_c(player):
     program = Program(tree._made(sources, board, "armv6m")[0])
     left = {full for full, kernel in program.kernels.items() if kernel.path in tree._left(board)}
     called = {full for kernel in left for full in program.imported[kernel.rpartition(".")[0]].values()}
-    assert left and {full for full, (_, others) in program.uses().items() if others} <= left | called
+    assert left and {full for full, (_, others) in program.uses.items() if others} <= left | called
 
 
 @pytest.mark.skipif("armv6m" not in MARCHES, reason="there is no compiler of kernels for armv6m")
