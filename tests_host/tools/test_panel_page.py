@@ -664,6 +664,28 @@ def test_a_rotary_axis_counts_degrees(tmp_path, driver, language, name):
         assert said["[data-turns]"] == [", A:\u00a0°/min", ", A:\u00a0°", ", A:\u00a0°/min"]
 
 
+# Positions as long as these, and the rows and columns of their table are as before.
+LONG = """
+const cells = [...document.querySelectorAll("#places td[id]")], row = () => document.querySelector("#places tr").offsetHeight, before = row();
+for (const cell of cells) cell.textContent = "-116.559";
+const table = document.querySelector("#card-place table");
+return [row() - before, table.getBoundingClientRect().right <= document.getElementById("zero-all").parentNode.getBoundingClientRect().right];
+"""
+
+
+@pytest.mark.parametrize("language", ["en", "pt"])
+def test_long_positions_fit_on_a_phone(panel, driver, language):
+    with Browser(panel, driver, query=f"lang={language}&theme=light") as browser:
+        browser.until(lambda: browser.find("card-place").is_displayed() and browser.find("w-z").get_attribute("textContent"))
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 360, "height": 640, "deviceScaleFactor": 1, "mobile": True})
+        try:
+            browser.until(lambda: driver.execute_script("return innerWidth") == 360)
+            driver.execute_script("document.querySelector('[data-tab=move]').click()")
+            assert driver.execute_script(LONG) == [0, True]
+        finally:
+            driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
 # What can be read on the page, name by name; places and times of now are no words.
 READ = """
 const seen = [...document.querySelectorAll("body *")].filter((e) => !e.children.length && e.textContent.trim() && !e.closest("script, noscript, option, #where, #places, #job-state, dialog"));
