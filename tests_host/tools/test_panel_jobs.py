@@ -57,6 +57,23 @@ def test_a_line_is_begun_at(browser):
     assert [browser.text(f"w-{axis}") for axis in "xyz"] == ["2.000", "2.000", "0.000"]
 
 
+CARD = """
+const done = arguments[arguments.length - 1];
+Promise.all([import("./recover.js"), import("./controls.js")]).then(([{Recover}, {nameTool}]) => {
+  const card = Object.create(Recover.prototype), offer = {name: "A", line: 3, known: true};
+  const told = [{32: "1", 30: "1000"}, {32: "0", 30: "24000"}].map((settings) => { nameTool(settings); return [card.stopped(offer, false), card.stopped(offer, true)]; });
+  done(told);
+});
+"""
+
+
+def test_a_laser_s_card_speaks_of_no_spindle(browser):
+    laser, router = browser.driver.execute_async_script(CARD)
+    assert laser[0] == "A stopped in line 3, laser off. It can go on there: over the place with the laser off, then you are asked."
+    assert laser[1].startswith("A stopped in line 3, the laser is on.")
+    assert router[0].startswith("A stopped in line 3, spindle off. It can go on there: tool up,")
+
+
 def test_a_line_that_is_left_moves_nothing(browser):
     drop(browser, left=POCKET)
     before = browser.place()

@@ -6,6 +6,7 @@ const $ = (id) => document.getElementById(id);
 let laser = false;  // $32: what turns at a spindle is the power of a laser
 const OVERRIDES = [["feed", "Feed", ["-10", "+10", "100"]], ["rapid", "Rapid", ["25", "50", "100"]], ["spindle", "Spindle", ["-10", "+10", "100"]]];
 
+export const isLaser = () => laser;
 export const toolName = () => (laser ? _("Laser") : _("Spindle"));
 
 // The words of the tool's card, by the settings; a laser begins with a twentieth of its power. True if they are others than before.

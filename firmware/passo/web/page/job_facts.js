@@ -40,6 +40,7 @@ export class JobFacts {
     const facts = name ? [_("{lines} lines, {size} kB", { lines, size: Math.ceil(size / 1024) })] : [];
     if (seconds !== undefined) facts.push(_("about {time}", { time: clock(seconds) }));
     const told = (ends, axis) => (axis < 2 || ends.some(Boolean) ? [`${"XYZ"[axis]}\u00a0${ends[0].toFixed(1)}\u00a0…\u00a0${ends[1].toFixed(1)}`] : []);  // a plotter has no Z
+    if (tools && seconds === undefined) facts.push(_("too long for an estimate here: passo check tells the time"));
     if (box) facts.push([].concat(...box.map(told)).join(", ") + " mm");
     if (tools && tools.length) facts.push(_("tools {tools}", { tools: tools.join(", ") }));
     if (pauses) facts.push(_("pauses: {pauses}", { pauses }));

@@ -1,6 +1,7 @@
 // A job that was interrupted, and that the board's journal knows, or one that is to begin at a line: what will hold there is told, and it is
 // asked before the tool goes down.
 
+import { isLaser } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -32,6 +33,7 @@ export class Recover {
     $("recover-begin").hidden = offer.absent || Boolean(offer.next);
     $("recover-down").hidden = !offer.next;
     $("recover-drop").hidden = Boolean(offer.held) && !offer.next;
+    $("recover-drop").textContent = isLaser() ? _("End it: laser off") : _("End it: tool up, spindle off");
     $("recover-begin").disabled = !free || !idle || !(offer.known || $("recover-sure").checked);
     $("recover-down").disabled = !free || !idle;
     $("recover-drop").disabled = $("recover-forget").disabled = !free;
@@ -40,10 +42,13 @@ export class Recover {
   over(offer) { return _("The tool is over the place. Next: {next}. Is the place right, and all clear?", offer); }
 
   stopped(offer, turns) {
-    const text = turns ? _("{name} stopped in line {line}, the spindle turns.", offer) : _("{name} stopped in line {line}, spindle off.", offer);
+    const laser = isLaser(), [on, off] = laser ? [_("{name} stopped in line {line}, the laser is on.", offer), _("{name} stopped in line {line}, laser off.", offer)]
+      : [_("{name} stopped in line {line}, the spindle turns.", offer), _("{name} stopped in line {line}, spindle off.", offer)], text = turns ? on : off;
     if (offer.next) return `${text} ${this.over(offer)}`;
     if (offer.absent) return `${text} ${_("Its file is not among the jobs here: add it to go on.")}`;
-    if (offer.known) return `${text} ${_("It can go on there: tool up, over the place, spindle and coolant on, then you are asked.")}`;
+    const way = laser ? _("It can go on there: over the place with the laser off, then you are asked.")
+      : _("It can go on there: tool up, over the place, spindle and coolant on, then you are asked.");
+    if (offer.known) return `${text} ${way}`;
     return `${text} ${_("Where the machine stands is not known since then: home it first.")}`;
   }
 
