@@ -84,7 +84,9 @@ def load_all(board):
     if board["gantry"] and board["gantry"]["sensor"]:
         modules += ("control.squaring",)
     if board["homing"] and board["homing"]["latch"]:
-        modules += ("control.quality", "control.latched_sensor")
+        modules += ("control.quality",)
+    if board["homing"] and not board["interlock"]:
+        modules += ("ports.limit_watch",)
     if board["jobs"]:
         modules += ("config.job_store",)
     for module in modules:

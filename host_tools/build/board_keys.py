@@ -147,7 +147,7 @@ MEANINGS = {
     "homing.required": "Plotter, torch, pulses, keys: refuse motion before homing. G-code asks for it by `$22`.",
     "homing.each": "By axis what differs from the keys above: `{\"y\": {\"pull_off_steps\": 100}}`; also `locate_steps_s`, `seek_steps_s`, and "
     "`distance_steps`: how far the search goes. `$24`, `$25` and `$27` override them for all axes.",
-    "homing.latch": "Sensors' edges are caught in their interrupts, at the step, and `$HR=10` tells how well homing repeats. Takes some memory.",
+    "homing.latch": "`$HR=10` tells how well homing repeats. Takes about 1 kB of memory.",
     "homing.order": "Order of the axes, `\"zxy\"`; empty: as in `axes`. With a blank, those between two blanks home at once: `\"z xy\"`.",
     "homing.high_end": "Axes that home at the positive end of their travel, `\"z\"`. `$23` overrides it.",
     "interlock.rows": "`{name: sum of products}`: when something may be, or the hardware's own equation.",

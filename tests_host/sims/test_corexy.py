@@ -308,7 +308,6 @@ def test_passo_check_sees_the_axes(monkeypatch):
     ({"links": [{"name": "pc", "port": "usb", "protocol": "keys"}]}, "the language keys moves one axis by one motor"),
     ({"links": [{"name": "pc", "port": "usb", "protocol": "plotter"}]}, "a link that speaks grbl is wanted"),
     ({"encoders": [{"motor": "x", "pins": [16, 17], "pulses": 500, "steps": 1600}]}, "remove encoders: it wants a motor for each axis"),
-    ({"homing": "latch"}, "remove homing.latch: it wants a motor for each axis"),
 ])
 def test_what_one_belt_cannot_be(changes, words):
     board = {**copy.deepcopy(boards.load(NAME)), "journal": None}
@@ -316,8 +315,6 @@ def test_what_one_belt_cannot_be(changes, words):
         board.update(axes=board["axes"][:1], homing=None, player="timer")
     elif changes.get("axes"):
         board["axes"][1]["steps_per_m"] = 40000
-    elif changes.get("homing"):
-        board["homing"]["latch"] = True
     else:
         board.update(changes)
     with pytest.raises(BoardError, match=words):

@@ -61,7 +61,7 @@ _HOMING = {
     # Names of the axes, first to last; "": as the board file has them. With a blank in it, those between two blanks at once.
     "order": (str, "", 0, 8),
     "each": (dict, {}, 0, 4),  # by axis: seek_steps_s, locate_steps_s, pull_off_steps, distance_steps (of the search) of its own
-    "latch": (bool, False, 0, 1),  # edges are caught in interrupts, and homing can be judged
+    "latch": (bool, False, 0, 1),  # homing can be judged
     "high_end": (str, "", 0, 4),  # names of the axes that home at the positive end of their travel
 }
 _EACH = ("seek_steps_s", "locate_steps_s", "pull_off_steps")

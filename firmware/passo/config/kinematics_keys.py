@@ -16,8 +16,6 @@ def check(board):
         return
     board["motion"] = kind
     unfit = [other for other in ("gantry", "encoders", "weaving", "step_program", "rotary") if board.get(other)]
-    if board["homing"] and board["homing"]["latch"]:
-        unfit.append("homing.latch")
     if unfit:
         raise BoardError("kinematics: remove %s: it wants a motor for each axis" % unfit[0])
     spoken = [link["protocol"] for link in board["links"]]

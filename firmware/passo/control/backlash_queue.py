@@ -41,8 +41,8 @@ class Queue(StreamQueue):
     def found(self):
         return self._from_origin(self._see(self._since_start))
 
-    def axis(self, axis):
-        return self._see(self._since_start)[axis]
+    def axis(self, axis, edge=None):
+        return (self._planner.turn(self._feeder.found(self._player.played(), edge)) if edge else self._see(self._since_start))[axis]
 
     def set_origin(self, axes=-1):
         found = self._see(self._since_start)

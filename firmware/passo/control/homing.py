@@ -8,7 +8,8 @@
     6 pull off  to the origin, a fixed distance from that edge
 
 Each phase has a travel limit; reaching it is an alarm. The edge is where the sensor first moved, not where its
-debouncing ended, so a bouncing sensor gives the same origin every time.
+debouncing ended, so a bouncing sensor gives the same origin every time. The interrupt of its pin keeps the position of
+that step: a cycle of the main loop may last longer than a step.
 """
 
 from micropython import const
@@ -26,7 +27,7 @@ class Seeker:
 
     def __init__(self, axis, position, sensors, away, values, distance):
         self.axis = axis
-        self.start = self.seen = position  # where it was as its sensors were last looked at
+        self.start = position
         self.sensors = sensors
         self.away = away  # the sign of steps away from the sensors' end
         self.seek_steps_s, self.locate_steps_s, self.pull_off_steps = values
@@ -67,7 +68,7 @@ class Homing(Feature):
         self._groups = []  # of seekers; those of a group home at once
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
-        self._squaring = self._quality = self._latched = None
+        self._squaring = self._quality = None
         gantry = board["gantry"]
         if gantry and gantry["sensor"]:
             from passo.control.squaring import Squaring
@@ -75,10 +76,8 @@ class Homing(Feature):
             self._squaring = Squaring(board, queue, self)
             self._phases = self._phases[:4] + self._squaring.phases()
         if self._config["latch"]:
-            from passo.control.latched_sensor import LatchedSensor
             from passo.control.quality import Quality
 
-            self._latched = LatchedSensor
             self._quality = Quality()
 
     def handlers(self):
@@ -156,10 +155,7 @@ class Homing(Feature):
 
     def _sensor(self, name, axis):
         read = self._machine.inputs.read
-        latch = self._latched and getattr(self._machine.port, "latches", {}).get(name)
-        if latch:
-            return self._latched(lambda: read(name), self._config["debounce_ms"], latch, axis)
-        return Sensor(lambda: read(name), self._config["debounce_ms"])
+        return Sensor(lambda: read(name), self._config["debounce_ms"], self._machine.port.watch_limit(name), self._queue, axis)
 
     def _begin(self, now_ms):
         """Begin, with the settings as they are now."""
@@ -189,12 +185,8 @@ class Homing(Feature):
         for seeker in group:
             position = self._queue.axis(seeker.axis)
             for sensor in seeker.sensors:
-                known = sensor.pending
                 sensor.sample(now_ms, position)
-                if not self._latched and sensor.pending and not known and position == seeker.seen:
-                    sensor.edge = self._queue.axis(seeker.axis)  # the step came between the position and the look
                 pending = pending or sensor.pending
-            seeker.seen = position
             if not seeker.done and self._until is not None and self._met(seeker, self._until):
                 seeker.done = ended = True
         left = [seeker for seeker in group if not seeker.done]

@@ -67,8 +67,8 @@ class Queue(StreamQueue):
     def _from_origin(self, found):
         return self._turn(found, self._found)
 
-    def axis(self, axis):
-        return self.found()[axis] + self._zero[axis]
+    def axis(self, axis, edge=None):
+        return self._from_origin(self._feeder.found(self._player.played(), edge))[axis] + self._zero[axis]
 
     def set_origin(self, axes=-1):
         found = self.found()

@@ -194,9 +194,9 @@ class Queue:
         self._planner.line(deltas, ticks, False, 0)
         self.flush()
 
-    def axis(self, axis):
-        """Where an axis is, in steps from where the machine was switched on."""
-        return self._feeder.position(self._player.played())[axis]
+    def axis(self, axis, edge=None):
+        """Where an axis is, or was as `edge`, a Latch, says, in steps from where the machine was switched on."""
+        return self._feeder.found(self._player.played(), edge)[axis]
 
     def begin(self):
         """Release what is queued: nothing more is coming for now. See StreamQueue."""

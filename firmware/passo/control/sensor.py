@@ -4,20 +4,28 @@
 class Sensor:
     """`active` follows the input once the readings against it outweigh those for it by `debounce_ms`. `edge` is the
     position where the change that was then believed first showed, chatter included; a change that has not shown again
-    for `debounce_ms` was noise, and is forgotten. Noise denser than that needs a longer `debounce_ms`."""
+    for `debounce_ms` was noise, and is forgotten. Noise denser than that needs a longer `debounce_ms`. If the pin's interrupt keeps the
+    moment (`latch`, a Latch, for homing) the edge is exact; else it is where the axis stood at the look."""
 
-    def __init__(self, read, debounce_ms):
+    _latch = None
+
+    def __init__(self, read, debounce_ms, latch=None, queue=None, axis=0):
         self._read = read
+        if latch:
+            self._latch = latch
+            self._kept = queue, axis
         self.debounce_ms = debounce_ms
         self.edge = 0
         self.restart(0)
 
-    def restart(self, now_ms):
-        """Believe the input as it is now."""
-        self.active = self._read()
+    def restart(self, now_ms, active=None):
+        """Believe the input as it is now, or as it is said to be."""
+        self.active = self._read() if active is None else active
         self.pending = False  # a change has shown and is not yet believed
         self._against_ms = self._calm_ms = 0
         self._last_ms = now_ms
+        if self._latch:
+            self._latch.begin(*self._kept[0].lend())
 
     def pass_by(self, now_ms):
         """Nothing has changed until now."""
@@ -27,10 +35,21 @@ class Sensor:
         """Look once; `position` is where the axis stands. Call it at least once a step and once a millisecond."""
         passed_ms = (now_ms - self._last_ms) & 0x1FFFFFFF
         self._last_ms = now_ms
-        if self._read() == self.active:
+        pending = self.pending
+        same = self._read() == self.active
+        if not pending and not self.active and self._latch and self._latch.seen:  # asked after the look: what that sees, the interrupt has
+            queue, axis = self._kept
+            position = queue.axis(axis, self._latch)
+            if same:  # it is over by now
+                self.pending = True
+                self.edge = position
+                self._against_ms = self._calm_ms = 0
+        if same:
             self._against_ms = max(0, self._against_ms - passed_ms)
             self._calm_ms += passed_ms
             self.pending = self.pending and self._calm_ms < self.debounce_ms
+            if pending and not self.pending:
+                self.restart(now_ms, self.active)  # it was noise
             return
         if not self.pending:
             self.pending = True
@@ -39,6 +58,4 @@ class Sensor:
         self._calm_ms = 0
         self._against_ms += passed_ms
         if self._against_ms >= self.debounce_ms:
-            self.active = not self.active
-            self.pending = False
-            self._against_ms = 0
+            self.restart(now_ms, not self.active)

@@ -83,6 +83,7 @@ class ChipPort:
         self._failed = None  # what an interrupt raised
         self._beat_ms = ticks_ms()
         self._lines = []
+        self._watches = {}  # of limits and homing's sensors
         self._inputs = {}
         self._mask = 0  # of their pins
         for entry in board["inputs"]:
@@ -101,10 +102,6 @@ class ChipPort:
                 self._watch = shifted.RegisterWatch(self.interlock, self.registers)
                 self._watch.watch(self, board["registers"]["edges"], board["inputs"])
         self.encoders = None  # a chip's Port makes it, if the board file has any
-        if board["homing"] and board["homing"]["latch"]:
-            from passo.ports.latch import make
-
-            self.latches = make(board, self, self._inputs)
 
     # --- what the contract of ports asks for
 
@@ -220,14 +217,17 @@ class ChipPort:
             from passo.ports.memory_card import make
         return make(self, config)
 
-    def watch_limit(self, name, filter_us):
-        """What stops the player as a limit becomes active, once that has lasted; None: its pin has no interrupt of its own."""
+    def watch_limit(self, name, filter_us=0):
+        """What stops the player as a limit becomes active, once that has lasted, and keeps the moment when it changes, for homing (a Latch).
+        None: its pin has no interrupt of its own."""
+        if self.interlock is not None:
+            return self.interlock.watches.get(list(self._inputs).index(name))
         item = self._inputs[name]
-        if item.pin is None or item in self._halting:
-            return None
-        from passo.ports.limit_watch import LimitWatch  # here: an interlock sees to its limits itself
+        if name not in self._watches and item.pin is not None and item not in self._halting:
+            from passo.ports.limit_watch import LimitWatch  # here: an interlock sees to its limits itself
 
-        return LimitWatch(item, filter_us, getattr(self, "latches", {}).get(name), self)
+            self._watches[name] = LimitWatch(item, filter_us, self)
+        return self._watches.get(name)
 
     def writing(self, on):
         """Flash is about to be erased or written, all interrupts off for up to 0.4 s at a time, or it has been."""
@@ -266,7 +266,7 @@ class ChipPort:
     # --- interrupts
 
     def _join(self, feeder, player):
-        """What follows the steps gets them: the registers, the interlock, encoders, latches."""
+        """What follows the steps gets them: the registers, the interlock, encoders."""
         self._feeder = feeder
         self._follows = self.registers is not None or self.encoders is not None
         if self.registers is not None:
@@ -275,8 +275,6 @@ class ChipPort:
             self.interlock.join(feeder, player)
         if self.encoders is not None:
             self.encoders.join(feeder, player)
-        for latch in getattr(self, "latches", {}).values():
-            latch.join(feeder, player)
 
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation

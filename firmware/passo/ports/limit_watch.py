@@ -1,4 +1,4 @@
-"""Hard limits of a board without an interlock: the pin's interrupt stops the player, not the main loop's next look.
+"""Limits of a board without an interlock: the pin's interrupt stops the player, not the main loop's next look; it is homing's latch, too.
 
     watch = port.watch_limit("limit_x", filter_us)  # None: its pin has no interrupt
     watch.turn(1)               # its level at the pin while it is active: the settings may turn it round
@@ -12,15 +12,17 @@ from time import ticks_diff, ticks_us
 import micropython
 from machine import Pin
 
+from passo.steps.position import Latch
 
-class LimitWatch:
-    def __init__(self, item, filter_us, latch, port):
-        """`item`: an Input of the port; `latch`: homing's PinLatch of it, or None, which had the interrupt to itself."""
+
+class LimitWatch(Latch):
+    def __init__(self, item, filter_us, port):
+        """`item`: an Input of the port."""
+        Latch.__init__(self)
         self.name = item.name
         self.armed = False
         self.level = item.level
         self._filter_us = filter_us
-        self._latch = latch
         self._port = port
         port.watch(item.pin, self._edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
 
@@ -33,12 +35,9 @@ class LimitWatch:
 
     @micropython.native
     def _edge(self, pin):  # ISR: no allocation
+        self.hold()
         level = self.level
-        if pin.value() != level:
-            return
-        if self._latch is not None:
-            self._latch.catch()
-        if self.armed:
+        if self.armed and pin.value() == level:
             begun = ticks_us()
             while ticks_diff(ticks_us(), begun) < self._filter_us:
                 if pin.value() != level:

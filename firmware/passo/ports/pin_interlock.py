@@ -13,6 +13,7 @@ from machine import Pin, disable_irq, enable_irq
 
 from passo.ports.interlock import Interlock
 from passo.steps.permits import INTERLOCK_OUTPUTS, INTERLOCK_TOOL, ahead, denied
+from passo.steps.position import Latch
 
 
 class PinInterlock(Interlock):
@@ -70,9 +71,10 @@ class PinInterlock(Interlock):
                 item.pin.irq(None)
 
 
-class PinWatch:
+class PinWatch(Latch):
     def __init__(self, item, number, interlock, port):
         """Watch `item`, an Input of the port, number `number` of the board file's."""
+        Latch.__init__(self)
         rise = bool(interlock.rise >> number & 1)
         fall = bool(interlock.fall >> number & 1)
         # Fetched at once: an attribute costs up to 10 µs.
@@ -82,7 +84,6 @@ class PinWatch:
             edges |= Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING
         if fall:
             edges |= Pin.IRQ_FALLING if item.level else Pin.IRQ_RISING
-        self.latch = None  # what homing has put here
         port.watch(item.pin, self.edge, edges)
 
     @micropython.native
@@ -91,8 +92,7 @@ class PinWatch:
         value = pin.value()
         interlock, number, bit, level, rise, fall, filter_us, table = self._all
         active = value == level
-        if active and self.latch is not None:
-            self.latch.catch()
+        self.hold()
         states = interlock.states
         if active == (states & bit != 0):
             interlock.glitches[number] += 1  # over by now

@@ -36,6 +36,7 @@ except ImportError:  # MicroPython's clock is monotonic only as far as the syste
 
 from passo.ports.virtual_player import Player
 from passo.records import COUNT_MASK, JOURNAL_BYTES, TICKS_PER_MS
+from passo.steps.position import Latch
 from passo.steps.wiring import inverted_pins, muted_pins, word_times
 
 TICK_NS = 80
@@ -86,12 +87,8 @@ class VirtualPort:
             self.world = self._limits = VirtualLimits(self, world, self._inputs)
         if board.get("journal"):
             self.pages = MemoryPages()
-        self.latches = {}
-        if hasattr(world, "listen") and board.get("homing") and board["homing"]["latch"]:
-            from passo.ports.latch import VirtualLatch, named
-
-            for name in named(board):
-                self.latches[name] = VirtualLatch(len(board["axes"]), name, self._inputs[name], world)
+        self._listen = getattr(world, "listen", None)
+        self._watches = {}
         self.encoders = None
         if board.get("encoders"):
             from passo.ports.virtual_encoders import VirtualEncoders
@@ -118,8 +115,6 @@ class VirtualPort:
             self._limits.watch(player, feeder.layout.pulse_mask)
         if self.encoders is not None:
             self.encoders.join(feeder, player)
-        for latch in self.latches.values():
-            latch.join(feeder, player)
         return False
 
     def serial(self, link):
@@ -145,9 +140,13 @@ class VirtualPort:
             levels = levels << 1 | self.world.input(self.now, name)
         return levels
 
-    def watch_limit(self, name, filter_us):
-        """What stops the player as a limit becomes active, once that has lasted; None: it is looked at once a cycle."""
-        return self._limits.watch_limit(name, filter_us) if self._limits is not None else None
+    def watch_limit(self, name, filter_us=0):
+        """As of a chip's port."""
+        if name not in self._watches and self._listen:
+            made = self._limits.watch_limit(name, filter_us) if self._limits is not None else Latch()
+            self._watches[name] = made
+            self._listen(lambda tick, changed, level: changed == name and made.hold())
+        return self._watches.get(name)
 
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""

@@ -5,6 +5,8 @@ what a chip's interrupt takes on top of that is not modelled, but that no pulse 
 the first edge behind that time that leaves no pulse up.
 """
 
+from passo.steps.position import Latch
+
 TICKS_PER_US = 12.5
 
 
@@ -100,8 +102,9 @@ class VirtualLimits(VirtualInputs):
             self._port.trip(watch)
 
 
-class _Watch:
+class _Watch(Latch):
     def __init__(self, name, level, filter_ticks):
+        Latch.__init__(self)
         self.name = name
         self.level = level
         self.filter_ticks = filter_ticks

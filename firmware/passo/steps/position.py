@@ -2,10 +2,39 @@
 
 from array import array
 
+import micropython
+
 from passo.memory import zeros
 from passo.motion.block import STEP_PROGRAM
 from passo.records import *
 from passo.steps.position_viper import find, look, see, tally
+
+
+class Latch:
+    """The moment when an input changes, kept by its pin's interrupt: the main loop looks later, perhaps steps later. An interrupt of the
+    feeder may be in the way, up to 1 ms: of steps further apart than that the position is exact.
+
+        edge = port.watch_limit("limit_x")     # None: its pin has no interrupt to spare
+        edge.begin(feeder, player)              # from here on
+        edge.seen                               # True once it has changed
+        feeder.found(played, edge)              # where the motors stood then
+    """
+
+    def __init__(self):
+        self.seen = True
+        self.first = self.played = 0  # the mark played last, and the words
+
+    def begin(self, feeder, player):
+        self._state = feeder.state
+        self._player = player
+        self.seen = False
+
+    @micropython.native
+    def hold(self):  # ISR: no allocation
+        if not self.seen:
+            self.first = self._state[FEED_OLDEST]
+            self.played = self._player.played()
+            self.seen = True
 
 
 class Position:
@@ -30,8 +59,16 @@ class Position:
         has gone on meanwhile it is the position a moment later."""
         return list(self.found(played))
 
-    def found(self, played):
-        """The same in an array that is used again and again."""
+    def found(self, played, edge=None):
+        """The same in an array that is used again and again. Of a moment ago, which `edge`, a Latch, has kept, it is exact, unless that
+        moment's mark is gone by now: more than 60 segments have been made since, or all have been dropped."""
+        if edge and (self.state[FEED_NEWEST] - edge.first) & COUNT_MASK < MARKS - 2:
+            state = self.state[:]
+            state[FEED_OLDEST] = edge.first
+            word = self.marks[find(state, self.marks, edge.played, self._found) + MARK_WORD]
+            if (edge.played - word) & COUNT_MASK < COUNT_HALF:
+                self._count(word, edge.played)
+                return self._found
         self._walk(played)
         return self._found
 

@@ -58,8 +58,6 @@ def _more(board):
         from passo.ports.rp2.pages import Pages  # noqa: F401
     if board["encoders"]:
         from passo.ports.rp2 import encoders  # noqa: F401
-    if board["homing"] and board["homing"]["latch"]:
-        from passo.ports import latch  # noqa: F401
     if board["gantry"]:
         from passo.steps import gantry_wiring  # noqa: F401
 
