@@ -191,7 +191,6 @@ class App:
             self._answer()
         if self.interrupt and (heeded or self._coming()):
             self._hear()  # so that `?` waits half as long
-            self._heed()
         if machine.awake or self.feeder.open:
             self._feed()
         return True

@@ -99,6 +99,8 @@ def measured(machine, link, kind, think_us):
         begun.append(machine.pico.cycle)
     machine.run_until(lambda: _oks(asking) >= len(lines) + len(head) + 2, LIMIT_MS)
     assert b"error" not in asking.said, bytes(asking.said[-200:])
+    lost = getattr(machine.wire(link), "lost", 0)  # USB loses none
+    assert not lost, f"{lost} bytes came while the UART's FIFO was full"
     rises = [cycle / CYCLES_PER_US / 1000 for cycle, state in edges if state == 1]
     return {
         "rate": (count - count // 4) * 1000 * gcode.CYCLES_PER_MS / (begun[1] - begun[0]),
