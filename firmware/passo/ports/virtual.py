@@ -41,7 +41,7 @@ from passo.steps.wiring import inverted_pins, muted_pins, word_times
 
 TICK_NS = 80
 COARSE_TICKS = 8 * TICKS_PER_MS  # a cycle in motion: well inside the 30 ms that the feeder keeps ahead
-FINE_TICKS = TICKS_PER_MS // 2  # a cycle while homing: how finely sensors are sampled
+FINE_TICKS = 2 * TICKS_PER_MS  # a cycle while homing, whose edges interrupts keep
 IDLE_MS = 5  # the longest sleep of an idle cycle
 LAG_TICKS = 100 * TICKS_PER_MS  # real time further behind than this is given up, not caught up with
 
