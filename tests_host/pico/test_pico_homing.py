@@ -47,8 +47,7 @@ def by_packet(machine):
     assert machine.ask(packet(COMMANDS["ORIGIN"])) == b"o"
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ("router_3axis", "router_ballscrew", "corexy_plotter"))
+@pytest.mark.parametrize("name", ("router_3axis", *(pytest.param(name, marks=pytest.mark.slow) for name in ("router_ballscrew", "corexy_plotter"))))
 def test_a_machine_that_speaks_grbl_ends_on_the_same_step(name, make_machine, show):  # noqa: F811
     machine = make_machine(quick_to_home(name))
     machine.run_until(lambda: b"$H" in machine.received() or b"$X" in machine.received(), 10_000)
@@ -57,6 +56,7 @@ def test_a_machine_that_speaks_grbl_ends_on_the_same_step(name, make_machine, sh
     assert len(set(found)) == 1, found
 
 
+@pytest.mark.slow
 def test_a_plotter_ends_on_the_same_step(make_machine, show):  # noqa: F811
     machine = make_machine(quick_to_home("plotter_2014"))
     machine.run_ms(3000)
