@@ -349,7 +349,7 @@ class App:
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
                     break
-            elif answers is None or answers is False or len(data) < _FULL or not more:
+            elif answers is None or len(data) < _FULL or not more:
                 break
             else:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost

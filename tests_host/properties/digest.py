@@ -126,6 +126,9 @@ class Sink:
     def input(self, name):
         return False
 
+    def watch_limit(self, name, filter_us=0):
+        return None
+
     def levels(self):
         return 0
 

@@ -115,8 +115,7 @@ def has_room(state: ptr32, marks: ptr32, words: ptr32, power: ptr32) -> int:  # 
         return 0
     ahead = (state[FEED_TICKS] - marks[mark + MARK_TICKS]) & COUNT_MASK
     least = state[FEED_LEAD]
-    spare = TICKS_PER_MS if state[FEED_KIND] == LINE else 0  # its segments are short: less of one that has been played counts
-    if ahead + spare < least:
+    if ahead < least:
         return 1
     if least > FEED_LEAST:
         least = FEED_LEAST

@@ -48,7 +48,7 @@ _ASKS = const(0x3F)  # ?
 _BY_ITSELF = b"\x18!"  # real-time bytes; a read that ends with one of them goes to feed()
 _HIGHEST = const(0x7D)  # as are those above it
 _END_OF_LINE = const(10)
-_LAST = const(-1)
+_FIRST, _LAST = const(0), const(-1)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
 _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
@@ -105,34 +105,22 @@ class Grbl:
     @micropython.native
     def take(self, data, now_ms):
         """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
-        the answers to them. False: feed(b"") goes on before more is read. None: `data` is not kept, and all is for feed()."""
-        begun = self.batch.begun
-        if not begun:
+        the answers to them. None: `data` is not kept, and all is for feed()."""
+        if not self.batch.begun:
             if data:
                 last = data[_LAST]
+                if (last == _ASKS or data[_FIRST] == _ASKS) and self._lines.take(data):
+                    return b""  # the answer comes first: to open the batch takes 0.7 ms
                 if last != _END_OF_LINE and (last > _HIGHEST or last in _BY_ITSELF):  # it need not wait for the machine's yes
                     self._lines.fields[LINES_WAITS] = 0
                     return None
-                if self._arrays is None:
-                    if last == _ASKS and self._lines.take(data):
-                        return False
-                    if not self._open(data):
-                        return None
-                    begun = True
-            elif self._lines.fields[LINES_ASKED] or not self._open(data):  # its answer comes first: to open takes 0.7 ms
-                return False
-            else:
-                begun = True
+            if not self._open(data):
+                return None
         text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
-            data, len(data), text, lines, fields, rows, dots, most if begun else 0, travel, queue_lines, target, blocks, scratch, indices,
-            limits,
-        )  # fmt: skip
-        if taken == 0:
-            if lines[LINES_ASKED]:
-                return False
-            return b"" if begun else self.take(b"", now_ms)
-        return _OKS[taken] if 0 < taken <= BATCH_ROWS else self._took(taken, data)
+            data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
+        )
+        return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
 
     @micropython.native
     def _open(self, data):
