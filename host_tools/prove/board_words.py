@@ -37,8 +37,8 @@ class Words:
             self._hash.update(memoryview(ring.words)[at : at + count])
             if self._words is not None:
                 self._words.extend(ring.words[at : at + count])
-            while ring.power.next() >= 0 and (ring.power.next() - self._played) & COUNT_MASK < count:
-                ring.power.play((ring.power.next() + 1) & COUNT_MASK)
+            while ring.power.next(self._played) >= 0 and (ring.power.next(self._played) - self._played) & COUNT_MASK < count:
+                ring.power.play((ring.power.next(self._played) + 1) & COUNT_MASK)
             self._played = (self._played + count) & COUNT_MASK
             self.count += count
 

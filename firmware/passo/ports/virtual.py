@@ -143,9 +143,11 @@ class VirtualPort:
     def watch_limit(self, name, filter_us=0):
         """As of a chip's port."""
         if name not in self._watches and self._listen:
-            made = self._limits.watch_limit(name, filter_us) if self._limits is not None else Latch()
-            self._watches[name] = made
-            self._listen(lambda tick, changed, level: changed == name and made.hold())
+            if self._limits is not None:
+                self._watches[name] = self._limits.watch_limit(name, filter_us)
+            else:
+                made = self._watches[name] = Latch()
+                self._listen(lambda tick, changed, level: changed == name and made.hold())
         return self._watches.get(name)
 
     def make(self, kind, config):

@@ -88,6 +88,7 @@ class VirtualLimits(VirtualInputs):
         watch = self._watches.get(name)
         if watch is None:
             return
+        watch.hold()
         self._let(tick)
         if level != watch.level:
             self._due.pop(name, None)
