@@ -9,7 +9,8 @@ TOOLS = $(VENV)/.installed-tools
 DRAW = $(VENV)/.installed-draw
 EMULATE = $(VENV)/.installed-emulate
 STAMP = $(VENV)/.installed
-# Tests that share an emulated machine are a group, for one worker. Three for two cores: some wait for a browser or a program.
+# Tests that share an emulated machine are a group, for one worker. Three for two cores: some wait for a browser or a program;
+# those of `make check` do not.
 JOBS ?= 3
 PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --durations-min=2
 
@@ -73,6 +74,7 @@ $(STUBS): $(STAMP)
 	@mkdir -p $(VENV)/typings && touch $@
 
 # How much each of them runs is said in tests_host/tiers.py.
+check: JOBS = 2
 check: $(STAMP)  ## the quick tests, in 90 s: rules, digests, a few examples of each property
 	$(PYTEST) --tier check $(ARGS)
 
