@@ -115,9 +115,10 @@ def put_back(port, folder):
 
 def write(path, drive):
     """The board restarts when the last block has come: some systems report that as an error."""
+    data = path.read_bytes()
     try:
-        with open(path, "rb") as source, open(drive / path.name, "wb") as target:
-            shutil.copyfileobj(source, target)
+        with open(drive / path.name, "wb") as target:
+            target.write(data)
             target.flush()
             os.fsync(target.fileno())
     except OSError:

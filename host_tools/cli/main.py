@@ -1,4 +1,4 @@
-"""The `passo` command: registers the verbs, each of which lives in its own module, which is imported if it is asked for.
+"""The `passo` command: registers the verbs. Each lives in a module of its own, which is imported only if its verb is asked for.
 
     app         # the whole command, a typer.Typer
 """
@@ -121,7 +121,7 @@ def explain_missing(name):
 
 @lru_cache(maxsize=None)
 def made(verbs=VERBS):
-    """A typer.Typer with these verbs."""
+    """Return a typer.Typer with these verbs."""
     app = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode="markdown")
     app.callback(invoke_without_command=True)(_passo)
     for verb in verbs:
@@ -140,7 +140,8 @@ def __getattr__(name):
 
 
 def asked(words):
-    """Verbs that a command line needs: the one it begins with, or all, for a help or for what is wrong with it."""
+    """Return the verbs to import for a command line: its first word if that is a verb; else all of them, which --help and "No such
+    command" list."""
     if words[:1] == ["--lang"]:
         words = words[2:]
     return tuple(words[:1]) if words and words[0] in VERBS and "_PASSO_COMPLETE" not in os.environ else VERBS

@@ -24,14 +24,14 @@ STEPS = (
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
 LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's
-# Frozen, these are one module, which is copied into memory. What else would be in it stays in flash, and what dots want.
+# In a UF2 these kernels are one module, which is copied into memory. The other kernels of `steps`, and those of a laser's dots, stay in flash.
 HOT = (
     "passo.motion.block_viper.plan_block", "passo.motion.look_ahead_viper.plan_lines", "passo.motion.ramp_viper.begin", "passo.motion.ramp_viper.cut",
     "passo.protocols.grbl.lines.keep", "passo.protocols.grbl.take_viper.take_lines", "passo.steps.pace_viper.repay",
     "passo.steps.power_viper.passed", "passo.steps.segments_viper.make",
 )  # fmt: skip
 LASER = "passo.steps.dots_viper", "passo.ports.rp2.laser_player"
-STAYING = "calm", "laser"  # modules
+STAYING = "calm", "laser"  # modules that run from flash
 _IMPORT = re.compile(r"^( *)from (passo[.\w]+) import (\w+(?:, \w+)*)$", re.MULTILINE)
 Compiled = namedtuple("Compiled", "texts modules by pointers")
 
@@ -42,7 +42,8 @@ def accelerates(board):
 
 
 def groups(program, board, left=(), keep=False, frozen=False):
-    """[(name, kernels)]; `keep`: also kernels that only kernels call; `frozen`: as they are in a UF2."""
+    """Return [(name of a module, its kernels)]. `keep`: include kernels that only other kernels call. `frozen`: group them as the UF2 does,
+    where code that runs seldom stays in flash (STAYING)."""
     plan, planned = program.loaded_with(PLAN), accelerates(board)
 
     def group(kernel):
@@ -89,7 +90,8 @@ def compiled(numbered, texts, board, march, left=(), keep=False, frozen=False):
 
 
 def _straight(imports, indent, module, names):
-    """An import of kernels, from where they are compiled: of the module that had them nothing need be loaded. None if it names anything else."""
+    """Return an import line that fetches kernels from their compiled module, so that the module which defined them is not loaded; None if it
+    also imports anything but kernels."""
     lines = [imports.get(f"{module}.{name}") for name in names.split(", ")]
     return indent + "; ".join(line.strip() for line in lines) if all(lines) else None
 

@@ -14,7 +14,7 @@ class Unit:
     """One module of machine code."""
 
     def __init__(self, program, kernels, stays=False):
-        """`stays`: where it is frozen it runs from flash."""
+        """`stays`: in a UF2 it runs from flash, and is not copied into memory."""
         self.program, self.kernels, self.functions, self.names, self.stays = program, kernels, {}, list(ALWAYS_NAMED), stays
         self.called = [self.function(kernel) for kernel in kernels]
 

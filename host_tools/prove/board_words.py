@@ -37,9 +37,8 @@ class Words:
             self._hash.update(memoryview(ring.words)[at : at + count])
             if self._words is not None:
                 self._words.extend(ring.words[at : at + count])
-            while ring.power.next(self._played) >= 0 and (ring.power.next(self._played) - self._played) & COUNT_MASK < count:
-                ring.power.play((ring.power.next(self._played) + 1) & COUNT_MASK)
             self._played = (self._played + count) & COUNT_MASK
+            ring.power.play(self._played)
             self.count += count
 
     def halt(self):
@@ -77,6 +76,9 @@ class Words:
 
     def input(self, name):
         return False
+
+    def watch_limit(self, name, filter_us=0):
+        return None
 
     def levels(self):
         return 0

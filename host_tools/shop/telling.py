@@ -106,7 +106,7 @@ class Telling:
     def _count(self, shown, state, now_s):
         """Time in motion, and the way of X, Y and Z: a straight line from each report to the next."""
         place = shown.get("m")
-        if self._then_s is not None and state in ("run", "jog", "home"):
+        if self._then_s is not None and state in _MOVES:
             self.counters["run_s"] += now_s - self._then_s
         if place and self._place and len(place) == len(self._place) and state not in (LOST, "home"):
             self.counters["metres"] += sum((to - at) ** 2 for to, at in zip(place[:3], self._place[:3])) ** 0.5 / 1000

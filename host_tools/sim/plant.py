@@ -398,7 +398,7 @@ class Plant:
 
     def _active(self, name):
         if name not in self._actives:
-            raise ValueError(f"there is no input {name}")
+            raise ValueError(f"the board file has no input {name!r}; its inputs are {', '.join(self._actives) or 'none'}")
         return self._actives[name]
 
     def _level(self, barrier, tick):

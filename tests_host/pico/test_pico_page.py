@@ -73,7 +73,7 @@ def test_the_page_while_three_axes_step(show):
     assert served.free >= LEAST_FREE
     assert worst < LATEST_US
     for page, count in zip(pages, pushes):
-        assert count >= int(5 * passed / 1000)
+        assert count >= 5 * passed / 1000
     machine.send(torch.move(STEPS, RATE, 0, RATE))
     machine.run_ms(200)
     begun = machine.now_ms()

@@ -144,22 +144,18 @@ class Homing(Feature):
         machine.homed = self._known == self._all
         machine.finish(self._quality and self._quality.found())
 
-    def _groups_asked(self):
-        """[[number of an axis, …], …]: those of a list home at once."""
-        names = [axis["name"] for axis in self._axes]
-        order = self._config["order"] or [name for name in names if name in self._config["sensors"]]
-        mask = self._machine.command.value or self._all
-        groups = order.split() if " " in order else [[name] for name in order]
-        groups = [[names.index(name) for name in group if mask >> names.index(name) & 1] for group in groups]
-        return [group for group in groups if group]
-
     def _sensor(self, name, axis):
         read = self._machine.inputs.read
         return Sensor(lambda: read(name), self._config["debounce_ms"], self._machine.port.watch_limit(name), self._queue, axis)
 
     def _begin(self, now_ms):
         """Begin, with the settings as they are now."""
-        self._groups = [[self._seeker(number) for number in group] for group in self._groups_asked()]
+        names = [axis["name"] for axis in self._axes]
+        order = self._config["order"] or [name for name in names if name in self._config["sensors"]]
+        mask = self._machine.command.value or self._all
+        groups = order.split() if " " in order else [[name] for name in order]
+        groups = [[names.index(name) for name in group if mask >> names.index(name) & 1] for group in groups]
+        self._groups = [[self._seeker(number) for number in group] for group in groups if group]
         self._stage = 0
         self._now_ms = now_ms
         self._enter()
@@ -187,7 +183,7 @@ class Homing(Feature):
             for sensor in seeker.sensors:
                 sensor.sample(now_ms, position)
                 pending = pending or sensor.pending
-            if not seeker.done and self._until is not None and self._met(seeker, self._until):
+            if not seeker.done and self._until is not None and (self._side.active if self._side else seeker.met(self._until)):
                 seeker.done = ended = True
         left = [seeker for seeker in group if not seeker.done]
         if ended and not still:
@@ -206,9 +202,6 @@ class Homing(Feature):
             return 0
         self._enter()
         return _ON_ITS_WAY
-
-    def _met(self, seeker, active):
-        return self._side.active if self._side else seeker.met(active)
 
     def _enter(self):
         group = self._groups[self._stage // len(self._phases)]

@@ -4,8 +4,8 @@
 class Sensor:
     """`active` follows the input once the readings against it outweigh those for it by `debounce_ms`. `edge` is the
     position where the change that was then believed first showed, chatter included; a change that has not shown again
-    for `debounce_ms` was noise, and is forgotten. Noise denser than that needs a longer `debounce_ms`. If the pin's interrupt keeps the
-    moment (`latch`, a Latch, for homing) the edge is exact; else it is where the axis stood at the look."""
+    for `debounce_ms` was noise, and is forgotten. Noise denser than that needs a longer `debounce_ms`. With `latch`, a Latch of
+    the pin (homing), `edge` is exact to the step; without, it is the position at the cycle that noticed the change."""
 
     _latch = None
 
@@ -19,7 +19,7 @@ class Sensor:
         self.restart(0)
 
     def restart(self, now_ms, active=None):
-        """Believe the input as it is now, or as it is said to be."""
+        """Take `active`, default the input's present level, as the state, and forget any change under way."""
         self.active = self._read() if active is None else active
         self.pending = False  # a change has shown and is not yet believed
         self._against_ms = self._calm_ms = 0
@@ -37,7 +37,7 @@ class Sensor:
         self._last_ms = now_ms
         pending = self.pending
         same = self._read() == self.active
-        if not pending and not self.active and self._latch and self._latch.seen:  # asked after the look: what that sees, the interrupt has
+        if not pending and not self.active and self._latch and self._latch.seen:  # asked after the reading: the interrupt has seen every edge that the reading shows
             queue, axis = self._kept
             position = queue.axis(axis, self._latch)
             if same:  # it is over by now

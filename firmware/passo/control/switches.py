@@ -31,12 +31,11 @@ class Switches(Feature):
     def _watch(self, board, port):
         """[(watch of the pin's interrupt, sensor, the board file's active level)] of the limits."""
         watches = []
-        if hasattr(port, "watch_limit"):
-            items = {item["name"]: item for item in board["inputs"]}
-            for name, sensor in self._limits:
-                watch = port.watch_limit(name, items[name]["filter_us"] or _LIMIT_FILTER_US)
-                if watch is not None:
-                    watches.append((watch, sensor, items[name]["active"]))
+        items = {item["name"]: item for item in board["inputs"]}
+        for name, sensor in self._limits:
+            watch = port.watch_limit(name, items[name]["filter_us"] or _LIMIT_FILTER_US)
+            if watch is not None:
+                watches.append((watch, sensor, items[name]["active"]))
         return watches
 
     def _turn(self):

@@ -218,8 +218,9 @@ class ChipPort:
         return make(self, config)
 
     def watch_limit(self, name, filter_us=0):
-        """What stops the player as a limit becomes active, once that has lasted, and keeps the moment when it changes, for homing (a Latch).
-        None: its pin has no interrupt of its own."""
+        """Return the watch of an input's pin: its interrupt stops the player once a limit has been active for `filter_us`, and keeps the
+        moment of a change for homing (a Latch). The first call for a name sets its filter: Switches asks at the start, homing later.
+        Return None if the pin has no interrupt of its own."""
         if self.interlock is not None:
             return self.interlock.watches.get(list(self._inputs).index(name))
         item = self._inputs[name]

@@ -41,7 +41,7 @@ from passo.steps.wiring import inverted_pins, muted_pins, word_times
 
 TICK_NS = 80
 COARSE_TICKS = 8 * TICKS_PER_MS  # a cycle in motion: well inside the 30 ms that the feeder keeps ahead
-FINE_TICKS = 2 * TICKS_PER_MS  # a cycle while homing, whose edges interrupts keep
+FINE_TICKS = 2 * TICKS_PER_MS  # a cycle while homing, about as long as a chip's; an edge within it is kept by the pin's interrupt
 IDLE_MS = 5  # the longest sleep of an idle cycle
 LAG_TICKS = 100 * TICKS_PER_MS  # real time further behind than this is given up, not caught up with
 
@@ -141,7 +141,7 @@ class VirtualPort:
         return levels
 
     def watch_limit(self, name, filter_us=0):
-        """As of a chip's port."""
+        """See ChipPort.watch_limit(). The first call for a name sets its filter."""
         if name not in self._watches and self._listen:
             if self._limits is not None:
                 self._watches[name] = self._limits.watch_limit(name, filter_us)

@@ -60,8 +60,8 @@ class Position:
         return list(self.found(played))
 
     def found(self, played, edge=None):
-        """The same in an array that is used again and again. Of a moment ago, which `edge`, a Latch, has kept, it is exact, unless that
-        moment's mark is gone by now: more than 60 segments have been made since, or all have been dropped."""
+        """The same in an array that is used again and again. With `edge`, a Latch, the position at its moment, exact to the step; the
+        present position if more than 60 segments have been made since, or all have been dropped."""
         if edge and (self.state[FEED_NEWEST] - edge.first) & COUNT_MASK < MARKS - 2:
             state = self.state[:]
             state[FEED_OLDEST] = edge.first
