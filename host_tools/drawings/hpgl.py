@@ -4,7 +4,8 @@
     page = file.outlines(deviation_px=0.1)
 
 Coordinates are the file's: its zero is the lower left corner of the page, unless it draws below zero; a unit is 1/40 mm. Scaling by IP,
-SC, IR and SR, text in single-line letters, arcs, circles, wedges, rectangles, polygons, windows and rotation are followed.
+SC, IR and SR, text in single-line letters, arcs, circles, Bézier curves, wedges, rectangles, polygons, windows, rotation and HP-GL/2's
+encoded polylines are followed.
 Chords that the file asks for are kept, all other curves are as fine as the drawing's tolerance. Instructions that leave no ink say
 nothing; others are counted in `left_out`.
 """
@@ -15,6 +16,7 @@ from collections import Counter
 
 import numpy
 
+from host_tools.drawings import hpgl_encoded
 from host_tools.drawings.hpgl_pen import Pen
 from host_tools.drawings.page import Page
 from host_tools.failure import Failure, reason
@@ -59,7 +61,7 @@ class HpglFile:
             raise Failure("{} has no instruction of HPGL", path)
         pen = self._drawn(1.0)
         places = numpy.concatenate([line for inks in pen.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
-        size = pen.page or (0.0, 0.0)
+        size = pen.sheet.size or (0.0, 0.0)
         farthest = max(abs(places).max(), *size) / UNITS_PER_MM
         if not farthest < _FARTHEST_MM:
             raise Failure("{}: {} mm is too far away for a drawing", path, farthest)
@@ -138,7 +140,7 @@ class HpglFile:
             if name == "PE":
                 end = text.find(";", at)
                 at = len(text) if end < 0 else end
-                self._left_out[N_("polyline in HP-GL/2's own code (PE)")] += 1
+                yield name, hpgl_encoded.moves(text[match.end() : at])
                 continue
             end = _INSTRUCTION.search(text, at)
             stop = text.find(";", at, end.start() if end else None)

@@ -18,7 +18,7 @@ from shapely import STRtree
 from shapely import points as shapely_points
 
 from host_tools import boards
-from host_tools.drawings import sources, svg_area
+from host_tools.drawings import hpgl_encoded, sources, svg_area
 from host_tools.drawings.drawing import load
 from host_tools.drawings.hpgl import UNIT_PX
 from host_tools.drawings.placement import box_of
@@ -153,6 +153,15 @@ def test_what_a_sheet_has_and_nobody_reads_is_named(tmp_path):
 FRAME = "IN;SP1;PU0,0;PD0,100;PU9000,7000;PD9000,6900;PU;"
 
 
+def encoded(number, base):
+    """A number of PE's."""
+    rest, digits = abs(number) * 2 + (number < 0), []
+    while rest >= base:
+        digits.append(63 + rest % base)
+        rest //= base
+    return bytes([*digits, rest + (191 if base == 64 else 95)]).decode("latin-1")
+
+
 def hpgl_program(seed):
     """Instructions at random. Arcs are whole chords long: hp2xx leaves out the rest of a wedge's last chord."""
     chance = random.Random(seed)
@@ -162,6 +171,12 @@ def hpgl_program(seed):
 
     def way():
         return f"{chance.randint(-800, 800)},{chance.randint(-800, 800)}"
+
+    def polyline():
+        base = chance.choice((64, 32))
+        flags = ("<=", "", "", "=", f":{encoded(chance.randint(1, 8), base)}<=")
+        ways = [f"{flag}{encoded(chance.randint(800, 3000), base)}{encoded(chance.randint(800, 1500), base)}" for flag in flags]
+        return f"PU{place()};PE{'7' if base == 32 else ''}{''.join(ways)};PU;"
 
     def sweep(most):
         return 10 * chance.randint(1, most // 10) * chance.choice((-1, 1))
@@ -173,6 +188,7 @@ def hpgl_program(seed):
         lambda: f"PU{place()};EA{place()};", lambda: f"PU{place()};ER{way()};",
         lambda: f"PU{place()};EW{chance.randint(100, 900)},{chance.randint(0, 360)},{abs(sweep(300))},10;", lambda: f"SP{chance.randint(1, 8)};",
         lambda: f"PU{place()};PM0;PD{place()},{place()};PU{place()};PM1;PD{place()},{place()};PM2;EP;",
+        lambda: f"PU{place()};PD;BZ{place()},{place()},{place()};BR{way()},{way()},{way()};", polyline,
     ]  # fmt: skip
     words = [FRAME]
     if chance.random() < 0.5:
@@ -191,6 +207,7 @@ def hp2xx_lines(path, box):
         places = [complex(float(x), float(y)) for x, y in re.findall(r"[ML] *([-\d.]+), *([-\d.]+)", data)]
         lines.append(numpy.array(places if len(places) > 1 else places * 2))
     theirs = box_of([lines])
+    assert max(box[2] - box[0], box[3] - box[1]) > 1, "a dot of ours would have any drawing laid on it"
     scale = (box[2] - box[0]) / (theirs[2] - theirs[0])
     return [(line.real - theirs[0]) * scale + box[0] + 1j * ((line.imag - theirs[3]) * scale + box[3]) for line in lines]
 
@@ -206,12 +223,12 @@ def hpgl_agreement(path, near=0.5, window=None):
     return agreement(samples(hp2xx_lines(path, box_of([lines]))), lines, near), page
 
 
-@pytest.mark.parametrize("seed", range(25))
+@pytest.mark.parametrize("seed", range(30))
 def test_hpgl_as_hp2xx_has_it(tmp_path, seed):
     path = tmp_path / "a.plt"
-    path.write_text(hpgl_program(seed))
+    path.write_text(hpgl_program(seed), encoding="latin-1")
     (on_ours, on_theirs), page = hpgl_agreement(path)
-    assert on_ours > 0.98 and on_theirs > 0.98 and not page.left_out, path.read_text()
+    assert on_ours > 0.98 and on_theirs > 0.98 and not page.left_out, path.read_bytes()
 
 
 def test_a_real_hpgl_file_as_hp2xx_has_it(corpus):
@@ -352,9 +369,18 @@ def test_three_points_make_their_circle(tmp_path):
 
 def test_what_hpgl_has_and_no_pen_draws_is_named(tmp_path):
     path = tmp_path / "a.plt"
-    path.write_text("IN;LT2;PE<=abc;QQ5;PU0,0;PD99,1e30;PD400,0;LB\u00e9\x03;SC0,0,1,1;", encoding="latin-1")
+    path.write_text("IN;LT2;QQ5;PU0,0;PD99,1e30;PD400,0;LB\u00e9\x03;SC0,0,1,1;", encoding="latin-1")
     page = sources.opened(path).outlines(0.01)
-    assert sum(page.left_out.values()) == 6, page.left_out
+    assert sum(page.left_out.values()) == 5, page.left_out
+
+
+@pytest.mark.parametrize("text, found", [
+    ("\x40\x00", []), ("", []), ("C", []), ("?" * 99, []), ("<=", []), ("\u00bf\u00bf", [(True, False, 0.0, 0.0)]), (":\u00c1", [1]),
+    ("=<\u00c1\u00c2\u00c1\u00c2", [(False, True, 1.0, -1.0), (True, False, 1.0, -1.0)]), (">\u00c3\u00c1\u00c1", [(True, False, 0.25, 0.25)]),
+    ("7``", [(True, False, -0.0, -0.0)]), ("7AaAa", [(True, False, 33.0, 33.0)]),
+])  # fmt: skip
+def test_hpgl_s_encoded_numbers(text, found):
+    assert hpgl_encoded.moves(text) == found
 
 
 PAGE = '<svg xmlns="http://www.w3.org/2000/svg" width="99mm" height="99mm" stroke="black">{}</svg>'

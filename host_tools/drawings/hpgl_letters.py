@@ -1,0 +1,106 @@
+"""HPGL's labels and symbols as single lines: their size, direction, slant and origin."""
+
+import re
+
+import numpy
+
+from host_tools.drawings import stroke_font
+from host_tools.language import N_
+
+_CM = 400.0  # in plotter units
+
+
+class Letters:
+    """`place`, where the pen is, is the pen's own before a label, and the letters' behind it."""
+
+    def __init__(self, sheet, ink):
+        """`ink(lines)` draws."""
+        self._sheet, self._ink = sheet, ink
+        self._size = None  # of a letter, relative to P1 and P2
+        self._letter = 0.19 * _CM, 0.27 * _CM
+        self._along, self._slant, self._origin = 1 + 0j, 0.0, 1
+        self.symbol = ""  # SM: a letter at each place
+        self._return, self._labelled = 0j, None  # where a carriage return goes, and where the last label ended
+
+    def label(self, place, text):
+        """Draw `text` and return where the pen is behind it. A line feed goes one line down, a carriage return to where labels have
+        begun since the pen was moved, or DI turned them."""
+        width, height = self._size_of_letters()
+        if place != self._labelled:
+            self._return = place
+        row, column = (self._origin - 1) % 10 % 3, (self._origin - 1) % 10 // 3
+        for line in re.split("([\r\n])", text):
+            if line == "\r":
+                place = self._return
+            elif line == "\n":
+                place -= self._along * 2j * height
+                self._return -= self._along * 2j * height
+            elif line:
+                long = len(line) * 1.5 * width - 0.5 * width
+                back = complex(-(long / 2, long)[column - 1] if column else 0.0, -height * row / 2)
+                if self._origin > 10:
+                    back += complex((0.5, 0.0, -0.5)[column] * width, (0.5, 0.0, -0.5)[row] * height)
+                for number, each in enumerate(line):
+                    self._write(each, place, back + number * 1.5 * width, width, height)
+                place += self._along * (back + len(line) * 1.5 * width)
+        self._labelled = place
+        return place
+
+    def cells(self, place, given):
+        """CP: move by cells of letters; without numbers to the next line. Returns where."""
+        place = self.label(place, "" if given else "\r\n")
+        width, height = self._size_of_letters()
+        across, up = (given + [0, 0])[:2]
+        place += self._along * complex(across * 1.5 * width, up * 2 * height)
+        self._return += self._along * 2j * up * height
+        self._labelled = place
+        return place
+
+    def mark(self, place):
+        """The symbol of SM, its middle on the pen's place, also of low and slanted letters."""
+        width, height = self._size_of_letters()
+        heights = numpy.concatenate(stroke_font.letter(self.symbol) or [numpy.zeros(1, complex)]).imag
+        middle = height * (heights.min() + heights.max()) / 2
+        self._write(self.symbol, place, complex(-width / 2 - self._slant * middle, -middle), width, height)
+
+    def _write(self, each, at, shift, width, height):
+        strokes = stroke_font.letter(each)
+        if strokes is None:
+            self._sheet.left_out[N_("letter that the pen's font has not")] += 1
+            return
+        for stroke in strokes:
+            x = stroke.real * width + width / 2 + stroke.imag * height * self._slant
+            self._ink([at + self._along * (shift + x + 1j * stroke.imag * height)])
+
+    def _size_of_letters(self):
+        if self._size is None:
+            return self._letter
+        span = self._sheet.span
+        return abs(span.real) * self._size[0] / 100, abs(span.imag) * self._size[1] / 100
+
+    # --- instructions
+
+    def absolute_size(self, given):
+        self._size, self._letter = None, (0.19 * _CM, 0.27 * _CM) if len(given) < 2 else (given[0] * _CM, given[1] * _CM)
+
+    def relative_size(self, given):
+        self._size = tuple(given[:2]) if len(given) > 1 else (0.75, 1.5)
+
+    def relative_direction(self, given):
+        """DR: in per cent of the way from P1 to P2."""
+        span = self._sheet.span
+        self.direction([given[0] * span.real, given[1] * span.imag] if len(given) > 1 else [span.real, 0.0])
+
+    def direction(self, given):
+        along = complex(*given[:2]) if len(given) > 1 else 1 + 0j
+        self._along = along / abs(along) if along else 1 + 0j
+        self._labelled = None
+
+    def set_symbol(self, symbol):
+        self.symbol = symbol.strip()
+
+    def set_slant(self, given):
+        self._slant = given[0] if given else 0.0
+
+    def set_origin(self, given):
+        self._origin = int(given[0]) if given else 1

@@ -1,0 +1,117 @@
+"""Where HPGL's numbers lie on the paper: P1 and P2, scales, rotation, window, the sheet's size. All in plotter units (1/40 mm), y up."""
+
+import cmath
+import math
+from collections import Counter
+
+import shapely
+from shapely import affinity
+
+from host_tools.drawings import svg_area
+from host_tools.language import N_
+
+_P2 = 10365 + 7962j  # of an A4 sheet, as HP's plotters have it
+
+
+class Sheet:
+    def __init__(self):
+        self.size = None  # (width, height), if the file says so
+        self.left_out = Counter()
+        self.initialize()
+
+    def initialize(self):
+        """As after IN."""
+        self._ends, self._turn = (0j, _P2), 0
+        self.reset()
+
+    def reset(self):
+        """As after DF: no scale, no window."""
+        self._user = self._scale = self._window = None
+
+    @property
+    def span(self):
+        """From P1 to P2."""
+        return self._ends[1] - self._ends[0]
+
+    @property
+    def factors(self):
+        """Plotter units of a unit of the file, across and up."""
+        return self._scale[1:] if self._scale else (1.0, 1.0)
+
+    def units(self, x, y, relative=False):
+        """A pair of the file's numbers in plotter units; `relative`: a distance."""
+        place = complex(x, y)
+        if self._scale:
+            origin, across, up = self._scale
+            place = complex(x * across, y * up) + (0 if relative else origin)
+        return place
+
+    def inked(self, lines, areas):
+        """(lines, areas) where they are drawn: turned, and cut by the window."""
+        if self._turn:
+            turned = cmath.exp(1j * math.radians(self._turn))
+            lines = [line * turned for line in lines]
+            areas = [affinity.rotate(area, self._turn, origin=(0, 0)) for area in areas]
+        if self._window:
+            lines = svg_area.clipped(lines, self._window)
+            areas = [area.intersection(self._window) for area in areas]
+        return lines, areas
+
+    # --- instructions
+
+    def input_ends(self, given):
+        if len(given) >= 4:
+            self._ends = complex(*given[:2]), complex(*given[2:4])
+        elif len(given) >= 2:
+            self._ends = complex(*given[:2]), complex(*given[:2]) + self.span
+        else:
+            self._ends = 0j, _P2
+        self._rescale()
+
+    def relative_ends(self, given):
+        """IR: in per cent of the sheet."""
+        width, height = self.size or (_P2.real, _P2.imag)
+        if len(given) >= 4:
+            x1, y1, x2, y2 = given[:4]
+            self._ends = complex(x1 * width, y1 * height) / 100, complex(x2 * width, y2 * height) / 100
+        self._rescale()
+
+    def scale(self, given):
+        self._user = given if len(given) >= 4 else None
+        self._rescale()
+
+    def _rescale(self):
+        self._scale = None
+        if not self._user:
+            return
+        (left, right, bottom, top), kind = self._user[:4], self._user[4] if len(self._user) > 4 else 0
+        first, span = self._ends[0], self.span
+        if kind == 2:  # xmin, factor, ymin, factor
+            across, up = right, top
+            self._scale = first - complex(left * across, bottom * up), across, up
+            return
+        if right == left or top == bottom:
+            self.left_out[N_("scale without size")] += 1
+            return
+        across, up = span.real / (right - left), span.imag / (top - bottom)
+        if kind == 1:
+            share_x, share_y = (self._user[5:7] + [50, 50])[:2] if len(self._user) > 6 else (50, 50)
+            least = min(abs(across), abs(up))
+            spare = complex(abs(span.real) - least * abs(right - left), abs(span.imag) - least * abs(top - bottom))
+            across, up = math.copysign(least, across), math.copysign(least, up)
+            first += complex(math.copysign(spare.real, span.real) * share_x / 100, math.copysign(spare.imag, span.imag) * share_y / 100)
+        self._scale = first - complex(left * across, bottom * up), across, up
+
+    def rotate(self, given):
+        self._turn = int(given[0]) if given else 0
+
+    def clip(self, given):
+        if len(given) < 4:
+            self._window = None
+            return
+        a, b = self.units(*given[:2]), self.units(*given[2:4])
+        self._window = shapely.box(min(a.real, b.real), min(a.imag, b.imag), max(a.real, b.real), max(a.imag, b.imag))
+
+    def paper(self, given):
+        if given:
+            self.size = given[0], given[1] if len(given) > 1 else given[0]

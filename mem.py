@@ -1,0 +1,2 @@
+import resource, sys, typer
+from host_tools.cli import app
