@@ -18,7 +18,7 @@ def name_of(element):
     return f'<{local_name(element.tag)} id="{name}">' if name else f"<{local_name(element.tag)}>"
 
 
-_LENGTHS = "x y x1 y1 x2 y2 cx cy r rx ry width height dx dy rotate startOffset viewBox stroke-dasharray stroke-dashoffset font-size".split()
+_LENGTHS = "x y x1 y1 x2 y2 cx cy r rx ry width height dx dy rotate startOffset textLength viewBox stroke-dasharray stroke-dashoffset font-size".split()
 _WORDS = frozenset("auto none inherit initial medium small large smaller larger x-small x-large xx-small xx-large".split())
 
 

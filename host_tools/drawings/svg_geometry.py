@@ -14,6 +14,7 @@ import numpy
 
 IDENTITY = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "q": 96 / 101.6, "in": 96.0, "pt": 4 / 3, "pc": 16.0}
+_OF_LETTERS = {"em": 1.0, "rem": 1.0, "ex": 0.5, "ch": 0.5}  # of the font's size
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z%]*)\s*$")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _NEXT = re.compile(rf"[\s,]*({_NUMBER.pattern})")
@@ -43,14 +44,15 @@ def length(text, whole=None, font_size=16.0, default=0.0):
     number, unit = float(match[1]), match[2].lower()
     if unit == "%":
         return default if whole is None else bounded(number * whole / 100)
-    if unit in ("em", "rem", "ex"):
-        return bounded(number * font_size * (0.5 if unit == "ex" else 1))
+    if unit in _OF_LETTERS:
+        return bounded(number * font_size * _OF_LETTERS[unit])
     return bounded(number * _PX[unit]) if unit in _PX else default
 
 
 def are_lengths(text):
-    """True of lengths or numbers, none or several."""
-    return all(_LENGTH.match(part) for part in _APART.split(text.strip()) if part)
+    """True of lengths or numbers, none or several, in units that are known."""
+    found = [_LENGTH.match(part) for part in _APART.split(text.strip()) if part]
+    return all(match and (match[2].lower() in _PX or match[2].lower() in _OF_LETTERS or match[2] == "%") for match in found)
 
 
 def up_to_a_mistake(text):

@@ -4,11 +4,13 @@
     lines = outlines(pieces, deviation, left_out)   # polylines, in the element's own coordinates
 
 A font that is not installed is replaced by the one that matplotlib takes for it, and `left_out` is told so. Letters follow
-each other as the font has them; x, y, dx, dy, rotate, text-anchor and letter-spacing are kept, and letters stand on the path of a
-<textPath>, each by its middle. Vertical text is not drawn.
+each other as the font has them; x, y, dx, dy, rotate, textLength, text-anchor, letter-spacing, word-spacing, baseline-shift and
+text-transform are kept, and letters stand on the path of a <textPath>, each by its middle. Vertical text is not drawn; text from right
+to left, small capitals and lines under text are named.
 """
 
 import logging
+import unicodedata
 import warnings
 from dataclasses import dataclass, field
 from functools import lru_cache
@@ -39,6 +41,8 @@ class Letter:
     dy: float = 0.0
     rotate: float = 0.0  # degrees
     way: object = None  # of a <textPath>: Way
+    up: float = 0.0  # above its line
+    wide: float = 1.0  # how much wider than its font has it
 
 
 @dataclass
@@ -69,9 +73,11 @@ class _Run:
     style: dict
     size: float
     text: str
-    dx: float
-    dy: float
+    dx: float = 0.0
+    dy: float = 0.0
     rotate: float = 0.0
+    up: float = 0.0
+    wide: float = 1.0
 
 
 @dataclass
@@ -120,13 +126,17 @@ def _collect(element, style, found_by, viewport, left_out, letters, keep_space, 
     style_of, way_of = found_by
     size = float(style["font-size"])
     first = len(letters)
+    _name_others(element, style, left_out)
     _spell(element.text, style, size, keep_space, letters)
     for child in element:
         tag = local_name(child.tag)
         if tag in ("tspan", "a"):
             inner = style_of(child, style)
             if inner.get("display") != "none":
+                begin = len(letters)
                 _collect(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
+                for letter in letters[begin:]:
+                    letter.up += _shift(inner.get("baseline-shift"), size)
         elif tag == "textPath":
             _along(child, style_of(child, style), found_by, viewport, left_out, letters, keep_space, depth + 1)
         _spell(child.tail, style, size, keep_space, letters)
@@ -138,6 +148,37 @@ def _collect(element, style, found_by, viewport, left_out, letters, keep_space, 
         for letter, position in zip(_collapsed(letters[first:]) if positions else (), positions):
             if getattr(letter, name) in (None, 0.0):  # what a <tspan> inside says goes before
                 setattr(letter, name, position)
+    _stretch(element, _collapsed(letters[first:]), viewport[0], size, left_out)
+
+
+def _name_others(element, style, left_out):
+    """What is drawn, but not as the file has it."""
+    text = "".join((element.text or "", *(child.tail or "" for child in element)))
+    if text.strip() and (style.get("direction") == "rtl" or any(unicodedata.bidirectional(each) in ("R", "AL") for each in text)):
+        left_out[N_("text from right to left (drawn from left to right)")] += 1
+    if text.strip() and "small-caps" in style.get("font-variant", ""):
+        left_out[N_("small capitals (drawn as small letters)")] += 1
+    if style.get("text-decoration", "none").split()[:1] not in (["none"], []):
+        left_out[N_("line under, over or through text")] += 1
+
+
+def _stretch(element, letters, whole, size, left_out):
+    """textLength: blanks between letters, or wider letters, so that they are as long as the file says."""
+    wanted = svg_geometry.length(element.get("textLength"), whole, size)
+    if wanted <= 0 or not letters or any(letter.x is not None for letter in letters[1:]):
+        return
+    natural = sum(_advance(_Run(letter.style, letter.size, letter.text), left_out) + letter.dx for letter in letters) - letters[0].dx
+    if element.get("lengthAdjust") == "spacingAndGlyphs":
+        for letter in letters:
+            letter.wide *= wanted / natural if natural > 0 else 1.0
+    else:
+        for letter in letters[1:]:
+            letter.dx += (wanted - natural) / (len(letters) - 1)
+
+
+def _shift(text, size):
+    """How far above its line a <tspan> of baseline-shift stands; `size` is its parent's. As Inkscape has it."""
+    return {"super": 0.4 * size, "sub": -0.2 * size}.get(text, svg_geometry.length(text, size, size))
 
 
 def _along(element, style, found_by, viewport, left_out, letters, keep_space, depth):
@@ -158,8 +199,12 @@ def _along(element, style, found_by, viewport, left_out, letters, keep_space, de
         letter.way, letter.x, letter.y = letter.way or way, None, None
 
 
+_CASES = {"uppercase": str.upper, "lowercase": str.lower, "capitalize": str.title}
+
+
 def _spell(text, style, size, keep_space, letters):
-    for each in text or "":
+    text = _CASES.get(style.get("text-transform"), str)(text or "")
+    for each in text:
         letters.append(Letter(" " if each.isspace() and each != "\xa0" else each, style, size, keep_space))
 
 
@@ -170,7 +215,7 @@ def outlines(letters, deviation, left_out):
     for chunk in _chunks(letters):
         x = x if chunk.x is None else chunk.x
         y = y if chunk.y is None else chunk.y
-        width = sum(run.dx + _advance(run, left_out) for run in chunk.runs)
+        width = sum(run.dx + _advance(run, left_out) for run in chunk.runs) - chunk.runs[0].dx  # the first one moves the whole
         before = {"middle": width / 2, "end": width}.get(chunk.anchor, 0.0)
         if chunk.way:
             lines += _on_way(chunk, chunk.way.begin - before, deviation, left_out)
@@ -178,7 +223,7 @@ def outlines(letters, deviation, left_out):
         x -= before
         for run in chunk.runs:
             x, y = x + run.dx, y + run.dy
-            drawn = _drawn(run, x, y, deviation, left_out)
+            drawn = _drawn(run, x, y - run.up, deviation, left_out)
             lines += svg_geometry.placed(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y})")) if run.rotate else drawn
             x += _advance(run, left_out)
     return lines
@@ -194,7 +239,7 @@ def _on_way(chunk, at, deviation, left_out):
         if found is not None:
             place, direction = found
             turned = direction * complex(numpy.exp(1j * numpy.radians(run.rotate)))
-            for line in _drawn(run, -wide / 2, 0.0, deviation, left_out):
+            for line in _drawn(run, -wide / 2, -run.up, deviation, left_out):
                 lines.append(place + 1j * direction * off + line * turned)
         elif run.text.strip():
             left_out[N_("letters beyond the end of their path")] += 1
@@ -209,15 +254,18 @@ def _chunks(letters):
             chunks.append(_Chunk(letter.x, letter.y, letter.style.get("text-anchor", "start"), letter.way))
         runs = chunks[-1].runs
         single = letter.dx or letter.dy or letter.rotate or letter.way or _spacing(letter.style, letter.size)
-        if runs and runs[-1].style is letter.style and not single and not runs[-1].rotate:
+        same = runs and runs[-1].style is letter.style and (runs[-1].up, runs[-1].wide) == (letter.up, letter.wide)
+        if same and not single and not runs[-1].rotate:
             runs[-1].text += letter.text
         else:
-            runs.append(_Run(letter.style, letter.size, letter.text, letter.dx, letter.dy, letter.rotate))
+            runs.append(_Run(letter.style, letter.size, letter.text, letter.dx, letter.dy, letter.rotate, letter.up, letter.wide))
     return chunks
 
 
-def _spacing(style, size):
-    return svg_geometry.length(style.get("letter-spacing"), None, size)
+def _spacing(style, size, text=" "):
+    """Behind a letter, and behind a blank."""
+    words = text == " " and svg_geometry.length(style.get("word-spacing"), None, size)
+    return svg_geometry.length(style.get("letter-spacing"), None, size) + words
 
 
 def _advance(run, left_out):
@@ -226,7 +274,7 @@ def _advance(run, left_out):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         width, _, _ = text_to_path.get_text_width_height_descent(run.text, _font(run.style, left_out), False)
-    return width * run.size / _EM + _spacing(run.style, run.size)
+    return (width * run.size / _EM + _spacing(run.style, run.size, run.text)) * run.wide
 
 
 def _drawn(run, x, y, deviation, left_out):
@@ -246,7 +294,7 @@ def _drawn(run, x, y, deviation, left_out):
     y += _baseline(run.style.get("dominant-baseline"), run.size)
     lines = []
     for vertex, code in Path(vertices, codes).iter_segments(curves=True, simplify=False) if len(vertices) else ():
-        positions = (vertex[0::2] * scale + x) - 1j * (vertex[1::2] * scale - y)
+        positions = (vertex[0::2] * scale * run.wide + x) - 1j * (vertex[1::2] * scale - y)
         if code == Path.MOVETO:
             lines.append([positions[0]])
         elif code == Path.CLOSEPOLY:
