@@ -8,7 +8,7 @@ import time
 import pytest
 
 from panel_process import PanelProcess
-from test_panel_page import CHROMIUM, DRIVER, Browser, axe, chromium, serious_faults  # noqa: F401
+from test_panel_page import CHROMIUM, DRIVER, Browser, axe, chromium, faults_found  # noqa: F401
 from test_panel_walk import Walker
 
 pytestmark = [
@@ -344,6 +344,6 @@ def test_pictures(tmp_path, driver, axe, board,  # noqa: F811
         time.sleep(0.5)
         browser.shot(f"{board}-{language}-{size[0]}")
         assert browser.driver.execute_script("return document.documentElement.scrollWidth - window.innerWidth") <= 0
-        assert not serious_faults(browser, axe)
+        assert not faults_found(browser, axe)
         english = browser.driver.execute_script("return [...document.querySelectorAll('section:not([hidden]) h2')].map((each) => each.textContent)")
         assert ("Mover" in english) == (language == "pt")

@@ -19,6 +19,7 @@ from panel_process import PanelProcess
 
 pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, pytest.mark.xdist_group("panel")]
 REST_S = 120  # homing a plotter of 2014
+JOB_S = 300  # some 20 s at rest
 SIZES = {"phone": (360, 640), "desktop": (1366, 768)}
 SVG = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">'
@@ -144,7 +145,10 @@ def hand(request, driver):
 
 def done(panel, page):
     """Until the job has been done, which the panel tells in no language."""
-    panel.page().until(lambda state: state["job"] and state["job"]["how"] == "done")
+    client, deadline = panel.page(), time.monotonic() + JOB_S
+    while not client.state.get("job") or client.state["job"]["how"] != "done":
+        assert time.monotonic() < deadline, client.state
+        client.hear()
     page.rest()
 
 

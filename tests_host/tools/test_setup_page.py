@@ -7,7 +7,7 @@ import re
 import time
 
 import pytest
-from test_panel_page import BRING, Browser, axe, driver, pytestmark as of_pages, serious_faults, within_two_screens  # noqa: F401
+from test_panel_page import BRING, Browser, axe, driver, pytestmark as of_pages, faults_found, within_two_screens  # noqa: F401
 
 from panel_process import PanelProcess
 
@@ -250,7 +250,7 @@ def test_each_part_fits_and_axe_finds_nothing(homed, driver, axe, size, language
             page.open(key)
             time.sleep(0.6)
             page.shot(f"setup-{key}-{language}-{size[0]}")
-            faults = serious_faults(page, axe)
+            faults = faults_found(page, axe)
             assert not faults, (key, faults)
             within_two_screens(page, size)
         page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

@@ -100,7 +100,7 @@ export class JobFacts {
   // Where the board's queue was nearly empty.
   waits() {
     const { lows } = this.run;
-    return lows.length ? [_("waited for lines {count} times, first at line {line}", { count: lows.length, line: lows[0] })] : [];
+    return lows.length ? [_("waits for lines: {count}, the first at line {line}", { count: lows.length, line: lows[0] })] : [];
   }
 
   // Seconds left, by the estimate and the pace so far; null: nobody knows.

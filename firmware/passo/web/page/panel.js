@@ -426,7 +426,7 @@ function showLog(message) {
 function showSettings(told) {
   settings = told;
   list.show(told);
-  if (nameTool(told)) makeOverrides(order);
+  if (nameTool(told)) { makeOverrides(order); picture.show(picture.moves); }
   show();
 }
 

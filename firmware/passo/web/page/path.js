@@ -1,11 +1,19 @@
 // The picture of a job: the table with its travel, grid and zeros, the path with what is done, and the tool on it.
 
+import { isLaser } from "./controls.js";
 import { View } from "./view.js";
 import { _ } from "./words.js";
 
 const NEAR = 14;       // pixels from a path that is meant by a touch
 const MOST_SHADES = 24;
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// [[moves, share]]: those that lie about there between `low` and `high`, 0 … 1.
+function shares(moves, value, low, high) {
+  const rows = Array.from({ length: MOST_SHADES + 1 }, () => []);
+  for (const move of moves) rows[high > low ? Math.round((value(move) - low) / (high - low) * MOST_SHADES) : 0].push(move);
+  return rows.map((row, n) => [row, n / MOST_SHADES]).filter(([row]) => row.length);
+}
 
 export class Picture {
   // chosen(place, move): what was touched, in mm, and the move there, or null.
@@ -14,6 +22,8 @@ export class Picture {
     this.chosen = chosen;
     this.moves = [];
     this.tool = this.aim = this.table = this.marked = null;
+    this.apart = Infinity;  // mm between a laser's rows: the area by their length
+    this.most = 0;          // power of a laser's job
     this.offsets = [];  // [[name, place of the machine]] of the work offsets that are not chosen
     this.done = 0;
     this.shade = "";
@@ -21,7 +31,24 @@ export class Picture {
     this.view = new View(canvas, () => this.draw(), (x, y) => this.touch(x, y));
   }
 
-  show(moves) { this.moves = moves; this.done = 0; this.marked = null; this.fit(); }
+  show(moves) {
+    this.moves = moves;
+    this.done = 0;
+    this.marked = null;
+    this.apart = Infinity;
+    this.most = 0;
+    if (isLaser() && moves.length) {
+      let long = 0;
+      for (const { points, rapid, power } of moves) {
+        if (rapid) continue;
+        this.most = Math.max(this.most, power);
+        for (let n = 1; n < points.length; n++) long += Math.hypot(points[n][0] - points[n - 1][0], points[n][1] - points[n - 1][1]);
+      }
+      const [x, y] = this.bounds().map(([low, high]) => Math.max(high - low, 1));
+      this.apart = x * y / (long || 1);
+    }
+    this.fit();
+  }
 
   // The travel in work coordinates: { box: [[low, high] of x, y, z], zero: the machine's }. True if it is another one.
   setTable(table) {
@@ -185,24 +212,29 @@ export class Picture {
   }
 
   strokes(ink, from, to, done) {
-    const part = (rapid) => {
-      ink.beginPath();
-      for (const move of this.moves) {
-        if (move.rapid !== rapid || move.line < from || move.line >= to) continue;
-        move.points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...this.view.at(point)));
-      }
-    };
     const dense = this.dense || 1;
-    if (!done) {
-      part(true);
+    const apart = this.apart * this.view.scale;
+    if (!done && apart > 2 * dense) {  // else the ways back are a block of their own
+      this.trace(ink, this.moves.filter((move) => move.rapid));
       Object.assign(ink, { strokeStyle: colour("--grid-more"), lineWidth: dense });
       ink.setLineDash([4 * dense, 4 * dense]);
       ink.stroke();
       ink.setLineDash([]);
     }
-    part(false);
-    Object.assign(ink, { strokeStyle: colour(done ? "--done" : "--path"), lineWidth: (done ? 2.6 : 1.6) * dense });
-    ink.stroke();
+    // Rows of a laser are as dark as their power, and as thin as they are close: a fill is the picture that it burns.
+    const cuts = this.moves.filter((move) => !move.rapid && move.line >= from && move.line < to);
+    const width = Math.min(1.6 * dense, Math.max(0.5 * dense, apart));
+    for (const [row, share] of shares(cuts, this.most ? (move) => move.power : () => 0, 0, this.most)) {
+      this.trace(ink, row);
+      Object.assign(ink, { strokeStyle: colour(done ? "--done" : "--path"), lineWidth: done ? 1.6 * width : width, globalAlpha: this.most ? 0.1 + 0.9 * share : 1 });
+      ink.stroke();
+    }
+    ink.globalAlpha = 1;
+  }
+
+  trace(ink, moves) {
+    ink.beginPath();
+    for (const { points } of moves) points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...this.view.at(point)));
   }
 
   // The path in colours of its speed, power or depth: blue is the least, red the most.
@@ -210,14 +242,11 @@ export class Picture {
     const value = { feed: (move) => move.feed || 0, power: (move) => move.power || 0, depth: (move) => -(move.points[move.points.length - 1][2] || 0) }[this.shade];
     const cuts = this.moves.filter((move) => !move.rapid);
     const low = cuts.reduce((least, move) => Math.min(least, value(move)), Infinity), high = cuts.reduce((most, move) => Math.max(most, value(move)), -Infinity);
-    const rows = Array.from({ length: MOST_SHADES + 1 }, () => []);
-    for (const move of cuts) rows[high > low ? Math.round((value(move) - low) / (high - low) * MOST_SHADES) : 0].push(move);
-    rows.forEach((row, n) => {
-      ink.beginPath();
-      for (const move of row) move.points.forEach((point, at) => ink[at ? "lineTo" : "moveTo"](...this.view.at(point)));
-      Object.assign(ink, { strokeStyle: `hsl(${230 - 230 * n / MOST_SHADES}, 75%, 45%)`, lineWidth: 2 * (this.dense || 1) });
+    for (const [row, share] of shares(cuts, value, low, high)) {
+      this.trace(ink, row);
+      Object.assign(ink, { strokeStyle: `hsl(${230 - 230 * share}, 75%, 45%)`, lineWidth: 2 * (this.dense || 1) });
       ink.stroke();
-    });
+    }
     if (cuts.length) this.legend(ink, low, high);
   }
 

@@ -39,7 +39,11 @@ export class Recover {
     $("recover-drop").disabled = $("recover-forget").disabled = !free;
   }
 
-  over(offer) { return _("The tool is over the place. Next: {next}. Is the place right, and all clear?", offer); }
+  over(offer) {
+    const [, depth, feed] = /G1Z([-\d.]+)F([\d.]+)$/.exec(offer.next) || [];
+    const next = depth ? _("down to Z {depth} mm of the machine, at {feed} mm/min", { depth: Number(depth).toFixed(2), feed: Number(feed) }) : offer.next;
+    return _("The tool is over the place. Next: {next}. Is the place right, and all clear?", { next });
+  }
 
   stopped(offer, turns) {
     const laser = isLaser(), [on, off] = laser ? [_("{name} stopped in line {line}, the laser is on.", offer), _("{name} stopped in line {line}, laser off.", offer)]

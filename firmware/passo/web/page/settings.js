@@ -57,7 +57,7 @@ export class Settings {
     row.innerHTML = `<th scope="row">$${number}</th><td></td><td><input type="number" step="any"><small></small></td><td></td><td></td>`;
     const [, meaning, , units, bounds] = row.children;
     meaning.textContent = name.replace(/^(?:[xyza]: )?(.*)$/, (whole, text) => whole.replace(text, turned && number < 110 ? _("steps per degree") : _(text)));
-    units.textContent = turned ? unit.replace("mm", "°") : unit;
+    units.textContent = (turned ? unit.replace("mm", "°") : unit).replace("steps", _("steps"));
     bounds.textContent = least === "" ? "" : `${least} … ${most}`;
     const input = row.querySelector("input");
     input.value = Number(this.values[number]);
