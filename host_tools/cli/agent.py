@@ -2,6 +2,7 @@
 
 import contextlib
 import os
+import queue
 import re
 import signal
 import sys
@@ -36,11 +37,21 @@ def agent(
     home_assistant: Annotated[
         Optional[str], typer.Option(metavar="PREFIX", help="Have Home Assistant find the machines; its discovery prefix is homeassistant.")
     ] = None,
+    shop_key: Annotated[
+        Optional[Path], typer.Option(metavar="FILE", help="Take jobs of passo shop: its key, in a file that other users cannot read.")
+    ] = None,
+    at_machine: Annotated[
+        Optional[int], typer.Option(min=0, max=65535, metavar="PORT", help="With --shop-key: serve the page at the machine, on this PC only; 0: any free port.")
+    ] = None,
+    tool: Annotated[Optional[list[str]], typer.Option(metavar="NAME=TEXT", help="With --shop-key: what the machine draws with, for jobs that want it.")] = None,
 ):
     """Tell an MQTT broker of the machines beside this PC: state, job, progress, place, time left, alarms, counters.
 
     Topics are passo/NAME/… and are retained; passo/NAME/log has what happens, as it happens. If the agent dies, the broker says that the
     machine is gone. A message to passo/NAME/stop, or to passo/stop for all, stops them; else machines are sent nothing but questions. The ports are the agent's alone as long as it runs.
+
+    With --shop-key machines that speak grbl and keep a journal take jobs of passo shop: one for each time that somebody at the machine says so, on
+    the page of --at-machine or by its button resume.
 
     Examples:
 
@@ -50,37 +61,82 @@ def agent(
 
         passo agent --emulated a=router_3axis --emulated b=plotter_2014 --broker localhost
     """
-    from host_tools.shop.agent import Agent
-    from host_tools.shop.home_assistant import discovery
-    from host_tools.shop.link import ROOT, Link
-
-    where_figures = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
-    broker = _broker(broker, user, password, ca)
+    if (at_machine is not None or tool) and not shop_key:
+        raise Failure("--at-machine and --tool want --shop-key")
+    served = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
     boards = _named(port or [], emulated or [])
+    key = read_secret(shop_key) if shop_key else ""
+    told = make_broker(broker, user, password, ca), home_assistant, key, _tools(tool or [], boards)
     stopped = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.append(True))
     with contextlib.ExitStack() as stack:
-        agent = Agent(_figures(where_figures, stack))
-        stack.callback(agent.close)
-        for name, (where, virtual) in boards.items():
-            language, table, make_port = _virtual(where, stack) if virtual else _real(where, baud, protocol, board)
-            more = discovery(home_assistant, f"{ROOT}/", name) if home_assistant else None
-            link = Link(broker, name, lambda text, name=name: print(f"{name}: {text}", file=sys.stderr, flush=True), more)
-            agent.add(name, language, table, make_port, link)
-            print(_("{}: {} at {}", name, language, where), flush=True)
-        print(_("Ctrl-C ends it."), flush=True)
-        agent.run(lambda: stopped)
+        made = {name: (where, _virtual(where, stack) if virtual else _real(where, baud, protocol, board)) for name, (where, virtual) in boards.items()}
+        agent = _agent(made, served, told, stack)
+        _run(agent, at_machine, stopped, stack)
 
 
-def _broker(text, user, password, ca):
+def _run(agent, at_machine, stopped, stack):
+    """Until something is in `stopped`."""
+    asked = queue.SimpleQueue()
+    if at_machine is not None:
+        _serve_page(at_machine, agent, asked, stack)
+    print(_("Ctrl-C ends it."), flush=True)
+    agent.run(lambda: stopped, asked)
+
+
+def _agent(boards, served, told, stack):
+    """The Agent of {name: (where, (language, board file's table, make_port))}, connected."""
+    from host_tools.shop.agent import Agent
+    from host_tools.shop.home_assistant import discovery
+    from host_tools.shop.link import ROOT, Link
+    from passo.web.session import read_key
+
+    broker, home_assistant, key, tools = told
+    key = read_key(key)
+    agent = Agent(_figures(served, stack))
+    stack.callback(agent.close)
+    for name, (where, (language, table, make_port)) in boards.items():
+        more = discovery(home_assistant, f"{ROOT}/", name) if home_assistant else None
+        link = Link(broker, name, lambda text, name=name: print(f"{name}: {text}", file=sys.stderr, flush=True), more, bool(key))
+        agent.add(name, language, table, make_port, link, key, {"kind": table["name"], "tool": tools.get(name, "")})
+        print(_("{}: {} at {}", name, language, where), flush=True)
+    return agent
+
+
+def _serve_page(port, agent, asked, stack):
+    """Serve the page of who stands at the machines; what it asks is done by the agent's own thread."""
+    from concurrent.futures import Future
+
+    from host_tools.shop.local_page import serve
+
+    def call(function):
+        done = Future()
+        asked.put(lambda: done.set_result(function()))
+        return done.result(10)
+
+    close, port = serve(port, lambda: call(agent.machines), lambda name, what: call(lambda: agent.do(name, what)))
+    stack.callback(close)
+    print(f"page: http://127.0.0.1:{port}/", flush=True)
+
+
+def _tools(texts, boards):
+    """{machine: what it draws with}. Raises Failure."""
+    found = dict(text.partition("=")[::2] for text in texts)
+    for name in found:
+        if name not in boards:
+            raise Failure("--tool {}=…: there is no machine {}", name, name)
+    return found
+
+
+def make_broker(text, user, password, ca):
     """The Broker of the options. Raises Failure."""
     from host_tools.shop.link import Broker
 
     host, number = _address("--broker", text)
     if bool(user) != bool(password):
         raise Failure("--user and --password-file belong together")
-    return Broker(host, number, user, _password(password) if password else "", str(ca) if ca else None)
+    return Broker(host, number, user, read_secret(password) if password else "", str(ca) if ca else None)
 
 
 def _address(option, text):
@@ -102,7 +158,7 @@ def _figures(address, stack):
     return found
 
 
-def _password(path):
+def read_secret(path):
     """The first line of a file. Raises Failure if there is none, or others may read it."""
     try:
         if os.name == "posix" and path.stat().st_mode & 0o077:

@@ -40,7 +40,7 @@ _BODY_BYTES = 4096
 _UNSENT = 65_536  # of a page that does not read
 _TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8",
           "svg": "image/svg+xml", "json": "application/json"}  # fmt: skip
-_HEADERS = {
+HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self';"
     " manifest-src 'self'; worker-src 'self';"
     " base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
@@ -143,14 +143,15 @@ class App(Microdot):
 
 
 class Server:
-    def __init__(self, api, key, names, folder, about=None):
+    def __init__(self, api, key, names, folder, about=None, pages=None, files=None):
         """`api`: an Orders; `names`: host names (without port) that a request may name; `folder`: the page's files; `about`: more for
-        the first message to a page."""
-        self.pages = PanelPages(api, key, _PAGES)
+        the first message to a page; `pages`, `files` {name: path}: those of another server than a panel's, whose files are served as they are."""
+        self.pages = pages or PanelPages(api, key, _PAGES)
         self.api = api
         self._names = {name.encode() for name in names}
         self._about = about or {}
-        self._files = {name: folder + "/" + name for name in os.listdir(folder) if name.split(".")[-1] in _TYPES}
+        self._files = files or {name: folder + "/" + name for name in os.listdir(folder) if name.split(".")[-1] in _TYPES}
+        self._as_they_are = files is not None
         self._offline = {}
         self.app = App()
         Request.max_content_length = Request.max_body_length = _BODY_BYTES
@@ -170,8 +171,8 @@ class Server:
 
         @app.after_request
         async def harden(request, response):
-            for name in _HEADERS:
-                response.headers[name] = _HEADERS[name]
+            for name in HEADERS:
+                response.headers[name] = HEADERS[name]
 
         @app.get("/")
         async def index(request):
@@ -206,7 +207,7 @@ class Server:
 
     def _data(self, name):
         """The bytes of a file, as they are now; None: there is no such file."""
-        if name in offline.NAMES:
+        if name in offline.NAMES and not self._as_they_are:
             if not self._offline:
                 served = {each: self._data(each) for each in self._files}
                 self._offline = offline.files({**served, "errors.json": json.dumps(error_list()).encode()}, "network")
@@ -216,7 +217,7 @@ class Server:
             return None
         with open(path, "rb") as file:
             data = file.read()
-        return offline.page(data.decode()).encode() if name == "index.html" else data
+        return offline.page(data.decode()).encode() if name == "index.html" and not self._as_they_are else data
 
     # --- a page
 

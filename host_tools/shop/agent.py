@@ -12,24 +12,34 @@ is sent to them.
 import selectors
 import time
 
+from host_tools.language import _
 from host_tools.panel import languages
 from host_tools.panel.server import clock_ms
+from host_tools.shop.link import SHOP
 from host_tools.shop.telling import Telling
 
 _ASK_MS = 200  # between two reports of a board
 _TELL_S = 0.2  # between two looks at what has changed
 _WAIT_S = 0.02
+_BUTTON = "S"  # in the report's Pn: cycle start, which does nothing else at a machine that stands
 _FIRST_S = 3.0  # a board's first report has come by then, or it is lost
 
 
 class _Board:
-    def __init__(self, name, language, board, make_port, link, changed):
+    def __init__(self, name, language, board, make_port, link, changed, key, about):
         self.name = name
         self._link = link
         self.telling = Telling()
         self._port = make_port(lambda fd, opened: changed(self, fd, opened))
         self._machine = languages.create(language, board, self._port.write, self._hear).machine
         self._machine.ask_ms = max(self._machine.ask_ms, _ASK_MS)
+        self._shop = ""  # its nonce
+        self.work = None
+        if key and language == "grbl":
+            from host_tools.shop.work import Work
+
+            self.work = Work(key, name, about, self._machine, self._hear, link.parcel)
+        self._pressed = False
         self._begun_s = None  # not looked at yet
         self._told_s = 0.0
 
@@ -40,6 +50,8 @@ class _Board:
         """What the machine tells its pages."""
         if event["t"] == "refused" and event.get("error"):
             self.telling.refused(event["error"])
+        elif event["t"] == "refused" and self.work:
+            self.work.refused(event["text"])
 
     def read(self):
         data = self._port.read()
@@ -53,6 +65,8 @@ class _Board:
             self.telling.stopped()
         self._port.look()
         self._machine.poll(clock_ms())
+        if self.work:
+            self._work(now_s)
         if now_s - self._told_s < _TELL_S:
             return
         self._told_s = now_s
@@ -62,7 +76,23 @@ class _Board:
         topics = self.telling.look(shown, now_s)
         for event in self.telling.events(time.time()):
             self._link.log(event)
+        if self.work:
+            topics = {**topics, "work": self.work.told(self._shop)}
         self._link.tell(topics)
+
+    def _work(self, now_s):
+        for what, text in self._link.heard():
+            if what == SHOP:
+                self._shop = text
+            else:
+                self.work.order(text)
+        if _BUTTON in self._machine.state.get("pins", ""):
+            if not self._pressed:
+                self.work.press()
+            self._pressed = True
+        else:
+            self._pressed = False
+        self.work.poll(now_s)
 
     def close(self):
         self._port.close()
@@ -76,12 +106,24 @@ class Agent:
         self._selector = selectors.DefaultSelector()
         self._boards = []
 
-    def add(self, name, language, board, make_port, link):
-        """`board`: a board file's table; `link`: a Link of that name."""
-        added = _Board(name, language, board, make_port, link, self._changed)
+    def add(self, name, language, board, make_port, link, key="", about=None):
+        """`board`: a board file's table; `link`: a Link of that name; `key`: the shop's, "": the machine takes no jobs; `about`: what the shop
+        is to know of it."""
+        added = _Board(name, language, board, make_port, link, self._changed, key, about or {})
         self._boards.append(added)
         if self._figures:
             self._figures.watch(name, added.telling)
+
+    def machines(self):
+        """What the page at the machine shows: [{"name", "how", "job", "text", "state", "alarm", "progress", "left"}] of those that take jobs."""
+        return [{"name": board.name, **board.work.shown(), **board.telling.told} for board in self._boards if board.work]
+
+    def do(self, name, what):
+        """An order of who stands at the machine `name`: see Work.act(). Returns "", or why not."""
+        for board in self._boards:
+            if board.name == name and board.work:
+                return board.work.act(what)
+        return _("no machine {} takes jobs here", name)
 
     def _changed(self, board, fd, opened):
         board.attached(opened)
@@ -90,8 +132,11 @@ class Agent:
         else:
             self._selector.unregister(fd)
 
-    def run(self, stopped):
+    def run(self, stopped, asked=None):
+        """`asked`: a queue of functions that this thread is to call."""
         while not stopped():
+            while asked and not asked.empty():
+                asked.get()()
             for key, _events in self._selector.select(_WAIT_S):
                 key.data.read()
             now_s = time.monotonic()

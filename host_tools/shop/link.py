@@ -4,12 +4,16 @@
     link.tell({"state": "idle", …})         # publishes the topics that have changed, all of them behind each connection
     link.log({"what": "alarm", …})          # not retained; waits while there is no connection, the oldest are dropped
     link.stops()                            # True once after each STOP, for this machine or for all
+    link.heard()                            # what the shop has said, [(SHOP or ORDER, text)], if the machine takes jobs
+    link.parcel.ask(sha, parts)             # a file that the shop has put on the broker
+    link.parcel.data()                      # its bytes, once they are all there and right
     link.close()                            # "gone", as the last will says if this process dies
 
 Topics are passo/NAME/… A connection each: a last will belongs to one.
 """
 
 import collections
+import hashlib
 import json
 import ssl
 import sys
@@ -29,6 +33,10 @@ from host_tools.shop.telling import GONE
 
 ROOT = "passo"
 STOP = "stop"  # passo/stop: all machines; passo/NAME/stop: that one. Any text
+SHOP = "shop"  # passo/shop: the nonce for what machines tell the shop
+ORDER = "order"  # passo/NAME/order: the shop's, signed
+FILE = "file"  # passo/file/SHA-256/NUMBER: a piece of a job's file
+PIECE = 32_768  # bytes
 _KEEP_ALIVE_S = 10  # half as long again without a sign, and the broker publishes the last will
 _AGAIN_S = 1, 10  # until the next attempt to connect, at least and at most
 _MOST_WAITING = 1000  # events
@@ -63,10 +71,46 @@ class Broker(NamedTuple):
         client.loop_start()
 
 
+class Parcel:
+    """The file of a job, in pieces that the shop keeps on the broker."""
+
+    def __init__(self, client):
+        self._client = client
+        self._topic, self._sha, self._pieces = "", "", []
+
+    def ask(self, sha, parts):
+        self.drop()
+        self._sha, self._pieces = sha, [None] * parts
+        self._topic = f"{ROOT}/{FILE}/{sha}/"
+        self.subscribe()
+
+    def subscribe(self):
+        if self._topic:
+            self._client.subscribe(self._topic + "+", 1)
+
+    def hear(self, topic, data):
+        number = topic[len(self._topic) :]
+        if self._topic and topic.startswith(self._topic) and number.isdigit() and int(number) < len(self._pieces):
+            self._pieces[int(number)] = data
+
+    def data(self):
+        """All bytes; None: they are not all there, or others than the shop has signed."""
+        pieces = list(self._pieces)
+        data = b"" if None in pieces else b"".join(pieces)
+        return data if data and hashlib.sha256(data).hexdigest() == self._sha else None
+
+    def drop(self):
+        if self._topic:
+            self._client.unsubscribe(self._topic + "+")
+        self._topic, self._sha, self._pieces = "", "", []
+
+
 class Link:
-    def __init__(self, broker, name, refused=None, more=None):
+    def __init__(self, broker, name, refused=None, more=None, works=False):
         """`refused(text)`: hears, from another thread, why there is no connection; `more`: {topic: text}, retained, beside the
-        machine's own topics."""
+        machine's own topics; `works`: the machine takes jobs of a shop."""
+        self._works = works
+        self._heard = collections.deque(maxlen=_MOST_WAITING)
         self._more = more or {}
         self._topic = f"{ROOT}/{name}/"
         self._refused = refused or (lambda text: None)
@@ -76,6 +120,7 @@ class Link:
         self._stop = threading.Event()
         self._waiting = collections.deque(maxlen=_MOST_WAITING)
         self._client = broker.client(f"{ROOT}-{name}")
+        self.parcel = Parcel(self._client)
         self._client.will_set(self._topic + "state", GONE, 1, True)
         self._client.on_connect = self._connected
         self._client.on_message = self._hear
@@ -91,6 +136,9 @@ class Link:
         # One that is retained would stop the machine again at each connection, long after.
         options = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
         client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])
+        if self._works:
+            client.subscribe([(f"{ROOT}/{SHOP}", 1), (self._topic + ORDER, 1)])
+            self.parcel.subscribe()
         self._fresh.set()
 
     def _disconnected(self, client, userdata, flags, code, properties):
@@ -103,7 +151,19 @@ class Link:
             self._refused(why)
 
     def _hear(self, client, userdata, message):
-        self._stop.set()
+        what = message.topic.rpartition("/")[2]
+        if what == STOP:
+            self._stop.set()
+        elif what in (SHOP, ORDER):
+            self._heard.append((what, message.payload.decode(errors="replace")))
+        else:
+            self.parcel.hear(message.topic, message.payload)
+
+    def heard(self):
+        found = []
+        while self._heard:
+            found.append(self._heard.popleft())
+        return found
 
     def stops(self):
         if not self._stop.is_set():

@@ -118,16 +118,16 @@ def test_the_broker_and_its_password(tmp_path):
     secret = tmp_path / "password"
     secret.write_text("hush\n")
     secret.chmod(0o600)
-    assert command._broker("shop.local:1884", "pc", secret, None) == ("shop.local", 1884, "pc", "hush", None)
-    assert command._broker("fd00::1", "", None, None).host == "fd00::1"
+    assert command.make_broker("shop.local:1884", "pc", secret, None) == ("shop.local", 1884, "pc", "hush", None)
+    assert command.make_broker("fd00::1", "", None, None).host == "fd00::1"
     for text in ("", ":1883", "host:0", "host:99999", "host:x"):
         with pytest.raises(Failure, match="HOST"):
-            command._broker(text, "", None, None)
+            command.make_broker(text, "", None, None)
     with pytest.raises(Failure, match="belong together"):
-        command._broker("host", "pc", None, None)
+        command.make_broker("host", "pc", None, None)
     secret.chmod(0o644)
     with pytest.raises(Failure, match="others can read"):
-        command._broker("host", "pc", secret, None)
+        command.make_broker("host", "pc", secret, None)
 
 
 # --- a real broker

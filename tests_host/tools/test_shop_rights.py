@@ -101,15 +101,19 @@ def test_a_stranger_a_reader_and_who_may_stop(guarded):
     guarded.until(lambda: guarded.told.get("passo/mill/state") == "idle")
     # A reader: stops nothing, pretends nothing.
     tried = [("passo/stop", "x"), ("passo/mill/stop", "x"), ("passo/mill/state", "gone"), ("passo/new/state", "idle")]
-    assert published(guarded.as_user("wall"), port, *tried) == ["Not authorized"] * 4
+    tried += [("passo/mill/work", "x"), ("passo/mill/order", "x"), ("passo/shop", "x"), ("passo/file/0/0", "x")]
+    assert published(guarded.as_user("wall"), port, *tried) == ["Not authorized"] * 8
     # An agent: not for others, and it cannot stop all.
     assert published(guarded.as_user("pc-1"), port, ("passo/press/state", "idle"), ("passo/stop", "x")) == ["Not authorized"] * 2
     # Who may stop: stops, and pretends nothing.
     assert published(guarded.as_user("stop"), port, ("passo/mill/state", "gone"), ("passo/stop", "x")) == ["Not authorized", "Success"]
+    # The shop: gives jobs, and speaks for no machine.
+    assert published(guarded.as_user("shop"), port, ("passo/mill/work", "x"), ("passo/mill/state", "gone"), ("passo/file/0/0", "")) == ["Not authorized", "Not authorized", "Success"]
     guarded.until(lambda: json.loads(guarded.told["passo/mill/counters"])["stops"] > 0)
     assert json.loads(guarded.told["passo/mill/counters"])["stops"] == 1, "the others' had come before it"
     assert guarded.told["passo/mill/state"] == "idle"
-    assert {topic.split("/")[1] for topic, _text, _kept in guarded.heard} == {"mill", "stop"}
+    guarded.until(lambda: {topic.split("/")[1] for topic, _text, _kept in guarded.heard} >= {"mill", "stop", "file"})
+    assert {topic.split("/")[1] for topic, _text, _kept in guarded.heard} == {"mill", "stop", "file"}
     agent.terminate()
     assert agent.wait(LIMIT_S) == 0
 
@@ -138,6 +142,6 @@ def test_made_again_it_keeps_authority_and_users(guarded):
     after = {name: (guarded.folder / name).read_bytes() for name in before}
     assert after["ca.crt"] == before["ca.crt"] and after["acl"].startswith(before["acl"])
     assert after["broker.crt"] != before["broker.crt"] and after["passwords"] != before["passwords"]
-    assert list(guarded.passwords) == ["pc-1", "wall", "stop", "pc-2"]
+    assert list(guarded.passwords) == ["pc-1", "wall", "stop", "shop", "pc-2"]
     for name in ("ca.key", "broker.key", "passwords", "acl"):
         assert (guarded.folder / name).stat().st_mode & 0o077 == 0, name

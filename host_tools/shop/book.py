@@ -1,0 +1,148 @@
+"""The shop's book: every job, which machine has it, and how it ended. A file of SQLite; what is written there is on the disk.
+
+    book = Book(Path("shop.sqlite"))
+    book.add(data, "cat.svg", {"kind": "corexy_plotter"}, copies=30)
+    job = book.give("plotter-3", nonce, fits)      # the first queued job for which fits(job); it is that machine's from now on
+    book.open_of("plotter-3")               # the job that the machine has, or None
+    book.end(job, "done", line, text)
+
+A job is given to one machine, once. Only that machine's word ends it: what a broker loses or says twice changes nothing.
+"""
+
+import hashlib
+import json
+import os
+import sqlite3
+import threading
+import time
+from typing import NamedTuple, Optional
+
+QUEUED, GIVEN, BEGUN, WAITING = "queued", "given", "begun", "waiting"
+OPEN = (GIVEN, BEGUN, WAITING)
+_TABLES = """
+create table if not exists files (sha text primary key, data blob not null);
+create table if not exists jobs (
+    id text primary key, number integer not null unique, name text not null, sha text not null, wants text not null, state text not null,
+    machine text, nonce text, line integer not null default 0, text text not null default '', added real not null, begun real, ended real
+);
+create index if not exists jobs_state on jobs (state, number);
+create unique index if not exists one_a_machine on jobs (machine) where state in ('given', 'begun', 'waiting');
+"""
+
+
+class Job(NamedTuple):
+    id: str  # eight hexadecimal digits: the board's journal knows the job by it
+    number: int  # in the order of the queue
+    name: str
+    sha: str  # of its file
+    wants: dict
+    state: str  # QUEUED, GIVEN, BEGUN, WAITING, or how it has ended
+    machine: Optional[str]
+    nonce: Optional[str]  # of the machine, for which it was given
+    line: int
+    text: str
+    added: float
+    begun: Optional[float]
+    ended: Optional[float]
+
+
+class Book:
+    """Calls may come from several threads."""
+
+    def __init__(self, path):
+        self._lock = threading.RLock()
+        self._base = sqlite3.connect(path, check_same_thread=False, isolation_level=None)
+        self._base.executescript("pragma journal_mode=wal; pragma synchronous=full;" + _TABLES)
+        self.changed = 0  # counts
+
+    def close(self):
+        self._base.close()
+
+    def _ask(self, text, *values):
+        with self._lock:
+            return self._base.execute(text, values).fetchall()
+
+    def _write(self, text, *values):
+        with self._lock:
+            self.changed += 1
+            return self._base.execute(text, values).rowcount
+
+    def _jobs(self, text, *values):
+        return [Job(*row[:4], json.loads(row[4]), *row[5:]) for row in self._ask("select * from jobs " + text, *values)]
+
+    # --- the queue
+
+    def add(self, data, name, wants, copies=1):
+        """Returns the new jobs' ids. All copies come, or none."""
+        sha = hashlib.sha256(data).hexdigest()
+        with self._lock:
+            self._base.execute("begin immediate")
+            try:
+                self._write("insert or ignore into files values (?, ?)", sha, data)
+                number = self._ask("select coalesce(max(number), 0) from jobs")[0][0]
+                ids = []
+                while len(ids) < copies:
+                    new = os.urandom(4).hex()
+                    if int(new, 16) and not self.job(new):
+                        ids.append(new)
+                        self._write(
+                            "insert into jobs (id, number, name, sha, wants, state, added) values (?, ?, ?, ?, ?, ?, ?)",
+                            new, number + len(ids), name, sha, json.dumps(wants), QUEUED, time.time(),
+                        )  # fmt: skip
+                self._base.execute("commit")
+            except BaseException:
+                self._base.execute("rollback")
+                raise
+        return ids
+
+    def give(self, machine, nonce, fits):
+        """The first queued job that fits is the machine's from now on. None: there is none, or the machine has one."""
+        with self._lock:
+            if self.open_of(machine):
+                return None
+            for job in self._jobs("where state = ? order by number", QUEUED):
+                if fits(job):
+                    self._write("update jobs set state = ?, machine = ?, nonce = ? where id = ? and state = ?", GIVEN, machine, nonce, job.id, QUEUED)
+                    return self.job(job.id)
+        return None
+
+    def follow(self, job, state, line, text):
+        """The machine says where a job that it has stands."""
+        if job.state in OPEN and (job.state, job.line, job.text) != (state, line, text):
+            self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, None if state == GIVEN else time.time(), job.id)
+
+    def end(self, job, how, line, text):
+        if job.state in OPEN:
+            self._write("update jobs set state = ?, line = ?, text = ?, ended = ? where id = ?", how, line, text, time.time(), job.id)
+
+    def withdraw(self, job_id):
+        """A queued job is no more. False: a machine has it."""
+        return self._write("delete from jobs where id = ? and state = ?", job_id, QUEUED) > 0
+
+    # --- what is known
+
+    def job(self, job_id):
+        return next(iter(self._jobs("where id = ?", job_id)), None)
+
+    def open_of(self, machine):
+        return next(iter(self._jobs("where machine = ? and state in (?, ?, ?)", machine, *OPEN)), None)
+
+    def wanted(self, sha):
+        """True if a machine has a job of this file."""
+        return bool(self._jobs("where sha = ? and state in (?, ?, ?) limit 1", sha, *OPEN))
+
+    def jobs(self, most=500):
+        """Those that are not ended, then the newest others."""
+        return self._jobs("order by state in ('queued', 'given', 'begun', 'waiting') desc, ended desc, number limit ?", most)
+
+    def counts(self):
+        """{state: how many jobs}"""
+        return dict(self._ask("select state, count(*) from jobs group by state"))
+
+    def used(self):
+        """[[material, jobs done, seconds from begin to end]] of what is done."""
+        return self._ask("select coalesce(json_extract(wants, '$.material'), ''), count(*), sum(ended - begun) from jobs where state = 'done' group by 1 order by 1")
+
+    def data(self, sha):
+        """The bytes of a job's file."""
+        return self._ask("select data from files where sha = ?", sha)[0][0]

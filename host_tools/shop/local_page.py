@@ -1,0 +1,112 @@
+"""The page on the machine's own PC: whoever stands at the machine says "paper is in", go on, give up.
+
+    close, port = serve(8091, machines, do)     # machines(): what is shown, a list; do(name, what): "" or why not
+
+It is served at 127.0.0.1 only, to this PC's own page: a page of another site has another Origin, or another Host, and is refused.
+"""
+
+import asyncio
+import json
+import threading
+from pathlib import Path
+
+from host_tools.failure import Failure, reason
+from host_tools.panel.server import HEADERS, App
+from host_tools.resources import FIRMWARE
+from microdot import Request, Response
+from passo.web.guard import known
+
+_OWN = Path(__file__).parent / "page"
+_SHARED = FIRMWARE / "passo" / "web" / "page"
+_NAMES = (b"127.0.0.1", b"localhost")
+_TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8", "json": "application/json"}
+_FILES = {
+    **{name: _OWN for name in ("machine.html", "machine.js", "tiles.js", "shop.css", "pt.json")}, **{name: _SHARED for name in ("panel.css", "words.js")},
+}  # fmt: skip
+_MOST_BYTES = 4096
+
+
+def make_app(machines, do):
+    app = App()
+    Request.max_content_length = Request.max_body_length = _MOST_BYTES
+
+    def header(request, name):
+        return request.headers.get(name, "").lower().encode() or None
+
+    def served(name):
+        if name not in _FILES:
+            return "not here", 404
+        return Response((_FILES[name] / name).read_bytes(), 200, {"Content-Type": _TYPES[name.split(".")[-1]]})
+
+    @app.before_request
+    async def look(request):
+        if not known(header(request, "Host"), header(request, "Origin"), _NAMES, request.method == "POST"):
+            return "wrong host", 403
+
+    @app.after_request
+    async def harden(request, response):
+        response.headers.update(HEADERS)
+
+    @app.get("/")
+    async def index(request):
+        return served("machine.html")
+
+    @app.get("/machines")
+    async def shown(request):
+        return json.dumps(await asyncio.to_thread(machines)), 200, {"Content-Type": "application/json"}
+
+    @app.get("/<name>")
+    async def file(request, name):
+        return served(name)
+
+    @app.post("/do")
+    async def order(request):
+        try:
+            body = json.loads(request.body)
+            name, what = str(body["name"]), str(body["do"])
+        except (ValueError, KeyError, TypeError):
+            return {"text": "no order"}, 400
+        return {"text": await asyncio.to_thread(do, name, what)}
+
+    return app
+
+
+def serve(port, machines, do):
+    """Serve it from a thread; returns what ends it, and the port. Raises Failure if the port is in use."""
+    app = make_app(machines, do)
+    loop = asyncio.new_event_loop()
+    ready, failed, opened = threading.Event(), [], []
+
+    async def listen():
+        try:
+            server = await app.start_server("127.0.0.1", port, start_serving=False)
+            await server.start_serving()
+            opened.append(server.sockets[0].getsockname()[1])
+        except OSError as error:
+            failed.append(error)
+            return
+        finally:
+            ready.set()
+        async with server:
+            await server.serve_forever()
+
+    def run():
+        task[0] = loop.create_task(listen())
+        try:
+            loop.run_until_complete(task[0])
+        except asyncio.CancelledError:
+            pass
+        loop.close()
+
+    task = [None]
+    thread = threading.Thread(target=run, daemon=True)
+    thread.start()
+    ready.wait()
+    if failed:
+        raise Failure("--at-machine {}: {}", port, reason(failed[0])) from failed[0]
+
+    def close():
+        loop.call_soon_threadsafe(task[0].cancel)
+        thread.join(5)
+
+    return close, opened[0]

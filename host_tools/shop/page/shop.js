@@ -1,0 +1,197 @@
+// The shop's page: all machines, the queue, and files that are dropped.
+
+import { _, choose, preferred } from "./words.js";
+import { Link } from "./link.js";
+import { read } from "./gcode_path.js";
+import { element, states } from "./tiles.js";
+
+const at = (id) => document.getElementById(id);
+const PIECE = 30000;
+const HOW = { rest: "not released", free: "free: paper is in", fetch: "its file comes", run: "draws", waits: "waits for somebody at the machine", goes: "gets ready" };
+const ENDED = { done: "done", "given up": "given up", refused: "refused" };
+const KEY = "passo-shop-key";
+const programs = new Map();  // sha: moves, or null while they come
+const tiles = new Map();
+let state = { machines: [], jobs: [], counts: {}, used: [], broker: true };
+let lists = "";
+
+const clock = (seconds) => {
+  const whole = Math.max(0, Math.round(seconds)), two = (n) => String(n).padStart(2, "0");
+  return whole >= 3600 ? `${Math.floor(whole / 3600)}:${two(Math.floor(whole / 60) % 60)}:${two(whole % 60)}` : `${Math.floor(whole / 60)}:${two(whole % 60)}`;
+};
+
+const link = new Link(hear, (up) => { at("lost").hidden = up; });
+
+function hear(message) {
+  if (message.t === "hello") options(at("kind"), message.kinds, false);
+  if (message.t === "dropped") say(message.text || _("{name}: queued {copies} times.", message));
+  if (message.t === "state") {
+    state = message;
+    show();
+  }
+}
+
+const say = (text) => { at("said").textContent = text; };
+
+function options(select, values, keep) {
+  const now = select.value;
+  while (select.options.length > (keep ? 1 : 0)) select.remove(select.options.length - 1);
+  for (const value of values) {
+    const made = element("option", "", value);
+    made.value = value;
+    select.append(made);
+  }
+  if (values.includes(now) || keep && now === "") select.value = now;
+}
+
+// --- machines
+
+function tile(name) {
+  const made = element("article", "tile");
+  const parts = { title: element("h2", "", name), state: element("p", "state"), canvas: element("canvas"), job: element("p", "file"), left: element("p", "left"), why: element("p", "why") };
+  made.append(...Object.values(parts));
+  tiles.set(name, { made, ...parts, drawn: "" });
+  at("machines").append(made);
+  return tiles.get(name);
+}
+
+function kindOf(machine) { return machine.tool ? `${machine.kind} · ${machine.tool}` : machine.kind || ""; }
+
+function show() {
+  at("no-broker").hidden = state.broker;
+  const kinds = [...new Set(state.machines.map(kindOf))].filter((each) => each).sort();
+  if (kinds.join() !== [...at("filter").options].slice(1).map((each) => each.value).join()) options(at("filter"), kinds, true);
+  const jobs = new Map(state.jobs.map((job) => [job.id, job]));
+  const named = new Set(state.machines.map((machine) => machine.name));
+  for (const [name, known] of tiles) if (!named.has(name)) { known.made.remove(); tiles.delete(name); }
+  for (const machine of state.machines) draw(machine, tiles.get(machine.name) || tile(machine.name), jobs.get(machine.job));
+  const free = state.machines.filter((machine) => machine.how === "free" && machine.state !== "gone").length;
+  const waits = state.machines.filter((machine) => machine.how === "waits").length;
+  at("counts").textContent = _("{machines} machines, {free} free, {waits} wait for somebody; {queued} jobs in the queue, {done} done.", {
+    machines: state.machines.length, free, waits, queued: state.counts.queued || 0, done: state.counts.done || 0,
+  });
+  const text = JSON.stringify([state.jobs, state.used, document.documentElement.lang, !link.key]);
+  if (text !== lists) {
+    lists = text;
+    showLists();
+  }
+}
+
+function draw(machine, shown, job) {
+  const gone = machine.state === "gone" || machine.state === "lost";
+  shown.made.className = `tile how-${gone ? "gone" : machine.how} state-${machine.state}`;
+  shown.made.hidden = at("filter").value !== "" && kindOf(machine) !== at("filter").value;
+  shown.state.textContent = [_(states[machine.state] || "not heard of yet"), gone ? "" : _(HOW[machine.how] || "")].filter((each) => each).join(" · ");
+  const name = job ? job.name : machine.job || "";
+  shown.job.textContent = machine.progress ? `${name} · ${machine.progress} %` : name;
+  shown.left.textContent = machine.left ? _("{time} left", { time: clock(Number(machine.left)) }) : "";
+  shown.why.textContent = [machine.how === "waits" && machine.line ? _("It stopped behind line {line}.", machine) : "", machine.text, machine.alarm].filter((each) => each).join(" ");
+  picture(shown, job, Number(machine.progress || 0));
+}
+
+function picture(shown, job, progress) {
+  const moves = job ? program(job) : null;
+  const key = job && moves ? `${job.sha} ${progress} ${shown.canvas.clientWidth}` : "";
+  shown.canvas.hidden = !moves;
+  if (key === shown.drawn) return;
+  shown.drawn = key;
+  if (!moves || !moves.length) return;
+  const points = moves.filter((move) => !move.rapid).flatMap((move) => move.points);
+  if (!points.length) return;
+  const [left, right] = [Math.min(...points.map((p) => p[0])), Math.max(...points.map((p) => p[0]))];
+  const [low, high] = [Math.min(...points.map((p) => p[1])), Math.max(...points.map((p) => p[1]))];
+  const width = shown.canvas.width = 320, height = shown.canvas.height = 180, edge = 8;
+  const scale = Math.min((width - 2 * edge) / (right - left || 1), (height - 2 * edge) / (high - low || 1));
+  const x = (value) => width / 2 + (value - (left + right) / 2) * scale, y = (value) => height / 2 - (value - (low + high) / 2) * scale;
+  const style = getComputedStyle(document.documentElement), context = shown.canvas.getContext("2d");
+  const last = moves[moves.length - 1].line * progress / 100;
+  for (const done of [false, true]) {
+    context.beginPath();
+    for (const move of moves) {
+      if (move.rapid || (move.line <= last) !== done) continue;
+      move.points.forEach((p, index) => (index ? context.lineTo(x(p[0]), y(p[1])) : context.moveTo(x(p[0]), y(p[1]))));
+    }
+    context.strokeStyle = style.getPropertyValue(done ? "--done" : "--path");
+    context.lineWidth = done ? 2.5 : 1.5;
+    context.stroke();
+  }
+}
+
+function program(job) {
+  if (!programs.has(job.sha)) {
+    programs.set(job.sha, null);
+    fetch(`job/${job.id}`).then((answer) => answer.text()).then((text) => programs.set(job.sha, read(text))).catch(() => programs.delete(job.sha));
+  }
+  return programs.get(job.sha);
+}
+
+// --- the queue
+
+function showLists() {
+  const waits = state.jobs.filter((job) => job.state === "queued");
+  const ended = state.jobs.filter((job) => job.state in ENDED);
+  at("queue").replaceChildren(...waits.map((job) => row(job, [job.wants.kind, job.wants.tool, job.wants.seconds ? clock(job.wants.seconds) : ""], "Withdraw", "withdraw")));
+  at("history").replaceChildren(...ended.map((job) => row(job, [_(ENDED[job.state]), job.machine, job.text], "Again", "again")));
+  at("used").replaceChildren(...state.used.map(([material, jobs, seconds]) => {
+    const made = element("tr");
+    made.append(element("td", "", material || _("not named")), element("td", "", jobs), element("td", "", clock(seconds)));
+    return made;
+  }));
+  at("open").hidden = Boolean(link.key);
+  at("add").hidden = !link.key;
+}
+
+function row(job, facts, text, what) {
+  const made = element("li"), button = element("button", "", _(text));
+  made.append(element("strong", "", job.name), document.createTextNode(` ${facts.filter((each) => each).join(" · ")} `));
+  button.addEventListener("click", async () => complain(await link.order({ do: what, job: job.id })));
+  if (link.key) made.append(button);
+  return made;
+}
+
+let errors = {};
+fetch("errors.json").then((answer) => answer.json()).then((texts) => { errors = texts; });
+
+function complain(answer) {
+  if (answer.error) say(_("Refused: {text}", { text: errors[answer.error] || answer.error }));
+  return answer.error;
+}
+
+async function queue(file) {
+  if (!file) return say(_("Choose a file first."));
+  const text = await file.text();
+  say(_("{name} is checked…", { name: file.name }));
+  const more = { kind: at("kind").value, copies: Number(at("copies").value), tool: at("tool").value, material: at("material").value };
+  for (let from = 0; from === 0 || from < text.length; from += PIECE) {
+    const last = from + PIECE >= text.length;
+    if (complain(await link.order({ do: "drop", name: file.name, at: from, text: text.slice(from, from + PIECE), last, ...more }))) return;
+  }
+}
+
+at("add").addEventListener("submit", (event) => { event.preventDefault(); queue(at("file").files[0]); });
+at("open").addEventListener("submit", (event) => { event.preventDefault(); useKey(at("key").value); });
+at("filter").addEventListener("change", show);
+document.addEventListener("dragover", (event) => event.preventDefault());
+document.addEventListener("drop", (event) => { event.preventDefault(); if (event.dataTransfer.files.length) queue(event.dataTransfer.files[0]); });
+at("stop").addEventListener("click", async () => {
+  try {
+    const answer = await fetch("stop", { method: "POST" });
+    say(answer.ok ? _("STOP has been sent to all machines. Look at them.") : _("STOP was not sent. Use the emergency stops."));
+  } catch (error) {
+    say(_("STOP was not sent. Use the emergency stops."));
+  }
+});
+
+function useKey(text) {
+  link.key = text.toUpperCase().replace(/[^A-Z2-9]/g, "");
+  sessionStorage.setItem(KEY, link.key);
+  lists = "";
+  show();
+}
+
+const given = /key=([A-Z2-9]+)/.exec(location.hash);
+if (given) history.replaceState(null, "", location.pathname);
+useKey(given ? given[1] : sessionStorage.getItem(KEY) || "");
+at("language").addEventListener("change", async () => { await choose(at("language").value); lists = ""; show(); });
+at("language").value = preferred();
+choose(at("language").value).then(() => { lists = ""; show(); });

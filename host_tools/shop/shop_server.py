@@ -1,0 +1,171 @@
+"""`passo shop`: one page of all machines, served as that of a panel is (host_tools/panel/server.py): orders are signed, STOP needs no key.
+
+    shop = Shop(desk, book, key, host)
+    await shop.run("127.0.0.1", 8090, ready)
+"""
+
+import asyncio
+import json
+import signal
+from pathlib import Path
+
+from host_tools.failure import Failure
+from host_tools.panel.panel import FOLDER, TICK_S, names_of
+from host_tools.panel.server import PUSH_MS, Server, clock_ms
+from host_tools.shop import drop
+from microdot import Response
+from passo import errors
+from passo.protocols.page.orders import Wrong, number, order_of, text
+from passo.web.pages import Pages
+
+_OWN = Path(__file__).parent / "page"
+_SHARED = ("panel.css", "words.js", "link.js", "sha256.js", "gcode_path.js", "icon.svg")
+_PAGES = 30
+_MOST_COPIES = 200
+_PIECE = 32_768
+_SHOWN = 300  # jobs
+_TOLD = ("how", "job", "line", "text", "kind", "tool", "state", "progress", "left", "alarm")
+
+
+class ShopPages(Pages):
+    """As PanelPages, of a shop."""
+
+    def __init__(self, shop, key):
+        Pages.__init__(self, key, _PAGES)
+        self.version = None
+        self._shop = shop
+        self._beat = 0
+
+    def about(self, more):
+        return {"kinds": drop.kinds()}
+
+    def hear(self, page, message, now_ms):
+        said, proven = self.open(page, message, now_ms)
+        if said is None:
+            return proven
+        try:
+            order = order_of(said)
+        except ValueError:
+            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
+        answer = self.look(page, order)
+        if answer is None:
+            answer = self._shop.order(order, proven, page)
+            if isinstance(order, dict) and isinstance(order.get("id"), int):
+                answer["id"] = order["id"]
+        return answer
+
+    def next_state(self, now_ms):
+        state = self._shop.state()
+        self.version = json.dumps([state["jobs"], [{**each, "progress": "", "left": ""} for each in state["machines"]]])
+        return json.dumps({"t": "state", **state})
+
+
+class Shop:
+    def __init__(self, desk, book, key, host):
+        self.desk, self.book = desk, book
+        self._orders = {"drop": self._drop, "withdraw": self._withdraw, "again": self._again}
+        self._coming = {}  # page: (name, bytes so far)
+        self._tasks = set()
+        self._seen, self._jobs = None, []
+        files = {path.name: str(path) for path in _OWN.iterdir()} | {name: f"{FOLDER}/{name}" for name in _SHARED}
+        self.server = Server(self, key, names_of(host), "", pages=ShopPages(self, key), files={**files, "index.html": files["shop.html"]})
+
+        @self.server.app.get("/job/<job_id>")
+        async def program(request, job_id):
+            job = book.job(job_id)
+            if job is None:
+                return "not here", 404
+            return Response(book.data(job.sha), 200, {"Content-Type": "text/plain; charset=utf-8"})
+
+    # --- orders
+
+    def order(self, order, proven, page=None):
+        do = order.get("do") if isinstance(order, dict) else None
+        if do == "stop":
+            self.desk.stop_all()
+            return {"t": "answer", "do": do, "error": 0}
+        if not proven:
+            return {"t": "answer", "do": str(do)[:20], "error": errors.NO_SESSION}
+        try:
+            error = self._orders[do](order, page)
+        except (Wrong, KeyError, TypeError):
+            error = errors.ORDER_FIELD
+        return {"t": "answer", "do": str(do)[:20], "error": error}
+
+    def _drop(self, order, page):
+        """A piece of a file; with the last one it is checked, and the pages are told what came of it."""
+        name, piece = order["name"], order["text"]
+        if not isinstance(name, str) or not isinstance(piece, str) or len(piece) > _PIECE:
+            raise Wrong("text")
+        at = int(number(order, "at", 0, drop.MOST_BYTES))
+        known, so_far = self._coming.get(page, ("", "")) if at else (name, "")
+        if (known, len(so_far)) != (name, at):
+            return errors.JOB_PIECE
+        if at + len(piece) > drop.MOST_BYTES:
+            return errors.JOB_SIZE
+        self._coming[page] = name, so_far + piece
+        if order.get("last"):
+            kind, copies = text(order, "kind", 40), int(number(order, "copies", 1, _MOST_COPIES))
+            if kind not in drop.kinds():
+                raise Wrong("kind")
+            wants = {"kind": kind, "tool": text(order, "tool", 40), "material": str(order.get("material", ""))[:40]}
+            task = asyncio.ensure_future(self._queue(name, self._coming.pop(page)[1], wants, copies))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+        return 0
+
+    async def _queue(self, name, said, wants, copies):
+        try:
+            made, data, facts = await asyncio.to_thread(drop.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
+        except Failure as failure:
+            self.server.pages.tell({"t": "dropped", "name": name, "text": failure.told()})
+            return
+        self.book.add(data, made, {**wants, **facts}, copies)
+        self.server.pages.tell({"t": "dropped", "name": name, "text": "", "copies": copies})
+        self.desk.look()
+
+    def _withdraw(self, order, page):
+        return 0 if self.book.withdraw(text(order, "job", 8)) else errors.NO_SUCH_JOB
+
+    def _again(self, order, page):
+        """A job that has ended is queued once more, as a new one."""
+        job = self.book.job(text(order, "job", 8))
+        if job is None:
+            return errors.NO_SUCH_JOB
+        self.book.add(self.book.data(job.sha), job.name, job.wants)
+        self.desk.look()
+        return 0
+
+    # --- what is shown
+
+    def state(self):
+        book = self.book
+        if self._seen != book.changed:
+            self._seen = book.changed
+            self._jobs = [
+                {"id": job.id, "name": job.name, "state": job.state, "machine": job.machine, "wants": job.wants, "line": job.line, "text": job.text, "sha": job.sha}
+                for job in book.jobs(_SHOWN)
+            ]  # fmt: skip
+            self._counts, self._used = book.counts(), book.used()
+        machines = [
+            {"name": name, **{key: told.get(key, "") for key in _TOLD}} for name, told in sorted(self.desk.machines.items()) if told.get("state") or told.get("how")
+        ]  # fmt: skip
+        return {"machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.desk.up}
+
+    async def run(self, host, port, ready):
+        loop = asyncio.get_running_loop()
+        stopped = asyncio.Event()
+        for signal_ in (signal.SIGTERM, signal.SIGINT):
+            loop.add_signal_handler(signal_, stopped.set)
+        serving = asyncio.ensure_future(self.server.serve(host, port))
+        try:
+            while not getattr(self.server.app, "server", None):
+                if serving.done():
+                    serving.result()
+                await asyncio.sleep(TICK_S)
+            ready(self.server.app.server.sockets[0].getsockname()[1])
+            while not stopped.is_set():
+                await self.server.push(clock_ms())
+                await asyncio.sleep(4 * PUSH_MS / 1000)
+        finally:
+            serving.cancel()

@@ -1,0 +1,38 @@
+"""Messages between a shop and its machines, signed as the orders of a page are (passo/web/session.py): by a key that both know and nobody sends.
+
+    text = sealed(key, SHOP, nonce, 1, {"job": …})
+    Opener(key, SHOP, nonce).open(text)     # the dict; None: not from who has the key, altered, or heard before
+
+Whoever receives chooses the nonce. What a machine tells and what a shop orders are signed for different ends, so neither is good for the other.
+"""
+
+import json
+
+from passo.web.session import Session
+
+MACHINE = "machine"  # a machine tells the shop; the nonce is the shop's, with the machine's name
+SHOP = "shop"  # the shop orders; the nonce is the machine's
+
+
+def _session(key, end, nonce):
+    return Session(key, f"{end} {nonce}")
+
+
+def sealed(key, end, nonce, count, body):
+    text = json.dumps(body, ensure_ascii=False)
+    return f"{count}.{_session(key, end, nonce).proof(str(count), text)}.{text}"
+
+
+class Opener:
+    def __init__(self, key, end, nonce):
+        self._session = _session(key, end, nonce)
+
+    def open(self, text):
+        body = self._session.open(text)
+        if body is None:
+            return None
+        try:
+            found = json.loads(body)
+        except ValueError:
+            return None
+        return found if isinstance(found, dict) else None

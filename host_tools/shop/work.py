@@ -1,0 +1,358 @@
+"""A machine's part in the shop's queue: somebody at the machine releases it for one job; the board's journal says how far a job has come.
+
+    work = Work(key, "plotter-3", {"kind": "corexy_plotter"}, machine, tell, parcel)
+    work.act("release")         # "paper is in"; "withdraw", "go", "give up". Returns "", or why not
+    work.order(text)            # of the shop, signed
+    work.poll(now_s)
+    work.told(nonce)            # what the shop is told, signed; "": the shop is not known yet
+
+The agent keeps nothing of a job: the shop's book knows which machine has it, the board's journal, which is announced the job's number before its first
+line, whether it was begun, and which line is done. A job is begun without a question only for the release that asked for it. After
+anything else (the agent or the board has begun anew, a stop, an alarm) the machine says what stands where, and waits for "go".
+
+`how` of it: REST; FREE, released; FETCH, the job's file comes; RUN; WAITS, `text` says for what; GOES, it is made ready to go on.
+"""
+
+import tempfile
+import time
+from pathlib import Path
+
+from host_tools.failure import Failure
+from host_tools.language import _, error_text
+from host_tools.panel.recovery import RecoverableJobs
+from host_tools.panel.store import Store
+from host_tools.programs import gcode_file
+from host_tools.programs.job_record import Record
+from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
+from passo import errors
+from passo.web.guard import nonce
+
+REST, FREE, FETCH, RUN, WAITS, GOES = "rest", "free", "fetch", "run", "waits", "goes"
+DONE, GIVEN_UP, REFUSED = "done", "given up", "refused"  # how a job has ended
+_RELEASED_S = 1800  # a release lapses: whoever gave it may have gone
+_SETTLE_S = 0.6  # a report has come by then
+_TRIES = 4  # to unlock, to home
+_COUNTS_S = 20  # counts of messages a second, so that those of an agent that begins anew are higher
+
+
+class _Files:
+    """The program of the job, by the job's number: what RecoverableJobs wants of a panel's Store."""
+
+    numbered = staticmethod(Store.numbered)
+
+    def __init__(self):
+        self.changed = 0
+        self._programs = []
+
+    def keep(self, *program):
+        """(name, lines of gcode_file.read(), number); nothing: forget."""
+        self._programs = [program] if program else []
+        self.changed += 1
+
+    def programs(self):
+        return self._programs
+
+    def program(self, name):
+        for known, lines, _number in self._programs:
+            if known == name:
+                return lines
+        raise Failure("{} has gone", name)
+
+    def packed(self, name):
+        return errors.NO_SUCH_JOB
+
+
+class _Job(RecoverableJobs):
+    """It is announced to the board's journal by the job's number, not by that of its lines: a copy is another job."""
+
+    def __init__(self, machine, tell, files):
+        RecoverableJobs.__init__(self, machine, tell, files)
+        self.files = files
+        self.record = None  # of the board's journal; None: not known since the last change
+
+    def keep(self, *program):
+        self.record = None
+        self.files.keep(*program)
+
+    def fail(self, error):
+        self._asked = False
+        self.record = None
+        RecoverableJobs.fail(self, error)
+
+    def run(self, name, lines, passes, checked, single=False):
+        self.record = None
+        return RecoverableJobs.run(self, name, lines, passes, checked, single)
+
+    def waits_to_go_down(self):
+        return self._stage == "ask"
+
+    def busy(self):
+        """It runs, or the board is asked how it would go on."""
+        return self.running() or self._collects is not None
+
+    def _number(self, name, lines):
+        return self.files.programs()[0][2]
+
+    def _offer(self, said):
+        try:
+            self.record = Record.of(said)
+        except Failure:
+            return None
+        offer = RecoverableJobs._offer(self, said)
+        return None if offer and "absent" in offer else offer
+
+
+class Work:
+    def __init__(self, key, name, about, machine, tell, parcel):
+        """`about`: {"kind": board file, "tool": text}; `machine`: a GrblMachine; `tell`: as it takes it; `parcel`: fetches a file: ask(sha, parts),
+        data() its bytes or None, drop()."""
+        self._key, self._name, self._about = key, name, about
+        self._machine, self._parcel = machine, parcel
+        machine.job = self._job = _Job(machine, tell, _Files())
+        self.how, self.text, self.line = REST, "", 0
+        self._order = None  # the shop's, of the job
+        self._ended = None  # [id, how, line, text] of the last one
+        self._released = False  # for the job whose file comes
+        self._tries = 0
+        self._quiet_s = self._since_s = 0.0
+        self._said = ("", None, "")
+        self._why = ""
+        self._count = 0
+        self._renew()
+
+    def _renew(self):
+        """What was ordered until now is of no use any more."""
+        self._nonce = nonce()
+        self._opener = Opener(self._key, SHOP, self._nonce)
+
+    # --- the shop
+
+    def told(self, shop):
+        body = {
+            "how": self.how, "job": self._order["id"] if self._order else "", "nonce": self._nonce, "line": self.line, "text": self.text,
+            "ended": self._ended, "area": self._area(), **self._about,
+        }  # fmt: skip
+        if not shop:
+            return ""
+        if (shop, body) != self._said[:2]:
+            self._count = max(self._count + 1, int(time.time() * _COUNTS_S))
+            self._said = shop, body, sealed(self._key, MACHINE, f"{shop} {self._name}", self._count, body)
+        return self._said[2]
+
+    def shown(self):
+        """For the page at the machine."""
+        name = self._order["name"] if self._order else ""
+        return {"how": self.how, "file": name, "line": self.line, "text": self.text, "ended": self._ended, "down": self._job.waits_to_go_down()}
+
+    def _area(self):
+        settings = self._machine.settings
+        return [round(float(settings.get(number, 0)), 3) for number in (130, 131)]
+
+    def order(self, text):
+        """An order of the shop; one that is not signed for this nonce, or is heard again, is nothing."""
+        order = self._opener.open(text)
+        if order is None or self._order or self.how not in (REST, FREE):
+            return
+        if not 0 < int(order["id"], 16) <= 0xFFFFFFFF:
+            return
+        self._parcel.ask(order["sha"], order["parts"])
+        self._released = self.how == FREE and not order["again"]
+        self._order = order
+        self._become(FETCH)
+
+    # --- who stands at the machine
+
+    def act(self, what):
+        return {"release": self._release, "withdraw": self._withdraw, "go": self._go, "give up": self._give_up}.get(what, lambda: _("no such order"))()
+
+    def press(self):
+        """The machine's button: what is next."""
+        return self._go() if self.how == WAITS else self._release()
+
+    def _release(self):
+        machine = self._machine
+        if self.how != REST:
+            return _("the machine has a job, or is released already")
+        if not machine.state["link"] or not machine.options:
+            return _("the board does not answer")
+        if "J" not in machine.options:
+            return _("the board keeps no journal (key journal of its board file): it takes no jobs of the shop")
+        if machine.still() or machine.state["state"] not in ("Idle", "Alarm"):
+            return _("the machine is at work")
+        self._tries = 0
+        self._released = True
+        self._become(GOES)
+        return ""
+
+    def _withdraw(self):
+        if self.how == FETCH:
+            self._end(REFUSED, _("taken back at the machine before it began"))
+        elif self.how in (FREE, GOES) and not self._order:
+            self._renew()
+            self._become(REST)
+        else:
+            return _("nothing is released")
+        return ""
+
+    def _go(self):
+        if self.how != WAITS:
+            return _("nothing waits")
+        if self._machine.state["state"] not in ("Idle", "Alarm"):
+            return _("the machine is at work")
+        self._tries = 0
+        self._become(GOES)
+        return ""
+
+    def _give_up(self):
+        if self.how != WAITS:
+            return _("nothing waits")
+        if self._machine.state["state"] == "Idle":
+            self._machine.say(b"M5")
+        self._end(GIVEN_UP, self.text)
+        return ""
+
+    def refused(self, text):
+        """Why a job does not go on."""
+        self._why = text
+
+    # --- as time goes on
+
+    def poll(self, now_s):
+        machine, state = self._machine, self._machine.state
+        if machine.wire.of(0) or machine.said:
+            self._quiet_s = now_s
+        if self.how == FREE and (not state["link"] or state["state"] != "Idle" or now_s - self._since_s > _RELEASED_S):
+            self._renew()
+            self._become(REST)
+        elif self.how == FETCH:
+            self._fetch()
+        elif self.how == RUN and not self._job.busy():
+            self._stopped()
+        elif self.how == GOES and not self._job.busy() and now_s - self._quiet_s > _SETTLE_S:
+            self._go_on()
+        elif self.how == WAITS:
+            self._look()
+        if not self._since_s:
+            self._since_s = now_s
+
+    def _become(self, how, text="", line=0):
+        self.how, self.text, self.line = how, text, line
+        self._since_s = 0.0
+        self._quiet_s = time.monotonic()
+
+    def _fetch(self):
+        data = self._parcel.data()
+        if data is None or self._job.record is None:
+            return
+        try:
+            lines = _lines_of(data)
+        except Failure as failure:
+            self._end(REFUSED, failure.told())
+            return
+        known = self._job.record.job
+        number = int(self._order["id"], 16)
+        self._job.keep(self._order["name"], lines, number)
+        if not self._released or known == number:
+            self._become(WAITS, _("the agent has begun anew"))
+        elif self._machine.state["state"] != "Idle" or self._begin():
+            self._become(WAITS, _("the machine was not ready"))
+
+    def _begin(self):
+        """From the first line. Returns 0 or an error."""
+        name, lines, _number = self._job.files.programs()[0]
+        error = self._machine.run(name, Store.numbered(lines, lines), 1, False, False)
+        if not error:
+            self._become(RUN)
+        return error
+
+    def _stopped(self):
+        job = self._machine.state["job"]
+        if self._job.waits_to_go_down():
+            self._become(WAITS, _("over the place where it stopped: next the tool goes down"), self.line)
+        elif job and job["how"] == "done":
+            self._end(DONE)
+        else:
+            why, self._why = self._why, ""
+            self._become(WAITS, why or (error_text(job["error"]) if job and job["error"] else _("it was stopped")), self.line)
+
+    def _look(self):
+        """See where the job stands, once the board's journal has told. Returns True if it is done."""
+        record, number = self._job.record, int(self._order["id"], 16)
+        if record is None or record.job != number or self._job.waits_to_go_down():
+            return False
+        self.line = record.line
+        done = record.line >= self._last() and record.done
+        if done:
+            self._end(DONE)
+        return done
+
+    def _last(self):
+        lines = self._job.files.programs()[0][1]
+        return max([number for number, line in lines if any(letter in line.upper() for letter in b"XYZ")], default=0)
+
+    def _go_on(self):
+        """Released, or told to go on: home or unlock the machine if it wants that, then what is next."""
+        machine, state = self._machine, self._machine.state
+        offer = state["recover"]
+        if not state["link"] or self._job.record is None:
+            if not state["link"]:
+                self._fall_back(_("the board does not answer"))
+            return
+        if state["state"] == "Alarm":
+            self._ready(machine.unlock if offer and offer["known"] and not self._tries else machine.home)
+        elif state["state"] != "Idle":
+            self._fall_back(_("the machine is at work"))
+        elif not self._order:
+            self._renew()
+            self._become(FREE)
+        elif self._look():
+            pass
+        elif self._job.waits_to_go_down():
+            self._step("down")
+        elif offer:
+            if offer["known"]:
+                self._step("begin")
+            else:
+                self._ready(machine.home)
+        elif self._begin():
+            self._fall_back(_("the machine was not ready"))
+
+    def _ready(self, order):
+        self._tries += 1
+        if self._tries > _TRIES:
+            self._fall_back(_("the machine is in alarm"))
+        else:
+            order()
+        self._quiet_s = time.monotonic()
+
+    def _step(self, what):
+        machine = self._machine
+        machine.state["job"] = None  # how the one before ended
+        error = machine.orders["recover"]({"do": "recover", "what": what})
+        if error:
+            self._fall_back(error_text(error))
+        else:
+            self._become(RUN, "", self.line)
+
+    def _fall_back(self, text):
+        if self._order:
+            self._become(WAITS, text, self.line)
+        else:
+            self._renew()
+            self._become(REST, text)
+
+    def _end(self, how, text=""):
+        self._ended = [self._order["id"], how, self.line, text]
+        self._order = None
+        self._parcel.drop()
+        self._job.keep()
+        self._renew()
+        self._become(REST)
+
+
+def _lines_of(data):
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "job.gcode"
+        path.write_bytes(data)
+        return gcode_file.read(path)
+

@@ -1,0 +1,447 @@
+"""A shop under load: virtual plotters, agents and a real Mosquitto that are killed and parted, and what was drawn, counted from the traces.
+
+    python tests_host/sims/shop_load.py 100 1000 --agents-killed 50 --brokers-killed 10 --partitions 10 --power-cuts 20
+
+A job draws its number: a stroke for each of ten bits, one above the other, 5 mm long or 10. Whoever stands at a machine is played: paper is
+put in when it is at rest, and "go" is said when it waits.
+"""
+
+import argparse
+import json
+import os
+import random
+import select
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import requests
+
+MOSQUITTO = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
+BITS = 10
+FIRST_MM, APART_MM, SHORT_MM, LONG_MM = 5, 3, 5, 10
+STEPS_MM = 10
+AN_AGENT = 5  # machines
+KIND = "small_plotter"
+
+
+def board_file(folder):
+    """A plotter with large steps, so that traces are short."""
+    from host_tools import boards
+
+    board = dict(boards.load("corexy_plotter"), name=KIND)
+    board["axes"] = [dict(axis, steps_per_m=1000 * STEPS_MM, travel_steps=600) for axis in board["axes"]]
+    board["homing"] = dict(board["homing"], seek_steps_s=600, pull_off_steps=20)
+    board["speed"] = dict(board["speed"], default=1000, max=2500)
+    path = folder / f"{KIND}.py"
+    path.write_text(f"BOARD = {board!r}\n")
+    return path
+
+
+def program(number):
+    lines = ["G21 G90"]
+    for bit in range(BITS):
+        y = FIRST_MM + APART_MM * bit
+        lines += [f"G0 X{FIRST_MM} Y{y}", "M3 S1000", f"G1 X{FIRST_MM + (LONG_MM if number >> bit & 1 else SHORT_MM)} F3000", "M5"]
+    return "\n".join([*lines, "G0 X2 Y2", ""]).encode()
+
+
+# --- what was drawn
+
+
+def strokes(traces):
+    """[(y, x from, x to)] in steps, of the pen that is down, in the order of drawing."""
+    found, left, right, at_y = [], None, None, None
+    for path in traces:
+        with open(path) as file:
+            for row in list(file)[1:]:
+                fields = row.split(",")
+                if len(fields) != 6:
+                    continue
+                x, y, down = int(fields[1]), int(fields[2]), int(fields[5]) > 500
+                if left is not None and (not down or y != at_y):
+                    found.append((at_y, left, right))
+                    left = None
+                if down:
+                    left, right, at_y = (x, x, y) if left is None else (min(left, x), max(right, x), y)
+        if left is not None:
+            found.append((at_y, left, right))
+            left = None
+    return [stroke for stroke in found if stroke[2] > stroke[1]]
+
+
+def read_numbers(found):
+    """(numbers in the order of drawing, steps drawn twice, what is no number). A stroke may be in pieces."""
+    numbers, faults, twice = [], [], 0
+    pieces = {}  # bit: (from, to)
+    now = -1
+
+    def close():
+        nonlocal pieces, now
+        value = 0
+        for bit in range(BITS):
+            length = (pieces.get(bit, (0, 0))[1] - FIRST_MM * STEPS_MM) / STEPS_MM
+            if abs(length - LONG_MM) < 0.5:
+                value |= 1 << bit
+            elif abs(length - SHORT_MM) >= 0.5 or bit not in pieces:
+                faults.append(f"bit {bit} of a job is {pieces.get(bit)}")
+        numbers.append(value)
+        pieces, now = {}, -1
+
+    for y, left, right in found:
+        bit = round((y / STEPS_MM - FIRST_MM) / APART_MM)
+        if bit == now + 1 and bit < BITS or now == -1 and bit == 0:
+            pieces[bit] = left, right
+            now = bit
+        elif bit == now:
+            first, last = pieces[bit]
+            twice += max(0, min(last, right) - max(first, left))
+            if left > last + 1:
+                faults.append(f"a gap of {left - last} steps")
+            pieces[bit] = min(first, left), max(last, right)
+        elif bit == 0 and now == BITS - 1:
+            close()
+            pieces[0], now = (left, right), 0
+        else:
+            faults.append(f"stroke of bit {bit} behind bit {now}")
+            pieces, now = {bit: (left, right)}, bit
+    if pieces:
+        close()
+    return numbers, twice, faults
+
+
+# --- a board, as a process
+
+
+class _Cut(BaseException):
+    """The power is gone, wherever the firmware is."""
+
+
+def board(folder):
+    """Run the board of `folder`, in fast time. SIGUSR1: its power is cut."""
+    from host_tools import boards
+    from host_tools.build.pc_kernels import use_compiled
+    from host_tools.sim.machine import Machine
+    from host_tools.sim.serial_line import PtyLine, wait
+
+    use_compiled()
+    traces = sorted(folder.glob("trace-*.csv"))
+    config = boards.load(str(folder.parent / f"{KIND}.py"))
+    place = (20 + len(traces), 30)
+    (folder / "flash").mkdir(exist_ok=True)
+    line = PtyLine(folder / "port")
+    lines = {"usb": line, "pc": PtyLine()}
+    machine = Machine(
+        config, lines, "fast", lambda ms: wait([line], ms), trace=folder / f"trace-{len(traces):03}.csv", idle=False, flash=folder / "flash", start=place
+    )
+    stopped = []
+    signal.signal(signal.SIGTERM, lambda *_: stopped.append(True))
+
+    def cut(*_):
+        raise _Cut
+
+    signal.signal(signal.SIGUSR1, cut)
+    print("ready", flush=True)
+    flushed = time.monotonic()
+    try:
+        while not stopped:
+            machine.cycle()
+            if time.monotonic() - flushed > 2:
+                machine.flush()
+                flushed = time.monotonic()
+        machine.close()
+    except _Cut:
+        machine.trace.flush()
+        (folder / "port").unlink()
+        os._exit(0)
+    finally:
+        (folder / "port").unlink(missing_ok=True)  # the system gives its number to the next who opens a pty
+
+
+# --- the network
+
+
+class Proxy:
+    """Between agents and broker; cut() parts them for a while."""
+
+    def __init__(self, to):
+        self._to = to
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self.port = self._server.getsockname()[1]
+        self._pairs = {}
+        self._lock = threading.Lock()
+        self.until_s = 0.0
+        self._open = True
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def cut(self, seconds):
+        """Nothing passes, and nobody is told: packets are lost, as on a network that parts."""
+        self.until_s = time.monotonic() + seconds
+
+    def _run(self):
+        poll = select.poll()
+        poll.register(self._server, select.POLLIN)
+        by_fd = {}
+        parted = False
+        while self._open:
+            if time.monotonic() < self.until_s:
+                parted = True
+                time.sleep(0.05)
+                continue
+            if parted:  # what was sent meanwhile is lost, and so are the connections
+                parted = False
+                for one in list(by_fd.values()):
+                    one.close()
+                by_fd.clear()
+                poll = select.poll()
+                poll.register(self._server, select.POLLIN)
+                self._pairs.clear()
+            for fd, _event in poll.poll(100):
+                if fd == self._server.fileno():
+                    client, _ = self._server.accept()
+                    try:
+                        broker = socket.create_connection(("127.0.0.1", self._to), 5)
+                    except OSError:
+                        client.close()
+                        continue
+                    for one, other in ((client, broker), (broker, client)):
+                        by_fd[one.fileno()] = one
+                        self._pairs[one.fileno()] = other
+                        poll.register(one, select.POLLIN)
+                    continue
+                one, other = by_fd.get(fd), self._pairs.get(fd)
+                if one is None:
+                    continue
+                try:
+                    data = one.recv(65536)
+                    if data:
+                        other.sendall(data)
+                        continue
+                except OSError:
+                    pass
+                for each in (one, other):
+                    if by_fd.pop(each.fileno(), None):
+                        poll.unregister(each)
+                        self._pairs.pop(each.fileno(), None)
+                    each.close()
+        for one in by_fd.values():
+            one.close()
+        self._server.close()
+
+    def close(self):
+        self._open = False
+        self._thread.join(10)
+
+
+def free_port():
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+# --- the whole
+
+
+class Load:
+    def __init__(self, folder, machines, jobs, an_agent=AN_AGENT, seed=1):
+        from host_tools.shop.book import Book
+        from host_tools.shop.desk import Desk
+        from host_tools.shop.link import Broker
+        from passo.web import session
+
+        self.folder = folder
+        self.random = random.Random(seed)
+        self.names = [f"m{number:03}" for number in range(machines)]
+        self.board_file = board_file(folder)
+        self.count = {}
+        self.boards, self.agents, self.pages = {}, {}, {}
+        self.groups = [self.names[at : at + an_agent] for at in range(0, machines, an_agent)]
+        self.broker_port = free_port()
+        self.broker = None
+        (folder / "mosquitto.conf").write_text(f"listener {self.broker_port} 127.0.0.1\nallow_anonymous true\n")
+        self.start_broker()
+        self.proxy = Proxy(self.broker_port)
+        key = session.make_key(os.urandom)
+        self.key_file = folder / "shop.key"
+        self.key_file.write_text(key)
+        self.key_file.chmod(0o600)
+        for name in self.names:
+            (folder / name).mkdir()
+        for name in self.names:
+            self.start_board(name)
+        self.book = Book(folder / "shop.sqlite")
+        self.jobs = {}
+        for number in range(jobs):
+            data = program(number)
+            self.jobs[self.book.add(data, f"{number}.gcode", {"kind": KIND})[0]] = number
+        self.desk = Desk(Broker("127.0.0.1", self.proxy.port), key, self.book)
+        for at in range(len(self.groups)):
+            self.start_agent(at)
+
+    def start_broker(self):
+        self.broker = subprocess.Popen([MOSQUITTO, "-c", self.folder / "mosquitto.conf"], stderr=subprocess.DEVNULL)
+
+    def start_board(self, name):
+        self.boards[name] = subprocess.Popen([sys.executable, __file__, "--board", str(self.folder / name)], stdout=subprocess.PIPE, stderr=open(self.folder / name / "stderr", "ab"))
+
+    def start_agent(self, at):
+        ports = [word for name in self.groups[at] for word in ("--port", f"{name}={self.folder}/{name}/port")]
+        self.pages[at] = free_port()
+        self.agents[at] = subprocess.Popen(
+            [sys.executable, "-m", "host_tools.cli", "agent", *ports, "--protocol", "grbl", "--board", str(self.board_file), "--broker", f"127.0.0.1:{self.proxy.port}",
+             "--shop-key", str(self.key_file), "--at-machine", str(self.pages[at])],
+            stdout=subprocess.DEVNULL, stderr=open(self.folder / f"agent-{at}", "ab"),
+        )  # fmt: skip
+
+    def people(self):
+        """Whoever stands at the machines looks at each page once, and does what it asks for."""
+        for at in self.agents:
+            address = f"http://127.0.0.1:{self.pages[at]}"
+            try:
+                shown = requests.get(address + "/machines", timeout=5).json()
+                for machine in shown:
+                    what = {"rest": "release", "waits": "go"}.get(machine["how"])
+                    if what:
+                        self.count[what] = self.count.get(what, 0) + 1
+                        requests.post(address + "/do", json={"name": machine["name"], "do": what}, headers={"Origin": address}, timeout=5)
+            except (requests.RequestException, ValueError):
+                pass
+
+    def kill_agent(self):
+        at = self.random.choice(list(self.agents))
+        self.agents[at].kill()
+        self.agents[at].wait()
+        self.start_agent(at)
+
+    def kill_broker(self):
+        self.broker.kill()
+        self.broker.wait()
+        self.start_broker()
+
+    def cut_power(self):
+        """Of a machine that draws, if there is one."""
+        drawing = [name for name in self.names if self.desk.machines.get(name, {}).get("how") == "run"]
+        name = self.random.choice(drawing or self.names)
+        process = self.boards[name]
+        process.send_signal(signal.SIGUSR1)
+        process.wait(60)
+        process.stdout.close()
+        self.start_board(name)
+
+    def part(self, seconds):
+        self.proxy.cut(seconds)
+
+    def run(self, limit_s, faults):
+        """`faults`: functions, spread over the jobs. Until all jobs have ended, and all faults have been."""
+        faults = list(faults)
+        total = len(self.jobs)
+        every = total * 0.9 / max(len(faults), 1)
+        begun = time.monotonic()
+        told = 0
+        before = 0
+        while time.monotonic() - begun < limit_s:
+            counts = self.book.counts()
+            done = counts.get("done", 0)
+            if done >= told:
+                print(f"{time.monotonic() - begun:.0f} s: {counts}, {len(faults)} faults left, load {os.getloadavg()[0]:.1f}", flush=True)
+                told = done + max(1, total // 20)
+            if done == total and not faults:
+                return time.monotonic() - begun
+            if faults and (done >= before + every or done == total) and time.monotonic() > self.proxy.until_s:
+                before += every
+                faults.pop(0)()
+            self.people()
+            time.sleep(0.2)
+        raise AssertionError(f"not done in {limit_s} s: {self.book.counts()}, {[(name, told.get('how'), told.get('state'), told.get('text')) for name, told in self.desk.machines.items()]}")
+
+    def drawn(self):
+        """{machine: (numbers, steps drawn twice, faults)}, from the traces."""
+        for process in self.boards.values():
+            process.terminate()
+        for process in self.boards.values():
+            process.wait(120)
+        return {name: read_numbers(strokes(sorted((self.folder / name).glob("trace-*.csv")))) for name in self.names}
+
+    def by_book(self):
+        """{machine: numbers in the order in which they were begun}, by the book."""
+        found = {name: [] for name in self.names}
+        for job in sorted(self.book.jobs(100_000), key=lambda job: job.begun or 0):
+            if job.machine:
+                found[job.machine].append(self.jobs[job.id])
+        return found
+
+    def close(self):
+        for process in [*self.agents.values(), *self.boards.values(), self.broker]:
+            if process:
+                process.kill()
+                process.wait()
+                if process.stdout:
+                    process.stdout.close()
+        self.desk.close()
+        self.proxy.close()
+        self.book.close()
+
+
+def check(load):
+    """Raise AssertionError unless each job was drawn exactly once, in the order of its machine. Returns the steps drawn twice."""
+    drawn = load.drawn()
+    faults = {name: found[2] for name, found in drawn.items() if found[2]}
+    assert not faults, faults
+    numbers = [number for found in drawn.values() for number in found[0]]
+    assert sorted(numbers) == sorted(load.jobs.values()), (len(numbers), sorted(set(load.jobs.values()) - set(numbers)), sorted({number for number in numbers if numbers.count(number) > 1}))
+    by_book = load.by_book()
+    for name, found in drawn.items():
+        assert found[0] == by_book[name], (name, found[0], by_book[name])
+    return sum(found[1] for found in drawn.values())
+
+
+def usage(process):
+    """(MB, seconds of CPU) of a process."""
+    rss = int(next(line for line in Path(f"/proc/{process.pid}/status").read_text().splitlines() if line.startswith("VmRSS")).split()[1]) / 1024
+    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return rss, (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def main():
+    import tempfile
+
+    if sys.argv[1:2] == ["--board"]:
+        return board(Path(sys.argv[2]))
+    parser = argparse.ArgumentParser()
+    parser.add_argument("machines", type=int)
+    parser.add_argument("jobs", type=int)
+    for name in ("agents-killed", "brokers-killed", "partitions", "power-cuts"):
+        parser.add_argument(f"--{name}", type=int, default=0)
+    parser.add_argument("--parted-s", type=float, default=30.0)
+    parser.add_argument("--limit-s", type=float, default=3000.0)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--keep", action="store_true")
+    given = parser.parse_args()
+    folder = Path(tempfile.mkdtemp(prefix="shop-"))
+    load = Load(folder, given.machines, given.jobs, seed=given.seed)
+    try:
+        faults = [load.kill_agent] * given.agents_killed + [load.kill_broker] * given.brokers_killed + [load.cut_power] * given.power_cuts
+        faults += [lambda: load.part(given.parted_s)] * given.partitions
+        load.random.shuffle(faults)
+        took = load.run(given.limit_s, faults)
+        used = [usage(process) for process in load.agents.values()]
+        twice = check(load)
+        print(json.dumps({
+            "jobs": given.jobs, "machines": given.machines, "seconds": round(took), "drawn twice, mm": twice / STEPS_MM, "people": load.count,
+            "agent MB": round(max(used)[0]), "machines an agent": AN_AGENT, "agents' CPU, s": round(sum(each[1] for each in used)),
+        }))  # fmt: skip
+    finally:
+        load.close()
+        if not given.keep:
+            shutil.rmtree(folder, ignore_errors=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
