@@ -19,9 +19,9 @@ from passo.web.guard import known
 _OWN = Path(__file__).parent / "page"
 _SHARED = FIRMWARE / "passo" / "web" / "page"
 _NAMES = (b"127.0.0.1", b"localhost")
-_TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8", "json": "application/json"}
+_TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8", "json": "application/json", "svg": "image/svg+xml"}
 _FILES = {
-    **{name: _OWN for name in ("machine.html", "machine.js", "tiles.js", "shop.css", "pt.json")}, **{name: _SHARED for name in ("panel.css", "words.js")},
+    **{name: _OWN for name in ("machine.html", "machine.js", "tiles.js", "shop.css", "pt.json")}, **{name: _SHARED for name in ("panel.css", "words.js", "icon.svg")},
 }  # fmt: skip
 _MOST_BYTES = 4096
 

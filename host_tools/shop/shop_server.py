@@ -24,7 +24,7 @@ _PAGES = 30
 _MOST_COPIES = 200
 _PIECE = 32_768
 _SHOWN = 300  # jobs
-_TOLD = ("how", "job", "line", "text", "kind", "tool", "state", "progress", "left", "alarm")
+_TOLD = ("how", "job", "line", "text", "kind", "tool", "page", "state", "progress", "left", "alarm")
 
 
 class ShopPages(Pages):

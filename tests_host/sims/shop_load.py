@@ -28,6 +28,7 @@ FIRST_MM, APART_MM, SHORT_MM, LONG_MM = 5, 3, 5, 10
 STEPS_MM = 10
 AN_AGENT = 5  # machines
 KIND = "small_plotter"
+_IDLE_MS = 50  # a board at rest looks at its line as bytes come, and no more often than that
 
 
 def board_file(folder):
@@ -137,7 +138,7 @@ def board(folder):
     line = PtyLine(folder / "port")
     lines = {"usb": line, "pc": PtyLine()}
     machine = Machine(
-        config, lines, "fast", lambda ms: wait([line], ms), trace=folder / f"trace-{len(traces):03}.csv", idle=False, flash=folder / "flash", start=place
+        config, lines, "fast", lambda ms: wait([line], max(ms, _IDLE_MS)), trace=folder / f"trace-{len(traces):03}.csv", idle=False, flash=folder / "flash", start=place
     )
     stopped = []
     signal.signal(signal.SIGTERM, lambda *_: stopped.append(True))
@@ -249,7 +250,7 @@ def free_port():
 
 
 class Load:
-    def __init__(self, folder, machines, jobs, an_agent=AN_AGENT, seed=1):
+    def __init__(self, folder, machines, jobs, an_agent=AN_AGENT, seed=1, parted_s=30.0):
         from host_tools.shop.book import Book
         from host_tools.shop.desk import Desk
         from host_tools.shop.link import Broker
@@ -257,6 +258,7 @@ class Load:
 
         self.folder = folder
         self.random = random.Random(seed)
+        self.parted_s = parted_s
         self.names = [f"m{number:03}" for number in range(machines)]
         self.board_file = board_file(folder)
         self.count = {}
@@ -334,14 +336,14 @@ class Load:
         process.stdout.close()
         self.start_board(name)
 
-    def part(self, seconds):
-        self.proxy.cut(seconds)
+    def part(self):
+        self.proxy.cut(self.parted_s)
 
     def run(self, limit_s, faults):
         """`faults`: functions, spread over the jobs. Until all jobs have ended, and all faults have been."""
         faults = list(faults)
         total = len(self.jobs)
-        every = total * 0.9 / max(len(faults), 1)
+        every = total * 0.8 / max(len(faults), 1)
         begun = time.monotonic()
         told = 0
         before = 0
@@ -353,7 +355,7 @@ class Load:
                 told = done + max(1, total // 20)
             if done == total and not faults:
                 return time.monotonic() - begun
-            if faults and (done >= before + every or done == total) and time.monotonic() > self.proxy.until_s:
+            while faults and done >= before and (faults[0] != self.part or time.monotonic() > self.proxy.until_s):
                 before += every
                 faults.pop(0)()
             self.people()
@@ -424,10 +426,10 @@ def main():
     parser.add_argument("--keep", action="store_true")
     given = parser.parse_args()
     folder = Path(tempfile.mkdtemp(prefix="shop-"))
-    load = Load(folder, given.machines, given.jobs, seed=given.seed)
+    load = Load(folder, given.machines, given.jobs, seed=given.seed, parted_s=given.parted_s)
     try:
         faults = [load.kill_agent] * given.agents_killed + [load.kill_broker] * given.brokers_killed + [load.cut_power] * given.power_cuts
-        faults += [lambda: load.part(given.parted_s)] * given.partitions
+        faults += [load.part] * given.partitions
         load.random.shuffle(faults)
         took = load.run(given.limit_s, faults)
         used = [usage(process) for process in load.agents.values()]

@@ -7,9 +7,9 @@ pytestmark = [pytest.mark.slow, pytest.mark.timeout(1200), pytest.mark.skipif(no
 
 
 def test_each_job_is_drawn_exactly_once(tmp_path):
-    load = shop_load.Load(tmp_path, 10, 100)
+    load = shop_load.Load(tmp_path, 10, 100, parted_s=15)
     try:
-        faults = [load.kill_agent] * 10 + [load.kill_broker] * 3 + [lambda: load.part(15)] + [load.cut_power] * 10
+        faults = [load.kill_agent] * 10 + [load.kill_broker] * 3 + [load.part] + [load.cut_power] * 10
         load.random.shuffle(faults)
         load.run(1000, faults)
         twice = shop_load.check(load)

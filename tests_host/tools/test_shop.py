@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -18,6 +20,7 @@ from host_tools.shop import drop
 from host_tools.shop.book import Book
 from host_tools.shop.desk import fits
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
+from passo import errors
 from passo.web import session
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "sims"))
@@ -254,3 +257,156 @@ def test_agent_broker_and_power_fail_and_the_job_is_drawn_once(bench):
         time.sleep(0.1)
     numbers, twice, faults = bench.drawn()
     assert numbers == [1023] and not faults and twice <= 50 * shop_load.STEPS_MM  # a second's way at most
+
+
+# --- the pages
+
+
+PAGE = Path(__file__).parents[2] / "host_tools" / "shop" / "page"
+
+
+def test_every_word_of_the_pages_is_in_the_catalogue():
+    """Texts of the two pages of HTML, and those of their scripts: in pt.json, and no others."""
+    words = json.loads((PAGE / "pt.json").read_text(encoding="utf-8"))
+    html = "".join((PAGE / name).read_text(encoding="utf-8") for name in ("shop.html", "machine.html"))
+    scripts = "".join(path.read_text(encoding="utf-8") for path in PAGE.glob("*.js"))
+    body = re.sub(r"<head>.*?</head>|<[^>]*lang=\"(?:en|pt)\">[^<]*</option>", "", html, flags=re.DOTALL)
+    wanted = {text.strip() for text in re.findall(r">([^<]+)<", body) if re.search(r"[a-z]{2}", text, re.IGNORECASE)}
+    wanted |= set(re.findall(r'_\("([^"]+)"', scripts)) | set(re.findall(r'button\("([^"]+)"', scripts))
+    for table in re.findall(r"(?:HOW|ENDED|states) = \{(.*?)\};", scripts, re.DOTALL):
+        wanted |= set(re.findall(r': "([^"]+)"', table))
+    wanted |= {"The tool may go down", "Go on", "Withdraw", "Again", "The last job is done: take it out.", "The last job was not done."}
+    assert wanted == set(words), (wanted - set(words), set(words) - wanted)
+    assert all(words.values())
+
+
+class Served:
+    """A Shop without a broker, as pages ask it."""
+
+    up = False
+    machines = {"m": {"how": "rest", "state": "idle", "job": "", "nonce": "secret"}}
+    stops = looks = 0
+
+    def stop_all(self):
+        self.stops += 1
+
+    def look(self):
+        self.looks += 1
+
+
+@pytest.fixture
+def served(book):
+    from host_tools.shop.shop_server import Shop
+
+    desk = Served()
+    return desk, Shop(desk, book, KEY, "127.0.0.1")
+
+
+def test_who_has_no_key_looks_and_stops_and_does_nothing_else(served, book):
+    desk, shop = served
+    ids = book.add(b"G0X1", "a", {"kind": "k"})
+    for order in ({"do": "withdraw", "job": ids[0]}, {"do": "again", "job": ids[0]}, {"do": "drop"}, {"do": "jump"}, [], {"do": []}):
+        assert shop.order(order, False)["error"] == errors.NO_SESSION
+    assert book.counts() == {"queued": 1}
+    assert shop.order({"do": "stop"}, False)["error"] == 0 and desk.stops == 1
+    assert "secret" not in json.dumps(shop.state()), "a nonce is for the shop alone"
+
+
+def test_orders_of_the_page_are_proven_and_good_once(served, book):
+    _desk, shop = served
+    ids = book.add(b"G0X1", "a", {"kind": "k"}, 3)
+    pages = shop.server.pages
+    page = pages.enter(None, pages.about({}), 0)
+    signs = session.Session(KEY, page.hello["nonce"])
+
+    def said(count, order, sign=signs):
+        body = json.dumps(order)
+        return f"{count}.{sign.proof(str(count), body)}.{body}"
+
+    first = said(1, {"do": "withdraw", "job": ids[0], "id": 1})
+    assert pages.hear(page, first, 0) == {"t": "answer", "do": "withdraw", "error": 0, "id": 1}
+    assert pages.hear(page, first, 0)["error"] == errors.NO_SESSION
+    altered = said(2, {"do": "withdraw", "job": ids[1]}).replace(ids[1], ids[2])
+    assert pages.hear(page, altered, 0)["error"] == errors.NO_SESSION
+    assert pages.hear(page, said(3, {"do": "withdraw", "job": ids[1]}, session.Session("B" * 16, page.hello["nonce"])), 0)["error"] == errors.NO_SESSION
+    assert pages.hear(page, json.dumps({"do": "withdraw", "job": ids[1]}), 0)["error"] == errors.NO_SESSION
+    assert book.counts() == {"queued": 2}
+    more = {"do": "drop", "name": "a", "text": "x", "kind": "corexy_plotter", "copies": 1, "tool": "", "last": True}
+    wrongs = [
+        {"do": "withdraw"}, {"do": "withdraw", "job": 5}, {"do": "drop", "name": 1}, {**more, "at": 7}, {"do": "again", "job": "0" * 8}, {"do": []},
+        {**more, "kind": "nobody's"}, {**more, "copies": 0}, {**more, "copies": 10**9}, {**more, "copies": True}, {**more, "tool": "é"}, {**more, "text": "x" * 40_000},
+    ]  # fmt: skip
+    for count, wrong in enumerate(wrongs, 10):
+        assert pages.hear(page, said(count, wrong), 0)["error"], wrong
+    assert book.counts() == {"queued": 2}
+
+
+@pytest.fixture
+def browser(tmp_path):
+    """Chromium, in Portuguese, as wide as a small phone."""
+    webdriver = pytest.importorskip("selenium.webdriver", reason="there is no selenium: the shop's page was NOT tried in a browser")
+    chromium, driver = shutil.which("chromium"), shutil.which("chromedriver")
+    if not (chromium and driver):
+        pytest.skip("there is no chromium with its driver: the shop's page was NOT tried in a browser")
+    options = webdriver.ChromeOptions()
+    options.binary_location = chromium
+    options.add_experimental_option("prefs", {"intl.accept_languages": "pt-BR"})
+    for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--window-size=500,900", f"--user-data-dir={tmp_path}/browser"):
+        options.add_argument(argument)
+    opened = webdriver.Chrome(options=options, service=webdriver.ChromeService(driver))
+    opened.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 320, "height": 700, "deviceScaleFactor": 1, "mobile": True})
+    yield opened
+    opened.quit()
+
+
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30"><path d="M5 5H25V20"/></svg>'
+
+
+@pytest.mark.slow
+@needs_broker
+def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
+    """Queue an SVG twice for a tool, say "paper is in" on the machine's own page, see it done once; all in Portuguese, and 320 px wide."""
+    bench.desk.close()  # the program below takes its place
+    shop = bench.run("shop", "--broker", f"127.0.0.1:{bench.port}", "--book", str(tmp_path / "page.sqlite"), "--shop-key", str(bench.key_file), "--http", "0")
+    address = shop.stdout.readline().strip()[6:]
+    agent = bench.agent(
+        "--emulated", "plotter=corexy_plotter", "--shop-key", str(bench.key_file), "--at-machine", "0", "--tool", "plotter=red", "--page", "plotter=http://127.0.0.1:1/"
+    )
+    local = next(line[6:].strip() for line in agent.stdout if line.startswith("page: "))
+    (tmp_path / "a.svg").write_text(SVG)
+
+    def text(selector):
+        return browser.execute_script("const found = document.querySelector(arguments[0]); return found ? found.innerText : ''", selector)
+
+    def press(selector):
+        browser.execute_script("document.querySelector(arguments[0]).click()", selector)
+
+    browser.get(address)
+    bench.until(lambda: "alarme" in text(".tile"))
+    assert "key=" not in browser.current_url
+    assert browser.find_element("css selector", ".tile a").get_attribute("href") == "http://127.0.0.1:1/"
+    browser.find_element("id", "file").send_keys(str(tmp_path / "a.svg"))
+    for name, value in (("copies", "\ue009a\ue0002"), ("tool", "red"), ("material", "A4")):
+        browser.find_element("id", name).send_keys(value)
+    browser.find_element("css selector", "#add button").click()
+    bench.until(lambda: len(browser.find_elements("css selector", "#queue li")) == 2)
+    assert browser.execute_script("return document.documentElement.scrollWidth") == 320
+    first = browser.current_window_handle
+    browser.switch_to.new_window("tab")
+    browser.get(local)
+    bench.until(lambda: text(".tile button") == "O papel está posto")
+    press(".tile button")
+    bench.until(lambda: "desenhando" in text(".tile"))
+    browser.switch_to.window(first)
+    bench.until(lambda: browser.execute_script("return document.querySelector('.tile canvas').clientHeight") > 50)
+    bench.until(lambda: len(browser.find_elements("css selector", "#history li")) == 1)
+    bench.until(lambda: text("#used").split()[:2] == ["A4", "1"])
+    assert "1 trabalhos na fila, 1 prontos" in text("#counts")
+    press("#queue button")
+    bench.until(lambda: "0 trabalhos na fila" in text("#counts"))
+    browser.find_element("id", "stop").click()
+    bench.until(lambda: text("#said").startswith("PARAR foi enviado"))
+    bench.until(lambda: json.loads(bench.told["passo/plotter/counters"])["stops"] == 1)
+    browser.get(address.partition("#")[0] + "?again")
+    bench.until(lambda: "prontos" in text("#counts"))
+    assert [entry for entry in browser.get_log("browser") if entry["level"] == "SEVERE"] == []

@@ -25,7 +25,7 @@ function button(text, machine, what, kind) {
 
 function tile(machine) {
   const made = element("article", `tile how-${machine.how}`);
-  made.append(element("h2", "", machine.name), element("p", "state", _(states[machine.state] || "not heard of yet")), element("p", "how", _(HOW[machine.how])));
+  made.append(element("h2", "", machine.name), element("p", "state", states[machine.state] ? _(states[machine.state]) : _("not heard of yet")), element("p", "how", _(HOW[machine.how])));
   if (machine.file) made.append(element("p", "file", !machine.progress ? machine.file : `${machine.file} · ${machine.progress} %`));
   if (machine.how === "waits" && machine.line) made.append(element("p", "", _("It stopped behind line {line}.", { line: machine.line })));
   if (machine.text) made.append(element("p", "why", machine.text));

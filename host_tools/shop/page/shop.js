@@ -81,7 +81,12 @@ function draw(machine, shown, job) {
   const gone = machine.state === "gone" || machine.state === "lost";
   shown.made.className = `tile how-${gone ? "gone" : machine.how} state-${machine.state}`;
   shown.made.hidden = at("filter").value !== "" && kindOf(machine) !== at("filter").value;
-  shown.state.textContent = [_(states[machine.state] || "not heard of yet"), gone ? "" : _(HOW[machine.how] || "")].filter((each) => each).join(" · ");
+  if (machine.page && !shown.title.firstElementChild) {
+    const leads = element("a", "", machine.name);
+    leads.href = machine.page;
+    shown.title.replaceChildren(leads);
+  }
+  shown.state.textContent = [states[machine.state] ? _(states[machine.state]) : _("not heard of yet"), gone ? "" : _(HOW[machine.how] || "")].filter((each) => each).join(" · ");
   const name = job ? job.name : machine.job || "";
   shown.job.textContent = machine.progress ? `${name} · ${machine.progress} %` : name;
   shown.left.textContent = machine.left ? _("{time} left", { time: clock(Number(machine.left)) }) : "";
