@@ -49,7 +49,8 @@ REASONS = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR,
 # Words of the documents, and what an English text with them has to say in Portuguese.
 TERMS = {"spindle": "spindle", "homed": "referenciada", "drives": "drivers", "torch": "tocha", "plotter": "plotadora", "pulse": "pulso", "weave": "tecer", "homing": "origem"}
 # One word each, as a Brazilian shop has it: {what is not said: what is}; `fuso` is the lead screw.
-NOT_SAID = {"armazenad": "guardado", "sentiu falta": "acusou", "acionamento": "driver"}
+NOT_SAID = {"armazen": "guardado", "foi salvo": "guardado", "sentiu falta": "acusou", "acionamento": "driver", "drives": "drivers",
+            " um ajuste": "configuração", "é ajuste": "configuração", "nem ajustes": "configurações"}
 
 
 @pytest.fixture
@@ -230,7 +231,7 @@ def test_the_words_are_those_of_the_documents():
 
 
 def test_one_word_for_one_thing():
-    for text, words in WORDS.items():
+    for text, words in (*WORDS.items(), *PAGE.items()):
         for wrong, right in NOT_SAID.items():
             assert wrong not in words.lower(), f"{words}: say {right}"
         assert "fuso" not in words.lower() or "screw" in text, words
