@@ -26,7 +26,7 @@ from passo.protocols.page.stored import PIECE
 from passo.web.session import Session
 
 BAUD = 921_600  # as uart_radio.py
-UART_BYTES = 2048 + 1024  # of that UART, on MicroPython's heap: what a radio keeps lies outside of it
+UART_BYTES = 2048 + 1024  # of that UART's buffers, on MicroPython's heap: a radio's lie outside of it
 RADIO = Path(__file__).with_name("uart_radio.py")
 
 
