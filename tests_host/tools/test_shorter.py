@@ -42,8 +42,8 @@ def test_a_closed_line_is_entered_where_it_suits():
     assert travel(made, -1 + 10j) <= 1 + abs(12 + 10j - 10j) + 1e-9
 
 
-@pytest.mark.parametrize("closed, share", [(False, 0.84), (True, 0.75)])
-def test_a_field_of_lines_takes_a_sixth_less_than_greedy(closed, share):
+@pytest.mark.parametrize("closed, share", [(False, 0.77), (True, 0.72)])
+def test_a_field_of_lines_takes_a_quarter_less_than_greedy(closed, share):
     """Greedy is what vpype's linesort does; its two-opt takes a sixth off a field of lines."""
     chance = random.Random(3)
 
@@ -51,7 +51,7 @@ def test_a_field_of_lines_takes_a_sixth_less_than_greedy(closed, share):
         x, y = complex(chance.uniform(0, 1000), chance.uniform(0, 1000)), complex(chance.uniform(-15, 15), chance.uniform(-15, 15))
         return x + y * numpy.exp(2j * numpy.pi * numpy.arange(13) / 12) if closed else numpy.array([x, x + y])
 
-    greedy = sorted_from([one() for _ in range(1500)], 0j)
+    greedy = sorted_from([one() for _ in range(800)], 0j)
     if closed:
         greedy = [numpy.append(line[:-1], line[0]) for line in greedy]
     assert travel(shortened(greedy, 0j), 0j) < share * travel(greedy, 0j)
