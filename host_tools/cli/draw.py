@@ -132,7 +132,7 @@ def _describe(console, plan, options, job):
         (_("  page  {:.1f} × {:.1f} mm, corner at {:.1f}, {:.1f}"), plan.page_mm),
         (_("  drawn {:.1f} × {:.1f} mm, corner at {:.1f}, {:.1f}"), plan.box_mm),
     ):
-        console.print(text.format(right - left, top - bottom, left, bottom))
+        console.print(text.format(right - left, top - bottom, round(left, 1) + 0.0, round(bottom, 1) + 0.0))  # no -0.0
     if len(plan.layers) > 1:
         named = ", ".join(f"{number} {name or ''}".rstrip() for number, name in plan.layers.items())
         chosen = _(", drawn: {}", ", ".join(map(str, options.layers))) if options.layers else ""

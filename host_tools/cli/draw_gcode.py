@@ -4,7 +4,7 @@ import hashlib
 from dataclasses import fields, replace
 
 from host_tools.cli import stream
-from host_tools.cli.draw_run import pen_of
+from host_tools.cli.draw_run import go_on, pen_of
 from host_tools.drawings import gcode
 from host_tools.drawings.gcode import TOOLS, Cut
 from host_tools.failure import Failure, reason
@@ -86,7 +86,10 @@ class Written:
                 console.print(_("  pen {} draws on", pen_of(pens[-1])))
         with GrblClient(said.port or ports.only(), said.baud or _BAUD, max(said.timeout, _LEAST_TIMEOUT_S), said.log) as client:
             stream.make_ready(client, said.home and not said.unlock, said.unlock)
-            seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._name, record.save)
+            try:
+                seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._name, record.save)
+            except stream.Aborted as aborted:
+                raise Failure("{}; {}", aborted, go_on(record)) from None
         record.finish()
         console.print(_("drawn in {}: {} lines", gcode_file.clock(seconds), len(self._rows)))
 

@@ -109,7 +109,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                 with _Progress(console, job, machine, speed) as progress:
                     job.run(progress, lambda number: _change(console, client, progress, (changes or {}).get(number)))
             except Broken as broken:
-                raise Failure("{}, pen up; {}", broken, _again(record)) from None
+                raise Failure("{}, pen up; {}", broken, go_on(record)) from None
             except Cancelled:
                 client.stop()
                 raise Failure("stopped before drawing began") from None
@@ -118,7 +118,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                     raise
                 raise Failure(
                     "{}\n{} drawn for certain; when the machine is there again, {}",
-                    error, job.reached(), _again(record),
+                    error, job.reached(), go_on(record),
                 ) from error
         if record:
             record.finish()
@@ -152,7 +152,7 @@ def _cancelled_by_signals(client):
             signal.signal(number, handler)
 
 
-def _again(record):
+def go_on(record):
     return _("go on with the same command and --continue ({})", record.path) if record else _("go on with passo resume")
 
 

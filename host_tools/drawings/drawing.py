@@ -234,7 +234,7 @@ def _notes_of(page):
     if page.unpainted:
         yield _("{} × a shape without stroke and fill, which a viewer does not show, is drawn", page.unpainted)
     if page.lost_mm > 0.1:
-        yield _("{:.0f} mm of lines lie outside the page and are left out; --no-crop draws them", page.lost_mm)
+        yield _("{:g} mm of lines lie outside the page and are left out; --no-crop draws them", round(page.lost_mm, 1))
 
 
 def _ordered(layers, options, progress):

@@ -194,7 +194,7 @@ def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys, more):
     with monkeypatch.context() as changed:
         changed.setattr(stream.Panel, "cycle", broken)
         said, status, _ = drawn("real")  # fast time leaps over the line
-    assert status == 1 and "aborted at line" in said and journal.exists(), said
+    assert status == 1 and "aborted at line" in said and "and --continue" in said and journal.exists(), said
     said, status, _ = drawn("fast", "--continue")
     assert status == 1 and "nobody can be asked" in said
     said, status, where = drawn("fast", "--continue", "--yes")
