@@ -295,7 +295,7 @@ class App:
         if data:
             self._heard |= _PART
             link.heard = True
-        if link.batch and (link.keeps or not link.waiting):
+        if link.batch and (link.keeps or data and not link.waiting):
             data = self._in_batches(link, data)
         return link.protocol.feed(data, self._now_ms)
 

@@ -115,6 +115,8 @@ def has_room(state: ptr32, marks: ptr32, words: ptr32, power: ptr32) -> int:  # 
         return 0
     ahead = (state[FEED_TICKS] - marks[mark + MARK_TICKS]) & COUNT_MASK
     least = state[FEED_LEAD]
+    if least > FEED_LEAST and state[FEED_KIND] == LINE:
+        least -= state[FEED_SHORT]
     if ahead < least:
         return 1
     if least > FEED_LEAST:
