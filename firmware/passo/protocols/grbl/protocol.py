@@ -44,11 +44,10 @@ except MemoryError:  # a board that has too little, or not in one piece: feed() 
     take_lines = None
 
 _SEVERAL = const(2)
-_ASKS = const(0x3F)  # ?
 _BY_ITSELF = b"\x18!"  # real-time bytes; a read that ends with one of them goes to feed()
 _HIGHEST = const(0x7D)  # as are those above it
 _END_OF_LINE = const(10)
-_FIRST, _LAST = const(0), const(-1)
+_LAST = const(-1)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
 _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
@@ -105,17 +104,22 @@ class Grbl:
     @micropython.native
     def take(self, data, now_ms):
         """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
-        the answers to them. None: `data` is not kept, and all is for feed()."""
+        the answers to them. None: `data` is not kept, and all is for feed(), as what is kept and unusual is."""
         if not self.batch.begun:
             if data:
                 last = data[_LAST]
-                if (last == _ASKS or data[_FIRST] == _ASKS) and self._lines.take(data):
-                    return b""  # the answer comes first: to open the batch takes 0.7 ms
+                lines = self._lines
+                fields = lines.fields
                 if last != _END_OF_LINE and (last > _HIGHEST or last in _BY_ITSELF):  # it need not wait for the machine's yes
-                    self._lines.fields[LINES_WAITS] = 0
+                    fields[LINES_WAITS] = 0
                     return None
-            if not self._open(data):
-                return None
+                if not lines.take(data):
+                    return None
+                if fields[LINES_ASKED] or fields[LINES_AT] == fields[LINES_WHOLE]:
+                    return b""  # no line has ended, or the answer comes first: to open the batch takes 0.7 ms
+                data = b""
+            if not self._open():
+                return b""
         text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
             data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
@@ -123,14 +127,14 @@ class Grbl:
         return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
 
     @micropython.native
-    def _open(self, data):
+    def _open(self):
         """True if the batch is open: nothing is unusual, and some lines may be there."""
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
-            or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
+            or self._version != self._settings.version or fields[LINES_AT] == fields[LINES_WHOLE]
         ):  # fmt: skip
             return False
         batch = self.batch
