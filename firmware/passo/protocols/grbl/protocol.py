@@ -104,22 +104,22 @@ class Grbl:
     @micropython.native
     def take(self, data, now_ms):
         """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
-        the answers to them. None: `data` is not kept, and all is for feed(), as what is kept and unusual is."""
+        the answers to them. None: `data` is not kept, and all is for feed()."""
         if not self.batch.begun:
-            if data:
+            if data and data[_LAST] != _END_OF_LINE:
                 last = data[_LAST]
                 lines = self._lines
                 fields = lines.fields
-                if last != _END_OF_LINE and (last > _HIGHEST or last in _BY_ITSELF):  # it need not wait for the machine's yes
+                if last > _HIGHEST or last in _BY_ITSELF:  # it need not wait for the machine's yes
                     fields[LINES_WAITS] = 0
                     return None
                 if not lines.take(data):
                     return None
                 if fields[LINES_ASKED] or fields[LINES_AT] == fields[LINES_WHOLE]:
-                    return b""  # no line has ended, or the answer comes first: to open the batch takes 0.7 ms
+                    return b""  # the answer comes first, or no line has ended: to open the batch takes 0.7 ms
                 data = b""
-            if not self._open():
-                return b""
+            if not self._open(data):
+                return None if data else b""
         text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
             data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
@@ -127,14 +127,14 @@ class Grbl:
         return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
 
     @micropython.native
-    def _open(self):
+    def _open(self, data):
         """True if the batch is open: nothing is unusual, and some lines may be there."""
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
-            or self._version != self._settings.version or fields[LINES_AT] == fields[LINES_WHOLE]
+            or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
         ):  # fmt: skip
             return False
         batch = self.batch
