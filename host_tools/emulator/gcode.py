@@ -162,7 +162,7 @@ def router(board=None, texts=(), jerk=0):
     """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none.
     `jerk`: mm/s³, kept in its settings."""
     board = board or boards.load("router_3axis")
-    files = written(board)
+    files = {**written(board)}
     assert files["main.py"].count(_RUN) == 1
     files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
     files.update(line_of_memory())
