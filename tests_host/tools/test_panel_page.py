@@ -399,7 +399,7 @@ def test_the_job_chosen_is_kept(browser, panel, tmp_path):
         (tmp_path / name).write_text(f"G21 G91 F3000 ({name})\nG1 X1\n")
         browser.find("upload").send_keys(str(tmp_path / name))
         browser.until(lambda name=name: name in browser.text("lines"))
-    browser.until(lambda: browser.text("run").split("\n") == ["Run", "the second.gcode"])
+    browser.until(lambda: browser.text("run") == "Run the second.gcode")
     browser.driver.execute_script("document.getElementById('run').scrollIntoView({block: 'center'})")
     browser.shot("chosen")
     for _ in range(2):
