@@ -9,6 +9,8 @@ import pytest
 from emulated import uf2  # noqa: F401
 
 from host_tools.drawings.engraving import packed
+from host_tools.emulator import rows
+from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
 from test_pico_laser import Laser
 
@@ -124,3 +126,14 @@ def test_a_row_at_500_mm_s(laser, dots_mm, within, show):
     assert not off[~burning].any()
     assert np.abs(off[burning]).max() <= within
     assert pulses_that_follow(laser) > 2 * count
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ("dots", "clusters"))
+def test_a_fast_uart_loses_no_byte(uf2, kind):  # noqa: F811
+    """921 600 baud fill its FIFO in less time than one call of the feeder takes. measured() counts what is lost."""
+    machine = rows.fast_laser(200)
+    machine.pico.charge_flash(50)
+    link = next(link["name"] for link in machine.board["links"] if link["port"] == "uart0")
+    for think_us in (300, 1000):
+        assert on_a_copy(lambda: rows.measured(machine, link, kind, think_us))["late"] == 0

@@ -29,6 +29,7 @@ class UartLine:
         )
         if "parity" in link:
             self._uart.init(parity=_PARITIES[link["parity"]], stop=link["stop_bits"])
+        self.count = self._uart.any  # how many bytes have come; a port may have it called in another way
         self._data = bytearray(_MOST)
         self._view = self._said = memoryview(self._data)
 
@@ -50,13 +51,13 @@ class UartLine:
             self._given = 0
 
     def any(self):
-        return self._uart.any() + self._kept - self._given
+        return self.count() + self._kept - self._given
 
     def read(self):
         """Bytes that have come, at most 512, good until the next read; b"" if none."""
         if self._kept:
             return self._read_kept()
-        count = self._uart.any()
+        count = self.count()
         if not count:
             return b""
         if count > _MOST:

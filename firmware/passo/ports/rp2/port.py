@@ -10,7 +10,7 @@ loop nor its garbage collections delay a step. Halting inputs and serial lines c
 """
 
 import micropython
-from machine import Pin, Timer
+from machine import Pin, Timer, mem32
 from micropython import const
 
 from passo.ports.chip_port import ChipPort
@@ -21,7 +21,19 @@ from passo.steps.wiring import inverted_pins, muted_pins, word_pins, word_times
 
 _FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
 _LIVE_TICKS = const(8 * 12_500)
+_FAST_BAUD = const(400_000)  # 32 bytes come in less time than one call of the feeder takes
+_TIMERS_ON, _TIMERS_OFF = const(0xE000E100), const(0xE000E180)  # NVIC_ISER and NVIC_ICER
+_TIMERS = const(8)  # TIMER_IRQ_3
 _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for LaserPlayer
+
+
+def _undisturbed(count):
+    """What count() says, while the feeder's interrupt waits: as long as MicroPython takes bytes off the UART's FIFO to count them, no
+    interrupt can, and where the feeder's comes in between the FIFO runs over."""
+    mem32[_TIMERS_OFF] = _TIMERS
+    found = count()
+    mem32[_TIMERS_ON] = _TIMERS
+    return found
 
 
 def load(board):
@@ -111,6 +123,9 @@ class Port(ChipPort):
 
     def serial(self, link):
         line = ChipPort.serial(self, link)
+        if link["port"] != "usb" and link["baud"] > _FAST_BAUD:
+            count = line.count
+            line.count = lambda: _undisturbed(count)
         # Frames are sent again; an inverter's answer fits into the FIFO.
         if link["port"] != "usb" and not link.get("frames") and "parity" not in link:
             from passo.ports.rp2.uart_capture import Capture
