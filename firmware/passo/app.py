@@ -20,7 +20,7 @@ from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.errors import LATER
 from passo.memory import forget, keep
-from passo.records import COUNT_MASK, DOTS_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_S
+from passo.records import COUNT_MASK, DOTS_MASK, LEAD_TICKS, QUEUE_ADDED, QUEUE_RETIRED, TICKS_PER_MS, TICKS_PER_S
 from passo.steps.ring import Ring, power_room, ring_size
 from passo.steps.word import us_to_ticks
 
@@ -162,7 +162,8 @@ class App:
             from passo.steps.dots_viper import burn
 
         setup = us_to_ticks(board["drive"]["setup_us"]) if self.layout.kind == "step_dir" else 0
-        self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, burn)
+        short = TICKS_PER_MS if hasattr(self.port, "lead_ticks") else 0  # an interrupt makes words
+        self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, burn, short)
         self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
         self._motors.release()
         return Queue(board, self.planner, self.feeder, self.player, self.port)

@@ -11,7 +11,7 @@ from machine import PWM, WDT, Pin, idle
 from micropython import const
 
 from passo.ports.uart_line import UartLine
-from passo.records import COUNT_MASK, FEED_SHORT, REGISTER_BIT, TICKS_PER_MS
+from passo.records import COUNT_MASK, REGISTER_BIT, TICKS_PER_MS
 
 _HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)
@@ -269,7 +269,6 @@ class ChipPort:
     def _join(self, feeder, player):
         """What follows the steps gets them: the registers, the interlock, encoders."""
         self._feeder = feeder
-        feeder.state[FEED_SHORT] = TICKS_PER_MS  # so that a hold begins sooner
         self._follows = self.registers is not None or self.encoders is not None
         if self.registers is not None:
             self.registers.show_tool(self._tool)

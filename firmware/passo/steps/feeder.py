@@ -28,10 +28,11 @@ _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of directi
 
 
 class Feeder(Position):
-    def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks, burn=None):
+    def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks, burn=None, short_ticks=0):
         """`drive` turns the step form into pin levels, or is None where the step form is what the pins want;
         `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin); `burn`: dots_viper.burn() if the
-        tool takes rows of dots."""
+        tool takes rows of dots; `short_ticks`: in a line, whose segments are short, so much less may lie ahead of the player than fill()
+        is told, so that a hold begins sooner."""
         Position.__init__(self, ring, layout, planner, drive)
         self.setup_ticks = setup_ticks
         self.min_word_ticks = min_word_ticks
@@ -44,6 +45,7 @@ class Feeder(Position):
         state[FEED_SETUP] = setup_ticks
         state[FEED_TOOL] = layout.tool_mask
         state[FEED_DRIVE] = 0 if drive is None else 1
+        state[FEED_SHORT] = short_ticks
         # Two flags that app and port set each cycle, where a call would cost 10 µs; an interrupt reads them.
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
         self.brake = False  # as `hold`, set by the port for as long as the main loop does not run
