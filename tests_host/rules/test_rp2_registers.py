@@ -105,7 +105,7 @@ SAME = {
     ("DREQ_PIO1_TX0",): 8,
 }
 # In ports/rp2, beside chip.py and vectors.py: SysTick, DMA, PIO block 0, its CTRL's clearing alias, GPIO_IN, GPIO_OUT.
-ELSEWHERE = {0xE000E010, 0x50000000, 0x50200000, 0x50203000, 0x50300000, 0xD0000004, 0xD0000010}
+ELSEWHERE = {PROCESSOR["_ENABLE"][2], PROCESSOR["_DISABLE"][2], 0xE000E010, 0x50000000, 0x50200000, 0x50203000, 0x50300000, 0xD0000004, 0xD0000010}
 
 
 @pytest.mark.parametrize("number", [0, 1])
