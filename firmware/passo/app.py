@@ -162,7 +162,7 @@ class App:
             from passo.steps.dots_viper import burn
 
         setup = us_to_ticks(board["drive"]["setup_us"]) if self.layout.kind == "step_dir" else 0
-        short = TICKS_PER_MS if hasattr(self.port, "lead_ticks") else 0  # an interrupt makes words
+        short = TICKS_PER_MS if hasattr(self.port, "lead_ticks") else 0  # on a chip, whose interrupt makes words in time
         self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, burn, short)
         self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
         self._motors.release()

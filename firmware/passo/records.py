@@ -258,7 +258,7 @@ FEED_LASTS = const(32)  # its ticks
 FEED_WAITS = const(33)  # 1: it is a wait
 FEED_MOVING = const(34)  # masks of the axes that step in it, and of those that go backwards
 FEED_NEGATIVE = const(35)
-FEED_SHORT = const(36)  # ticks less that may lie ahead of the player in a line: its segments are short
+FEED_SHORT = const(36)  # ticks that a line's words lie less far ahead than FEED_LEAD; see Feeder
 FEED_POSITION = const(37)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
 
 # A mark of Feeder.marks: a checkpoint at the end of a segment. Then the position, of each axis.

@@ -106,14 +106,21 @@ def _agent(boards, served, told, stack):
 
 
 def _serve_page(port, agent, asked, stack):
-    """Serve the page of who stands at the machines; what it asks is done by the agent's own thread."""
+    """Serve the page for the people at the machines. Its orders run in the agent's own thread, which they wait for, 10 s at most."""
     from concurrent.futures import Future
 
     from host_tools.shop.local_page import serve
 
     def call(function):
         done = Future()
-        asked.put(lambda: done.set_result(function()))
+
+        def work():
+            try:
+                done.set_result(function())
+            except Exception as error:  # the page hears of it; the agent goes on
+                done.set_exception(error)
+
+        asked.put(work)
         return done.result(10)
 
     close, port = serve(port, lambda: call(agent.machines), lambda name, what: call(lambda: agent.do(name, what)))

@@ -16,7 +16,27 @@ from passo.records import COUNT_MASK
 from passo.web.pages import Pages
 
 
-class PanelPages(Pages):
+class ServedPages(Pages):
+    """What all servers of a PC share: a message is proven and read here, carried out by `order(page, order, proven)` of the class behind."""
+
+    def hear(self, page, text, now_ms):
+        """The answer to a message, a dict; None: the page is to be closed."""
+        text, proven = self.open(page, text, now_ms)
+        if text is None:
+            return proven
+        try:
+            order = order_of(text)
+        except ValueError:
+            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
+        answer = self.look(page, order)
+        if answer is None:
+            answer = self.order(page, order, proven)
+            if isinstance(order, dict) and isinstance(order.get("id"), int):
+                answer["id"] = order["id"]
+        return answer
+
+
+class PanelPages(ServedPages):
     def __init__(self, api, key, most):
         """`api`: a PanelOrders; `key`: text; `most`: pages at once."""
         Pages.__init__(self, key, most)
@@ -36,23 +56,10 @@ class PanelPages(Pages):
         if there and page.lease:
             self.api.machine.end_jog()
 
-    def hear(self, page, text, now_ms):
-        """The answer to a message, a dict; None: the page is to be closed."""
-        text, proven = self.open(page, text, now_ms)
-        if text is None:
-            return proven
-        try:
-            order = order_of(text)
-        except ValueError:
-            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
-        answer = self.look(page, order)
-        if answer is None:
-            answer = self.api.order(order, proven, page.remote)
-            if isinstance(order, dict):
-                if order.get("do") == "jog" and not answer["error"]:
-                    page.lease = order["lease"]
-                if isinstance(order.get("id"), int):
-                    answer["id"] = order["id"]
+    def order(self, page, order, proven):
+        answer = self.api.order(order, proven, page.remote)
+        if isinstance(order, dict) and order.get("do") == "jog" and not answer["error"]:
+            page.lease = order["lease"]
         return answer
 
     def next_state(self, now_ms):

@@ -161,11 +161,7 @@ class Panel:
         self._port.open()
         serving = asyncio.ensure_future(self.server.serve(host, port))
         try:
-            while not getattr(self.server.app, "server", None):
-                if serving.done():
-                    serving.result()
-                await asyncio.sleep(TICK_S)
-            ready(self.server.app.server.sockets[0].getsockname()[1])
+            ready(await self.server.listening(serving))
             await self._turn()
         finally:
             self.machine.end_jog()

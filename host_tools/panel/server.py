@@ -26,6 +26,7 @@ from passo import errors
 from passo.records import COUNT_MASK
 from passo.web.guard import known
 
+_LOOK_S = 0.01
 PUSH_MS = 50
 _CONNECTIONS = 24
 _PAGES = 8
@@ -145,7 +146,7 @@ class App(Microdot):
 class Server:
     def __init__(self, api, key, names, folder, about=None, pages=None, files=None):
         """`api`: an Orders; `names`: host names (without port) that a request may name; `folder`: the page's files; `about`: more for
-        the first message to a page; `pages`, `files` {name: path}: those of another server than a panel's, whose files are served as they are."""
+        the first message to a page; `pages` and `files` {name: path} replace the panel's own; then files are sent without the changes for use offline."""
         self.pages = pages or PanelPages(api, key, _PAGES)
         self.api = api
         self._names = {name.encode() for name in names}
@@ -288,3 +289,11 @@ class Server:
     async def serve(self, host, port):
         """Listen, and go on for ever; `started` follows in `self.app.server`."""
         await self.app.start_server(host=host, port=port)
+
+    async def listening(self, serving):
+        """Wait until `serving`, the task of serve(), listens, and return its port. Raises what serve() has raised."""
+        while not getattr(self.app, "server", None):
+            if serving.done():
+                serving.result()
+            await asyncio.sleep(_LOOK_S)
+        return self.app.server.sockets[0].getsockname()[1]

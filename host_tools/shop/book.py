@@ -1,4 +1,4 @@
-"""The shop's book: every job, which machine has it, and how it ended. A file of SQLite; what is written there is on the disk.
+"""The shop's book: every job, which machine has it, and how it ended. An SQLite file; each change is on the disk before the call returns.
 
     book = Book(Path("shop.sqlite"))
     book.add(data, "cat.svg", {"kind": "corexy_plotter"}, copies=30)
@@ -116,10 +116,10 @@ class Book:
             self._write("update jobs set state = ?, line = ?, text = ?, ended = ? where id = ?", how, line, text, time.time(), job.id)
 
     def withdraw(self, job_id):
-        """A queued job is no more. False: a machine has it."""
+        """Remove a job from the queue. Return False if a machine has it already."""
         return self._write("delete from jobs where id = ? and state = ?", job_id, QUEUED) > 0
 
-    # --- what is known
+    # --- reading
 
     def job(self, job_id):
         return next(iter(self._jobs("where id = ?", job_id)), None)

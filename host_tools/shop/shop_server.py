@@ -10,13 +10,13 @@ import signal
 from pathlib import Path
 
 from host_tools.failure import Failure
-from host_tools.panel.panel import FOLDER, TICK_S, names_of
+from host_tools.page.pages import ServedPages
+from host_tools.panel.panel import FOLDER, names_of
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.shop import drop
 from microdot import Response
 from passo import errors
-from passo.protocols.page.orders import Wrong, number, order_of, text
-from passo.web.pages import Pages
+from passo.protocols.page.orders import Wrong, number, text
 
 _OWN = Path(__file__).parent / "page"
 _SHARED = ("panel.css", "words.js", "link.js", "sha256.js", "gcode_path.js", "icon.svg")
@@ -27,32 +27,18 @@ _SHOWN = 300  # jobs
 _TOLD = ("how", "job", "line", "text", "kind", "tool", "page", "state", "progress", "left", "alarm")
 
 
-class ShopPages(Pages):
-    """As PanelPages, of a shop."""
+class ShopPages(ServedPages):
 
     def __init__(self, shop, key):
-        Pages.__init__(self, key, _PAGES)
+        ServedPages.__init__(self, key, _PAGES)
         self.version = None
         self._shop = shop
-        self._beat = 0
 
     def about(self, more):
         return {"kinds": drop.kinds()}
 
-    def hear(self, page, message, now_ms):
-        said, proven = self.open(page, message, now_ms)
-        if said is None:
-            return proven
-        try:
-            order = order_of(said)
-        except ValueError:
-            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
-        answer = self.look(page, order)
-        if answer is None:
-            answer = self._shop.order(order, proven, page)
-            if isinstance(order, dict) and isinstance(order.get("id"), int):
-                answer["id"] = order["id"]
-        return answer
+    def order(self, page, order, proven):
+        return self._shop.order(order, proven, page)
 
     def next_state(self, now_ms):
         state = self._shop.state()
@@ -159,11 +145,7 @@ class Shop:
             loop.add_signal_handler(signal_, stopped.set)
         serving = asyncio.ensure_future(self.server.serve(host, port))
         try:
-            while not getattr(self.server.app, "server", None):
-                if serving.done():
-                    serving.result()
-                await asyncio.sleep(TICK_S)
-            ready(self.server.app.server.sockets[0].getsockname()[1])
+            ready(await self.server.listening(serving))
             while not stopped.is_set():
                 await self.server.push(clock_ms())
                 await asyncio.sleep(4 * PUSH_MS / 1000)

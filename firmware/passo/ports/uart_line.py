@@ -29,7 +29,7 @@ class UartLine:
         )
         if "parity" in link:
             self._uart.init(parity=_PARITIES[link["parity"]], stop=link["stop_bits"])
-        self.count = self._uart.any  # how many bytes have come; a port may have it called in another way
+        self.count = self._uart.any  # returns how many bytes have come; rp2/port.py wraps it at high rates
         self._data = bytearray(_MOST)
         self._view = self._said = memoryview(self._data)
 

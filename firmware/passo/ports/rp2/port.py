@@ -28,8 +28,8 @@ _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for 
 
 
 def _undisturbed(count):
-    """What count() says, while the feeder's interrupt waits: as long as MicroPython takes bytes off the UART's FIFO to count them, no
-    interrupt can, and where the feeder's comes in between the FIFO runs over."""
+    """Call count() with the feeder's interrupt switched off, and return its result. MicroPython locks the UART's FIFO while it empties it
+    to count bytes. If the feeder interrupted that, the UART's own interrupt would find the lock taken, and the FIFO would run over."""
     mem32[_TIMERS_OFF] = _TIMERS
     found = count()
     mem32[_TIMERS_ON] = _TIMERS

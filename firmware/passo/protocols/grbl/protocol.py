@@ -104,7 +104,7 @@ class Grbl:
     @micropython.native
     def take(self, data, now_ms):
         """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
-        the answers to them. None: `data` is not kept, and all is for feed()."""
+        the answers to them, b"" if there are none; feed() sees to what is kept. None: `data` is not kept, and is for feed()."""
         if not self.batch.begun:
             if data and data[_LAST] != _END_OF_LINE:
                 last = data[_LAST]

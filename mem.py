@@ -1,2 +1,0 @@
-import resource, sys, typer
-from host_tools.cli import app
