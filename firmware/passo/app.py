@@ -122,7 +122,7 @@ class App:
         self._prepare()  # before what stored jobs want
         if self.interrupt:  # a chip has little memory
             machine_builder = None
-            forget("passo.machine_builder")
+            forget("passo.machine_builder", True)
         if board["jobs"]:
             self._add_jobs(languages, shared, most)
             self._prepare()

@@ -52,12 +52,16 @@ def stream():
         return None
 
 
-def forget(name):
-    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again."""
-    if sys.modules.pop(name, None):
-        package, _, module = name.rpartition(".")
+def forget(name, empty=False):
+    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again. `empty`: nobody on a
+    Pico has kept a function of it: a stale word on the stack that leads to one does not keep the rest."""
+    module = sys.modules.pop(name, None)
+    if module:
+        package, _, short = name.rpartition(".")
         if package:
-            delattr(sys.modules[package], module)
+            delattr(sys.modules[package], short)
+        if empty and sys.platform == "rp2":
+            module.__dict__.clear()
 
 
 class FileRoom:

@@ -22,6 +22,10 @@ NM_MM = 1_000_000
 OUT = array("I", bytearray(4 * MAX_RUN))
 
 
+class Inputs:
+    has_probe = False
+
+
 class Settings:
     version = 1
 
@@ -46,6 +50,7 @@ class Bench:
         self.arcs = arcs
         self.settings = Settings()
         self.weave = None
+        self.inputs = Inputs()
         self.gcode = GCode("xyz", Offsets(3, Memory()), self)
         self.program = Program(board, self, self.queue)
         self.program._limits_of = Settings.version

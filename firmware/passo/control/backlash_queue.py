@@ -38,11 +38,10 @@ class Queue(StreamQueue):
         self._feeder.retire(played)
         return self._planner.turn(self._feeder.found(played))
 
-    def found(self):
+    def found(self, edge=None):
+        if edge:
+            return self._from_origin(self._planner.turn(self._feeder.found(self._player.played(), edge)))
         return self._from_origin(self._see(self._since_start))
-
-    def axis(self, axis, edge=None):
-        return (self._planner.turn(self._feeder.found(self._player.played(), edge)) if edge else self._see(self._since_start))[axis]
 
     def set_origin(self, axes=-1):
         found = self._see(self._since_start)

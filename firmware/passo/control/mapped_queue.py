@@ -68,7 +68,7 @@ class Queue(StreamQueue):
         return self._turn(found, self._found)
 
     def axis(self, axis, edge=None):
-        return self._from_origin(self._feeder.found(self._player.played(), edge))[axis] + self._zero[axis]
+        return self.found(edge)[axis] + self._zero[axis]
 
     def set_origin(self, axes=-1):
         found = self.found()

@@ -32,7 +32,8 @@ class Program(LineBatches):
 
     def __init__(self, board, machine, queue):
         self._limits_of = None  # the settings' version whose limits the planner knows
-        self._touch = None  # where the probe changed
+        self._touch = None  # where the probe changed, kept by its pin's interrupt:
+        self._latch = machine.port.watch_limit("probe") if machine.inputs.has_probe else None
         LineBatches.__init__(self, board, machine, queue)
 
     def handlers(self):
@@ -253,6 +254,8 @@ class Program(LineBatches):
         if error:
             return error
         self._touch = None
+        if self._latch:
+            self._latch.begin(*self._queue.lend())
         error = self._queue_motion(command)
         if error:
             return error
@@ -265,11 +268,16 @@ class Program(LineBatches):
         machine = self._machine
         command = machine.command
         queue = self._queue
-        if self._touch is None and machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
-            self._touch = queue.position()
+        if self._touch is not None:
+            return
+        latch = self._latch
+        if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
+            self._touch = queue.position(latch if latch and latch.seen else None)
             machine.drop_at_stand()
-        elif self._touch is None and queue.still():
+        elif queue.still():
             self._missed(command, 0 if command.value & _PROBE_MAY_MISS else errors.ALARM_PROBE_MISSED)
+        elif latch and latch.seen:  # over by now: noise
+            latch.begin(*queue.lend())
 
     def _missed(self, command, alarm):
         """The alarm, if there is one, is told before the answer."""

@@ -34,13 +34,13 @@ class Queue:
         self.arcs = None  # what a language asks about arcs; None if this board has no memory for them
         self.chords = None  # of an arc that is handed to the planner piece by piece, see StreamQueue.feed()
 
-    def position(self):
-        """Where the machine is, exact at this moment."""
-        return list(self.found())
+    def position(self, edge=None):
+        """Where the machine is, exact at this moment, or was as `edge`, a Latch, says."""
+        return list(self.found(edge))
 
-    def found(self):
+    def found(self, edge=None):
         """The same in an array that is good until something asks the feeder again."""
-        return self._from_origin(self._feeder.found(self._player.played()))
+        return self._from_origin(self._feeder.found(self._player.played(), edge))
 
     def look(self, played=None):
         """See where the machine is, and what it does, at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
@@ -196,7 +196,7 @@ class Queue:
 
     def axis(self, axis, edge=None):
         """Where an axis is, or was as `edge`, a Latch, says, in steps from where the machine was switched on."""
-        return self._feeder.found(self._player.played(), edge)[axis]
+        return self.found(edge)[axis] + self._origin[axis]
 
     def begin(self):
         """Release what is queued: nothing more is coming for now. See StreamQueue."""
