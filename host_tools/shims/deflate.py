@@ -1,6 +1,7 @@
 """A stand-in for MicroPython's `deflate` module under CPython: reading only."""
 
 import zlib
+from errno import EINVAL
 
 AUTO, RAW, ZLIB, GZIP = range(4)
 _PIECE = 256
@@ -19,7 +20,7 @@ class DeflateIO:
         self._stream = None
 
     def readinto(self, buffer):
-        """Bytes put into `buffer`: all of it but at the end. Raises OSError if the stream is no deflate stream or is cut off."""
+        """Bytes put into `buffer`: all of it but at the end. Raises OSError if it is no deflate stream, EOFError if it is cut off."""
         view = memoryview(buffer)
         at = 0
         while at < len(view) and not self._inflater.eof:
@@ -27,9 +28,9 @@ class DeflateIO:
             try:
                 made = self._inflater.decompress(data, len(view) - at)
             except zlib.error as error:
-                raise OSError(str(error)) from error
+                raise OSError(EINVAL, str(error)) from error
             if not data and not made:
-                raise OSError("the stream is cut off")
+                raise EOFError
             view[at : at + len(made)] = made
             at += len(made)
         return at

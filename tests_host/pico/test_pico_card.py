@@ -134,9 +134,19 @@ def test_a_card_is_put_in_filled_taken_out_and_put_back(carded, tmp_path, show):
     ask(machine, b"$F=A")
     machine.run_ms(250)
     card.inside = False
-    machine.run_until(lambda: b"[MSG:Job A: error 151" in machine.received())
+    machine.run_until(lambda: b"[MSG:Job A: error 158" in machine.received())
     machine.settle()
+    assert b"ALARM" not in machine.take() and b"<Idle|" in ask(machine, b"?")
     assert ask(machine, b"$F=A") == b"error:158\r\n"
+    card.inside = True
+    assert b"[FILE:A|SIZE:%d|" % len(data) in ask(machine, b"$F")
+    assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc(data), len(packed))) == b"ok\r\n"
+    card.inside = False
+    for first in range(0, len(packed), 54):
+        said = ask(machine, b"$F:" + base64.b64encode(packed[first : first + 54]))
+        if said != b"ok\r\n":
+            break
+    assert said == b"error:158\r\n"  # the upload is lost, and nothing else
     card.inside = True
     assert b"[FILE:A|SIZE:%d|" % len(data) in ask(machine, b"$F")
     ask(machine, b"$F=A")

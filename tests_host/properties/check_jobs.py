@@ -17,7 +17,7 @@ RUNS = {"check_a_bit_that_is_wrong": 12, "check_a_job_that_changes_as_it_runs": 
 NOT_QUICK = (
     "check_a_bit_that_is_wrong", "check_a_job_that_changes_as_it_runs", "check_a_file_that_goes_between_proof_and_run",
     "check_files_of_strangers", "check_a_start", "check_a_folder_of_hundreds_of_jobs",
-    "check_a_change_that_makes_a_line_wrong", "check_a_button", "check_a_damaged_job_stays_on_the_card",
+    "check_a_change_that_makes_a_line_wrong", "check_a_card_that_goes_as_its_job_runs", "check_a_button", "check_a_damaged_job_stays_on_the_card",
 )  # fmt: skip
 CARD = {"spi": 0, "sck": 22, "mosi": 19, "miso": 20, "cs": 21}
 SQUARE = b"F3000\n" + "".join(["G1X%d.%dY%d\n" % (number % 9, number % 7, number % 5) for number in range(200)]).encode()
@@ -279,6 +279,39 @@ def check_a_job_that_changes_as_it_runs(piece):
     remove(machine)
 
 
+def check_a_card_that_goes_as_its_job_runs():
+    """The job ends at a stand with the tool off, error 158 says that no card answers, and there is no alarm: what was read was right."""
+    for card in (True, False):
+        machine = home(make(card=card).ready())
+        stored(machine, "A", b"M3S1000\n" + SQUARE)
+        machine.world.path = []
+        machine.do("$F=A")
+        while machine.controller.features["jobs"]._proving:
+            machine.cycles(1)
+        file = machine.controller.features["jobs"]._file
+        read = file._stream.readinto
+
+        class Gone:
+            def readinto(self, view):
+                if file.done > 1000:
+                    raise OSError(5)
+                return read(view)
+
+            def close(self):
+                pass
+
+        file._stream = Gone()
+        said = run(machine) + machine.cycles(20)
+        assert machine.world.path and machine.world.tool == 0
+        if card:
+            assert "error 158" in ended(said) and "ALARM" not in "".join(said) and machine.status()["state"] == "Idle", said
+            machine.do("$F=A")
+            assert ended(run(machine)) == "[MSG:Job A done]"
+        else:
+            assert "error 151" in ended(said) and machine.status()["state"] == "Alarm", said  # flash that does not answer is broken
+        remove(machine)
+
+
 def check_a_change_that_makes_a_line_wrong():
     """It is the change that is told, with an alarm. Of a job that has not changed the line is told as ever."""
     long = b"G1X1F3000\n" + b"F3000\n" * 2500
@@ -442,6 +475,21 @@ def check_memory_card():
     card.inside = False
     for line in ("$F", "$F=A", "$FD=A", "$FS=A,grbl,10,0,20"):
         assert answers(machine.ask(line)) == ["error:158"], line
+    card.inside = True
+    machine.do("$FS=A,grbl,10,0,20")
+    store_ = machine.controller.features["jobs"]._store
+
+    class Gone:
+        def write(self, data):
+            raise OSError(5)
+
+        def close(self):
+            kept.close()
+            raise OSError(5)
+
+    kept, store_._file = store_._file, Gone()
+    card.inside = False
+    assert answers(machine.ask("$F:AAAA")) == ["error:158"] and answers(machine.ask("$FE")) == ["error:156"]
     card.inside = True
     machine.do("$FS=A,grbl,10,0,20", "$F:AAAA")
     again = home(make(machine.folder, card=True).ready())

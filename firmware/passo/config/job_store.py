@@ -38,6 +38,7 @@ _UPLOAD = "upload.new"
 _END = ".job"
 _DIRECTORY = const(0x4000)  # os.ilistdir's
 _SPARE = const(2)  # blocks that an upload leaves free
+_EINVAL = const(22)  # deflate's, of a stream that is wrong
 _LISTED = const(64)  # jobs: each wants its first line read, on a card some 60 ms
 _LISTED_BYTES = const(512)  # of free memory, for each
 
@@ -81,10 +82,13 @@ def listed():
 
 
 class JobFile:
-    """A job, read from the start of a file. Raises Damaged if its first line is wrong."""
+    """A job, read from the start of a file. Raises Damaged if its first line is wrong.
 
-    def __init__(self, file):
+    `lost`: the error if the memory that it lies in does not answer any more."""
+
+    def __init__(self, file, lost):
         self._file = file
+        self._lost = lost
         head = parse_first_line(self._file.readline(HEAD_BYTES))
         if head is None:
             self.close()
@@ -111,13 +115,18 @@ class JobFile:
                 count = 1 + self._stream.readinto(view[1:])
             else:
                 count = self._stream.readinto(view)
-        except (OSError, EOFError):
-            raise Damaged(errors.JOB_DAMAGED)
+        except (OSError, EOFError) as error:
+            raise self.damaged(error)
         self.done += count
         self._sum = crc32(view[:count], self._sum)
         if self.done > self.size or not count and not self.whole():
             raise Damaged(errors.JOB_DAMAGED)
         return count
+
+    def damaged(self, error):
+        """What reading has raised, as a Damaged: the stream is wrong or ends too soon, or its memory does not answer."""
+        wrong = not error.args or error.args[0] == _EINVAL
+        return Damaged(errors.JOB_DAMAGED if wrong else self._lost)
 
     def whole(self):
         """True if all has been read and was right."""
@@ -175,9 +184,9 @@ class JobStore:
             self.close(job)
             self._stream = stream()  # the job's has no window
             raise
-        except (OSError, EOFError):
+        except (OSError, EOFError) as error:
             self.close(job)
-            raise Damaged(errors.JOB_DAMAGED)
+            raise job.damaged(error)
         if count:
             job.began(first)
 
@@ -223,7 +232,7 @@ class JobStore:
 
     def _opened(self, path):
         try:
-            return JobFile(self._room.open(path, "rb"))
+            return JobFile(self._room.open(path, "rb"), errors.JOB_DAMAGED if self._is_flash else errors.NO_CARD)
         except (OSError, MemoryError, Damaged):
             self._room.keep()
             raise
@@ -309,9 +318,13 @@ class JobStore:
 
     def abort(self):
         """Forget an upload."""
-        if self._file is not None:
-            self._file.close()
+        file = self._file
+        if file is not None:
             self._file = None
+            try:
+                file.close()
+            except OSError:
+                pass  # a card that has gone: what was written last is lost
             self._room.keep()
         self._remove(self._upload)
 

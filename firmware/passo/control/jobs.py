@@ -6,6 +6,7 @@ may hold, go on, override and stop. Nothing of a job is done behind the first li
 
 Each time before it runs, a job is read to its end and its CRC compared: nothing of a damaged file moves the machine. It is
 read again while it runs, behind a line that is refused too; if it is not the same then, the machine comes to a stand, with an alarm.
+A card that is taken out ends the job at a stand, without one: all that was read before is right.
 
 Reading goes on in the main loop while steps are made in an interrupt: it takes time from the lines, none from the steps.
 """
@@ -81,7 +82,7 @@ class Jobs(Feature):
             error = errors.JOB_MEMORY
         except OSError:
             self._store.abort()
-            error = errors.NO_JOB if command.value in (commands.JOB_RUN, commands.JOB_DELETE) else errors.JOB_SPACE
+            error = errors.NO_JOB if command.value in (commands.JOB_RUN, commands.JOB_DELETE) else self._mount() or errors.JOB_SPACE
         if error and command.link is None:  # a button, or the start: there is nobody to answer
             name = command.target or self._config["button"]
             self._machine.note(error, name)
@@ -242,7 +243,7 @@ class Jobs(Feature):
                 self._refused(newest[1])
 
     def _refused(self, error):
-        """A line was refused, or the file is damaged: nothing of the job is done any more."""
+        """A line was refused, or the file cannot be read on: nothing of the job is done any more."""
         if self._failed or self._file is None:
             return
         machine = self._machine
@@ -254,22 +255,22 @@ class Jobs(Feature):
         else:
             machine.carry_out(commands.STOP)
         self._rest = file
-        if error == errors.JOB_DAMAGED:
-            self._changed()
+        if error in (errors.JOB_DAMAGED, errors.NO_CARD):
+            self._unread(error)
 
     def _read_rest(self):
-        """A file that has changed since it was proven is why a line was refused."""
+        """A file that has changed since it was proven, or a card that has gone, is why a line was refused."""
         try:
             for _ in range(_CHECKED):
                 if not self._rest.readinto(self.line.piece):
                     self._close_rest()
                     return
-        except Damaged:
-            self._changed()
+        except Damaged as damaged:
+            self._unread(damaged.args[0])
 
-    def _changed(self):
-        self._failed = errors.JOB_DAMAGED
-        self._machine.note(self._failed, self._name)
+    def _unread(self, error):
+        self._failed = error
+        self._machine.note(error, self._name)
         self._close_rest()
 
     def _close_rest(self):
