@@ -85,7 +85,8 @@ class Wire:
 
     def feed(self, data, now_ms):
         """What the board has said."""
-        lines, self._buffer = whole_lines(self._buffer + data)
+        lines, rest = whole_lines(self._buffer + data)
+        self._buffer = b""
         for line in lines:
             if line == "ok":
                 self._answer(0, line)
@@ -99,12 +100,14 @@ class Wire:
                 self._heard(line, self._under_way[0][0] if self._under_way else None)
                 for command in resets:
                     self._answered(Event(ACCEPTED, command))
+        self._buffer = rest
 
     def drop(self):
         """The board has begun anew: what was under way is not answered any more."""
         lost = self._under_way
         self._under_way = []
         self._bytes = 0
+        self._buffer = b""
         for _, _, answered in lost:
             if answered:
                 answered(LOST)

@@ -38,6 +38,7 @@ def _said(kind):
 
     class Said(kind):
         tells = ()
+        left = False  # the port has been closed, which may be amid an order: poll() calls lost()
 
         def __init__(self, tell, wire, board, spoken=None):
             kind.__init__(self, Told(), 0, board, tell, spoken)
@@ -69,7 +70,10 @@ def _said(kind):
             return errors.PRESENCE if self._presence else 0
 
         def attached(self, is_open):
-            """The port has been opened, or closed."""
+            """The port has been opened, or closed: what was under way is not answered any more."""
+            if not is_open:
+                self.state["link"] = False
+                self.left = True
 
         def lost(self):
             """There is no board any more, or about to be another one."""
@@ -107,6 +111,9 @@ def _reported(kind):
 
         def poll(self, now_ms):
             """Ask, end what has lapsed, say what has waited."""
+            if self.left:
+                self.left = False
+                self.lost()
             self.go_on(now_ms)
             if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
                 self._asked_ms = now_ms

@@ -17,6 +17,7 @@ from passo.protocols.page.grbl import AXES, GrblPage
 from passo.protocols.page.lease import since
 
 _FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # what a position counts from
+_MOST_DOUBTS = 200  # more than the lines that a board has unanswered
 _Cabled = with_jobs(cabled(GrblPage))
 
 
@@ -34,7 +35,8 @@ class GrblMachine(_Cabled):
         self._wait_ms = self._counted_ms = 0
         self._known = False  # the settings have been asked for
         self.options = None  # letters of [OPT:…]: J, a journal; F, stored jobs; None: not known yet
-        self._letters = ""
+        self._letters = None
+        self._doubts = 0  # how often "ok" came for $I without its lines: an answer to who spoke here before
         self._blocks = 0  # that the board queues; 0: not known
         self.touched = None  # touched(position): told of each probe that has touched, mm of the work
 
@@ -49,11 +51,13 @@ class GrblMachine(_Cabled):
         _Cabled.poll(self, now_ms)
 
     def _options_known(self, error):
-        if not error:
-            self.options = self._letters
+        if not error and self._letters is None and self._doubts < _MOST_DOUBTS:
+            self._doubts += 1
+        elif not error:
+            self.options = self._letters or ""
 
     def _all_known(self, error):
-        if error:
+        if error or self.options is None or not self.settings:
             self._known = False
             return
         self.axes = AXES[: len([number for number in self.settings if 100 <= number < 104])]
@@ -66,12 +70,16 @@ class GrblMachine(_Cabled):
 
     def silent(self):
         self._known = False
-        self.options = None
+        self.options = self._letters = None
+        self._doubts = 0
         _Cabled.silent(self)
 
     def _heard(self, line, owner):
         if line[:1] == "<" and line[-1:] == ">":
-            self._reported(fields_of(line))
+            try:
+                self._reported(fields_of(line))
+            except ValueError:  # a byte of it is wrong
+                return
             self.guest.report(line)
             return
         if line[:1] == "$" and owner == PAGE:
@@ -79,7 +87,7 @@ class GrblMachine(_Cabled):
             if number.isdigit():
                 self.settings[int(number)] = value
             return
-        if line[:6] == "ALARM:":
+        if line[:6] == "ALARM:" and line[6:].isdigit():
             self.alarmed(200 + int(line[6:]))
         elif line[:5] == "Grbl ":
             self.end_jog()

@@ -56,14 +56,18 @@ class RecoverableJobs(StoredJobs):
         if state == "Home" or self._changed != self._files.changed and not self._stage:
             self._changed = self._files.changed
             self._asked = False
-        if not self._asked and state in _REST and machine.settings and machine.options is not None and not self.running() and not machine.refusal():
+        if not self._asked and self._collects is None and state in _REST and machine.settings and machine.options is not None and not self.running() and not machine.refusal():
             self._asked = "J" not in machine.options
-            if not self._asked:
+            if not self._asked and machine.wire.room(len(b"$JR")):
                 self._collects = []
                 self._asked = machine.wire.say(PAGE, b"$JR", self._journal)
         StoredJobs.report(self, state)
 
     def fail(self, error):
+        if self._stage == "ask":  # over the place it stands no more, or not for certain
+            self._stage = ""
+            self._machine.state["recover"] = None
+            self._asked = False
         if error == errors.NO_ANSWER:
             self._asked = False
         StoredJobs.fail(self, error)
@@ -73,7 +77,7 @@ class RecoverableJobs(StoredJobs):
     def _journal(self, error):
         said, self._collects = self._collects or [], None
         offer = self._machine.state["recover"]
-        if error == LOST:
+        if error == LOST or not error and not any(line.startswith("[JOURNAL:") for line in said):  # or an answer to who spoke here before
             self._asked = False
         elif not offer or "held" not in offer:
             self._machine.state["recover"] = None if error else self._offer(said)
@@ -151,8 +155,10 @@ class RecoverableJobs(StoredJobs):
 
     def _ask_board(self, told, journal):
         """Collect what the board says of its offsets, and of its journal; then `told(error)`."""
-        self._collects = []
         machine = self._machine
+        if self._collects is not None:
+            return errors.BUSY
+        self._collects = []
         if journal and not machine.wire.say(PAGE, b"$JR") or not machine.wire.say(PAGE, b"$#", told):
             self._collects = None
             return errors.BUSY

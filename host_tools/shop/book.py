@@ -19,6 +19,7 @@ from typing import NamedTuple, Optional
 
 QUEUED, GIVEN, BEGUN, WAITING = "queued", "given", "begun", "waiting"
 OPEN = (GIVEN, BEGUN, WAITING)
+DONE = "done"
 _TABLES = """
 create table if not exists files (sha text primary key, data blob not null);
 create table if not exists jobs (
@@ -112,8 +113,11 @@ class Book:
             self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, None if state == GIVEN else time.time(), job.id)
 
     def end(self, job, how, line, text):
+        """A short job may be done before its machine could say that it has begun: it begins with its end."""
         if job.state in OPEN:
-            self._write("update jobs set state = ?, line = ?, text = ?, ended = ? where id = ?", how, line, text, time.time(), job.id)
+            now = time.time()
+            begun = now if how == DONE else None
+            self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?), ended = ? where id = ?", how, line, text, begun, now, job.id)
 
     def withdraw(self, job_id):
         """Remove a job from the queue. Return False if a machine has it already."""

@@ -23,12 +23,13 @@ from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import Store
 from host_tools.programs import gcode_file
 from host_tools.programs.job_record import Record
+from host_tools.shop.book import DONE
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
 from passo import errors
 from passo.web.guard import nonce
 
 REST, FREE, FETCH, RUN, WAITS, GOES = "rest", "free", "fetch", "run", "waits", "goes"
-DONE, GIVEN_UP, REFUSED = "done", "given up", "refused"  # how a job has ended
+GIVEN_UP, REFUSED = "given up", "refused"  # how a job has ended; or DONE
 _RELEASED_S = 1800  # a release lapses: whoever gave it may have gone
 _SETTLE_S = 0.6  # a report has come by then
 _TRIES = 4  # to unlock, to home
@@ -75,9 +76,17 @@ class _Job(RecoverableJobs):
         self.files.keep(*program)
 
     def fail(self, error):
+        self.ask_again()
+        RecoverableJobs.fail(self, error)
+
+    def ask_again(self):
+        """Homing may be over before a report says that the machine homes."""
         self._asked = False
         self.record = None
-        RecoverableJobs.fail(self, error)
+
+    def _journal(self, error):
+        RecoverableJobs._journal(self, error)
+        self._asked = self._asked and self.record is not None  # without it no job begins or goes on
 
     def run(self, name, lines, passes, checked, single=False):
         self.record = None
@@ -323,6 +332,7 @@ class Work:
             self._fall_back(_("the machine is in alarm"))
         else:
             order()
+            self._job.ask_again()
         self._quiet_s = time.monotonic()
 
     def _step(self, what):

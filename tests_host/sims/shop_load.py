@@ -3,7 +3,8 @@
     python tests_host/sims/shop_load.py 100 1000 --agents-killed 50 --brokers-killed 10 --partitions 10 --power-cuts 20
 
 A job draws its number: a stroke for each of ten bits, one above the other, 5 mm long or 10. Whoever stands at a machine is played: paper is
-put in when it is at rest, and "go" is said when it waits.
+put in when it is at rest, and "go" is said when it waits. Faults come while machines draw: the people put no more paper in than lets the last
+fault find a job.
 """
 
 import argparse
@@ -28,6 +29,7 @@ FIRST_MM, APART_MM, SHORT_MM, LONG_MM = 5, 3, 5, 10
 STEPS_MM = 10
 AN_AGENT = 5  # machines
 KIND = "small_plotter"
+_RESERVE = 2  # jobs that are kept for each fault to come
 _IDLE_MS = 50  # a board at rest looks at its line as bytes come, and no more often than that
 
 
@@ -262,6 +264,9 @@ class Load:
         self.names = [f"m{number:03}" for number in range(machines)]
         self.board_file = board_file(folder)
         self.count = {}
+        self.drawing = []  # machines that do, as their own pages tell it
+        self.free = 0  # machines with paper in and no job
+        self.struck = []  # how many drew at each fault
         self.boards, self.agents, self.pages = {}, {}, {}
         self.groups = [self.names[at : at + an_agent] for at in range(0, machines, an_agent)]
         self.broker_port = free_port()
@@ -301,22 +306,30 @@ class Load:
             stdout=subprocess.DEVNULL, stderr=open(self.folder / f"agent-{at}", "ab"),
         )  # fmt: skip
 
-    def people(self):
-        """Whoever stands at the machines looks at each page once, and does what it asks for."""
+    def people(self, papers):
+        """Whoever stands at the machines looks at each page once, and does what it asks for. Puts in at most `papers`."""
+        drawing, self.free = [], 0
         for at in self.agents:
             address = f"http://127.0.0.1:{self.pages[at]}"
             try:
-                shown = requests.get(address + "/machines", timeout=5).json()
-                for machine in shown:
+                for machine in requests.get(address + "/machines", timeout=5).json():
+                    if machine["how"] == "run":
+                        drawing.append(machine["name"])
+                    self.free += machine["how"] == "free"
                     what = {"rest": "release", "waits": "go"}.get(machine["how"])
-                    if what:
+                    if what == "release":
+                        papers -= 1
+                    if what and (what == "go" or papers >= 0):
                         self.count[what] = self.count.get(what, 0) + 1
                         requests.post(address + "/do", json={"name": machine["name"], "do": what}, headers={"Origin": address}, timeout=5)
             except (requests.RequestException, ValueError):
                 pass
+        self.drawing = drawing
 
     def kill_agent(self):
-        at = self.random.choice(list(self.agents))
+        """Of a machine that draws."""
+        name = self.random.choice(self.drawing)
+        at = next(at for at, group in enumerate(self.groups) if name in group)
         self.agents[at].kill()
         self.agents[at].wait()
         self.start_agent(at)
@@ -327,9 +340,8 @@ class Load:
         self.start_broker()
 
     def cut_power(self):
-        """Of a machine that draws, if there is one."""
-        drawing = [name for name in self.names if self.desk.machines.get(name, {}).get("how") == "run"]
-        name = self.random.choice(drawing or self.names)
+        """Of a machine that draws."""
+        name = self.random.choice(self.drawing)
         process = self.boards[name]
         process.send_signal(signal.SIGUSR1)
         process.wait(60)
@@ -342,11 +354,9 @@ class Load:
     def run(self, limit_s, faults):
         """`faults`: functions, spread over the jobs. Until all jobs have ended, and all faults have been."""
         faults = list(faults)
-        total = len(self.jobs)
-        every = total * 0.8 / max(len(faults), 1)
+        total, count = len(self.jobs), len(faults)
         begun = time.monotonic()
         told = 0
-        before = 0
         while time.monotonic() - begun < limit_s:
             counts = self.book.counts()
             done = counts.get("done", 0)
@@ -355,10 +365,13 @@ class Load:
                 told = done + max(1, total // 20)
             if done == total and not faults:
                 return time.monotonic() - begun
-            while faults and done >= before and (faults[0] != self.part or time.monotonic() > self.proxy.until_s):
-                before += every
+            due = total * (count - len(faults)) // (count + 1)
+            if faults and done >= due and self.drawing and (faults[0] != self.part or time.monotonic() > self.proxy.until_s):
+                self.struck.append(len(self.drawing))
                 faults.pop(0)()
-            self.people()
+            under_way = total - counts.get("queued", 0) - done
+            papers = min(due + len(self.names), total - _RESERVE * len(faults)) - done - under_way - self.free
+            self.people(max(papers, 0 if under_way or self.free else 1))
             time.sleep(0.2)
         raise AssertionError(f"not done in {limit_s} s: {self.book.counts()}, {[(name, told.get('how'), told.get('state'), told.get('text')) for name, told in self.desk.machines.items()]}")
 
@@ -371,9 +384,9 @@ class Load:
         return {name: read_numbers(strokes(sorted((self.folder / name).glob("trace-*.csv")))) for name in self.names}
 
     def by_book(self):
-        """{machine: numbers in the order in which they were begun}, by the book."""
+        """{machine: numbers in the order of the queue}: a machine is given the first job that waits."""
         found = {name: [] for name in self.names}
-        for job in sorted(self.book.jobs(100_000), key=lambda job: job.begun or 0):
+        for job in sorted(self.book.jobs(100_000), key=lambda job: job.number):
             if job.machine:
                 found[job.machine].append(self.jobs[job.id])
         return found
@@ -436,6 +449,7 @@ def main():
         twice = check(load)
         print(json.dumps({
             "jobs": given.jobs, "machines": given.machines, "seconds": round(took), "drawn twice, mm": twice / STEPS_MM, "people": load.count,
+            "faults": len(load.struck), "machines drawing at a fault": [min(load.struck, default=0), sum(load.struck) // max(len(load.struck), 1)],
             "agent MB": round(max(used)[0]), "machines an agent": AN_AGENT, "agents' CPU, s": round(sum(each[1] for each in used)),
         }))  # fmt: skip
     finally:

@@ -129,6 +129,25 @@ def test_it_does_not_go_down_elsewhere(cut):
     assert made.order("recover", what="down") == errors.NO_SUCH_JOB
 
 
+def test_it_does_not_go_down_behind_a_power_cut_while_it_asked(cut):
+    """Where the machine stands is another question then: it begins anew, tool up."""
+    made, _ = cut
+    home(made)
+    assert made.order("recover", what="begin") == 0
+    made.run_ms(200)
+    made.settle()
+    assert made.machine.state["recover"]["next"]
+    made.machine.attached(False)
+    made.run_ms(500)
+    assert made.machine.state["recover"]["next"] == "" and made.order("recover", what="down") == errors.ORDER_FIELD
+    assert made.order("recover", what="begin") == 0
+    made.run_ms(200)
+    made.settle()
+    assert made.order("recover", what="down") == 0
+    made.settle()
+    assert made.machine.state["job"]["how"] == "done"
+
+
 def test_a_board_without_journal_offers_nothing(tmp_path):
     made = Desk()
     made.machine.job = RecoverableJobs(made.machine, made.told.append, Store(tmp_path, gcode_lines))

@@ -33,6 +33,143 @@ def job(how, done):
     return {"name": "part.nc", "how": how, "done": done, "lines": 200}
 
 
+# --- the machine
+
+
+class Silent:
+    """A board that says what grbl does, and nothing behind `$JR`, until its power goes; and the port that it is on."""
+
+    def __init__(self, changed):
+        self._changed = changed
+        self.said, self.lines, self.dead = b"", [], False
+
+    def write(self, data):
+        for line in data.replace(b"?", b"?\n").split():
+            self.dead = self.dead or line == b"$JR"
+            if self.dead:
+                continue
+            self.lines.append(line)
+            if line == b"?":
+                self.said += b"<Idle|MPos:0.000,0.000|FS:0,0|WCO:0.000,0.000>\r\n"
+            else:
+                self.said += {b"$I": b"[OPT:J,15,128]\r\n", b"$$": b"$100=80\r\n$101=80\r\n$130=100\r\n$131=100\r\n"}.get(line, b"") + b"ok\r\n"
+
+    def read(self):
+        said, self.said = self.said, b""
+        return said
+
+    def restart(self):
+        """Power is cut and comes again: what it was asked is not answered."""
+        self._changed(0, False)
+        self.dead, self.said = False, b""
+        self._changed(0, True)
+
+    def look(self):
+        pass
+
+
+class NoBroker:
+    parcel = None
+
+    def heard(self):
+        return []
+
+    def stops(self):
+        return False
+
+    def log(self, event):
+        pass
+
+    tell = log
+
+
+class Late(Silent):
+    """A board that answers lines of somebody who spoke before, and then those of today, a line each time it is read."""
+
+    stale = {}  # line: how many others are answered before it
+    journal = b"[JOURNAL:00000007|12|3|0,0]\r\nok\r\n"
+
+    def write(self, data):
+        for line in data.replace(b"?", b"?\n").split():
+            before = self.said
+            if line == b"$JR":
+                self.lines.append(line)
+                self.said += self.journal
+            else:
+                Silent.write(self, line)
+            self.said = before + b"ok\r\n" * self.stale.pop(line, 0) + self.said[len(before) :]
+
+    def read(self):
+        said, _end, self.said = self.said.partition(b"\n")
+        return said + _end
+
+
+def agent_of(kind):
+    """(a board of an agent without a broker, its port), and what runs it until something is so."""
+    from host_tools import boards
+    from host_tools.shop.agent import _Board
+
+    ports = []
+
+    def make_port(changed):
+        ports.append(kind(changed))
+        return ports[0]
+
+    board = _Board("m", "grbl", boards.load("corexy_plotter"), make_port, NoBroker(), lambda board, fd, opened: board.attached(opened), "KEY", {})
+
+    def run(until):
+        limit = time.monotonic() + 20
+        while not until():
+            assert time.monotonic() < limit, (board._machine.options, board._machine.settings, ports[0].lines[-20:])
+            board.read()
+            board.poll(time.monotonic())
+            time.sleep(0.001)
+
+    return board, ports[0], run
+
+
+def test_a_question_that_a_power_cut_leaves_unanswered_is_asked_again():
+    board, port, run = agent_of(Silent)
+    run(lambda: port.dead)
+    assert board.work._job.busy()
+    asked = port.lines.count(b"?")
+    port.restart()
+    run(lambda: port.lines.count(b"?") > asked + 1 and port.dead)  # it was asked again, by a link without old lines
+    assert board._machine.wire.of(0) == 1
+
+
+@pytest.mark.parametrize("line", [b"$I", b"$$", b"$JR"])
+@pytest.mark.parametrize("stale", [0, 1, 2, 3, 40])
+def test_answers_to_an_agent_that_was_killed_are_no_answers_to_the_next_one(line, stale):
+    """The board's letters, settings and journal are known all the same."""
+    board, port, run = agent_of(Late)
+    port.stale = {line: stale}
+    run(lambda: board.work._job.record and board._machine.options is not None)
+    assert board._machine.options == "J" and board._machine.settings[130] == "100" and board.work._job.record.job == 7
+    assert board.work._release() == ""
+
+
+def test_the_journal_is_asked_behind_a_homing_that_no_report_has_shown():
+    board, port, run = agent_of(Late)
+    run(lambda: board.work._job.record)
+    board.work._ready(board._machine.home)
+    assert board.work._job.record is None
+    run(lambda: board.work._job.record)
+    assert b"$JR" in port.lines[port.lines.index(b"$H") :]
+
+
+def test_a_report_with_a_wrong_byte_is_left_out():
+    from host_tools.page.grbl_machine import GrblMachine
+
+    machine = GrblMachine(lambda data: None, lambda event: None)
+    good = b"<Run|MPos:1.000,2.000,0.000|FS:600,0|WCO:0.000,0.000,0.000|Ov:100,100,100>"
+    for at in range(1, len(good) - 1):
+        for byte in b"x<|:,.-":
+            machine.feed(good[:at] + bytes((byte,)) + good[at + 1 :] + b"\r\n", 0)
+    machine.feed(good[:40] + good + b"\r\nALARM:\r\nALARM:x\r\n" + good + b"\r\n", 0)
+    assert machine.state["m"] == [1.0, 2.0, 0.0] and machine.state["state"] == "Run"
+
+
 # --- what is told
 
 

@@ -69,6 +69,14 @@ def test_jobs_are_given_in_their_order_to_machines_that_fit(book):
     assert book.give("big", "n", lambda job: fits(job, {"kind": "k", "area": [300, 100]})).name == "big"
 
 
+def test_a_job_that_is_done_before_its_machine_could_say_more_began(book):
+    one, two = book.add(b"G0X1", "a", {"kind": "k", "material": "A4"}, 2)
+    book.end(book.give("m", "n", lambda job: True), "done", 9, "")
+    book.end(book.give("m", "n", lambda job: True), "refused", 0, "")
+    assert book.job(one).begun == book.job(one).ended and book.used() == [("A4", 1, 0.0)]
+    assert book.job(two).begun is None
+
+
 # --- what is signed
 
 
