@@ -4,7 +4,8 @@
     page = file.outlines(deviation_px=0.1)
 
 Blocks, splines, ellipses, bulges, dimensions, hatches and text (as outlines of its letters) are those of ezdxf. Lengths are in the unit
-that the file names, else in mm. Layers that are off or frozen are left out; pictures are counted in `left_out`.
+that the file names, else in mm. Layers that are off or frozen are left out, and what lies
+under a wipeout, or under an area of the background's colour; pictures are counted in `left_out`.
 """
 
 import io
@@ -20,13 +21,14 @@ from host_tools.failure import Failure, reason
 _MM_PX = 96 / 25.4
 _LEAST_PX = 1.0
 _MM = {0: 1.0, 1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 0.0254, 10: 914.4, 13: 0.001, 14: 100.0}  # $INSUNITS
-_FARTHEST_MM = 1e6
+_FARTHEST_MM = 1e9
+_BINARY = b"AutoCAD Binary DXF"
 _EXACT = 1e9  # of a size: how far away numbers are still exact enough
 
 
 def is_dxf(first):
     """True if a file's first bytes are DXF, as text or binary."""
-    if first.startswith(b"AutoCAD Binary DXF"):
+    if first.startswith(_BINARY):
         return True
     lines = [line.strip() for line in first.split(b"\n") if line.strip()]
     while len(lines) > 2 and lines[0] == b"999":
@@ -36,13 +38,17 @@ def is_dxf(first):
 
 def _read(path):
     """ezdxf's document. Raises what ezdxf does."""
+    import ezdxf
     from ezdxf import recover
     from ezdxf.lldxf.const import DXFError
 
+    data = Path(path).read_bytes()
+    if data.startswith(_BINARY):
+        return ezdxf.readfile(path)  # recover reads text only
     try:
-        return recover.readfile(path)[0]
+        return recover.read(io.BytesIO(data))[0]
     except DXFError:
-        better = repaired(Path(path).read_bytes())
+        better = repaired(data)
         if better is None:
             raise
         return recover.read(io.BytesIO(better))[0]
@@ -92,10 +98,10 @@ class DxfFile:
         return page
 
     def _drawn(self, deviation, fills):
-        from ezdxf.addons.drawing import Frontend, RenderContext
+        from ezdxf.addons.drawing import RenderContext
         from ezdxf.addons.drawing.config import Configuration, HatchPolicy, TextPolicy
 
-        from host_tools.drawings.dxf_backend import Backend
+        from host_tools.drawings.dxf_backend import Backend, Frontend
 
         backend = Backend(deviation, fills)
         config = Configuration(

@@ -1,14 +1,23 @@
-"""ezdxf's drawing add-on draws into this: lines and areas, by layer, in the file's units, y up."""
+"""ezdxf's drawing add-on draws by this Frontend into this Backend: lines and areas, by layer, in the file's units, y up."""
 
 from collections import Counter
 
 import numpy
+import shapely
+from ezdxf.addons.drawing import Frontend as BaseFrontend
 from ezdxf.addons.drawing.backend import Backend as Base
 from ezdxf.addons.drawing.config import Configuration
 
 from host_tools.drawings import svg_area
 from host_tools.drawings.page import Ink
 from host_tools.language import N_
+
+
+class Frontend(BaseFrontend):
+    def skip_entity(self, entity, msg):
+        """Name what is not drawn, bodies of ACIS for one; ezdxf only logs it."""
+        if msg != "invisible":
+            self.pipeline.backend.left_out[entity.dxftype()] += 1
 
 
 class Backend(Base):
@@ -19,6 +28,7 @@ class Backend(Base):
         self._deviation, self._fills = deviation, fills
         self.inks = {}
         self.left_out = Counter()
+        self._background = None
 
     def _add(self, properties, lines, areas=()):
         given = [line for line in lines if len(line) > 1]
@@ -27,6 +37,16 @@ class Backend(Base):
             self.left_out[N_("number that is none, or that cannot be read")] += len(given) - len(lines)
         if lines or areas:
             self.inks.setdefault(properties.layer, []).append(Ink(properties.color[:7], lines, list(areas)))
+
+    def _area(self, lines, rule, properties):
+        """Closed `lines` and what they enclose; in the background's colour, as a wipeout is, they cover what was drawn before."""
+        if properties.color != self._background:
+            self._add(properties, lines, [svg_area.filled(lines, rule)] if self._fills and lines else ())
+        elif lines:
+            covered = svg_area.filled(lines, rule)
+            for ink in (ink for inks in self.inks.values() for ink in inks):
+                ink.lines = svg_area.uncovered(ink.lines, covered)
+                ink.areas = [shapely.difference(area, covered) for area in ink.areas]
 
     def _flat(self, path):
         """The lines of a path that may have several parts."""
@@ -54,18 +74,17 @@ class Backend(Base):
     def draw_filled_paths(self, paths, properties):
         lines = [line for path in paths for line in self._flat(path)]
         lines = [line if line[0] == line[-1] else numpy.append(line, line[0]) for line in lines]
-        self._add(properties, lines, [svg_area.filled(lines, "evenodd")] if self._fills and lines else ())
+        self._area(lines, "evenodd", properties)
 
     def draw_filled_polygon(self, points, properties):
         line = numpy.array([complex(place.x, place.y) for place in points.vertices()])
-        line = numpy.append(line, line[0])
-        self._add(properties, [line], [svg_area.filled([line], "nonzero")] if self._fills else ())
+        self._area([numpy.append(line, line[0])], "nonzero", properties)
 
     def draw_image(self, image_data, properties):
         self.left_out[N_("picture")] += 1
 
     def set_background(self, color):
-        pass
+        self._background = color
 
     def clear(self):
         self.inks = {}

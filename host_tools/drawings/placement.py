@@ -53,7 +53,9 @@ def table_mm(board):
 
 
 def percent(factor):
-    """A factor in per cent; 100 only if it is exactly that."""
+    """A factor in per cent; 100 only if it is exactly that, and never 0."""
+    if factor < 1e-3:
+        return f"{factor * 100:.2g}"
     text = f"{factor * 100:.1f}"
     return text if text != "100.0" or factor == 1 else f"{factor * 100:.4f}".rstrip("0").rstrip(".")
 

@@ -59,6 +59,22 @@ def clipped(lines, area):
     return kept
 
 
+def uncovered(lines, area):
+    """The parts of `lines` outside `area`."""
+    if area.is_empty:
+        return lines
+    left, top, right, bottom = area.bounds
+    kept = []
+    for line in lines:
+        xs, ys = line.real, line.imag
+        if xs.min() > right or xs.max() < left or ys.min() > bottom or ys.max() < top:
+            kept.append(line)
+        else:
+            around = rectangle(min(xs.min(), left), min(ys.min(), top), max(xs.max(), right), max(ys.max(), bottom))
+            kept += _cut(line, shapely.difference(grown(around, max(right - left, bottom - top)), area))
+    return kept
+
+
 def _cut(line, area):
     points = _pairs(_without_repeats(line))
     if len(points) < 2:

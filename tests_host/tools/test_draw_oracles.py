@@ -501,6 +501,19 @@ def test_a_dxf_survey_far_from_its_zero(tmp_path):
     assert abs(line - [0 + 300j * 96 / 25.4, (400 + 300j) * 96 / 25.4, 400 * 96 / 25.4]).max() < 0.01
 
 
+def test_a_dxf_of_a_whole_town_is_drawn_small(tmp_path):
+    import ezdxf
+
+    document = ezdxf.new("R2010", setup=True, units=6)
+    document.modelspace().add_circle((500_000, 500_000), 10_000)
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    plan = load(path, boards.load("plotter_2014"))
+    places = numpy.array([place for part in plan.parts for line in part.lines for place in line]) / plan.steps_per_mm
+    assert abs(numpy.hypot(*(places - 150).T) - 150).max() < 0.2
+    assert any("0.0015 %" in note for note in plan.notes), plan.notes
+
+
 def test_dxf_blocks_that_were_made_flat(tmp_path):
     """Blocks in blocks, their third scale 0: some programs write them so."""
     import ezdxf
@@ -535,6 +548,56 @@ def test_dxf_hatches_are_areas_and_text_is_outlines(tmp_path):
     assert sum(area.area for area in areas if area.bounds[2] < 21 * scale) == pytest.approx((400 - 100) * scale**2)
     letters = [line for line in page.layers[number] if line.real.min() > 30 * scale]
     assert len(letters) >= 7 and box_of([letters])[3] - box_of([letters])[1] == pytest.approx(8 * scale, rel=0.15)
+
+
+def test_a_binary_dxf_is_drawn(tmp_path):
+    import ezdxf
+
+    document = ezdxf.new("R2000", units=4)
+    document.modelspace().add_line((0, 0), (30, 40))
+    path = tmp_path / "a.dxf"
+    document.saveas(path, fmt="bin")
+    page = sources.opened(path).outlines(0.02)
+    assert page.size_px == pytest.approx((30 * 96 / 25.4, 40 * 96 / 25.4)) and len(page.layers[1]) == 1
+
+
+@pytest.mark.parametrize("below", ["line", "hatch"])
+def test_a_wipeout_covers_what_was_drawn_before(tmp_path, below):
+    """As in ezdxf's wipeout_door.dxf: walls behind a door."""
+    import ezdxf
+
+    document = ezdxf.new("R2010", setup=True, units=4)
+    space = document.modelspace()
+    if below == "line":
+        space.add_lwpolyline([(0, 0), (30, 0), (30, 30)])
+    else:
+        space.add_hatch(color=3).paths.add_polyline_path([(0, 0), (30, 0), (30, 30), (0, 30)], is_closed=True)
+    space.add_wipeout([(10, -5), (20, -5), (20, 5), (10, 5)])
+    space.add_line((12, 0), (18, 0))
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    page = sources.opened(path).outlines(0.02, fills=True)
+    scale = 96 / 25.4
+    bottom = sorted(
+        sorted((round(float(a.real / scale)), round(float(b.real / scale)))) for line in page.layers[1] for a, b in zip(line, line[1:])
+        if a.imag == b.imag and a.imag > 29 * scale
+    )  # fmt: skip
+    assert bottom == [[0, 10], [12, 18], [20, 30]] and not page.left_out
+    assert sum(area.area for area in page.fills.get(1, [])) == pytest.approx((900 - 50) * scale**2 if below == "hatch" else 0)
+
+
+def test_dxf_bodies_are_named(tmp_path):
+    import ezdxf
+    from ezdxf.acis import api
+    from ezdxf.render.forms import cube
+
+    document = ezdxf.new("R2000", units=4)
+    api.export_dxf(document.modelspace().add_3dsolid(), [api.body_from_mesh(cube())])
+    document.modelspace().add_line((0, 0), (30, 40))
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    page = sources.opened(path).outlines(0.02)
+    assert page.left_out == {"3DSOLID": 1} and len(page.layers[1]) == 1
 
 
 @pytest.mark.parametrize("text, message", [
