@@ -20,6 +20,7 @@ from host_tools.failure import Failure
 from host_tools.language import _, line_text
 from host_tools.programs.gcode_file import has_numbers
 from host_tools.programs.gcode_time import Remaining
+from passo import errors
 
 _STATUS_S = 0.25
 _RATE_REPORTS = 10  # over which lines a second are counted
@@ -89,11 +90,19 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
     if first:
         lines = prepared(client, lines, first, None, yes)
     announce(client, lines, name)
+    zero = next((line for line in client.command("$#") if line.startswith("[G54:")), "[G54:?]")
     limits = gcode_time.Limits.of_settings(client.command("$$"))
     with Panel(client, lines, gcode_time.estimate(lines, limits), origin, keep) as panel:
-        for number in client.stream(lines, count, panel.cycle, panel.numbered, origin):
-            panel.done(number)
-        client.wait_idle(panel.cycle)
+        try:
+            for number in client.stream(lines, count, panel.cycle, panel.numbered, origin):
+                panel.done(number)
+            client.wait_idle(panel.cycle)
+        except Refused as refused:
+            if client.alarm != errors.ALARM_SOFT_LIMIT - 200:
+                raise
+            raise Failure(
+                "{}\nWork zero G54 lies at {} of the machine; the page, or G10 L20 P1 X0 Y0 Z0 with the tool there, sets it at the workpiece", refused, zero[5:-1]
+            ) from None
     panel.tell()
     return panel.seconds(), len(lines)
 
@@ -147,6 +156,8 @@ class Panel:
         self._asked = 0.0
         self._keys = contextlib.ExitStack()
         self._asks = True  # for the status; else the board tells it unasked
+        self._waits = 0  # 1: told that the machine waits, 2: and a key has come
+        self._typed = b""  # lines of a pipe; None: it has ended
 
     def __enter__(self):
         self._asks = not self._client.report(int(1000 * _STATUS_S))
@@ -198,6 +209,7 @@ class Panel:
         if self._paused_at is not None and self.numbered and "Ln" not in self._client.status:  # at a stand: the line that waits
             # As the report came: behind a key, lines are answered before the next report says that the stand is over.
             self._line = max(self._line, self._numbers[min(self._client.answered_then, len(self._numbers) - 1)])
+        self._wait()
         if self._asked and self._client.silent():
             raise LinkError("port {}: no answer any more, at {}", self._client.port, self._origin(self._line))
         if now - self._asked >= _STATUS_S:
@@ -240,6 +252,38 @@ class Panel:
         elif not paused and self._paused_at is not None:
             self._paused_s += now - self._paused_at
             self._paused_at = None
+
+    def _wait(self):
+        """Without a terminal: say once where the machine stands and waits, as for the next pen, and take keys from a pipe, one a line."""
+        if self._paused_at is None:
+            self._waits = 0
+        if self._paused_at is None or self._waits == 2 or not self._client.status["state"].endswith(":0"):
+            return
+        keys = sys.stdin.isatty()
+        if not self._waits and not (keys and self._bar):
+            text = _("{}: the machine waits; r goes on, a ends") if keys else _("{}: the machine waits; Enter goes on, a and Enter end")
+            print(text.format(self._origin(self._line)), flush=True)
+        self._waits = 1
+        if not keys and self._typed is not None and (line := self._line_of_pipe()) is not None:
+            self._waits = 2
+            self.key(line.strip()[:1] or "r")
+
+    def _line_of_pipe(self):
+        """The next line of stdin, or None."""
+        try:
+            if b"\n" not in self._typed and select.select([sys.stdin], [], [], 0)[0]:
+                more = os.read(sys.stdin.fileno(), 4096)
+                self._typed = self._typed + more if more else None
+        except (OSError, ValueError):  # no stdin
+            self._typed = None
+        if self._typed is None:
+            print(_("nobody can press a key here: the machine's button or the page goes on"), flush=True)
+            return None
+        line, found, rest = self._typed.partition(b"\n")
+        if not found:
+            return None
+        self._typed = rest
+        return line.decode("ascii", "replace")
 
     def key(self, key):
         if key == "p":

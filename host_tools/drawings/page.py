@@ -8,6 +8,7 @@
 from collections import Counter
 from dataclasses import dataclass, field
 
+from host_tools.drawings import svg_area
 
 @dataclass
 class Ink:
@@ -16,6 +17,7 @@ class Ink:
     colour: str
     lines: list  # complex arrays
     areas: list = field(default_factory=list)  # shapely geometries
+    rule: str = ""  # "nonzero" or "evenodd": the lines are closed, and the edge of an area without a stroke
 
 
 @dataclass
@@ -45,3 +47,16 @@ class Page:
         """Forget other layers."""
         self.layers = {number: self.layers[number] for number in numbers}
         self.fills = {number: self.fills.get(number, []) for number in numbers}
+
+
+def cut(inks, area):
+    """Inks as far as they lie in an area: lines end at its edge, and areas get a new one there."""
+    return [_cut(ink, area) for ink in inks]
+
+
+def _cut(ink, area):
+    lines = svg_area.clipped(ink.lines, area) if ink.lines else []
+    whole = len(lines) == len(ink.lines) and all(kept is line for kept, line in zip(lines, ink.lines))
+    if ink.rule and not whole:
+        lines = svg_area.edges(svg_area.filled(ink.lines, ink.rule).intersection(area))
+    return Ink(ink.colour, lines, [each.intersection(area) for each in ink.areas], ink.rule)

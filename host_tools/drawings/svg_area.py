@@ -41,6 +41,15 @@ def grown(area, by):
     return shapely.buffer(area, by, join_style="mitre", cap_style="square")
 
 
+def edges(area):
+    """The closed lines around an area and its holes."""
+    rings = []
+    for part in shapely.get_parts(area):
+        if part.geom_type == "Polygon" and not part.is_empty:
+            rings += [part.exterior, *part.interiors]
+    return [numpy.array([complex(*place) for place in ring.coords]) for ring in rings]
+
+
 def clipped(lines, area):
     """The parts of `lines` inside `area`, in their order and direction. A dot is a line of the same position twice."""
     shapely.prepare(area)

@@ -17,8 +17,8 @@ from xml.etree import ElementTree
 
 import numpy
 
-from host_tools.drawings import svg_area, svg_geometry, svg_style, svg_text
-from host_tools.drawings.page import Ink, Page
+from host_tools.drawings import svg_area, svg_geometry, svg_paint, svg_style, svg_text
+from host_tools.drawings.page import Page, cut
 from host_tools.drawings.svg_faults import name_of, told, unreadable
 from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
 from host_tools.drawings.svg_style import local_name
@@ -130,7 +130,7 @@ class SvgFile:
                     continue
                 groups += 1
                 number, name = svg_style.layer_of(child, groups)
-            self._page.add(number, name, self._lines(child, around))
+            self._page.add(number, name, self._clipped(self._lines(child, around), self._root, context))
 
     # --- elements; each returns Inks in px of the page
 
@@ -157,8 +157,8 @@ class SvgFile:
         else:
             self._note_left_out(tag, inner.style)
             return []
-        if lines and inner.style.get("mask", "none") != "none":
-            self._page.left_out[N_("mask")] += 1
+        if lines:
+            self._name_paints(inner.style, tag)
         return self._clipped(lines, element, inner) if lines else lines
 
     def _inside(self, element, context, ink=True):
@@ -173,6 +173,16 @@ class SvgFile:
         if faults:
             self._page.left_out[N_("number that is none, or that cannot be read")] += faults
         return replace(context, matrix=self._matrix(style, context), style=style, depth=context.depth + 1)
+
+    def _name_paints(self, style, tag):
+        """Note what of the paint of something shown is not drawn."""
+        for what, name in (("mask", N_("mask")), ("filter", N_("filter"))):
+            if style.get(what, "none") != "none":
+                self._page.left_out[name] += 1
+        if tag in SHAPES or tag == "text":
+            kinds = [svg_paint.of(style.get(what, "none"), self._by_id)[1] for what in ("fill", "stroke")]
+            if "pattern" in kinds:
+                self._page.left_out[N_("pattern (the edge of its area is drawn)")] += 1
 
     def _children(self, children, context):
         return [line for child in children for line in self._lines(child, context)]
@@ -254,7 +264,7 @@ class SvgFile:
             return lines
         edge = numpy.array([x + 1j * y, x + width + 1j * y, x + width + 1j * (y + height), x + 1j * (y + height)])
         area = svg_area.filled(svg_geometry.placed([edge], context.matrix), "nonzero")
-        return _cut(lines, svg_area.grown(area, _CLIP_PX))
+        return cut(lines, svg_area.grown(area, _CLIP_PX))
 
     def _in_view_box(self, element, context, x, y, width, height):
         """The context inside a viewport."""
@@ -273,15 +283,18 @@ class SvgFile:
     # --- clip paths
 
     def _clipped(self, inks, element, context):
-        match = _URL.match(context.style.get("clip-path", "none"))
+        value = context.style.get("clip-path", "none")
+        match = _URL.match(value)
         lines = [line for ink in inks for line in ink.lines]
+        if lines and not match and value != "none":
+            self._page.left_out[N_("clip path by a shape of CSS")] += 1
         if not match or not lines:
             return inks
         clip = self._by_id.get(match[1])
         if clip is None or local_name(clip.tag) != "clipPath":
             self._page.left_out[N_("clip path that is not in the file")] += 1
             return inks
-        return _cut(inks, svg_area.grown(self._area(clip, lines, context), _CLIP_PX))
+        return cut(inks, svg_area.grown(self._area(clip, lines, context), _CLIP_PX))
 
     def _area(self, clip, lines, context):
         """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
@@ -337,6 +350,9 @@ class SvgFile:
         size = inherited.get("font-size", 16.0)
         own = style.get("font-size", size)
         style["font-size"] = svg_geometry.length(own, size, size, size) if isinstance(own, str) else own
+        for what in ("fill", "stroke"):
+            if what in style:
+                style[what] = svg_paint.of(style[what], self._by_id)[0]
         return style
 
     def _matrix(self, style, context):
@@ -365,11 +381,3 @@ def _suits(element):
         if not any(each == chosen() or each.startswith(chosen() + "-") for each in wanted):
             return False
     return element.get("requiredExtensions") is None
-
-
-def _cut(inks, area):
-    """Lines and areas as far as they lie in an area."""
-    return [
-        Ink(ink.colour, svg_area.clipped(ink.lines, area) if ink.lines else [], [each.intersection(area) for each in ink.areas])
-        for ink in inks
-    ]

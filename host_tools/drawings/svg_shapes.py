@@ -58,7 +58,8 @@ class Shapes:
     def inks(self, lines, rings, style):
         """Lines in the colour of their stroke, or else of their fill, and the area that is filled."""
         stroked = svg_style.painted(style, "stroke")
-        inks = [Ink(_colour(style, "stroke" if stroked else "fill"), lines)]
+        filled = not stroked and svg_style.painted(style, "fill")
+        inks = [Ink(_colour(style, "stroke" if stroked else "fill"), lines, rule=style.get("fill-rule", "nonzero") if filled else "")]
         area = svg_area.filled(rings, style.get("fill-rule", "nonzero")) if rings else None
         if area is not None and not area.is_empty:
             inks.append(Ink(_colour(style, "fill"), [], [area]))

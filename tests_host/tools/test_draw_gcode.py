@@ -262,7 +262,8 @@ def test_broken_off_behind_and_at_a_pens_change(tmp_path, monkeypatch, capsys, c
     motions = [number for number, line in enumerate(lines, 1) if line.startswith("G1 X")]
     amid = [number for number in motions if number < third][-2]  # pen 2's last but one
     said, asked = run(lambda panel, pen: panel._line >= amid, 1)
-    assert asked == [2] and f"aborted at line {amid}" in said and "put in" not in said
+    assert asked == [2] and f"aborted at line {amid}" in said and "put in" not in said.splitlines()[-1]
+    assert "put in pen 2 (blue): the machine waits" in said and "nobody can press a key here" in said
     said, asked = run(lambda panel, pen: pen == 3, 2, "--continue", "--yes")
     assert asked == [3] and "pen 2 (blue) draws on" in said and "put in pen 3 (green)" in said.splitlines()[-1]
     said, asked = run(lambda panel, pen: False, 2, "--continue", "--yes")

@@ -39,6 +39,12 @@ def rsvg_ink(path, tmp_path):
     return numpy.column_stack((columns + 0.5, rows + 0.5)) / SCALE
 
 
+def svg_page_black(path, tmp_path):
+    """Which pixels rsvg-convert has black, row by row."""
+    rsvg_ink(path, tmp_path)
+    return numpy.asarray(Image.open(tmp_path / "oracle.png").convert("L")) < 128
+
+
 def chromium_ink(path, tmp_path):
     """The same by a browser."""
     if not shutil.which("chromium"):
@@ -132,6 +138,57 @@ def test_svg_as_others_have_it(tmp_path, name):
     on_ours, on_theirs = agreement(ink, lines, 1.6 if thick else 0.9)
     assert on_ours > 0.99 and on_theirs > 0.99, (on_ours, on_theirs)
     assert not page.left_out
+
+
+CLIPS = {  # as in resvg's tests masking/clipPath: what is left of an area has an edge all around
+    "an area larger than its clip path": '<clipPath id="c"><path d="M60 10 100 110 10 40h110L30 110z"/></clipPath><rect width="200" height="120" stroke="none" fill="black" clip-path="url(#c)"/>',
+    "an area that its clip path cuts": '<clipPath id="c"><circle cx="60" cy="60" r="40"/></clipPath><path d="M20 20h100v60h-100zM50 40v20h20v-20z" fill-rule="evenodd" stroke="none" fill="black" clip-path="url(#c)"/>',
+    "a clip path in a clip path": '<clipPath id="b"><rect x="30" y="30" width="60" height="60"/></clipPath><clipPath id="c"><circle cx="60" cy="60" r="40"/></clipPath><g clip-path="url(#b)"><g clip-path="url(#c)"><rect width="200" height="120" stroke="none" fill="black"/></g></g>',
+    "letters": '<clipPath id="c"><rect x="30" y="40" width="60" height="14"/></clipPath><text x="10" y="60" font-family="DejaVu Sans" font-size="40" stroke="none" fill="black" clip-path="url(#c)">MOM</text>',
+    "a stroke": '<clipPath id="c"><circle cx="60" cy="60" r="40"/></clipPath><path d="M0 50h200M60 0v99" clip-path="url(#c)"/>',
+}
+
+
+@pytest.mark.parametrize("name", CLIPS)
+def test_what_a_clip_path_leaves(tmp_path, name):
+    path = tmp_path / "a.svg"
+    path.write_text(f"{HEAD}{CLIPS[name]}</svg>")
+    black = svg_page_black(path, tmp_path)
+    page = SvgFile(path).outlines(0.02)
+    lines = [line for lines in page.layers.values() for line in lines]
+    if name == "a stroke":
+        assert agreement(rsvg_ink(path, tmp_path), lines, 0.9) == (1.0, 1.0) and len(lines) == 2
+        return
+    edge = black & ~(numpy.roll(black, 1, 0) & numpy.roll(black, -1, 0) & numpy.roll(black, 1, 1) & numpy.roll(black, -1, 1))
+    rows, columns = numpy.nonzero(edge)
+    on_ours, on_theirs = agreement(numpy.column_stack((columns + 0.5, rows + 0.5)) / SCALE, lines, 0.7)
+    assert on_ours > 0.99 and on_theirs > 0.99 and all(line[0] == line[-1] for line in lines)
+    assert not page.left_out
+
+
+def test_the_root_s_clip_path_cuts_all(tmp_path):
+    path = tmp_path / "a.svg"
+    head = HEAD.replace("fill=", 'clip-path="url(#c)" fill=')
+    path.write_text(f'{head}<clipPath id="c"><rect width="50" height="60"/></clipPath><path d="M0 50h200"/><g><path d="M0 70h9"/></g></svg>')
+    page = SvgFile(path).outlines(0.02)
+    assert agreement(rsvg_ink(path, tmp_path), page.layers[1], 0.9) == (1.0, 1.0) and not page.layers.get(2)
+
+
+@pytest.mark.parametrize("paint, shown", [
+    ("url(#none)", False), ("url(#none) none", False), ("url(#none) black", True), ("url(#empty)", False), ("url(#leads)", True), ("url(#itself)", False),
+    ("url(#shape) black", True), ("url(#pattern)", True),
+])  # fmt: skip
+def test_paints_that_lead_nowhere(tmp_path, paint, shown):
+    """Of a shape that no paint is left of `passo draw` says that no viewer shows it."""
+    path = tmp_path / "a.svg"
+    path.write_text(
+        f'{HEAD}<linearGradient id="empty"/><linearGradient id="full"><stop/></linearGradient><linearGradient id="leads" xlink:href="#full"/>'
+        f'<linearGradient id="itself" xlink:href="#itself"/><pattern id="pattern" width="4" height="4" patternUnits="userSpaceOnUse"><rect width="2" height="4" fill="black"/>'
+        f'</pattern><defs><path id="shape"/></defs><rect x="10" y="10" width="99" height="99" stroke="none" fill="{paint}"/></svg>'
+    )
+    page = SvgFile(path).outlines(0.02)
+    assert bool(len(rsvg_ink(path, tmp_path))) == shown == (not page.unpainted)
+    assert page.left_out == ({"pattern (the edge of its area is drawn)": 1} if "pattern" in paint else {})
 
 
 @pytest.mark.parametrize("query, held", [
