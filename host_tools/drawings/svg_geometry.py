@@ -207,21 +207,25 @@ def shape_path(tag, lengths, points):
     if tag == "rect":
         return _rect(lengths)
     x, y = lengths("cx", "x"), lengths("cy", "y")
-    across = lengths("r", None) if tag == "circle" else lengths("rx", "x")
-    down = across if tag == "circle" else lengths("ry", "y")
+    across, down = [lengths("r", None)] * 2 if tag == "circle" else _radii(lengths)
     if across <= 0 or down <= 0:
         return None
     arc = ("A", across, down, 0, 0, 1)
     return _data("M", x + across, y, *arc, x, y + down, *arc, x - across, y, *arc, x, y - down, *arc, x + across, y, "Z")
 
 
+def _radii(lengths):
+    """rx and ry; one that is missing or negative is the other."""
+    across, down = (value if value is not None and value >= 0 else None for value in (lengths("rx", "x", None), lengths("ry", "y", None)))
+    return (across if across is not None else down or 0.0), (down if down is not None else across or 0.0)
+
+
 def _rect(lengths):
     x, y, width, height = lengths("x", "x"), lengths("y", "y"), lengths("width", "x"), lengths("height", "y")
     if width <= 0 or height <= 0:
         return None
-    across, down = lengths("rx", "x", None), lengths("ry", "y", None)
-    across, down = down if across is None else across, across if down is None else down
-    across, down = min(across or 0.0, width / 2), min(down or 0.0, height / 2)
+    across, down = _radii(lengths)
+    across, down = min(across, width / 2), min(down, height / 2)
     if across <= 0 or down <= 0:
         return _data("M", x, y, "H", x + width, "V", y + height, "H", x, "Z")
     arc = ("A", across, down, 0, 0, 1)

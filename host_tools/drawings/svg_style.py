@@ -14,9 +14,9 @@ _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _INHERITED = frozenset(
     "visibility fill stroke stroke-width stroke-dasharray stroke-dashoffset stroke-linecap clip-rule marker-start "
     "marker-mid marker-end font-family font-size font-style font-weight text-anchor letter-spacing word-spacing white-space "
-    "writing-mode stroke-opacity fill-opacity fill-rule color text-transform direction font-variant".split()
+    "writing-mode stroke-opacity fill-opacity fill-rule color text-transform direction font-variant dominant-baseline".split()
 )
-_OWN = frozenset("display clip-path mask filter overflow dominant-baseline baseline-shift text-decoration shape-inside opacity transform transform-origin transform-box".split())
+_OWN = frozenset("display clip-path mask filter overflow baseline-shift alignment-baseline text-decoration shape-inside opacity transform transform-origin transform-box".split())
 _KNOWN = _INHERITED | _OWN
 _SHORTHANDS = {"marker": ("marker-start", "marker-mid", "marker-end")}
 _SILENT = frozenset("charset namespace font-face keyframes -webkit-keyframes page".split())  # nothing to draw by

@@ -29,6 +29,13 @@ _DEEPEST = 100
 _SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
 
+# Of ascent, descent and the height of an x.
+_SHARES = {
+    "middle": (0, 0, 0.5), "central": (0.5, -0.5, 0), "hanging": (0.8, 0, 0), "mathematical": (0.5, 0, 0), "ideographic": (0, -1, 0),
+    **dict.fromkeys(("text-before-edge", "before-edge", "text-top"), (1, 0, 0)), **dict.fromkeys(("text-after-edge", "after-edge", "text-bottom"), (0, -1, 0)),
+}  # fmt: skip
+
+
 @dataclass
 class Letter:
     text: str
@@ -138,7 +145,10 @@ def _collect(element, style, found_by, viewport, left_out, letters, keep_space, 
                 for letter in letters[begin:]:
                     letter.up += _shift(inner.get("baseline-shift"), size)
         elif tag == "textPath":
-            _along(child, style_of(child, style), found_by, viewport, left_out, letters, keep_space, depth + 1)
+            begin, inner = len(letters), style_of(child, style)
+            _along(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
+            for letter in letters[begin:]:
+                letter.up += _shift(inner.get("baseline-shift"), size)
         _spell(child.tail, style, size, keep_space, letters)
     turns = svg_geometry.numbers(element.get("rotate"))
     for index, letter in enumerate(_collapsed(letters[first:]) if turns else ()):
@@ -160,6 +170,8 @@ def _name_others(element, style, left_out):
         left_out[N_("small capitals (drawn as small letters)")] += 1
     if style.get("text-decoration", "none").split()[:1] not in (["none"], []):
         left_out[N_("line under, over or through text")] += 1
+    if style.get("alignment-baseline", "auto") not in ("auto", "baseline", "alphabetic"):
+        left_out[N_("text moved by alignment-baseline")] += 1
 
 
 def _stretch(element, letters, whole, size, left_out):
@@ -167,7 +179,8 @@ def _stretch(element, letters, whole, size, left_out):
     wanted = svg_geometry.length(element.get("textLength"), whole, size)
     if wanted <= 0 or not letters or any(letter.x is not None for letter in letters[1:]):
         return
-    natural = sum(_advance(_Run(letter.style, letter.size, letter.text), left_out) + letter.dx for letter in letters) - letters[0].dx
+    runs = [_Run(letter.style, letter.size, letter.text, letter.dx) for letter in letters]
+    natural = sum(_ways(runs, left_out)) + sum(run.dx for run in runs[1:])
     if element.get("lengthAdjust") == "spacingAndGlyphs":
         for letter in letters:
             letter.wide *= wanted / natural if natural > 0 else 1.0
@@ -215,24 +228,25 @@ def outlines(letters, deviation, left_out):
     for chunk in _chunks(letters):
         x = x if chunk.x is None else chunk.x
         y = y if chunk.y is None else chunk.y
-        width = sum(run.dx + _advance(run, left_out) for run in chunk.runs) - chunk.runs[0].dx  # the first one moves the whole
+        ways = _ways(chunk.runs, left_out)
+        width = sum(run.dx for run in chunk.runs[1:]) + sum(ways)  # the first one's dx moves the whole
         before = {"middle": width / 2, "end": width}.get(chunk.anchor, 0.0)
         if chunk.way:
-            lines += _on_way(chunk, chunk.way.begin - before, deviation, left_out)
+            lines += _on_way(chunk, chunk.way.begin - before, ways, deviation, left_out)
             continue
         x -= before
-        for run in chunk.runs:
+        for run, way in zip(chunk.runs, ways):
             x, y = x + run.dx, y + run.dy
             drawn = _drawn(run, x, y - run.up, deviation, left_out)
             lines += svg_geometry.placed(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y})")) if run.rotate else drawn
-            x += _advance(run, left_out)
+            x += way
     return lines
 
 
-def _on_way(chunk, at, deviation, left_out):
+def _on_way(chunk, at, ways, deviation, left_out):
     """Letters along a path; those whose middle is off its ends are not shown."""
     lines, off = [], 0.0
-    for run in chunk.runs:
+    for run, way in zip(chunk.runs, ways):
         wide = _advance(run, left_out)
         at, off = at + run.dx, off + run.dy
         found = chunk.way.at(at + wide / 2)
@@ -243,7 +257,7 @@ def _on_way(chunk, at, deviation, left_out):
                 lines.append(place + 1j * direction * off + line * turned)
         elif run.text.strip():
             left_out[N_("letters beyond the end of their path")] += 1
-        at += wide
+        at += way
     return lines
 
 
@@ -277,6 +291,25 @@ def _advance(run, left_out):
     return (width * run.size / _EM + _spacing(run.style, run.size, run.text)) * run.wide
 
 
+def _ways(runs, left_out):
+    """How far each run's end is from its begin; letters of the same kind stand as close as within a run."""
+    ways = [_advance(run, left_out) for run in runs]
+    for index, (run, after) in enumerate(zip(runs, runs[1:])):
+        if (after.style, after.size, after.wide) == (run.style, run.size, run.wide):
+            ways[index] += _kerning(_font(run.style, left_out), run.text[-1:] + after.text[:1]) * run.size * run.wide
+    return ways
+
+
+@lru_cache(maxsize=4096)
+def _kerning(font, pair):
+    from matplotlib.textpath import text_to_path
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        whole, *parts = (text_to_path.get_text_width_height_descent(text, font, False)[0] for text in (pair, *pair))
+    return (whole - sum(parts)) / _EM
+
+
 def _drawn(run, x, y, deviation, left_out):
     """The outlines of letters whose line begins at a place; none if they are hidden."""
     if run.style.get("visibility", "visible") != "visible":
@@ -291,7 +324,7 @@ def _drawn(run, x, y, deviation, left_out):
     if missing:
         left_out[N_("letters that the font has not (boxes are drawn for them)")] += missing
     scale = run.size / _EM
-    y += _baseline(run.style.get("dominant-baseline"), run.size)
+    y += _baseline(run.style.get("dominant-baseline"), _font(run.style, left_out), run.size)
     lines = []
     for vertex, code in Path(vertices, codes).iter_segments(curves=True, simplify=False) if len(vertices) else ():
         positions = (vertex[0::2] * scale * run.wide + x) - 1j * (vertex[1::2] * scale - y)
@@ -308,10 +341,20 @@ def _drawn(run, x, y, deviation, left_out):
     return [numpy.array(line) for line in lines if len(line) > 1]
 
 
-def _baseline(name, size):
-    """How far below its position a line of text stands, by a dominant-baseline; as most fonts are made."""
-    shares = {"middle": 0.26, "central": 0.35, "hanging": 0.73, "text-before-edge": 0.9, "text-after-edge": -0.21}
-    return shares.get(name, 0.0) * size
+def _baseline(name, font, size):
+    """How far below its position a line of text stands, by a dominant-baseline, as browsers have it."""
+    share = _SHARES.get(name)
+    return sum(part * height for part, height in zip(share, _heights(font))) * size if share else 0.0
+
+
+@lru_cache(maxsize=64)
+def _heights(font):
+    """Ascent, descent and height of an x, as parts of a font's size."""
+    from matplotlib import font_manager
+    from matplotlib.textpath import text_to_path
+
+    file = font_manager.get_font(font_manager.findfont(font))
+    return file.ascender / file.units_per_EM, -file.descender / file.units_per_EM, text_to_path.get_text_width_height_descent("x", font, False)[1] / _EM
 
 
 def _font(style, left_out):
@@ -337,7 +380,8 @@ def _found(families, weight, slant):
          if name.lower() in known or name.lower() in _GENERIC),
         None,
     )  # fmt: skip
-    heavy = {"bold": 700, "bolder": 700, "lighter": 300}.get(weight, int(weight) if weight.isdigit() else 400)
+    number = int(weight) if weight.isdigit() else 400
+    heavy = {"bold": 700, "bolder": 700, "lighter": 300}.get(weight, number if 1 <= number <= 1000 else 400)
     font = font_manager.FontProperties(
         family=[chosen or "sans-serif"], style=slant if slant in ("italic", "oblique") else "normal", weight=heavy, size=_EM
     )

@@ -101,6 +101,12 @@ SVG = {
     "words apart, capitals": '<text x="10" y="50" font-family="DejaVu Sans" font-size="20" stroke="none" fill="black" style="word-spacing:8px;letter-spacing:1px;text-transform:uppercase">a b c</text>',
     "raised letters": '<text x="10" y="50" font-family="DejaVu Sans" font-size="20" stroke="none" fill="black">x<tspan style="baseline-shift:sub">3</tspan>z<tspan baseline-shift="super">2</tspan><tspan baseline-shift="4">3</tspan></text>',
     "a first dx moves all letters": '<g font-family="DejaVu Sans" font-size="20" stroke="none" fill="black" text-anchor="middle"><text x="90" y="50" dx="30">ABC</text><text x="150" y="100" dx="-40 5 5" text-anchor="end">ABC</text></g>',
+    "lines of text hang, stand and are centred": '<g font-family="DejaVu Sans" font-size="20" stroke="none" fill="black"><text x="9" y="30" dominant-baseline="central">AgT<tspan dx="4">x</tspan></text>'
+        '<text x="80" y="30" dominant-baseline="middle">AgT</text><text x="140" y="30" dominant-baseline="hanging">AgT</text><g dominant-baseline="text-before-edge"><text x="9" y="60">AgT</text></g>'
+        '<text x="80" y="90" dominant-baseline="text-after-edge">AgT</text><text x="140" y="80" dominant-baseline="mathematical">AgT</text></g>',
+    "letters moved one by one keep close": '<text x="10" y="50" dx="0 1 1 1 1" font-family="DejaVu Sans" font-size="30" stroke="none" fill="black">AVATo</text>',
+    "a font of no weight": '<text x="10" y="50" font-weight="1500" font-family="DejaVu Sans" font-size="30" stroke="none" fill="black">bold</text>',
+    "a radius that is missing or negative is the other": '<ellipse cx="40" cy="40" rx="30"/><ellipse cx="120" cy="40" rx="-1" ry="20"/><rect x="20" y="75" width="60" height="40" rx="-5" ry="15"/>',
     "turned letters": '<text x="20" y="60" rotate="0 30 -30 90" font-family="DejaVu Sans" font-size="20" stroke="none" fill="black">turned</text>',
 }
 
@@ -124,7 +130,8 @@ def test_the_edge_of_an_area_is_closed(tmp_path, shape, ends):
 
 # What rsvg-convert 2.54 does not do.
 BROWSER = ("a text that names no font", "css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters", "long text", "words apart, capitals",
-           "a first dx moves all letters")  # fmt: skip
+           "a first dx moves all letters", "lines of text hang, stand and are centred", "letters moved one by one keep close", "a font of no weight",
+           "a radius that is missing or negative is the other")  # fmt: skip
 
 
 @pytest.mark.parametrize("name", SVG)
