@@ -100,9 +100,8 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
         except Refused as refused:
             if client.alarm != errors.ALARM_SOFT_LIMIT - 200:
                 raise
-            raise Failure(
-                "{}\nWork zero G54 lies at {} of the machine; the page, or G10 L20 P1 X0 Y0 Z0 with the tool there, sets it at the workpiece", refused, zero[5:-1]
-            ) from None
+            text = "{}\nWork zero G54 lies at {} of the machine; the page, or G10 L20 P1 X0 Y0 Z0 with the tool there, sets it at the workpiece"
+            raise Refused(text, refused, zero[5:-1], number=refused.number) from None
     panel.tell()
     return panel.seconds(), len(lines)
 

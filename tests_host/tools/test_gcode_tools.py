@@ -76,7 +76,7 @@ def test_stream_wants_an_unlocked_machine(board, job):
 
 def test_stream_tells_an_alarm(board, job):
     job.write_bytes(b"G1 X5 F3000\nX6\nX7\nX-1\nX7\n")
-    with pytest.raises(Refused, match="line 4, X-1: alarm 2"):
+    with pytest.raises(Refused, match="(?s)line 4, X-1: alarm 2.*Work zero G54 lies at 0.000,0.000,0.000 of the machine"):
         stream.stream(job, board.line.name, 115200, "count", True, False, None, 5.0)
 
 
