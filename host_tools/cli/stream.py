@@ -100,8 +100,10 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
         except Refused as refused:
             if client.alarm != errors.ALARM_SOFT_LIMIT - 200:
                 raise
-            text = "{}\nWork zero G54 lies at {} of the machine; the page, or G10 L20 P1 X0 Y0 Z0 with the tool there, sets it at the workpiece"
-            raise Refused(text, refused, zero[5:-1], number=refused.number) from None
+            raise Refused(
+                "{}\nWork zero G54 lies at {} of the machine; the page, or G10 L20 P1 X0 Y0 Z0 with the tool there, sets it at the workpiece",
+                refused, zero[5:-1], number=refused.number,
+            ) from None  # fmt: skip
     panel.tell()
     return panel.seconds(), len(lines)
 

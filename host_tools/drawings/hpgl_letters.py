@@ -24,7 +24,7 @@ class Letters:
 
     def label(self, place, text):
         """Draw `text` and return where the pen is behind it. A line feed goes one line down, a carriage return to where labels have
-        begun since the pen was moved, or DI turned them."""
+        begun since the pen was moved, or DI turned them; a backspace goes back by a letter, as to strike out a zero."""
         width, height = self._size_of_letters()
         if place != self._labelled:
             self._return = place
@@ -36,13 +36,14 @@ class Letters:
                 place -= self._along * 2j * height
                 self._return -= self._along * 2j * height
             elif line:
-                long = len(line) * 1.5 * width - 0.5 * width
+                cells, behind = _cells(line)
+                long = (max([behind, *(cell + 1 for _, cell in cells)])) * 1.5 * width - 0.5 * width
                 back = complex(-(long / 2, long)[column - 1] if column else 0.0, -height * row / 2)
                 if self._origin > 10:
                     back += complex((0.5, 0.0, -0.5)[column] * width, (0.5, 0.0, -0.5)[row] * height)
-                for number, each in enumerate(line):
-                    self._write(each, place, back + number * 1.5 * width, width, height)
-                place += self._along * (back + len(line) * 1.5 * width)
+                for each, cell in cells:
+                    self._write(each, place, back + cell * 1.5 * width, width, height)
+                place += self._along * (back + behind * 1.5 * width)
         self._labelled = place
         return place
 
@@ -104,3 +105,15 @@ class Letters:
 
     def set_origin(self, given):
         self._origin = int(given[0]) if given else 1
+
+
+def _cells(line):
+    """([(letter, its cell)] of a line with backspaces, the cell behind them)."""
+    found, cell = [], 0
+    for each in line:
+        if each == "\b":
+            cell -= 1
+        else:
+            found.append((each, cell))
+            cell += 1
+    return found, cell

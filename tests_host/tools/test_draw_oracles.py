@@ -414,6 +414,15 @@ def test_hpgl_labels_end_as_hp2xx_ends_them(tmp_path, words, end):
     assert found[0] == found[1] == set(range(6 if words.endswith(",0;") else 4)), found
 
 
+def test_a_backspace_in_a_label_writes_over_the_letter_before(tmp_path):
+    """As a spectrum analyser of HP does, to strike out its zeros."""
+    found = [
+        sorted(round((line.real.min() + line.real.max() - 2250) / 600) for line in lines)
+        for lines in hpgl_words(tmp_path, "DT#;PU1000,1000;LBIII\x08I#LBI#")
+    ]
+    assert set(found[0]) == set(found[1]) == {0, 1, 2, 3}, found
+
+
 def test_an_hpgl_comment_without_quotes_ends_at_its_semicolon(tmp_path):
     for comment in ("CO circles; of these;", 'CO "circles; of these";'):
         path = tmp_path / "a.plt"
