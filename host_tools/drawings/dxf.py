@@ -99,14 +99,14 @@ class DxfFile:
 
     def _drawn(self, deviation, fills):
         from ezdxf.addons.drawing import RenderContext
-        from ezdxf.addons.drawing.config import Configuration, HatchPolicy, TextPolicy
+        from ezdxf.addons.drawing.config import Configuration, HatchPolicy, ImagePolicy, TextPolicy
 
         from host_tools.drawings.dxf_backend import Backend, Frontend
 
         backend = Backend(deviation, fills)
         config = Configuration(
             max_flattening_distance=deviation, hatch_policy=HatchPolicy.NORMAL, text_policy=TextPolicy.OUTLINE,
-            circle_approximation_count=256,
+            image_policy=ImagePolicy.RECT, circle_approximation_count=256,
         )  # fmt: skip
         for entity in self._document.entitydb.values():
             if entity.dxftype() == "INSERT" and not entity.dxf.zscale:

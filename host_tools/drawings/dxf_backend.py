@@ -19,6 +19,11 @@ class Frontend(BaseFrontend):
         if msg != "invisible":
             self.pipeline.backend.left_out[entity.dxftype()] += 1
 
+    def draw_image_entity(self, entity, properties):
+        """Name a picture, and draw its frame, by ImagePolicy.RECT: else ezdxf writes the name of a file that it does not find."""
+        self.pipeline.backend.left_out[N_("picture")] += 1
+        super().draw_image_entity(entity, properties)
+
 
 class Backend(Base):
     """`inks`: {name of a layer: [Ink]}."""
@@ -81,7 +86,7 @@ class Backend(Base):
         self._area([numpy.append(line, line[0])], "nonzero", properties)
 
     def draw_image(self, image_data, properties):
-        self.left_out[N_("picture")] += 1
+        pass
 
     def set_background(self, color):
         self._background = color

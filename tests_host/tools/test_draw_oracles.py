@@ -659,6 +659,18 @@ def test_a_wipeout_covers_what_was_drawn_before(tmp_path, below):
     assert sum(area.area for area in page.fills.get(1, [])) == pytest.approx((900 - 50) * scale**2 if below == "hatch" else 0)
 
 
+def test_a_picture_of_a_dxf_is_named_and_nothing_is_written_in_its_place(tmp_path):
+    import ezdxf
+
+    document = ezdxf.new("R2010", setup=True, units=4)
+    document.modelspace().add_image(document.add_image_def("not_here.jpg", (640, 360)), (10, 10), (64, 36))
+    document.modelspace().add_line((0, 0), (30, 40))
+    path = tmp_path / "a.dxf"
+    document.saveas(path)
+    page = sources.opened(path).outlines(0.02)
+    assert page.left_out == {"picture": 1} and [len(lines) for lines in page.layers.values()] == [5], "a line, and the picture's frame"
+
+
 def test_dxf_bodies_are_named(tmp_path):
     import ezdxf
     from ezdxf.acis import api
