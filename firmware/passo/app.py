@@ -96,7 +96,7 @@ class App:
         self._motors = Motors(port, self.player, self.layout, coils, off_levels, board, inverted)
         queue = self._make_queue(machine_builder, settings, "program" in names)
         serials = machine_builder.serials(board, port)
-        kinds = machine_builder.load(names)
+        kinds = machine_builder.load(names, board)
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES

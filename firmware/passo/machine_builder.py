@@ -92,7 +92,7 @@ def load_all(board):
     for module in modules:
         __import__("passo." + module)
     make_drive(board)
-    load(names)
+    load(names, board)
     if [link for link in board["links"] if link["frames"]]:
         framed_line()
     if board["network"]:
@@ -155,12 +155,13 @@ def wanted(board, languages):
     return [name for name, _, rule in FEATURES if name in needed or rule and rule(board)]
 
 
-def load(names):
-    """[(name, class)] of features. Raises BoardError."""
+def load(names, board):
+    """[(name, class)] of features; `board["pauses"]` may name another module, as parking_keys.py says. Raises BoardError."""
     try:
         return [
-            (name, getattr(__import__("passo.control." + name, None, None, (kind,)), kind)) for name, kind, _ in FEATURES if name in names
-        ]
+            (name, getattr(__import__("passo.control." + (name == "pauses" and board.get(name) or name), None, None, (kind,)), kind))
+            for name, kind, _ in FEATURES if name in names
+        ]  # fmt: skip
     except ImportError as missing:
         raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)
 

@@ -32,10 +32,14 @@ REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of t
 REQUEST_PROVEN = const(1)  # flags of a request over the network: its sender may move the machine
 REQUEST_JSON = const(2)  # the answer shall be JSON
 NETWORK_PORTS = ("http", "page", "tcp")  # ports of links that are no cable
-SETTING_REPORT = const(10)  # this and the next three: settings that languages ask for too, see config/setting_numbers.py
+SETTING_REPORT = const(10)  # this and the next seven: settings that languages ask for too, see config/setting_numbers.py
 SETTING_INCHES = const(13)
 SETTING_MAX_RPM = const(30)
 SETTING_LASER = const(32)
+SETTING_PARKING = const(41)
+SETTING_PARKING_AXIS = const(42)
+SETTING_PARKING_TARGET = const(58)
+SETTING_PARKING_END = const(142)
 
 # A block as a row of Planner.rows, which begins at `row`. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
 # square (motion/limits.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.

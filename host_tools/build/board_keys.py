@@ -45,6 +45,10 @@ SECTIONS = {
         "M6 at a place of its own, and the new tool's length. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
         "the head stands.",
     ),
+    "parking": (
+        "parking",
+        "While the door is open, an axis goes up from the work, and comes back. See [parking](parking.md). Without it the tool goes off where it stands.",
+    ),
     "servo": (
         "servo",
         "A servo that lifts and lowers the pen. It follows the tool; `tool.pin` stays, and may show it on a lamp.",
@@ -83,6 +87,12 @@ MEANINGS = {
     "an interrupt for each step.",
     "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](backlash.md). Without the key there are no such settings.",
     "rotary": "The axis that turns, `a`; without the key none does. See [A rotary axis](rotary.md).",
+    "parking.axis": "The axis, `$42`. It homes.",
+    "parking.target_mm": "Machine coordinate that it goes up to, mm, `$58`.",
+    "parking.mm_min": "Speed to the target and back, mm/min, `$59`.",
+    "parking.pull_out_mm": "How far it goes first, while the spindle still turns, mm, `$56`.",
+    "parking.pull_out_mm_min": "Speed of that, and of the way back into the work, mm/min, `$57`.",
+    "parking.at_end": "True: M2 and M30 go up to the target, too, `$142`.",
     "drivers.port": "`uart0` or `uart1`, that no link has.",
     "drivers.tx": "TX pin, by 1 kΩ to the wire.",
     "drivers.rx": "RX pin, on the wire.",

@@ -57,10 +57,10 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import backlash_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, rotary_keys, shift_keys
+    from passo.config import backlash_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, parking_keys, rotary_keys, shift_keys
     from passo.config.job_keys import JOBS
 
-    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, drivers_keys, kinematics_keys, rotary_keys)}
+    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys)}
     own = {key: module.RULES[key] for key, module in rare.items()}
     return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 
@@ -87,7 +87,7 @@ def _section(boardfile, name):
     optional = " May be left out."
     if isinstance(rule, list):
         return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)
-    return rule, optional if name in (*boardfile._OPTIONAL, "drivers") else " Needed."
+    return rule, optional if name in (*boardfile._OPTIONAL, "drivers", "parking") else " Needed."
 
 
 def _number(value):
@@ -234,6 +234,9 @@ def settings():
     for number in range(160, 160 + len(board["axes"])):
         name, unit, least, most = rule(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} ([key `backlash`](backlash.md)) | {unit} | {least:g} … {backlash_keys.MOST_UM / 1000:g} | – |")
+    for number in (41, 42, 56, 57, 58, 59, 142):
+        name, unit, least, most = rule(number, len(board["axes"]))
+        rows.append(f"| `${number}` | {name} ([key `parking`](parking.md)) | {unit} | {least:g} … {most:.10g} | – |")
     return rows
 
 

@@ -123,6 +123,10 @@ OF_DRIVERS = (
 )  # fmt: skip
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
+PARKING = (
+    Path("passo", "config", "parking_keys.py"), Path("passo", "control", "parking.py"), Path("passo", "steps", "detour.py"),
+    Path("passo", "protocols", "gcode", "park.py"),
+)  # fmt: skip
 MAPPED = (
     Path("passo", "motion", "mapped.py"), Path("passo", "control", "mapped_queue.py"), Path("passo", "config", "kinematics_keys.py"),
 )  # fmt: skip
@@ -212,7 +216,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     mapped = kinematics != "none"
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
     absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") else OF_DRIVERS)
-    absent += () if board.get("rotary") else ROTARY
+    absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING)
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
@@ -237,7 +241,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     chosen |= {*(OF_BACKLASH if board.get("backlash") else ()), *(OF_DRIVERS if board.get("drivers") else ())}
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
-    chosen |= {*ROTARY} if board.get("rotary") else set()
+    chosen |= {*(ROTARY if board.get("rotary") else ()), *(PARKING if board.get("parking") else ())}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))

@@ -38,6 +38,13 @@ NAMES = {
     30: ("spindle: highest speed", "rpm", *_ANY),
     31: ("spindle: lowest speed", "rpm", *_ANY_OR_0),
     32: ("laser mode", "", 0, 1),
+    41: ("parking while the door is open", "", 0, 1),
+    42: ("parking: axis, 0 is X", "", 0, 2),
+    56: ("parking: how far the tool is pulled out", "mm", 0, 500),
+    57: ("parking: speed out of the work and back", "mm/min", 0.001, 100_000),
+    58: ("parking: target, machine coordinate", "mm", -2000, 2000),
+    59: ("parking: speed to the target and back", "mm/min", 0.001, 100_000),
+    142: ("parking at a program's end", "", 0, 1),
     140: ("speed up to which there is no ramp", "mm/min", *_ANY_OR_0),
     141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
 }

@@ -51,6 +51,10 @@ class Machine:
         self.target = [0] * len(axes)
         self.steps_per_m = [250_000, 250_000, 400_000, 53_333][: len(axes)]
         self.arcs = arcs
+        self.settings = self  # of them it asks for one
+
+    def places(self, number):
+        """The board has no such setting."""
 
 
 def made_of(gcode):

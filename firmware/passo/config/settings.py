@@ -97,7 +97,7 @@ class Settings:
         if error:
             return error
         self._changed[number] = value
-        if number - STEPS in (0, 1) and self._board.get("motion") and "settings" not in self._board:
+        if number - STEPS in (0, 1) and self._board.get("motion") and 160 not in self._table:
             self._changed[STEPS] = self._changed[STEPS + 1] = value  # one belt
         if number == HOMING and not value:
             self._changed[SOFT_LIMITS] = 0
@@ -108,7 +108,7 @@ class Settings:
         if number not in self._table:
             return errors.STATEMENT
         _, _, _, least, most = self._table[number]
-        if value < 0:
+        if value < 0 <= least:
             return errors.NEGATIVE
         if number == PULSE_US and value < 3:
             return errors.STEP_PULSE

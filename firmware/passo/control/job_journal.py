@@ -219,6 +219,8 @@ class JobJournal(Feature):
 
     def _sample(self, now_ms):
         """The line under way, and where it is."""
+        if self._machine.away:  # the journal keeps where the path was left
+            return
         queue = self._queue
         planner = queue.planner
         queue.retire()
@@ -268,7 +270,8 @@ class JobJournal(Feature):
         if at >= 0 and planner.rows[at + ROW_TAG] > self._least and self._counting():
             self._line = planner.rows[at + ROW_TAG]
             self._flags &= ~DONE
-            self._sample_position()
+            if not self._machine.away:
+                self._sample_position()
             self._write()
         self._broken = True
         if self._job and self._counting() and self._walks():

@@ -96,12 +96,16 @@ class Pauses(Feature):
         ready = machine.stood and not machine.resuming and not machine.alarm
         if ready and not (machine.hold == "door" and machine.inputs.door_open()):
             machine.resuming = True
-            if machine.hold == "door":
-                machine.show_outputs(True)
-                self._wait(self._spindle["coolant_ms"] if machine.coolant else 0)
-            if not self._laser():  # a laser would burn while the coolant comes
-                self._restore()
+            self._switch_on()
         return machine.accepted(command)
+
+    def _switch_on(self):
+        machine = self._machine
+        if machine.hold == "door":
+            machine.show_outputs(True)
+            self._wait(self._spindle["coolant_ms"] if machine.coolant else 0)
+        if not self._laser():  # a laser would burn while the coolant comes
+            self._restore()
 
     def _restore(self):
         if self._was_lit and not self._queue.lit():
@@ -146,13 +150,7 @@ class Pauses(Feature):
             if kind == "door":
                 self._stop(kind)
         elif not machine.stood:
-            machine.stood = True
-            lit = self._queue.lit()
-            self._was_lit = self._was_lit or lit
-            if lit and (machine.hold == "door" or self._laser()):
-                self._queue.rest(False)
-            if machine.hold == "door":
-                machine.show_outputs(False)
+            self._stand()
         elif self._ready_ms is not None:
             if (self._port.machine_ms() - self._ready_ms) & COUNT_MASK < COUNT_MASK // 2:
                 self._ready_ms = None
@@ -160,6 +158,16 @@ class Pauses(Feature):
             self._restore()
             if self._ready_ms is None and (machine.at_speed or not self._queue.lit()):
                 self._go_on()
+
+    def _stand(self):
+        machine = self._machine
+        machine.stood = True
+        lit = self._queue.lit()
+        self._was_lit = self._was_lit or lit
+        if lit and (machine.hold == "door" or self._laser()):
+            self._queue.rest(False)
+        if machine.hold == "door":
+            machine.show_outputs(False)
 
     def _go_on(self):
         machine = self._machine

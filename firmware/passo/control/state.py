@@ -44,6 +44,7 @@ class MachineState:
         self.hold = ""  # "hold" or "door" while the machine is held, or on its way to its stand
         self.stood = False  # it has come to its stand
         self.resuming = False  # it waits for spindle or coolant before it goes on
+        self.away = False  # it is beside its path, parked
         self.dropping = False  # at the stand, what is left is dropped
         self.jogging = False
         self.active = False  # motion of a program has been queued and has not come to its end

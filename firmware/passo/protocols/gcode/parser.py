@@ -31,7 +31,7 @@ from passo.protocols.gcode.parse_viper import accept
 from passo.protocols.gcode.reader import NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
 from passo.protocols.gcode.parse_records import *
-from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M
+from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M, SETTING_PARKING_END
 
 # `fields`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
@@ -397,6 +397,10 @@ class GCode(Motions):
         if code in (0, 100):
             self.commands.append(Command(commands.PAUSE))
             return
+        if self.machine.settings.places(SETTING_PARKING_END) is not None:
+            from passo.protocols.gcode.park import append
+
+            append(self)
         self.end_programme()
         self.ended = True
         self.commands.append(Command(commands.SPINDLE, value=5))

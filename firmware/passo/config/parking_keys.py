@@ -1,0 +1,41 @@
+"""The key `parking`: the axis that goes up while the door is open, and at a program's end. Only loaded if the board file has it."""
+
+from passo.config.board_error import BoardError, want_input
+
+RULES = {
+    "parking": {
+        "axis": ("z", "x", "y"),
+        "target_mm": (int, -5, -2000, 2000),  # machine coordinate, $58
+        "mm_min": (int, 500, 1, 100_000),  # $59
+        "pull_out_mm": (int, 5, 0, 500),  # $56
+        "pull_out_mm_min": (int, 100, 1, 100_000),  # $57
+        "at_end": (bool, False, 0, 1),  # M2 and M30 go to the target, too, $142
+    },
+    # Set by check(), the rest of the firmware reads these. Their words are ones that all boards have in memory.
+    "pauses": (str, "", 0, 16),  # the module of control with its Pauses
+    "settings": (dict, {}, 0, 0),  # the rules of $41, $42, $56 to $59 and $142, by number; behind 0 Settings puts its value()
+}
+
+
+def check(board):
+    config = board["parking"]
+    want_input(board, "parking", "door")
+    unfit = [other for other in ("encoders", "weaving", "step_program", "interlock") if board[other]]
+    unfit += [other for other in ("backlash", "kinematics") if board.get(other, "none") not in ("none", {}, "")]
+    if unfit:
+        raise BoardError("parking: remove %s: it parks one axis, by its own motor" % unfit[0])
+    if [link for link in board["links"] if link["protocol"] != "grbl"]:
+        raise BoardError("parking: links that speak grbl, and no other, are wanted")
+    names = [axis["name"] for axis in board["axes"]]
+    if config["axis"] not in names or not board["homing"] or config["axis"] not in board["homing"]["sensors"]:
+        raise BoardError("parking: it wants an axis %s that homes" % config["axis"])
+    board["pauses"] = "parking"
+    board["settings"] = {
+        41: ("parking", 0, 1, 0, 1),
+        42: ("parking_axis", 0, names.index(config["axis"]), 0, min(len(names), 3) - 1),
+        56: ("parking_pull_out", 3, config["pull_out_mm"] * 1000, 0, 500_000),
+        57: ("parking_pull_out_speed", 3, config["pull_out_mm_min"] * 1000, 1, 100_000_000),
+        58: ("parking_target", 3, config["target_mm"] * 1000, -2_000_000, 2_000_000),
+        59: ("parking_speed", 3, config["mm_min"] * 1000, 1, 100_000_000),
+        142: ("parking_at_end", 0, 1 if config["at_end"] else 0, 0, 1),
+    }

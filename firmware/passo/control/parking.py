@@ -1,0 +1,146 @@
+"""Pauses of a machine that parks: while the door holds it, an axis goes up before anything else, and comes back to the path.
+
+    door      stand on the path, spindle on     up by $56 at $57     spindle and coolant off     up to $58 at $59
+    `~`       down at $59 to where $56 had led  spindle and coolant on, until they are there     down to the path at $57     on
+
+If the door opens again in between, the axis goes up again. As grbl with parking and grblHAL: only if $41 is set, the machine is homed, no
+laser ($32), and the axis stands below the target. Not while a probe is under way.
+"""
+
+from micropython import const
+
+from passo import commands
+from passo.control.feature import QUEUE_GONE
+from passo.control import pauses
+from passo.records import ROW_TAG, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_TARGET
+from passo.steps.detour import Detour
+
+_PULL_OUT = const(56)
+_PULL_OUT_SPEED = const(57)
+_SPEED = const(59)
+# What the line under way is:
+_PULLS = const(1)
+_RISES = const(2)
+_RETURNS = const(3)
+_PLUNGES = const(4)
+
+
+class Pauses(pauses.Pauses):
+    heeds = QUEUE_GONE
+
+    def __init__(self, board, machine, queue):
+        pauses.Pauses.__init__(self, board, machine, queue)
+        self._detour = Detour(*queue.lend())
+        self._way = 0
+        self._path = self._pulled = 0  # where the axis left the path, and where it was pulled out; while the machine is away
+        self._power = 0  # of the tool, there
+
+    def heed(self, _=QUEUE_GONE):
+        """What was queued is dropped: there is no path to come back to."""
+        self._detour.forget()
+        self._way = 0
+        self._machine.away = False
+
+    halt = heed
+
+    def poll_hold(self):
+        if not self._way or self._ended():
+            pauses.Pauses.poll_hold(self)
+
+    def _ended(self):
+        """True if its own base has the say again: all is to be dropped, or a hold has stopped the line."""
+        machine = self._machine
+        if machine.dropping:
+            return True
+        way = self._way
+        done = self._detour.done()
+        if not done and not self._queue.standing():
+            return False
+        self._detour.end()
+        self._way = 0
+        if done and way == _PULLS:
+            self._rise()
+        elif done and way == _RISES:
+            pauses.Pauses._stand(self)
+        elif done and machine.resuming:
+            if way == _RETURNS:
+                self._queue.analogue.set(self._power)
+                pauses.Pauses._switch_on(self)
+            else:
+                machine.away = False
+                pauses.Pauses._go_on(self)
+        else:
+            return True
+        return False
+
+    # --- up
+
+    def _parks(self):
+        """True if the axis has to go up from here."""
+        machine = self._machine
+        value = machine.settings.value
+        if machine.hold != "door" or not value(SETTING_PARKING) or not machine.homed or self._laser() or machine.busy_with(commands.PROBE):
+            return False
+        return self._here() < self._to(value(SETTING_PARKING_TARGET))
+
+    def _here(self):
+        return self._queue.position()[self._machine.settings.value(SETTING_PARKING_AXIS)]
+
+    def _to(self, um):
+        """Steps of a machine coordinate of the axis, within its travel."""
+        axis = self._machine.settings.value(SETTING_PARKING_AXIS)
+        low, high = self._queue.reach(axis)
+        return min(max(um * self._machine.steps_per_m[axis] // 1_000_000, low), high)
+
+    def _stand(self):
+        if not self._parks():
+            pauses.Pauses._stand(self)
+            return
+        machine = self._machine
+        lit = self._queue.lit()
+        self._was_lit = self._was_lit or lit
+        here = self._here()
+        value = machine.settings.value
+        if not machine.away:
+            machine.away = True
+            self._path = here
+            self._power = self._queue.analogue.value
+            out = value(_PULL_OUT) * machine.steps_per_m[value(SETTING_PARKING_AXIS)] // 1_000_000
+            self._pulled = min(here + out, self._to(value(SETTING_PARKING_TARGET)))
+        if here < self._pulled:
+            self._go(_PULLS, self._pulled, _PULL_OUT_SPEED, lit)
+        else:
+            self._rise()
+
+    def _rise(self):
+        """Pulled out: off with spindle and coolant, and up."""
+        self._queue.rest(False)
+        self._machine.show_outputs(False)
+        self._go(_RISES, self._to(self._machine.settings.value(SETTING_PARKING_TARGET)), _SPEED, False)
+
+    # --- and back
+
+    def _switch_on(self):
+        if self._machine.away:
+            self._go(_RETURNS, self._pulled, _SPEED, False)
+        else:
+            pauses.Pauses._switch_on(self)
+
+    def _go_on(self):
+        if self._machine.away:
+            self._go(_PLUNGES, self._path, _PULL_OUT_SPEED, self._queue.lit())
+        else:
+            pauses.Pauses._go_on(self)
+
+    def _go(self, way, goal, speed, tool):
+        """Set out to `goal`, a position of the axis."""
+        machine = self._machine
+        queue = self._queue
+        axis = machine.settings.value(SETTING_PARKING_AXIS)
+        deltas = [0] * len(machine.steps_per_m)
+        deltas[axis] = goal - self._here()
+        self._way = way
+        at = queue.planner.row()
+        tag = queue.planner.rows[at + ROW_TAG] if at >= 0 else 0
+        power = self._power if tool or not self._spindle["pwm"] else 0
+        self._detour.begin(deltas, machine.settings.value(speed) * 50 // 3, tool, power, tag)
