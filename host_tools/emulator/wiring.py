@@ -40,6 +40,9 @@ class Wiring:
         for gpio in self._outputs:
             if gpio < REGISTER_BIT:
                 pico.pads.listen(gpio, self._heard_output)
+        if board["servo"]:
+            self._servo_us = self._rose = None
+            pico.pads.listen(board["servo"]["pin"], self._heard_servo)
         self.chains = None
         if board["registers"]:
             self.chains = Chains(pico, board["registers"], lambda bit, level: self._heard_output(REGISTER_BIT + bit, level))
@@ -108,6 +111,18 @@ class Wiring:
             return  # a bit of a register that nothing is wired to
         name, inactive = self._outputs[gpio]
         self._world.output(self.tick, name, state if state < 2 else inactive)
+
+    def _heard_servo(self, _, state):
+        """Tell the world the length of a pulse, if it is another one."""
+        if state == 1:
+            self._rose = cycles.now(self._clock)
+        elif self._rose is not None:
+            us = round((cycles.now(self._clock) - self._rose) / cycles.CYCLES_PER_US)
+            self._rose = None
+            if us != self._servo_us:
+                self._flush()
+                self._servo_us = us
+                self._world.servo(self.tick, us)
 
     def _event(self):
         self._flush()

@@ -1,4 +1,7 @@
-"""A servo on the emulated Pico: the pulses on its pin while a pen is set down, draws, and is lifted."""
+"""A servo on the emulated Pico: the pulses on its pin while a pen is set down, draws, and is lifted, and how hard it presses."""
+
+import collections
+import itertools
 
 import pytest
 from emulated import uf2  # noqa: F401
@@ -35,3 +38,25 @@ def test_the_pulses_of_a_pen(uf2, show):  # noqa: F811
     assert sorted(widths[: low + 1], reverse=True) == widths[: low + 1] and sorted(widths[low:]) == widths[low:]
     assert len(set(widths[:low])) >= 4 and len(set(widths[low:])) >= 3, "ramps"
     show("a servo's pulses", " ".join(map(str, widths)) + " µs")
+
+
+def test_each_line_has_its_pressure(uf2):  # noqa: F811
+    """By S, on motors in eighth steps: 1600 positions a turn and 40 mm of belt, so 40 steps a mm."""
+    motors = {"steps_per_m": 40_000, "travel_steps": 12_000, "max_mm_min": 3000, "accel_mm_s2": 300}
+    board = boards.load("plotter_2014")
+    board.update(
+        drive={"kind": "pbl3770a", "mode": "eighth"}, axes=[{"name": "x", "pins": [2, 3, 4, 5, 6, 7], **motors}, {"name": "y", "pins": [8, 9, 10, 11, 12, 13], **motors}],
+        inputs=[], tool={"pin": 14, "on_ms": 120, "off_ms": 80}, servo={"pin": 15, "up_us": 1800, "down_us": 1200, "up_ms": 60, "down_ms": 100, "by_s": True},
+        spindle={"max_rpm": 1000, "min_rpm": 0}, speed={"unit": "steps_per_s", "default": 1000, "min": 10, "max": 2000},
+        links=[{"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"}],
+    )  # fmt: skip
+    del board["homing"]
+    machine = EmulatedMachine(board, uf2=uf2).boot()
+    machine.run_until(machine.listening, 10_000)
+    for line in (b"$X", b"G21 G91 F3000", b"M3 S600", b"G1 X6", b"M5", b"G0 Y3", b"M3 S300", b"G1 X-6", b"M5", b"G4 P0"):
+        machine.take()
+        machine.send(line + b"\n")
+        machine.run_until(lambda: b"ok" in machine.received(), 5000)
+    rows = machine.trace.rows()
+    drawn = collections.Counter((row[2], row[-1]) for before, row in itertools.pairwise(rows) if row[1] != before[1])
+    assert drawn == {(0, 600): 240, (120, 300): 240} and rows[-1][-1] == 0 and not machine.plant.errors
