@@ -19,11 +19,12 @@ from host_tools.shop.book import BEGUN, GIVEN, WAITING
 from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP
 from host_tools.shop.signed import MACHINE, Opener, sealed
 from host_tools.shop.signed import SHOP as FROM_SHOP
-from host_tools.shop.telling import TOPICS
+from host_tools.shop.telling import GONE, LOST, TOPICS
 from passo.web.guard import nonce
 
 _STATES = {"fetch": GIVEN, "run": BEGUN, "waits": WAITING, "goes": WAITING}
 _TOOL = "tool"
+_AWAY = GONE, LOST
 
 
 def fits(job, machine):
@@ -80,7 +81,10 @@ class Desk:
         text = message.payload.decode(errors="replace")
         with self._lock:
             if topic != "work":
-                self.machines.setdefault(name, {})[topic] = text
+                before = self.machines.setdefault(name, {}).get(topic)
+                self.machines[name][topic] = text
+                if topic == "state" and before in _AWAY:  # it may have been released meanwhile, or have said so before it said that it is back
+                    self.look(name)
                 return
             opener = self._openers.setdefault(name, Opener(self._key, MACHINE, f"{self._nonce} {name}"))
             told = opener.open(text)
@@ -107,7 +111,7 @@ class Desk:
         """Give jobs to the machines that are released: to one, or after the queue has grown."""
         with self._lock:
             for name, told in self.machines.items():
-                if only in (None, name) and told.get("how") == "free" and told.get("state") not in ("gone", "lost"):
+                if only in (None, name) and told.get("how") == "free" and told.get("state") not in _AWAY:
                     job = self._book.give(name, told["nonce"], lambda job, told=told: fits(job, told))
                     if job:
                         self._order(name, job, told["nonce"])

@@ -11,6 +11,7 @@ import argparse
 import json
 import os
 import random
+import re
 import select
 import shutil
 import signal
@@ -267,7 +268,7 @@ class Load:
         self.drawing = []  # machines that do, as their own pages tell it
         self.free = 0  # machines with paper in and no job
         self.struck = []  # how many drew at each fault
-        self.boards, self.agents, self.pages = {}, {}, {}
+        self.boards, self.agents = {}, {}
         self.groups = [self.names[at : at + an_agent] for at in range(0, machines, an_agent)]
         self.broker_port = free_port()
         self.broker = None
@@ -299,18 +300,21 @@ class Load:
 
     def start_agent(self, at):
         ports = [word for name in self.groups[at] for word in ("--port", f"{name}={self.folder}/{name}/port")]
-        self.pages[at] = free_port()
+        out = self.folder / f"agent-{at}.out"
         self.agents[at] = subprocess.Popen(
             [sys.executable, "-m", "host_tools.cli", "agent", *ports, "--protocol", "grbl", "--board", str(self.board_file), "--broker", f"127.0.0.1:{self.proxy.port}",
-             "--shop-key", str(self.key_file), "--at-machine", str(self.pages[at])],
-            stdout=subprocess.DEVNULL, stderr=open(self.folder / f"agent-{at}", "ab"),
+             "--shop-key", str(self.key_file), "--at-machine", "0"],
+            stdout=open(out, "wb"), stderr=open(self.folder / f"agent-{at}", "ab"),
         )  # fmt: skip
 
     def people(self, papers):
         """Whoever stands at the machines looks at each page once, and does what it asks for. Puts in at most `papers`."""
         drawing, self.free = [], 0
         for at in self.agents:
-            address = f"http://127.0.0.1:{self.pages[at]}"
+            found = re.search(r"page: (\S+)/\n", (self.folder / f"agent-{at}.out").read_text())
+            if not found:  # it is beginning
+                continue
+            address = found[1]
             try:
                 for machine in requests.get(address + "/machines", timeout=5).json():
                     if machine["how"] == "run":

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import requests
@@ -18,7 +19,7 @@ from test_agent import Shop, needs_broker
 from host_tools.failure import Failure
 from host_tools.shop import drop
 from host_tools.shop.book import Book
-from host_tools.shop.desk import fits
+from host_tools.shop.desk import Desk, fits
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
 from passo import errors
 from passo.web import session
@@ -118,7 +119,6 @@ class Bench(Shop):
     """Mosquitto, a virtual plotter, its agent and a desk, each of which can be killed."""
 
     def __init__(self, folder):
-        from host_tools.shop.desk import Desk
         from host_tools.shop.link import Broker
 
         super().__init__(folder)
@@ -265,6 +265,47 @@ def test_agent_broker_and_power_fail_and_the_job_is_drawn_once(bench):
         time.sleep(0.1)
     numbers, twice, faults = bench.drawn()
     assert numbers == [1023] and not faults and twice <= 50 * shop_load.STEPS_MM  # a second's way at most
+
+
+# --- the desk
+
+
+class Nothing:
+    """A broker's client that keeps what is published."""
+
+    def __init__(self):
+        self.published = []
+
+    def client(self, name):
+        return self
+
+    def connect(self, client):
+        pass
+
+    def publish(self, topic, text, *_more):
+        self.published.append((topic, text))
+
+
+def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
+    """Its release is heard while the broker still says "gone": the job is given once it says that it is back."""
+    broker = Nothing()
+    desk = Desk(broker, KEY, book)
+
+    def hear(topic, text):
+        desk._hear(None, None, SimpleNamespace(topic=f"passo/m/{topic}", payload=text.encode()))
+
+    body = {"how": "free", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k"}
+    book.add(b"G0X1", "a", {"kind": "k"}, 2)
+    for state in ("gone", "lost"):
+        hear("state", state)
+        hear("work", sealed(KEY, MACHINE, f"{desk._nonce} m", 1 + len(broker.published), body))
+        assert not book.open_of("m")
+        hear("state", "idle")
+        job = book.open_of("m")
+        assert job and [topic for topic, _text in broker.published if topic.endswith("order")][-1:] == ["passo/m/order"]
+        hear("state", "run")
+        book.end(job, "done", 1, "")
+    assert book.counts() == {"done": 2}
 
 
 # --- the pages
