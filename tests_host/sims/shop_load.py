@@ -59,9 +59,11 @@ def program(number):
 
 
 def strokes(traces):
-    """[(y, x from, x to)] in steps, of the pen that is down, in the order of drawing."""
+    """[(y, x from, x to)] in steps, of the pen that is down, in the order of drawing; None between two traces: the power was cut."""
     found, left, right, at_y = [], None, None, None
     for path in traces:
+        if found and found[-1]:
+            found.append(None)
         with open(path) as file:
             for row in list(file)[1:]:
                 fields = row.split(",")
@@ -76,47 +78,61 @@ def strokes(traces):
         if left is not None:
             found.append((at_y, left, right))
             left = None
-    return [stroke for stroke in found if stroke[2] > stroke[1]]
+    return [stroke for stroke in found if stroke is None or stroke[2] > stroke[1]]
+
+
+class Numbers:
+    """Reads numbers out of strokes. A stroke may be in pieces; behind a power cut the last ones may come again, as they were."""
+
+    def __init__(self):
+        self.numbers, self.faults, self.twice = [], [], 0
+        self._pieces, self._now, self._cut = {}, -1, False
+
+    def close(self):
+        value = 0
+        for bit in range(BITS):
+            length = (self._pieces.get(bit, (0, 0))[1] - FIRST_MM * STEPS_MM) / STEPS_MM
+            if abs(length - LONG_MM) < 0.5:
+                value |= 1 << bit
+            elif abs(length - SHORT_MM) >= 0.5 or bit not in self._pieces:
+                self.faults.append(f"bit {bit} of a job is {self._pieces.get(bit)}")
+        self.numbers.append(value)
+        self._pieces, self._now = {}, -1
+
+    def _piece(self, bit, left, right):
+        first, last = self._pieces.get(bit, (left, left))
+        self.twice += max(0, min(last, right) - max(first, left))
+        if left > last + 1:
+            self.faults.append(f"a gap of {left - last} steps")
+        if bit + 1 in self._pieces and right != last:
+            self.faults.append(f"bit {bit} is drawn again to {right}, and was to {last}")
+        self._pieces[bit] = min(first, left), max(last, right)
+        self._now = bit
+
+    def take(self, stroke):
+        if stroke is None:
+            self._cut = True
+            return
+        y, left, right = stroke
+        bit = round((y / STEPS_MM - FIRST_MM) / APART_MM)
+        if bit == 0 and self._now == BITS - 1:
+            self.close()
+        back = self._cut and 0 <= bit < self._now
+        self._cut = False
+        if not (back or self._now <= bit <= self._now + 1 < BITS + 1 and 0 <= bit < BITS):
+            self.faults.append(f"stroke of bit {bit} behind bit {self._now}")
+            self._pieces = {}
+        self._piece(bit, left, right)
 
 
 def read_numbers(found):
-    """(numbers in the order of drawing, steps drawn twice, what is no number). A stroke may be in pieces."""
-    numbers, faults, twice = [], [], 0
-    pieces = {}  # bit: (from, to)
-    now = -1
-
-    def close():
-        nonlocal pieces, now
-        value = 0
-        for bit in range(BITS):
-            length = (pieces.get(bit, (0, 0))[1] - FIRST_MM * STEPS_MM) / STEPS_MM
-            if abs(length - LONG_MM) < 0.5:
-                value |= 1 << bit
-            elif abs(length - SHORT_MM) >= 0.5 or bit not in pieces:
-                faults.append(f"bit {bit} of a job is {pieces.get(bit)}")
-        numbers.append(value)
-        pieces, now = {}, -1
-
-    for y, left, right in found:
-        bit = round((y / STEPS_MM - FIRST_MM) / APART_MM)
-        if bit == now + 1 and bit < BITS or now == -1 and bit == 0:
-            pieces[bit] = left, right
-            now = bit
-        elif bit == now:
-            first, last = pieces[bit]
-            twice += max(0, min(last, right) - max(first, left))
-            if left > last + 1:
-                faults.append(f"a gap of {left - last} steps")
-            pieces[bit] = min(first, left), max(last, right)
-        elif bit == 0 and now == BITS - 1:
-            close()
-            pieces[0], now = (left, right), 0
-        else:
-            faults.append(f"stroke of bit {bit} behind bit {now}")
-            pieces, now = {bit: (left, right)}, bit
-    if pieces:
-        close()
-    return numbers, twice, faults
+    """(numbers in the order of drawing, steps drawn twice, what is no number)."""
+    reader = Numbers()
+    for stroke in found:
+        reader.take(stroke)
+    if reader._pieces:
+        reader.close()
+    return reader.numbers, reader.twice, reader.faults
 
 
 # --- a board, as a process
@@ -126,8 +142,8 @@ class _Cut(BaseException):
     """The power is gone, wherever the firmware is."""
 
 
-def board(folder):
-    """Run the board of `folder`, in fast time. SIGUSR1: its power is cut."""
+def board(folder, mode):
+    """Run the board of `folder`, in "fast" or "real" time. SIGUSR1: its power is cut. Its file `moved` has the wall clock's seconds at the last step."""
     from host_tools import boards
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
@@ -141,7 +157,7 @@ def board(folder):
     line = PtyLine(folder / "port")
     lines = {"usb": line, "pc": PtyLine()}
     machine = Machine(
-        config, lines, "fast", lambda ms: wait([line], max(ms, _IDLE_MS)), trace=folder / f"trace-{len(traces):03}.csv", idle=False, flash=folder / "flash", start=place
+        config, lines, mode, lambda ms: wait([line], max(ms, _IDLE_MS)), trace=folder / f"trace-{len(traces):03}.csv", idle=False, flash=folder / "flash", start=place
     )
     stopped = []
     signal.signal(signal.SIGTERM, lambda *_: stopped.append(True))
@@ -152,11 +168,15 @@ def board(folder):
     signal.signal(signal.SIGUSR1, cut)
     print("ready", flush=True)
     flushed = time.monotonic()
+    at, moved = None, 0.0
     try:
         while not stopped:
             machine.cycle()
+            if machine.plant.position != at:
+                at, moved = list(machine.plant.position), time.time()
             if time.monotonic() - flushed > 2:
                 machine.flush()
+                (folder / "moved").write_text(str(moved))
                 flushed = time.monotonic()
         machine.close()
     except _Cut:
@@ -253,7 +273,7 @@ def free_port():
 
 
 class Load:
-    def __init__(self, folder, machines, jobs, an_agent=AN_AGENT, seed=1, parted_s=30.0):
+    def __init__(self, folder, machines, jobs, an_agent=AN_AGENT, seed=1, parted_s=30.0, mode="fast", make=program):
         from host_tools.shop.book import Book
         from host_tools.shop.desk import Desk
         from host_tools.shop.link import Broker
@@ -262,6 +282,7 @@ class Load:
         self.folder = folder
         self.random = random.Random(seed)
         self.parted_s = parted_s
+        self.mode = mode
         self.names = [f"m{number:03}" for number in range(machines)]
         self.board_file = board_file(folder)
         self.count = {}
@@ -286,7 +307,7 @@ class Load:
         self.book = Book(folder / "shop.sqlite")
         self.jobs = {}
         for number in range(jobs):
-            data = program(number)
+            data = make(number)
             self.jobs[self.book.add(data, f"{number}.gcode", {"kind": KIND})[0]] = number
         self.desk = Desk(Broker("127.0.0.1", self.proxy.port), key, self.book)
         for at in range(len(self.groups)):
@@ -296,7 +317,7 @@ class Load:
         self.broker = subprocess.Popen([MOSQUITTO, "-c", self.folder / "mosquitto.conf"], stderr=subprocess.DEVNULL)
 
     def start_board(self, name):
-        self.boards[name] = subprocess.Popen([sys.executable, __file__, "--board", str(self.folder / name)], stdout=subprocess.PIPE, stderr=open(self.folder / name / "stderr", "ab"))
+        self.boards[name] = subprocess.Popen([sys.executable, __file__, "--board", str(self.folder / name), self.mode], stdout=subprocess.PIPE, stderr=open(self.folder / name / "stderr", "ab"))
 
     def start_agent(self, at):
         ports = [word for name in self.groups[at] for word in ("--port", f"{name}={self.folder}/{name}/port")]
@@ -431,7 +452,7 @@ def main():
     import tempfile
 
     if sys.argv[1:2] == ["--board"]:
-        return board(Path(sys.argv[2]))
+        return board(Path(sys.argv[2]), sys.argv[3])
     parser = argparse.ArgumentParser()
     parser.add_argument("machines", type=int)
     parser.add_argument("jobs", type=int)

@@ -23,6 +23,11 @@ def test_each_job_is_drawn_exactly_once(tmp_path):
     ([(50 + 30 * bit, 50, 100) for bit in range(9)], [0], 1),
     ([(50 + 30 * bit, 50, 100) for bit in (0, 1, 3)], [0], 1),
     ([(50 + 30 * bit, 50, 100) for bit in range(10)] * 2, [0, 0], 0),
+    ([*[(50 + 30 * bit, 50, 100) for bit in range(5)], None, *[(50 + 30 * bit, 50, 100) for bit in range(3, 10)]], [0], 0),
+    ([*[(50 + 30 * bit, 50, 100) for bit in range(5)], *[(50 + 30 * bit, 50, 100) for bit in range(3, 10)]], [0], 1),
+    ([*[(50 + 30 * bit, 50, 100) for bit in range(5)], None, *[(50 + 30 * bit, 50, 150) for bit in range(3, 10)]], [1016], 1),
+    ([*[(50 + 30 * bit, 50, 100) for bit in range(10)], None, *[(50 + 30 * bit, 50, 100) for bit in range(10)]], [0, 0], 0),
+    ([*[(50 + 30 * bit, 50, 100) for bit in range(4)], (170, 50, 70), None, *[(50 + 30 * bit, 60, 150) for bit in range(4, 5)], *[(50 + 30 * bit, 50, 100) for bit in range(5, 10)]], [16], 0),
 ])  # fmt: skip
 def test_the_counter_sees_what_is_missing_and_what_is_there_twice(strokes, numbers, faults):
     found = shop_load.read_numbers(strokes)

@@ -137,7 +137,7 @@ class Bench(Shop):
         self.agent_process = None
 
     def start_board(self):
-        self.board = subprocess.Popen([sys.executable, shop_load.__file__, "--board", str(self.folder / "m")], stdout=subprocess.PIPE, text=True)
+        self.board = subprocess.Popen([sys.executable, shop_load.__file__, "--board", str(self.folder / "m"), "fast"], stdout=subprocess.PIPE, text=True)
         assert self.board.stdout.readline() == "ready\n"
         self.programs.append(self.board)
 
@@ -449,6 +449,8 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     browser.switch_to.window(first)
     bench.until(lambda: browser.execute_script("return document.querySelector('.tile canvas').clientHeight") > 50)
     bench.until(lambda: len(browser.find_elements("css selector", "#history li")) == 1)
+    bench.until(lambda: "não liberada" in text(".tile") and "a.svg.gcode · pronto" in text(".tile"))
+    assert browser.execute_script("return document.querySelector('.tile canvas').clientHeight") > 50, "what it has drawn stays on the wall"
     bench.until(lambda: text("#used").split()[:2] == ["A4", "1"])
     assert "1 trabalhos na fila, 1 prontos" in text("#counts")
     press("#queue button")

@@ -64,7 +64,9 @@ function show() {
   const jobs = new Map(state.jobs.map((job) => [job.id, job]));
   const named = new Set(state.machines.map((machine) => machine.name));
   for (const [name, known] of tiles) if (!named.has(name)) { known.made.remove(); tiles.delete(name); }
-  for (const machine of state.machines) draw(machine, tiles.get(machine.name) || tile(machine.name), jobs.get(machine.job));
+  const last = new Map();
+  for (const job of state.jobs) if (job.state in ENDED && !last.has(job.machine)) last.set(job.machine, job);
+  for (const machine of state.machines) draw(machine, tiles.get(machine.name) || tile(machine.name), jobs.get(machine.job), last.get(machine.name));
   const free = state.machines.filter((machine) => machine.how === "free" && machine.state !== "gone").length;
   const waits = state.machines.filter((machine) => machine.how === "waits").length;
   at("counts").textContent = _("{machines} machines, {free} free, {waits} wait for somebody; {queued} jobs in the queue, {done} done.", {
@@ -77,7 +79,8 @@ function show() {
   }
 }
 
-function draw(machine, shown, job) {
+// `last`: the job of the machine that has ended last, shown until there is another.
+function draw(machine, shown, job, last) {
   const gone = machine.state === "gone" || machine.state === "lost";
   shown.made.className = `tile how-${gone ? "gone" : machine.how} state-${machine.state}`;
   shown.made.hidden = at("filter").value !== "" && kindOf(machine) !== at("filter").value;
@@ -87,11 +90,12 @@ function draw(machine, shown, job) {
     shown.title.replaceChildren(leads);
   }
   shown.state.textContent = [states[machine.state] ? _(states[machine.state]) : _("not heard of yet"), gone ? "" : _(HOW[machine.how] || "")].filter((each) => each).join(" · ");
-  const name = job ? job.name : machine.job || "";
+  const name = job ? job.name : machine.job || (last ? `${last.name} · ${_(ENDED[last.state])}` : "");
   shown.job.textContent = machine.progress ? `${name} · ${machine.progress} %` : name;
   shown.left.textContent = machine.left ? _("{time} left", { time: clock(Number(machine.left)) }) : "";
   shown.why.textContent = [machine.how === "waits" && machine.line ? _("It stopped behind line {line}.", machine) : "", machine.text, machine.alarm].filter((each) => each).join(" ");
-  picture(shown, job, Number(machine.progress || 0));
+  if (job || machine.job || !last) picture(shown, job, Number(machine.progress || 0));
+  else picture(shown, last, last.state === "done" ? 100 : 0);
 }
 
 function picture(shown, job, progress) {
