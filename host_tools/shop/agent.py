@@ -39,7 +39,7 @@ class _Board:
             from host_tools.shop.work import Work
 
             self.work = Work(key, name, about, self._machine, self._hear, link.parcel)
-        self._pressed = False
+        self._pressed = True  # one that is closed as the link begins may be stuck: it counts once it has been seen open
         self._begun_s = None  # not looked at yet
         self._told_s = 0.0
 
@@ -86,12 +86,11 @@ class _Board:
                 self._shop = text
             else:
                 self.work.order(text)
-        if _BUTTON in self._machine.state.get("pins", ""):
-            if not self._pressed:
-                self.work.press()
-            self._pressed = True
-        else:
-            self._pressed = False
+        state = self._machine.state
+        pressed = _BUTTON in state.get("pins", "")
+        if pressed and not self._pressed:
+            self.work.press()
+        self._pressed = pressed or not state["link"]
         self.work.poll(now_s)
 
     def close(self):

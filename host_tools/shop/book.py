@@ -1,4 +1,5 @@
-"""The shop's book: every job, which machine has it, and how it ended. An SQLite file; each change is on the disk before the call returns.
+"""The shop's book: every job, which machine has it, and how it ended. An SQLite file. What is added, given or ended is on the
+disk before the call returns.
 
     book = Book(Path("shop.sqlite"))
     book.add(data, "cat.svg", {"kind": "corexy_plotter"}, copies=30)
@@ -27,8 +28,10 @@ create table if not exists jobs (
     machine text, nonce text, line integer not null default 0, text text not null default '', added real not null, begun real, ended real
 );
 create index if not exists jobs_state on jobs (state, number);
+create index if not exists jobs_sha on jobs (sha);
 create unique index if not exists one_a_machine on jobs (machine) where state in ('given', 'begun', 'waiting');
 """
+_IS_OPEN = "state in ('given', 'begun', 'waiting')"  # as the index has it
 
 
 class Job(NamedTuple):
@@ -45,6 +48,10 @@ class Job(NamedTuple):
     added: float
     begun: Optional[float]
     ended: Optional[float]
+
+
+def _job(row):
+    return Job(*row[:4], json.loads(row[4]), *row[5:])
 
 
 class Book:
@@ -69,7 +76,7 @@ class Book:
             return self._base.execute(text, values).rowcount
 
     def _jobs(self, text, *values):
-        return [Job(*row[:4], json.loads(row[4]), *row[5:]) for row in self._ask("select * from jobs " + text, *values)]
+        return [_job(row) for row in self._ask("select * from jobs " + text, *values)]
 
     # --- the queue
 
@@ -101,16 +108,22 @@ class Book:
         with self._lock:
             if self.open_of(machine):
                 return None
-            for job in self._jobs("where state = ? order by number", QUEUED):
-                if fits(job):
-                    self._write("update jobs set state = ?, machine = ?, nonce = ? where id = ? and state = ?", GIVEN, machine, nonce, job.id, QUEUED)
-                    return self.job(job.id)
-        return None
+            waiting = self._base.execute("select * from jobs where state = ? order by number", (QUEUED,))
+            job = next((job for job in map(_job, waiting) if fits(job)), None)  # without reading the rest of a long queue
+            waiting.close()
+            if job is None:
+                return None
+            self._write("update jobs set state = ?, machine = ?, nonce = ? where id = ? and state = ?", GIVEN, machine, nonce, job.id, QUEUED)
+            return self.job(job.id)
 
     def follow(self, job, state, line, text):
-        """The machine says where a job that it has stands."""
+        """The machine says where a job that it has stands. It will say so again: this does not wait for the disk."""
         if job.state in OPEN and (job.state, job.line, job.text) != (state, line, text):
-            self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, None if state == GIVEN else time.time(), job.id)
+            begun = None if state == GIVEN else time.time()
+            with self._lock:
+                self._base.execute("pragma synchronous=normal")
+                self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, begun, job.id)
+                self._base.execute("pragma synchronous=full")
 
     def end(self, job, how, line, text):
         """A short job may be done before its machine could say that it has begun: it begins with its end."""
@@ -129,11 +142,11 @@ class Book:
         return next(iter(self._jobs("where id = ?", job_id)), None)
 
     def open_of(self, machine):
-        return next(iter(self._jobs("where machine = ? and state in (?, ?, ?)", machine, *OPEN)), None)
+        return next(iter(self._jobs("where machine = ? and " + _IS_OPEN, machine)), None)
 
     def wanted(self, sha):
         """True if a machine has a job of this file."""
-        return bool(self._jobs("where sha = ? and state in (?, ?, ?) limit 1", sha, *OPEN))
+        return bool(self._jobs(f"where sha = ? and {_IS_OPEN} limit 1", sha))
 
     def jobs(self, most=500):
         """Those that are not ended, then the newest others."""

@@ -88,8 +88,11 @@ class Shop:
         if (known, len(so_far)) != (name, at):
             return errors.JOB_PIECE
         if at + len(piece) > drop.MOST_BYTES:
+            self._coming.pop(page, None)
             return errors.JOB_SIZE
         self._coming[page] = name, so_far + piece
+        if len(self._coming) > _PAGES:  # of pages that have gone
+            del self._coming[next(iter(self._coming))]
         if order.get("last"):
             kind, copies = text(order, "kind", 40), int(number(order, "copies", 1, _MOST_COPIES))
             if kind not in drop.kinds():

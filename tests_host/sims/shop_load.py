@@ -176,7 +176,8 @@ def board(folder, mode):
                 at, moved = list(machine.plant.position), time.time()
             if time.monotonic() - flushed > 2:
                 machine.flush()
-                (folder / "moved").write_text(str(moved))
+                (folder / "moved.new").write_text(str(moved))
+                os.replace(folder / "moved.new", folder / "moved")
                 flushed = time.monotonic()
         machine.close()
     except _Cut:

@@ -41,7 +41,7 @@ class Silent:
 
     def __init__(self, changed):
         self._changed = changed
-        self.said, self.lines, self.dead = b"", [], False
+        self.said, self.lines, self.dead, self.pins = b"", [], False, b""
 
     def write(self, data):
         for line in data.replace(b"?", b"?\n").split():
@@ -50,7 +50,7 @@ class Silent:
                 continue
             self.lines.append(line)
             if line == b"?":
-                self.said += b"<Idle|MPos:0.000,0.000|FS:0,0|WCO:0.000,0.000>\r\n"
+                self.said += b"<Idle|MPos:0.000,0.000|FS:0,0|WCO:0.000,0.000" + self.pins + b">\r\n"
             else:
                 self.said += {b"$I": b"[OPT:J,15,128]\r\n", b"$$": b"$100=80\r\n$101=80\r\n$130=100\r\n$131=100\r\n"}.get(line, b"") + b"ok\r\n"
 
@@ -156,6 +156,35 @@ def test_the_journal_is_asked_behind_a_homing_that_no_report_has_shown():
     assert board.work._job.record is None
     run(lambda: board.work._job.record)
     assert b"$JR" in port.lines[port.lines.index(b"$H") :]
+
+
+def test_the_button_releases_once_and_only_if_it_was_seen_open():
+    board, port, run = agent_of(Late)
+
+    def report():
+        asked = port.lines.count(b"?")
+        run(lambda: port.lines.count(b"?") > asked + 1 and not port.said)
+
+    port.pins = b"|Pn:S"  # stuck
+    run(lambda: board.work._job.record)
+    report()
+    assert board.work.how == "rest"
+    port.restart()  # the link begins anew
+    run(lambda: board.work._job.record)
+    report()
+    assert board.work.how == "rest"
+    port.pins = b""
+    report()
+    port.pins = b"|Pn:S"
+    run(lambda: board.work.how == "free")
+    assert board.work.act("withdraw") == ""
+    report()
+    assert board.work.how == "rest", "it is still held"
+    port.pins = b"|Pn:XY"  # other inputs
+    report()
+    assert board.work.how == "rest"
+    port.pins = b"|Pn:XS"
+    run(lambda: board.work.how == "free")
 
 
 def test_a_report_with_a_wrong_byte_is_left_out():
@@ -350,7 +379,7 @@ def shop(tmp_path):
 @needs_broker
 def test_two_boards_a_killed_agent_and_a_broker_that_begins_anew(shop):
     agent = shop.agent("--emulated", "a=router_3axis", "--emulated", "b=plotter_2014")
-    shop.until(lambda: shop.told.get("passo/a/state") == "alarm" and shop.told.get("passo/b/state") == "idle")
+    shop.until(lambda: shop.told.get("passo/a/state") == "alarm" and shop.told.get("passo/b/state") == "idle" and "passo/a/alarm" in shop.told and "passo/b/place" in shop.told)
     assert shop.told["passo/a/alarm"] and json.loads(shop.told["passo/b/place"]) == [0, 0]
     assert LOST not in [text for _topic, text, _kept in shop.heard]
     # The broker forgets all: it is told again.

@@ -390,6 +390,24 @@ def test_orders_of_the_page_are_proven_and_good_once(served, book):
     assert book.counts() == {"queued": 2}
 
 
+def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
+    _desk, shop = served
+    monkeypatch.setattr(drop, "MOST_BYTES", 100_000)
+
+    def said(page, text, **more):
+        return shop.order({"do": "drop", "name": "a", "text": text, "kind": "corexy_plotter", "copies": 1, "tool": "", **more}, True, page)["error"]
+
+    piece = "x" * 30_000
+    assert said(1, piece, at=30_000) == errors.JOB_PIECE, "its first piece is missing"
+    assert [said(1, piece, at=at) for at in (0, 30_000, 60_000)] == [0, 0, 0]
+    assert said(1, piece, at=60_000) == errors.JOB_PIECE, "that was said before"
+    assert said(1, piece, at=90_000, last=True) == errors.JOB_SIZE and said(1, "x", at=90_000) == errors.JOB_PIECE, "nothing of it is kept"
+    assert said(1, piece, at=0) == 0 and said(1, piece, at=30_000, name="b") == errors.JOB_PIECE
+    for page in range(100):  # pages that begin and go
+        assert said(page, piece, at=0) == 0
+    assert len(shop._coming) <= 30 and book.counts() == {}
+
+
 @pytest.fixture
 def browser(tmp_path):
     """Chromium, in Portuguese, as wide as a small phone."""
