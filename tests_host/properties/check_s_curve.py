@@ -22,11 +22,12 @@ CASES = {
     "check_hold": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "arcs")),
     "check_override": (("seed", "seed"), ("kind", "choice", "mixed", "tiny", "arcs")),
     "check_held_ramp": (("seed", "seed"), ("part", 100, 900)),
+    "check_a_hold_stands": (("seed", "seed"), ("part", 1, 900)),
     "check_numbers": (("value", 0, 0x3FFFFFFF), ("by", 1, 0x3FFFFFFF), ("bits", 0, 14)),
 }
 RUNS = {
     "check_one_ramp": 25, "check_speeds_up_over_blocks": 5, "check_programs": 15, "check_hold": 8, "check_override": 8,
-    "check_held_ramp": 10,
+    "check_held_ramp": 10, "check_a_hold_stands": 20,
 }  # fmt: skip
 NOT_QUICK = ("check_hold",)
 GRAIN_STEPS = 64  # J · h³ is as many: a step's share in it is small
@@ -216,6 +217,30 @@ def check_held_ramp(seed, part):
     assert hold_against_limits(machine, machine.facts) <= 1.02
     worst = hold_jerk(machine, machine.jerk, step)
     assert worst <= 1.1, worst
+
+
+def check_a_hold_stands(seed, part):
+    """One hold while the machine gains speed, below the speed of the block's end: it stands as quickly as jerk and acceleration allow."""
+    random = Random(seed)
+    machine = Smooth(seed, "lines", drawn(random, 2000, 50_000), 1)
+    acceleration, speed = random.between(200, 1000), random.between(20, 60)
+    machine.limited([100_000] * 3, [200 * MM] * 3, [acceleration * MM] * 3, 10_000)
+    seconds = speed / acceleration + acceleration / machine.jerk
+    length = int(speed * seconds) + 2
+    machine.facts, machine.place = [], [0, 0, 0]
+    for _ in range(2):
+        machine.add((LINE, (80 * length, 60 * length, 0), speed * MM))
+    rig = machine.rig
+    rig.planner.flush()
+    made = 0
+    while made < seconds * TICKS_PER_S * part / 1000:
+        made += sum([word[0] for word in rig.take(1)])
+    rig.feeder.hold = True
+    stands = 0
+    while not rig.feeder.standing():
+        stands += sum([word[0] for word in rig.take(2)])
+        assert stands <= (2 * seconds + 0.3) * TICKS_PER_S
+    assert hold_against_limits(machine, machine.facts) <= 1.02
 
 
 def check_numbers(value, by, bits):

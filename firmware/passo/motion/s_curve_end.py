@@ -21,8 +21,8 @@ def choose(state):  # ISR: no allocation
         high = b + grow
     if b - grow > low:
         low = b - grow
-    if low < 0:  # but what can fade till the block's end, or till a stand
-        most = state[S_CURVE_GUESS] if state[S_CURVE_ON] else state[S_CURVE_GUESS] - state[S_CURVE_UNTIL]
+    if low < 0:  # but what can fade till the block's end, or till a stand, in a hold too
+        most = state[S_CURVE_GUESS] if state[S_CURVE_ON] or not state[RAMP_CAP] else state[S_CURVE_GUESS] - state[S_CURVE_UNTIL]
         most = -(root_of(most << 7, abs(b) << 7) >> 7) if most > 0 else 0
         if low < most:
             low = most if most < high else high
