@@ -185,6 +185,16 @@ def test_the_button_releases_once_and_only_if_it_was_seen_open():
     assert board.work.how == "rest"
     port.pins = b"|Pn:XS"
     run(lambda: board.work.how == "free")
+    # A job waits, and the button sticks while the board has no power.
+    board.work._order = {"id": "1", "name": "a"}
+    board.work._become("waits")
+    port.pins = b""
+    report()
+    port.restart()
+    port.pins = b"|Pn:S"
+    run(lambda: board._machine.state["pins"] == "S" and board._machine.state["link"])
+    report()
+    assert board.work.how == "waits"
 
 
 def test_a_report_with_a_wrong_byte_is_left_out():
