@@ -64,8 +64,12 @@ def due_of_array(words, mask, bits, first, count, ticks, store, at, box):
 
 
 def micropython():
-    """The command that runs MicroPython, or None."""
-    return [sys.executable, "-m", "micropython_unix"] if importlib.util.find_spec("micropython_unix") else None
+    """The command that runs MicroPython, or None. It is a module of CPython, which starts in 6 ms instead of 18 if it looks for no others."""
+    found = importlib.util.find_spec("micropython_unix")
+    if not found:
+        return None
+    start = f"import sys; sys.path.append({os.path.dirname(found.origin)!r}); import micropython_unix; micropython_unix.main()"
+    return [sys.executable, "-I", "-S", "-c", start]
 
 
 def _blocks(lines):
@@ -163,11 +167,12 @@ class VirtualJob:
     # --- the firmware under MicroPython
 
     def _start(self, command):
-        from host_tools.build.tree import unix_tree
+        from host_tools.build.unix_compiled import compiled_with
 
+        folder, arguments = compiled_with(tuple(command), job_runner.__file__)
         self._process = subprocess.Popen(
-            [*command, "-X", "heapsize=8m", job_runner.__file__], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE, env={**os.environ, "MICROPYPATH": str(unix_tree())},
+            [*command, "-X", "heapsize=8m", *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE, env={**os.environ, "MICROPYPATH": str(folder)},
         )  # fmt: skip
         self._process.stdin.write(repr(self._setup).encode() + b"\n")
         self._process.stdin.flush()

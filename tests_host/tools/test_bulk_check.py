@@ -1,5 +1,6 @@
 """What `passo check` says of a job, from arrays of words, beside a look at each edge of the pins; and its memory."""
 
+import platform
 import subprocess
 import sys
 
@@ -9,6 +10,8 @@ from host_tools.prove.gcode_jobs import all_jobs
 from running_router import Running
 
 from host_tools import boards
+from host_tools.build import unix_compiled
+from host_tools.build.tree import unix_tree
 from host_tools.cli import check
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
@@ -216,6 +219,44 @@ def test_a_firmware_that_ends_is_a_failure(monkeypatch):
     monkeypatch.setattr(job_module, "micropython", lambda: [sys.executable, "-c", "raise SystemExit('no room')"])
     with pytest.raises(Failure, match="MicroPython has ended: no room"):
         VirtualJob("router_3axis")
+
+
+@needs_micropython
+def test_the_firmware_is_looked_up_once_a_process(monkeypatch):
+    asked = []
+    monkeypatch.setattr(unix_compiled, "unix_tree", lambda: asked.append(1) or unix_tree())
+    unix_compiled.compiled_with.cache_clear()
+    for _time in range(3):
+        VirtualJob("router_3axis").run([(1, b"G4P0.01")])
+    assert len(asked) == 1
+
+
+@needs_micropython
+def test_the_firmware_starts_compiled_where_it_can_and_from_its_sources_elsewhere(monkeypatch):
+    found = []
+    for can in (True, False):
+        if not can:
+            monkeypatch.setattr(unix_compiled, "loads", lambda said, told: False)
+        unix_compiled.compiled_with.cache_clear()
+        job = VirtualJob("router_3axis")
+        job.run(enumerate([b"G21G90", b"G1X9Y4F1500", b"G2X5I-2F900", b"G1X99999"], 1))
+        folder, arguments = unix_compiled.compiled_with(tuple(job_module.micropython()), job_module.job_runner.__file__)
+        kinds = {path.suffix for path in folder.rglob("*") if path.is_file()}
+        assert kinds == ({".mpy"} if arguments[0] == "-m" else {".py"})
+        found.append((arguments[0] == "-m", job.seconds, job.track.steps, job.errors, job.track.samples.tolist()))
+    unix_compiled.compiled_with.cache_clear()
+    (compiled, *one), (other_compiled, *other) = found
+    assert compiled == (platform.machine() == "x86_64") and not other_compiled
+    assert one == other and one[1] > 50
+
+
+def test_which_compiled_code_a_micropython_loads():
+    told = "MicroPython v1.29.0 on 2026-08-29; mpy-cross emitting mpy v6.3"
+    assert unix_compiled.loads("2822\n", told)
+    assert not unix_compiled.loads("2822", told.replace("6.3", "6.2"))
+    assert not unix_compiled.loads("2822", told.replace("6.3", "7.3"))
+    assert not unix_compiled.loads("774", told)  # another processor
+    assert not unix_compiled.loads("", told) and not unix_compiled.loads("0", told)
 
 
 def test_many_errors_are_counted_and_few_are_kept(monkeypatch):

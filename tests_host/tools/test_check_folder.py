@@ -1,5 +1,6 @@
 """`passo check FOLDER`: one table of all programs, by processes of this PC and by a Dask cluster; workers that die."""
 
+import contextlib
 import csv
 import os
 import signal
@@ -117,11 +118,41 @@ def test_what_travels_is_all_that_a_worker_needs(tmp_path, monkeypatch):
     assert row.fault == "" and row.high == pytest.approx((3, 5, 0), abs=0.01)
 
 
+@contextlib.contextmanager
+def cluster_of(count, **changes):
+    distributed = pytest.importorskip("distributed")
+    with distributed.LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None, **changes) as cluster:
+        yield cluster
+
+
+def test_small_items_go_to_a_cluster_several_a_task(monkeypatch):
+    distributed = pytest.importorskip("distributed")
+    asked = []
+    submit = distributed.Client.submit
+
+    def counted(client, task, work, items, **how):
+        asked.append(len(items))
+        return submit(client, task, work, items, **how)
+
+    monkeypatch.setattr(distributed.Client, "submit", counted)
+    with cluster_of(1, processes=False) as cluster:
+        found = list(workers.on_cluster(doubled, range(200), cluster.scheduler_address))
+    assert sorted(found) == [(number, 2 * number) for number in range(200)]
+    assert asked[0] == 1 and sum(asked) == 200 and len(asked) <= 30
+
+
+@pytest.mark.slow
+def test_an_item_that_kills_each_worker_of_a_cluster_is_given_up():
+    with cluster_of(2, processes=True) as cluster:
+        found = list(workers.on_cluster(dies, [*range(3, 60), 1, *range(60, 90)], cluster.scheduler_address))
+    assert Counter(item for item, _ in found) == Counter([1, *range(3, 90)])
+    assert [row for row in found if row[1] == workers.DIED] == [(1, workers.DIED)]
+
+
 @pytest.mark.slow
 def test_on_a_cluster_of_which_a_worker_is_killed_twice(tmp_path):
-    distributed = pytest.importorskip("distributed")
     programs(tmp_path, 30)
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+    with cluster_of(2, processes=True) as cluster:
         killed = []
         began = []
 
