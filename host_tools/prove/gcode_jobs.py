@@ -134,6 +134,32 @@ def play():
     return lines + ["G94 G1 X11.003 Y20.003 F300", "X11 Y20", "M5", "G0 X0 Y0 Z0"]
 
 
+def table():
+    """A rotary table under a cutter: wound lines, A alone, each feed, arcs while A stands, its own zero, short lines and reversals."""
+    lines = ["G21 G90 G17 F900", "G0 X2 Y1 A-8", "M3 S1000", "G1 Z-0.3 A4 F300", "X4 A22 F600", "Y2.5 Z-0.6 A10", "A31 F3000", "A30.98"]
+    lines += ["X%.3f A%.3f" % (4 + k / 40, 30 + 6 * sin(k / 3)) for k in range(25)]
+    lines += ["G2 X5 Y2 R0.6", "G3 X6 Z-0.2 R0.8", "G93 G1 X5 A20 F60", "A26 F120", "G94 F400", "G92 A0", "G1 A5 X5.5", "G92.1"]
+    return [*lines, "G91 G1 Y-0.5 A-4 F500", "X0.003 A0.02", "X0.003 A-0.02", "G90 M5", "G0 X2 Y1 Z0 A0"]
+
+
+def belt():
+    """A small star(), whose motors now share the work, now leave it to one; arcs, and lines of a step or two."""
+    lines = [line for line in star(5, (6, 6), 2) if not line.startswith("G0 X0")]
+    lines += ["G1 X%.4f Y%.4f F3000" % (5 + k / 80, 7 + k * k % 7 / 80) for k in range(30)]
+    return [*lines, "G93 G1 X5 Y8 F200", "G94", "G91 G2 X1 Y1 R0.9 F4000", "G3 X0 Y0 I-0.5 J0.25", "G90 G0 X0 Y0"]
+
+
+def turns():
+    """play() in short: each axis with lost motion turns round amid lines, arcs in two planes, steps of less than the play, and alone."""
+    lines = ["G21 G90 G17 F1200", "G0 X2 Y2 Z-1", "M3 S1000"]
+    lines += ["X%.3f Y%.3f Z%.2f" % (2 + k / 8, 2 + k % 2 / 2, -1 - k % 3 / 10) for k in range(12)]
+    lines[3] = "G1 " + lines[3]
+    lines += ["X3.5 Y2 Z-1", "G2 I0.5 J0.3 X3.5", "G3 X3.5 I-0.4 J0.2 Z-1.2", "G18 G2 X4 Z-1 R0.4", "G17"]
+    lines += ["G1 X%.4f Y%.4f" % (4 + 0.4 * sin(k / 3), 2 + 0.4 * cos(k / 2)) for k in range(40)]
+    return [*lines, "X3.5 F600", "X3.51", "X3.5", "Z-0.99", "Z-1", "G93 X4 Y1.5 F100", "X3.9 Y1.6 F100", "G94", "M5", "G0 X0 Y0 Z0"]
+
+
+MACHINES = {"table": ("router_4axis", table), "belt": ("corexy_plotter", belt), "turns": ("router_ballscrew", turns)}
 PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and how many lines
 
 
@@ -142,5 +168,6 @@ def all_jobs():
     made = {}
     for kind in (relief, engraving, arcs, helices, laser_raster, tiny, drilling, units, reversals, slow, smooth):
         made[kind.__name__] = ("laser_xy" if kind is laser_raster else "router_3axis", kind())
+    made |= {name: (board, lines()) for name, (board, lines) in MACHINES.items()}
     made["pico"] = ("router_3axis+laser", [line for kind, count in PICO for line in kind()[:count]])
     return made

@@ -10,7 +10,7 @@ import tiers
 from test_digest import GOLDEN, HEX_JOBS, PULSES, digest, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, MODULES, ROOT
 
-from host_tools.prove.gcode_jobs import all_jobs
+from host_tools.prove.gcode_jobs import MACHINES, all_jobs
 from host_tools.build import pc_kernels
 from host_tools.build.pc_kernels import Library, library, use_compiled
 from host_tools.build.tree import unix_tree
@@ -86,7 +86,9 @@ def machine_code():
 
 
 def test_digests_under_micropython(machine_code, tmp_path):
-    for arguments, want in jobs(tmp_path)[::4]:
+    for number, (arguments, want) in enumerate(jobs(tmp_path)):
+        if number % 4 and arguments[0].stem not in MACHINES:
+            continue
         assert digest(MICROPYTHON, *arguments, firmware=machine_code) == want, arguments[0].name
 
 
