@@ -12,6 +12,7 @@ CASES = {
     "check_what_is_told": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "reversals")),
     "check_a_change_of_play": (("seed", "seed"),),
 }
+EXAMPLES = {"check_limits": [(282, "tiny"), (356, "lines")]}  # an axis at its highest speed, behind a line of which it has the lesser share
 RUNS = {"check_limits": 16, "check_what_is_told": 15, "check_a_change_of_play": 10}
 
 

@@ -19,11 +19,11 @@ def check_limits(seed, kind):
     hold_limits(seed, kind)
 
 
-def hold_limits(seed, kind):
+def hold_limits(seed, kind, make=Machine):
     """Returns (blocks, segments, worst change of speed, worst steps too many in 20 ms, time, the reference's time)."""
-    machine = Machine(seed, kind)
+    machine = make(seed, kind)
     words = machine.run()
-    assert end_of(words) == machine.place
+    assert end_of(words, machine.axes) == machine.place
     if not machine.facts:
         return 0, 0, 0, 0, 0, 0
     worst = hold_against_limits(machine, machine.facts)

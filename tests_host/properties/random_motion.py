@@ -1,4 +1,4 @@
-"""Random programs of lines, arcs, tiny segments and reversals on a machine of three axes, and what they are held against.
+"""Random programs of lines, arcs, tiny segments and reversals on a machine of three axes, or more, and what they are held against.
 
     machine = Machine(7, "mixed")
     words = machine.run()
@@ -26,6 +26,8 @@ MM = 1_000_000
 class Machine:
     """A rig with limits, and a program for it: [(kind, deltas, …, speed nm/s)]."""
 
+    axes = 3
+
     def __init__(self, seed, kind="mixed", blocks=None):
         random = Random(seed)
         self.random = random
@@ -45,7 +47,7 @@ class Machine:
         self._listen()
 
     def make_rig(self):
-        return Rig(axes=3)
+        return Rig(axes=self.axes)
 
     def limited(self, steps_per_m, speeds, accelerations, deviation, start=0):
         self.steps_per_m, self.speeds, self.accelerations, self.deviation = steps_per_m, speeds, accelerations, deviation
@@ -106,7 +108,7 @@ class Machine:
             return
         path = int(walker.state[CIRCLE_PATH]) * steps / int(walker.state[CIRCLE_WORDS]) / (1 << COARSE) if arc else steps
         self.segments.append((self.number(), path, ticks))
-        self.lags.append((steps,) + (arc_lags(walker) if arc else line_lags(walker)))
+        self.lags.append((steps,) + (arc_lags(walker, self.axes) if arc else line_lags(walker, self.axes)))
 
     def add(self, move):
         """Queue one move; its facts go to `facts`: (length mm, path steps, speed, acceleration, corner)."""
@@ -119,7 +121,7 @@ class Machine:
                 planner.arc(move[1], (0, 1, 2), move[3], False, move[4], speed_nm_s=move[2])
             except TooSteep:
                 return
-        self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
+        self.place = [self.place[axis] + move[1][axis] for axis in range(self.axes)]
         if planner.indices[0] != before:
             steps = max([abs(delta) for delta in move[1]])
             place = before % len(planner._walkers)
@@ -140,8 +142,8 @@ class Machine:
         if move[0] == LINE:
             length = sqrt(sum([part * part for part in mm]))
             start = end = [part / length for part in mm]
-            speed = min([move[2] / MM] + [speeds[i] / abs(start[i]) for i in range(3) if start[i]])
-            acceleration = min([accelerations[i] / abs(start[i]) for i in range(3) if start[i]])
+            speed = min([move[2] / MM] + [speeds[i] / abs(start[i]) for i in range(self.axes) if start[i]])
+            acceleration = min([accelerations[i] / abs(start[i]) for i in range(self.axes) if start[i]])
         else:
             per_mm = self.steps_per_m[0] / 1000
             flat = steps / per_mm
@@ -204,14 +206,14 @@ class Machine:
             return 0
         turn = [b - a for a, b in zip(self.heading, start)]
         size = sqrt(sum([part * part for part in turn]))
-        acceleration = min([self.accelerations[i] / MM * size / abs(turn[i]) for i in range(3) if abs(turn[i]) > 1e-9])
+        acceleration = min([self.accelerations[i] / MM * size / abs(turn[i]) for i in range(self.axes) if abs(turn[i]) > 1e-9])
         half = sqrt((1 + cosine) / 2)
         return sqrt(acceleration * self.deviation / MM * half / (1 - half))
 
     def run(self, each=None):
         """Play the whole program; returns its words. `each(machine)` is called between fillings."""
         self.facts = []
-        self.place = [0, 0, 0]
+        self.place = [0] * self.axes
         planner = self.rig.planner
         words = []
         todo = list(self.program)
@@ -315,21 +317,22 @@ def hold_against_limits(machine, facts):
     return worst
 
 
-def line_lags(line):
+def line_lags(line, axes=3):
     """How far behind, and how far ahead of its place on the ideal line each axis may step.
 
-    The dominant axis steps when it is there. One that follows it takes the step to k with the first dominant step that
-    brings it beyond k − ½: behind k − ½ by its share of the dominant axis's steps at most.
+    A step is at the beginning of its word's time: the dominant axis takes the one to k when it is at k − 1. One that follows it
+    takes its step to k with the first dominant step that brings it beyond k − ½, and is before it, by its share of the dominant axis's
+    steps, and at k − ½ at most: ½ behind k − 1 at most, and ahead by that share less ½.
     """
-    shares = [int(line.state[LINE_RISE + axis]) / int(line.state[LINE_FALL]) for axis in range(3)]
-    return [0 if share == 1 else share - 0.5 for share in shares], [0 if share == 1 else 0.5 for share in shares]
+    shares = [int(line.state[LINE_RISE + axis]) / int(line.state[LINE_FALL]) for axis in range(axes)]
+    return [0 if share == 1 else 0.5 for share in shares], [0 if share == 1 else share - 0.5 for share in shares]
 
 
-def arc_lags(circle):
+def arc_lags(circle, axes=3):
     """The same of an arc: the axis that steps in every word, and the others, whose share changes all along, up to 1."""
     state = circle.state
     leads = state[CIRCLE_U_AXIS] if state[CIRCLE_RISE] == state[CIRCLE_FALL] and not circle._ending else -1
-    return [0 if axis == leads else 0.5 for axis in range(3)], [0 if axis == leads else 0.5 for axis in range(3)]
+    return [0 if axis == leads else 0.5 for axis in range(axes)], [0 if axis == leads else 0.5 for axis in range(axes)]
 
 
 def hold_axes_against_limits(machine, words):
@@ -341,19 +344,20 @@ def hold_axes_against_limits(machine, words):
     What is held is exactly that, across blocks too. Returns the most steps beyond, without that share.
     """
     window = TICKS_PER_S // 50
+    stepping = (1 << machine.axes) - 1
     late, early = [], []
     for count, behind, ahead in machine.lags:
         late += [behind] * count
         early += [ahead] * count
     worst = 0.0
-    for axis in range(3):
+    for axis in range(machine.axes):
         most = machine.speeds[axis] / 1e9 * machine.steps_per_m[axis] / 50 * 1.01
         steps = []  # (tick, number of the stepping word)
         tick = number = 0
         for gap, levels in words:
             if levels >> axis & 1:
                 steps.append((tick, number))
-            if levels & 7:
+            if levels & stepping:
                 number += 1
             tick += gap
         assert number == len(late)

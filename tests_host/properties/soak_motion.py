@@ -3,6 +3,7 @@
     python tests_host/properties/soak_motion.py 0 1000              # programs 0 … 999, the kinds in turn
     python tests_host/properties/soak_motion.py 0 1000 corexy       # on one belt: the limits of motors and axes
     python tests_host/properties/soak_motion.py 0 1000 backlash     # with lost motion: those, and where carriages end that have it
+    python tests_host/properties/soak_motion.py 0 1000 four         # four axes
 
 Prints every program that fails, and last, for all: programs, blocks, segments, the worst change of speed as a part of
 what is allowed, the most steps an axis made in 20 ms beyond its speed × 1.01, less its share of the dominant axis's, the
@@ -13,13 +14,15 @@ import sys
 
 import check_backlash
 import check_corexy
+import check_four_axes
 import check_motion
 
 KINDS = check_motion.CASES["check_limits"][1][2:]
+MACHINES = {"cartesian": check_motion, "corexy": check_corexy, "backlash": check_backlash, "four": check_four_axes}
 
 
 def soak(first, last, machine="cartesian"):
-    hold_limits = {"cartesian": check_motion, "corexy": check_corexy, "backlash": check_backlash}[machine].hold_limits
+    hold_limits = MACHINES[machine].hold_limits
     blocks = segments = failed = 0
     change = over = slower = 0.0
     for seed in range(first, last):

@@ -14,6 +14,7 @@ TIMEOUT_S = 800
     "script, arguments",
     [
         *[("soak_motion.py", (first, first + 200)) for first in range(0, 800, 200)],
+        *[("soak_motion.py", (0, 200, machine)) for machine in ("four", "corexy", "backlash")],
         *[("soak_circle.py", (first, first + 249)) for first in range(1, 1001, 250)],
         *[("fuzz_grbl.py", (5000, seed)) for seed in range(1, 5)],
     ],
