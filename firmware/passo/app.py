@@ -162,7 +162,7 @@ class App:
             from passo.steps.dots_viper import burn
 
         setup = us_to_ticks(board["drive"]["setup_us"]) if self.layout.kind == "step_dir" else 0
-        short = TICKS_PER_MS if hasattr(self.port, "lead_ticks") else 0  # on a chip, whose interrupt makes words in time
+        short = 2 * TICKS_PER_MS if hasattr(self.port, "lead_ticks") else 0  # on a chip, whose interrupt makes words in time
         self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, burn, short)
         self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
         self._motors.release()
@@ -217,10 +217,14 @@ class App:
         return self._heard
 
     def _heed(self):
-        """Carry out the real-time bytes that have come, so that `?` does not wait behind the controller. Lines are kept: True if bytes came."""
+        """Carry out the real-time bytes that have come, so that `?` does not wait behind the controller. Lines are kept while the
+        machine moves: True if bytes came. At a stand they are carried out, too."""
         heeded = False
         for link in self.links:
             if link.heed and link.serial.any():
+                if not self.feeder.open:
+                    self._hear()
+                    break
                 heeded = link.heard = True
                 self._speaking = link
                 self._overruled = 0
