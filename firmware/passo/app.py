@@ -225,12 +225,16 @@ class App:
                 if not self.feeder.open:
                     self._hear()
                     break
-                heeded = link.heard = True
-                self._speaking = link
-                self._overruled = 0
-                self._carry_out(link.heed(link.serial.read()), link)
-        self._speaking = None
+                heeded = True
+                self._listen(link)
         return heeded
+
+    def _listen(self, link):
+        link.heard = True
+        self._speaking = link
+        self._overruled = 0
+        self._carry_out(link.heed(link.serial.read()), link)
+        self._speaking = None
 
     def _coming(self):
         for link in self.links:
@@ -308,15 +312,13 @@ class App:
         for command in commands:
             command.link = link
             if command.kind == STATUS:
-                self._tell_status(command, link)
-            elif self._overruled and command.kind not in HARMLESS:
-                self.controller.refuse(command, self._overruled)
-                self._answer()
+                self._tell_status(command)
             else:
                 self._begin(command)
 
-    def _tell_status(self, command, link):
+    def _tell_status(self, command):
         """Answer a question for the status directly: as an event the answer would take three calls more."""
+        link = command.link
         answer = command.accepted or Event(ACCEPTED, command)
         answer.value = self.controller.machine.report(True)
         answer = link.protocol.reply(answer)
@@ -327,6 +329,10 @@ class App:
 
     def _begin(self, command):
         link = command.link
+        if self._overruled and command.kind not in HARMLESS:
+            self.controller.refuse(command, self._overruled)
+            self._answer()
+            return
         self._heard |= _WHOLE
         if command.kind in IMMEDIATE or not link.waiting:
             if self.controller.accept(command) == LATER:

@@ -32,6 +32,8 @@ _CALLED = b"_load"
 _RELOCATED, _RODATA, _BSS = 0x10, 0x20, 0x40  # scope flags of viper code
 _TUPLE, _TEXTS, _CONSTANTS = 10, (5, 6), (0, 1, 2, 3, 4)  # objects: a tuple; str and bytes; those without a length
 _HEADER_BYTES = 4
+_HEAP_BLOCK = 16  # bytes, of MicroPython's heap
+_NONE = b"\1"  # an object without a length
 
 
 Module = namedtuple("Module", "functions end names texts")  # see functions()
@@ -164,7 +166,7 @@ def in_place(data, native=False):
     found, end, names, texts = functions(data)
     code = sum(function.length for function in found[1:])
     if found[0].kind != BYTECODE or len(data) <= INLINE_BYTES and code < _WORTH:
-        return data[:end] + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
+        return _apart(data[:end], names) + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
     head, count, first = _head(data, names, found[0].begin)
     out, copied, table = bytearray(head), found[0].begin, bytearray()
     small = max(0, INLINE_BYTES + 1 - len(data))
@@ -196,11 +198,24 @@ def _head(data, names, begin):
     """(what is before the functions, with one name more: _CALLED; how many there are; where they begin)"""
     reader = _Reader(data)
     reader.at = _HEADER_BYTES
-    count = reader.number()
+    count = reader.number() + 1
     constants = reader.at
     reader.number()
-    first = data[:_HEADER_BYTES] + _number(count + 1) + data[constants : reader.at]
-    return first + data[reader.at : names] + _number(2 * len(_CALLED)) + _CALLED + b"\0" + data[names:begin], count + 1, len(first)
+    first = data[:_HEADER_BYTES] + _number(count) + data[constants : reader.at]
+    head = first + data[reader.at : names] + _number(2 * len(_CALLED)) + _CALLED + b"\0"
+    return _apart(head + data[names:begin], len(head)), count, len(first)
+
+
+def _apart(data, names):
+    """`data`, whose names end at `names`, with an object if it has none and its names fill a piece of the heap. Names, two bytes each in
+    whole words, and objects behind them are one piece: where objects would begin, another one does, and would never be collected."""
+    reader = _Reader(data)
+    reader.at = _HEADER_BYTES
+    count = reader.number()
+    constants = reader.at
+    if reader.number() or (count + 1) // 2 * 4 % _HEAP_BLOCK:
+        return data
+    return data[:constants] + b"\1" + data[constants + 1 : names] + _NONE + data[names:]
 
 
 def _number(value):

@@ -53,8 +53,9 @@ class HostWatch(Feature):
         line = self._lines.get(number)
         worked = self._works
         state = machine.state
-        works = state == "run" or state == "jog" or state == "idle" and (self._queue.lit() or machine.spindle != commands.SPINDLE_OFF)
-        self._works = works and line is not None and not machine.unattended
+        self._works = line is not None and not machine.unattended and (
+            state == "run" or state == "jog" or state == "idle" and (self._queue.lit() or machine.spindle != commands.SPINDLE_OFF)
+        )
         if self._retracts:
             self._go_up()
         if line is None:
@@ -62,17 +63,20 @@ class HostWatch(Feature):
         if number != self._number:
             self._asks = False
             self._number = number
-        if not self._works:
-            return
-        machine.awake = True
-        now_ms = machine.port.link_ms()
+        if self._works:
+            machine.awake = True
+            self._listen(line, worked)
+
+    def _listen(self, line, worked):
+        """`line` is that of the link that commands; `worked`: what it has begun was under way in the cycle before, too."""
+        now_ms = self._machine.port.link_ms()
         if not worked:
             self._asked_ms = now_ms
             self._doubt = -1
         if line.was_heard() or not worked:
             self._since_ms = now_ms
             return
-        link = self._links[number]
+        link = self._links[self._number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
             in_time = (self._since_ms - self._asked_ms) & COUNT_MASK < link["lost_ms"]
             if link["protocol"] != _MAY_BE_SILENT or self._asks and self._doubt < 0 and in_time:

@@ -73,7 +73,7 @@ class Start(start.Start):
             code.finish()
             self._said = code.text()
         for name in [name for name in sys.modules if name.rpartition("rp2")[2] in _OF_LOADING]:
-            forget(name)
+            forget(name, True)
         return self._said
 
     def button(self):

@@ -300,9 +300,7 @@ class Grbl:
         """The bytes that tell the sender of `event`."""
         command = event.command
         if command.kind == commands.STATUS:
-            fields = self._lines.fields
-            room = RX_BYTES - fields[LINES_END] + fields[LINES_AT]
-            return self._status.text(event.value, room if room > 0 else 0)
+            return self._report(event.value)
         if command is not self._under_way or command.kind in (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE):
             self._status.overrides = 0  # a report shows it at once
         if command is not self._under_way:
@@ -342,6 +340,10 @@ class Grbl:
                 text += grbl_report.message(grbl_report.PROGRAMME_END)
             text += self._answer("ok")
         return text.encode()
+
+    def _report(self, report):
+        fields = self._lines.fields
+        return self._status.text(report, max(0, RX_BYTES - fields[LINES_END] + fields[LINES_AT]))
 
     def _failed_homing(self, event):
         """True for homing that an alarm has ended. grbl answers ok then, behind the alarm and before its banner."""

@@ -165,43 +165,41 @@ class Status:
 
     def text(self, report, room):
         """As bytes that are good until the next report. `report`: the controller's; `room`: for so many bytes of lines."""
-        gcode = self._gcode
-        if self._offsets_of != gcode.offsets.version or self._system != gcode.system:
+        if self._offsets_of != self._gcode.offsets.version or self._system != self._gcode.system:
             self._wco = 0
             self._take_over()
         elif self._settings_of != self._settings.version:
             self._take_over()
-        out = self._out
-        fields = self._fields
-        seen = report["seen"]
-        fields[REPORT_ROOM + NUMBER_WHOLE] = room
-        self._choose(report, fields, seen[SEEN_LINE] > 0)
-        at = tell_report(out, self._form, fields, seen, report["position"], gcode.axes)
+        self._fields[REPORT_ROOM + NUMBER_WHOLE] = room
+        self._choose(report, report["seen"][SEEN_LINE] > 0)
+        at = self._begin(report)
         pins = report["pins"]
         if pins:
             if pins != self._pins:
                 self._pins = pins
                 self._pressed = ("|Pn:%s\0" % pins).encode()
-            at = tell(out, at, self._pressed, fields)
+            at = tell(self._out, at, self._pressed, self._fields)
         if self._wco and self.overrides:
             self._wco -= 1
             self.overrides -= 1
         else:
             at = self._now_and_then(report, at)
-        out[at] = 62  # >
-        out[at + 1] = 13
-        out[at + 2] = 10
+        self._out[at : at + _END] = b">\r\n"
         at += _END
         if len(self._said) != at:
             self._said = self._view[:at]
         return self._said
 
-    def _choose(self, report, fields, numbered):
+    def _begin(self, report):
+        """Write what each report has. Returns where it ends."""
+        return tell_report(self._out, self._form, self._fields, report["seen"], report["position"], self._gcode.axes)
+
+    def _choose(self, report, numbered):
         """The power, and the form that the state asks for; `numbered`: the line has a number."""
         power = report["power"]
         if power != self._power:
             self._power = power
-            fields[REPORT_RPM + NUMBER_WHOLE] = rounded(power * self._settings.value(SETTING_MAX_RPM), 1_000_000_000)
+            self._fields[REPORT_RPM + NUMBER_WHOLE] = rounded(power * self._settings.value(SETTING_MAX_RPM), 1_000_000_000)
         state = report["state"]
         substate = report["substate"] if state == "hold" or state == "door" else -1
         if state == "alarm" and report["slows"]:  # on its way to the alarm's stand

@@ -148,14 +148,18 @@ class Plotter:
         batch = self.batch
         count = 0
         while data and not self._broken and len(self._bytes) >= PACKET and (batch.begun or batch.open(batch)):
-            batch.count = sift(
-                self._bytes, len(self._bytes), self._before, 0, batch.data, batch.offset, batch.room, batch.most_x, batch.most_y
-            ) >> 2  # fmt: skip
+            batch.count = self._sift() >> 2
             if not batch.count:
                 break
             self._cut(batch.count, now_ms)
             count += batch.accept(batch)
         return b"n" * count
+
+    def _sift(self):  # its variables and stack do not go on the heap, see app.py
+        return sift(
+            self._bytes, len(self._bytes), self._before, 0,
+            self.batch.data, self.batch.offset, self.batch.room, self.batch.most_x, self.batch.most_y,
+        )  # fmt: skip
 
     def feed(self, data, now_ms):
         """Commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""
@@ -163,6 +167,9 @@ class Plotter:
             self._hear(data, now_ms)
         elif not self._bytes and not self._broken:
             return ()
+        return self._commands(now_ms)
+
+    def _commands(self, now_ms):
         commands = []
         quiet = (now_ms - self._latest) & COUNT_MASK >= self.gap_ms
         while not self._broken and len(self._bytes) >= PACKET:
