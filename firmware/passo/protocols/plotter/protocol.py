@@ -165,7 +165,7 @@ class Plotter:
         """Commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""
         if data:
             self._hear(data, now_ms)
-        elif not self._bytes and not self._broken:
+        elif not self._broken and len(self._bytes) < PACKET and (not self._bytes or (now_ms - self._since) & COUNT_MASK < RESYNC_MS):
             return ()
         return self._commands(now_ms)
 
