@@ -31,7 +31,7 @@ from passo.protocols.gcode.parse_viper import accept
 from passo.protocols.gcode.reader import NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
 from passo.protocols.gcode.parse_records import *
-from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M, SETTING_PARKING_END
+from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M
 
 # `fields`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
@@ -48,6 +48,7 @@ class GCode(Motions):
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
         self.changer = None  # of a board with tool_change
+        self.retracts = False  # M2 and M30 may park, see park.py
         self.fields = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self.fields[PARSE_AXES] = len(axes)
         self._ends = memoryview(self.fields)[PARSE_TARGET : PARSE_TARGET + len(axes)]
@@ -397,7 +398,7 @@ class GCode(Motions):
         if code in (0, 100):
             self.commands.append(Command(commands.PAUSE))
             return
-        if self.machine.settings.places(SETTING_PARKING_END) is not None:
+        if self.retracts:
             from passo.protocols.gcode.park import append
 
             append(self)

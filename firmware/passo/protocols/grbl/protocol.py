@@ -35,7 +35,7 @@ from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLO
 from passo.protocols.grbl.real_time import real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
-from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, TRACE_TAKEN
+from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, SETTING_PARKING_END, TRACE_TAKEN
 
 gc.collect()
 try:
@@ -87,6 +87,7 @@ class Grbl:
         self._version = settings.version
         self.gcode.laser = bool(settings.value(SETTING_LASER))
         self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
+        self.gcode.retracts = settings.places(SETTING_PARKING_END) is not None
         self.gcode.forget()
 
     # --- bytes to batches
