@@ -43,12 +43,13 @@ _ROUNDING = const(0x18000)  # P and Q: of G64 how far corners may be rounded; th
 
 
 class GCode(Motions):
+    retracts = False  # M2 and M30 may park, see park.py
+
     def __init__(self, axes, offsets, machine):
         """`axes`: the names of the machine's axes in their order, the first of "xyza"."""
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
         self.changer = None  # of a board with tool_change
-        self.retracts = False  # M2 and M30 may park, see park.py
         self.fields = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self.fields[PARSE_AXES] = len(axes)
         self._ends = memoryview(self.fields)[PARSE_TARGET : PARSE_TARGET + len(axes)]

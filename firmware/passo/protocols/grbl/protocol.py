@@ -87,7 +87,8 @@ class Grbl:
         self._version = settings.version
         self.gcode.laser = bool(settings.value(SETTING_LASER))
         self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
-        self.gcode.retracts = settings.places(SETTING_PARKING_END) is not None
+        if settings.places(SETTING_PARKING_END) is not None:
+            self.gcode.retracts = True
         self.gcode.forget()
 
     # --- bytes to batches
