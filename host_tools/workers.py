@@ -3,8 +3,8 @@
     for item, result in in_processes(work, items, 4): …             # as they end, each item once
     for item, result in on_cluster(work, items, "tcp://host:8786"): …
 
-`work(item)`: a function of a module, which another process imports; so items and results are pickled. A worker that dies costs its item
-only: that is tried again, TRIES times in all, then its result is DIED. What `work` raises ends it all.
+`work(item)`: a function of a module, which another process imports; so items and results are pickled. If a worker
+dies, the item it had is tried again, TRIES times in all; then its result is DIED. What `work` raises ends it all.
 
 A task costs a cluster 4 ms, so small items go there several a task, as many as take _TASK_S. They are tried again together; those of a task
 that has used up its tries are then tried each by itself.

@@ -217,8 +217,8 @@ class App:
         return self._heard
 
     def _heed(self):
-        """Carry out the real-time bytes that have come, so that `?` does not wait behind the controller. Lines are kept while the
-        machine moves: True if bytes came. At a stand they are carried out, too."""
+        """Read the links before the controller's turn, so that `?` does not wait for it. While the machine moves, carry out real-time
+        bytes and keep lines, and return True if bytes came. At a stand carry out all, as _hear(), so that a line sets out sooner."""
         heeded = False
         for link in self.links:
             if link.heed and link.serial.any():
@@ -230,6 +230,7 @@ class App:
         return heeded
 
     def _listen(self, link):
+        """Carry out the real-time bytes that `link` has brought, and keep its lines."""
         link.heard = True
         self._speaking = link
         self._overruled = 0

@@ -53,8 +53,9 @@ def stream():
 
 
 def forget(name, empty=False):
-    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again. `empty`: nobody on a
-    Pico has kept a function of it: a stale word on the stack that leads to one does not keep the rest."""
+    """Give back the memory of a module that only the start needs; if it is imported again, it is loaded again. `empty`: on a Pico, clear
+    its globals too, because a stale word on the stack that points to one of its functions would keep all of them. Default: False,
+    for a module whose functions are still used."""
     module = sys.modules.pop(name, None)
     if module:
         package, _, short = name.rpartition(".")

@@ -207,8 +207,10 @@ def _head(data, names, begin):
 
 
 def _apart(data, names):
-    """`data`, whose names end at `names`, with an object if it has none and its names fill a piece of the heap. Names, two bytes each in
-    whole words, and objects behind them are one piece: where objects would begin, another one does, and would never be collected."""
+    """`data`, whose names end at offset `names`, with one object added if it has none and its names fill their piece of the heap.
+    MicroPython puts the numbers of names, two bytes each in whole words, and behind them the objects into one piece, and keeps a pointer
+    to where objects begin. If names fill the piece and there is no object, that points at the next piece, which is never collected then.
+    Cost: 16 bytes."""
     reader = _Reader(data)
     reader.at = _HEADER_BYTES
     count = reader.number()

@@ -164,7 +164,10 @@ class Controller:
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             machine.note(errors.WORDS_LATE)
-        if self._motors.poll(now_ms, not still and not machine.sleeping, self.queue.tool) or not still or machine.command is not None or machine.drawing or machine.hold or machine.dropping:
+        if (
+            self._motors.poll(now_ms, not still and not machine.sleeping, self.queue.tool)  # first: it runs in each cycle
+            or not still or machine.command is not None or machine.drawing or machine.hold or machine.dropping
+        ):  # fmt: skip
             machine.awake = True
 
     def _stand(self, now_ms):

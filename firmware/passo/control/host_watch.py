@@ -68,7 +68,7 @@ class HostWatch(Feature):
             self._listen(line, worked)
 
     def _listen(self, line, worked):
-        """`line` is that of the link that commands; `worked`: what it has begun was under way in the cycle before, too."""
+        """Act if the host of the link that commands is lost. `line`: what hears it; `worked`: its work was already under way in the last cycle."""
         now_ms = self._machine.port.link_ms()
         if not worked:
             self._asked_ms = now_ms

@@ -36,7 +36,7 @@ class Pauses(pauses.Pauses):
         self._power = 0  # of the tool, there
 
     def heed(self, _=QUEUE_GONE):
-        """What was queued is dropped: there is no path to come back to."""
+        """Forget the way back, because the queue has dropped the block that the axis left."""
         self._detour.forget()
         self._way = 0
         self._machine.away = False

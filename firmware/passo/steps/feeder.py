@@ -31,8 +31,8 @@ class Feeder(Position):
     def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks, burn=None, short_ticks=0):
         """`drive` turns the step form into pin levels, or is None where the step form is what the pins want;
         `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin); `burn`: dots_viper.burn() if the
-        tool takes rows of dots; `short_ticks`: while a line is under way, fill() makes words for so much less
-        time ahead than its `lead_ticks`, so that a hold begins sooner; a line's segments are short, an arc's are not."""
+        tool takes rows of dots; `short_ticks`: while a line is under way, fill() makes words so many ticks less far ahead than
+        `lead_ticks`, so that a hold begins sooner. Not in an arc, whose segments are too long for that. Default: 0."""
         Position.__init__(self, ring, layout, planner, drive)
         self.setup_ticks = setup_ticks
         self.min_word_ticks = min_word_ticks

@@ -105,8 +105,8 @@ class Grbl:
 
     @micropython.native
     def take(self, data, now_ms):
-        """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
-        the answers to them, b"" if there are none; feed() sees to what is kept. None: `data` is not kept, and is for feed()."""
+        """Keep `data`, and queue the kept lines that are nothing but a G0 or G1, as long as nothing is unusual. Returns their answers,
+        or b"" if no line was queued: then call feed() without data. Returns None if `data` was not kept: then call feed() with it."""
         if not self.batch.begun:
             if data and data[_LAST] != _END_OF_LINE:
                 last = data[_LAST]

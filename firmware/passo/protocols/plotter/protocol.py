@@ -155,7 +155,7 @@ class Plotter:
             count += batch.accept(batch)
         return b"n" * count
 
-    def _sift(self):  # its variables and stack do not go on the heap, see app.py
+    def _sift(self):  # without variables of its own, so that the call takes nothing off the heap: see app.py
         return sift(
             self._bytes, len(self._bytes), self._before, 0,
             self.batch.data, self.batch.offset, self.batch.room, self.batch.most_x, self.batch.most_y,
@@ -170,6 +170,7 @@ class Plotter:
         return self._commands(now_ms)
 
     def _commands(self, now_ms):
+        """The commands in the bytes that are kept, and errors for those that time has shown to be torn."""
         commands = []
         quiet = (now_ms - self._latest) & COUNT_MASK >= self.gap_ms
         while not self._broken and len(self._bytes) >= PACKET:
