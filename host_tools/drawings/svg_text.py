@@ -3,13 +3,11 @@
     pieces = collect(element, style_of, lengths)    # letters with their positions and fonts
     lines = outlines(pieces, deviation, left_out)   # polylines, in the element's own coordinates
 
-A font that is not installed is replaced by the one that matplotlib takes for it, and `left_out` is told so. Letters follow
-each other as the font has them; x, y, dx, dy, rotate, textLength, text-anchor, letter-spacing, word-spacing, baseline-shift and
+`left_out` is told of a font that is not installed. Letters follow each other as the font has them; x, y, dx, dy, rotate, textLength, text-anchor, letter-spacing, word-spacing, baseline-shift and
 text-transform are kept, and letters stand on the path of a <textPath>, each by its middle. Vertical text is not drawn; text from right
 to left, small capitals and lines under text are named.
 """
 
-import logging
 import unicodedata
 import warnings
 from dataclasses import dataclass, field
@@ -17,14 +15,10 @@ from functools import lru_cache
 
 import numpy
 
-from host_tools.drawings import svg_geometry
+from host_tools.drawings import svg_font, svg_geometry
 from host_tools.drawings.svg_style import local_name
-from host_tools.language import N_, _
+from host_tools.language import N_
 
-_EM = 100.0  # matplotlib makes letters of this size
-_GENERIC = {"sans-serif": "sans-serif", "serif": "serif", "monospace": "monospace", "cursive": "cursive",
-            "fantasy": "fantasy", "system-ui": "sans-serif", "sans": "sans-serif"}  # fmt: skip
-_USUAL = "Times New Roman,Liberation Serif,serif"  # of a text that names no font, as in browsers
 _DEEPEST = 100
 _SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
@@ -287,8 +281,8 @@ def _advance(run, left_out):
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        width, _, _ = text_to_path.get_text_width_height_descent(run.text, _font(run.style, left_out), False)
-    return (width * run.size / _EM + _spacing(run.style, run.size, run.text)) * run.wide
+        width, _, _ = text_to_path.get_text_width_height_descent(run.text, svg_font.of(run.style, left_out), False)
+    return (width * run.size / svg_font.EM + _spacing(run.style, run.size, run.text)) * run.wide
 
 
 def _ways(runs, left_out):
@@ -296,7 +290,7 @@ def _ways(runs, left_out):
     ways = [_advance(run, left_out) for run in runs]
     for index, (run, after) in enumerate(zip(runs, runs[1:])):
         if (after.style, after.size, after.wide) == (run.style, run.size, run.wide):
-            ways[index] += _kerning(_font(run.style, left_out), run.text[-1:] + after.text[:1]) * run.size * run.wide
+            ways[index] += _kerning(svg_font.of(run.style, left_out), run.text[-1:] + after.text[:1]) * run.size * run.wide
     return ways
 
 
@@ -307,7 +301,7 @@ def _kerning(font, pair):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         whole, *parts = (text_to_path.get_text_width_height_descent(text, font, False)[0] for text in (pair, *pair))
-    return (whole - sum(parts)) / _EM
+    return (whole - sum(parts)) / svg_font.EM
 
 
 def _drawn(run, x, y, deviation, left_out):
@@ -319,12 +313,12 @@ def _drawn(run, x, y, deviation, left_out):
 
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        vertices, codes = text_to_path.get_text_path(_font(run.style, left_out), run.text, False)
+        vertices, codes = text_to_path.get_text_path(svg_font.of(run.style, left_out), run.text, False)
     missing = sum("missing from" in str(each.message) for each in said)
     if missing:
         left_out[N_("letters that the font has not (boxes are drawn for them)")] += missing
-    scale = run.size / _EM
-    y += _baseline(run.style.get("dominant-baseline"), _font(run.style, left_out), run.size)
+    scale = run.size / svg_font.EM
+    y += _baseline(run.style.get("dominant-baseline"), svg_font.of(run.style, left_out), run.size)
     lines = []
     for vertex, code in Path(vertices, codes).iter_segments(curves=True, simplify=False) if len(vertices) else ():
         positions = (vertex[0::2] * scale * run.wide + x) - 1j * (vertex[1::2] * scale - y)
@@ -344,52 +338,4 @@ def _drawn(run, x, y, deviation, left_out):
 def _baseline(name, font, size):
     """How far below its position a line of text stands, by a dominant-baseline, as browsers have it."""
     share = _SHARES.get(name)
-    return sum(part * height for part, height in zip(share, _heights(font))) * size if share else 0.0
-
-
-@lru_cache(maxsize=64)
-def _heights(font):
-    """Ascent, descent and height of an x, as parts of a font's size."""
-    from matplotlib import font_manager
-    from matplotlib.textpath import text_to_path
-
-    file = font_manager.get_font(font_manager.findfont(font))
-    return file.ascender / file.units_per_EM, -file.descender / file.units_per_EM, text_to_path.get_text_width_height_descent("x", font, False)[1] / _EM
-
-
-def _font(style, left_out):
-    families = tuple(
-        part.strip().strip("'\"") for part in style.get("font-family", _USUAL).split(",") if part.strip()
-    )
-    weight = style.get("font-weight", "normal")
-    slant = style.get("font-style", "normal")
-    font, replaced = _found(families, weight, slant)
-    if replaced:
-        left_out[_("the font {}, which is not on this computer ({} is drawn)", families[0], replaced)] = 1
-    return font
-
-
-@lru_cache(maxsize=256)
-def _found(families, weight, slant):
-    """matplotlib's font of a CSS family list, and the name of what stands for it if none of them is installed."""
-    from matplotlib import font_manager
-
-    known = {name.lower(): name for name in font_manager.get_font_names()}
-    chosen = next(
-        (known.get(name.lower()) or _GENERIC.get(name.lower()) for name in families
-         if name.lower() in known or name.lower() in _GENERIC),
-        None,
-    )  # fmt: skip
-    number = int(weight) if weight.isdigit() else 400
-    heavy = {"bold": 700, "bolder": 700, "lighter": 300}.get(weight, number if 1 <= number <= 1000 else 400)
-    font = font_manager.FontProperties(
-        family=[chosen or "sans-serif"], style=slant if slant in ("italic", "oblique") else "normal", weight=heavy, size=_EM
-    )
-    logger = logging.getLogger("matplotlib.font_manager")
-    before = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        name = font_manager.get_font(font_manager.findfont(font)).family_name
-    finally:
-        logger.setLevel(before)
-    return font, None if chosen else name
+    return sum(part * height for part, height in zip(share, svg_font.heights(font))) * size if share else 0.0

@@ -4,6 +4,7 @@ Without these programs the tests skip.
 """
 
 import gzip
+import os
 import random
 import re
 import shutil
@@ -34,7 +35,7 @@ def rsvg_ink(path, tmp_path):
     if not shutil.which("rsvg-convert"):
         pytest.skip("rsvg-convert is not installed: apt-get install librsvg2-bin")
     out = tmp_path / "oracle.png"
-    subprocess.run(["rsvg-convert", "-z", str(SCALE), "-b", "white", "-o", out, path], check=True, env={"LANG": "en_US.UTF-8", "PATH": "/usr/bin:/bin"})
+    subprocess.run(["rsvg-convert", "-z", str(SCALE), "-b", "white", "-o", out, path], check=True, env={**os.environ, "LANG": "en_US.UTF-8", "LANGUAGE": "en", "LC_ALL": "en_US.UTF-8", "PATH": "/usr/bin:/bin"})
     rows, columns = numpy.nonzero(numpy.asarray(Image.open(out).convert("L")) < 128)
     return numpy.column_stack((columns + 0.5, rows + 0.5)) / SCALE
 
@@ -129,7 +130,7 @@ def test_the_edge_of_an_area_is_closed(tmp_path, shape, ends):
 
 
 # What rsvg-convert 2.54 does not do.
-BROWSER = ("a text that names no font", "css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters", "long text", "words apart, capitals",
+BROWSER = ("css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters", "long text", "words apart, capitals",
            "a first dx moves all letters", "lines of text hang, stand and are centred", "letters moved one by one keep close", "a font of no weight",
            "a radius that is missing or negative is the other")  # fmt: skip
 
@@ -145,6 +146,22 @@ def test_svg_as_others_have_it(tmp_path, name):
     on_ours, on_theirs = agreement(ink, lines, 1.6 if thick else 0.9)
     assert on_ours > 0.99 and on_theirs > 0.99, (on_ours, on_theirs)
     assert not page.left_out
+
+
+def test_a_font_that_is_not_installed_is_the_one_that_fontconfig_takes(tmp_path, monkeypatch):
+    """librsvg and browsers ask it too."""
+    if not shutil.which("fc-match"):
+        pytest.skip("fontconfig is not installed: apt-get install fontconfig")
+    (tmp_path / "fonts.conf").write_text(
+        '<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd"><fontconfig><include>/etc/fonts/fonts.conf</include><match target="pattern"><test name="family">'
+        '<string>Never Seen</string></test><edit name="family" mode="prepend" binding="strong"><string>DejaVu Sans Mono</string></edit></match></fontconfig>'
+    )
+    monkeypatch.setenv("FONTCONFIG_FILE", str(tmp_path / "fonts.conf"))
+    path = tmp_path / "a.svg"
+    path.write_text(f'{HEAD}<text x="8" y="60" font-size="30" stroke="none" fill="black" font-family="Never Seen">10mm nap</text></svg>')
+    page = SvgFile(path).outlines(0.02)
+    assert list(page.left_out) == ["the font Never Seen, which is not on this computer (DejaVu Sans Mono is drawn)"]
+    assert min(agreement(rsvg_ink(path, tmp_path), page.layers[1], 1.9)) > 0.99
 
 
 CLIPS = {  # as in resvg's tests masking/clipPath: what is left of an area has an edge all around
