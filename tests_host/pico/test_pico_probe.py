@@ -31,8 +31,9 @@ def test_the_place_is_that_of_the_contact(name, axis, sign, feed, make_machine, 
     start = list(machine.plant.position)
     off = []
     wall = None
-    for turn in range(4):
-        steps = 300 + 37 * turn
+    for turn in range(20):
+        steps = 40 + turn * 37 % 41
+        machine.pico.run(turn * 1237 % 5000)  # contacts at any phase of the main loop
         wall = machine.plant.stock = Wall(number, machine.plant.position[number] + sign * steps, sign)
         for code, way in (("G38.2", sign), ("G38.4", -sign)):
             do(f"G91{code}{axis}{way * 2000 / steps_mm[number]:.3f}F{feed}")

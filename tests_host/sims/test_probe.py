@@ -70,3 +70,27 @@ def test_a_spike_is_not_where_the_probe_touched():
     machine.machine.run_until(lambda: b"ok" in machine.machine.received(), 60_000)
     found, touched = said(machine.machine.take(), [320, 320, 400])
     assert touched and found == wall.met[-1], (found, wall.met)
+
+
+def test_a_contact_behind_the_reading_of_the_pin_is_not_lost():
+    """Most of each cycle lies between the reading and what comes of it: a contact there is no noise. The place is the same to the step."""
+    machine = Asked(router())
+    machine.do("$X", "$H", "G21G90")
+    inputs = machine.machine.app.controller.machine.inputs
+    read = inputs.touched
+
+    def touched():
+        answer = read()
+        machine.machine.port.advance(12_500)
+        return answer
+
+    for turn in range(6):
+        machine.do("G0Z-5")
+        machine.stand()
+        wall = machine.plant.stock = Wall(2, -3600 - 101 * turn, -1)
+        inputs.touched = touched
+        machine.machine.send(b"G38.2Z-20F900\n")
+        machine.machine.run_until(lambda: b"ok" in machine.machine.received(), 60_000)
+        inputs.touched = read
+        found, contact = said(machine.machine.take(), [320, 320, 400])
+        assert contact and found == wall.met[-1], (turn, found, wall.met)

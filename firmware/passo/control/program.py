@@ -264,19 +264,21 @@ class Program(LineBatches):
         machine.active = True
         return 0
 
-    def _poll_probe(self):
+    def _poll_probe(self, still):
+        """`still`: the machine stood before this call."""
         machine = self._machine
         command = machine.command
         queue = self._queue
         if self._touch is not None:
             return
         latch = self._latch
+        seen = latch and latch.seen  # asked before the pin is read: an edge behind that is no noise, and is not to be forgotten
         if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
             self._touch = queue.position(latch if latch and latch.seen else None)
             machine.drop_at_stand()
-        elif queue.still():
+        elif still:
             self._missed(command, 0 if command.value & _PROBE_MAY_MISS else errors.ALARM_PROBE_MISSED)
-        elif latch and latch.seen:  # over by now: noise
+        elif seen:  # over by now: noise
             latch.begin(*queue.lend())
 
     def _missed(self, command, alarm):
@@ -316,7 +318,7 @@ class Program(LineBatches):
             queue.feed()
         if machine.command is not None:
             if machine.busy_with(commands.PROBE):
-                self._poll_probe()
+                self._poll_probe(still)
             elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.at_speed):
                 machine.finish()
         if queue.streams or machine.fresh:
