@@ -61,14 +61,14 @@ class HpglFile:
             raise Failure("{} has no instruction of HPGL", path)
         pen = self._drawn(1.0)
         places = numpy.concatenate([line for inks in pen.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
-        size = pen.sheet.size or (0.0, 0.0)
-        farthest = max(abs(places).max(), *size) / UNITS_PER_MM
+        places = numpy.append(places, pen.sheet.corners())
+        farthest = abs(places).max() / UNITS_PER_MM
         if not farthest < _FARTHEST_MM:
             raise Failure("{}: {} mm is too far away for a drawing", path, farthest)
         self._left, self._bottom = min(0.0, places.real.min()), min(0.0, places.imag.min())
         self.size_px = (
-            max(_LEAST_PX, (max(size[0], places.real.max()) - self._left) * UNIT_PX),
-            max(_LEAST_PX, (max(size[1], places.imag.max()) - self._bottom) * UNIT_PX),
+            max(_LEAST_PX, (places.real.max() - self._left) * UNIT_PX),
+            max(_LEAST_PX, (places.imag.max() - self._bottom) * UNIT_PX),
         )
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):

@@ -47,15 +47,27 @@ class Sheet:
         return place
 
     def inked(self, lines, areas):
-        """(lines, areas) where they are drawn: turned, and cut by the window."""
-        if self._turn:
-            turned = cmath.exp(1j * math.radians(self._turn))
-            lines = [line * turned for line in lines]
-            areas = [affinity.rotate(area, self._turn, origin=(0, 0)) for area in areas]
+        """(lines, areas) where they are drawn: cut by the window, and turned with it."""
         if self._window:
             lines = svg_area.clipped(lines, self._window)
             areas = [area.intersection(self._window) for area in areas]
+        if self._turn:
+            lines = [line * self._turned for line in lines]
+            areas = [affinity.rotate(area, self._turn, origin=(0, 0)) for area in areas]
         return lines, areas
+
+    @property
+    def _turned(self):
+        return cmath.exp(1j * math.radians(self._turn))
+
+    def corners(self):
+        """Two opposite ones of the sheet as it is drawn; 0 and 0 if the file does not say how large it is."""
+        return 0j, complex(*self._page()) * self._turned
+
+    def _page(self):
+        """Width and height as turned numbers have it: untouched by RO, the sheet's long side is x."""
+        size = sorted(self.size or (0.0, 0.0), reverse=True)
+        return size[::-1] if self._turn % 180 else size
 
     # --- instructions
 
@@ -70,11 +82,8 @@ class Sheet:
 
     def relative_ends(self, given):
         """IR: in per cent of the sheet."""
-        width, height = self.size or (_P2.real, _P2.imag)
-        if len(given) >= 4:
-            x1, y1, x2, y2 = given[:4]
-            self._ends = complex(x1 * width, y1 * height) / 100, complex(x2 * width, y2 * height) / 100
-        self._rescale()
+        width, height = self._page() if self.size else (_P2.real, _P2.imag)
+        self.input_ends([share * (height if at % 2 else width) / 100 for at, share in enumerate(given)])
 
     def scale(self, given):
         self._user = given if len(given) >= 4 else None
@@ -106,10 +115,11 @@ class Sheet:
         self._turn = int(given[0]) if given else 0
 
     def clip(self, given):
-        if len(given) < 4:
+        """IW; without numbers the window is the sheet."""
+        if len(given) < 4 and not self.size:
             self._window = None
             return
-        a, b = self.units(*given[:2]), self.units(*given[2:4])
+        a, b = (self.units(*given[:2]), self.units(*given[2:4])) if len(given) >= 4 else (0j, complex(*self._page()))
         self._window = shapely.box(min(a.real, b.real), min(a.imag, b.imag), max(a.real, b.real), max(a.imag, b.imag))
 
     def paper(self, given):

@@ -6,9 +6,11 @@
 """
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from host_tools.drawings import svg_area
+from host_tools.language import N_
+
 
 @dataclass
 class Ink:
@@ -18,6 +20,7 @@ class Ink:
     lines: list  # complex arrays
     areas: list = field(default_factory=list)  # shapely geometries
     rule: str = ""  # "nonzero" or "evenodd": the lines are closed, and the edge of an area without a stroke
+    under: "Ink | None" = None  # that edge, if its stroke is drawn instead
 
 
 @dataclass
@@ -49,14 +52,23 @@ class Page:
         self.fills = {number: self.fills.get(number, []) for number in numbers}
 
 
-def cut(inks, area):
-    """Inks as far as they lie in an area: lines end at its edge, and areas get a new one there."""
-    return [_cut(ink, area) for ink in inks]
+def cut(inks, area, left_out):
+    """Inks as far as they lie in an area: lines end at its edge, and areas get a new one there. It is not drawn, and `left_out` is told so,
+    if the area has a stroke and something of that is left."""
+    return [_cut(ink, area, left_out) for ink in inks]
 
 
-def _cut(ink, area):
+def _cut(ink, area, left_out):
     lines = svg_area.clipped(ink.lines, area) if ink.lines else []
     whole = len(lines) == len(ink.lines) and all(kept is line for kept, line in zip(lines, ink.lines))
-    if ink.rule and not whole:
+    areas = [each.intersection(area) for each in ink.areas]
+    if whole:
+        return replace(ink, areas=areas)
+    if ink.rule:
         lines = svg_area.edges(svg_area.filled(ink.lines, ink.rule).intersection(area))
-    return Ink(ink.colour, lines, [each.intersection(area) for each in ink.areas], ink.rule)
+    elif ink.under and not lines:
+        return _cut(ink.under, area, left_out)
+    under = ink.under and _cut(ink.under, area, left_out)
+    if under and under.lines:
+        left_out[N_("new edge of an area at its clip path (its stroke is drawn)")] += 1
+    return Ink(ink.colour, lines, areas, ink.rule, under)

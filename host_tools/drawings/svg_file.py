@@ -29,6 +29,10 @@ _DEFAULT_PX = 1000.0  # of a file that says neither its size nor its viewBox
 _WAY_PX = 0.05  # how finely the path of a text is followed
 _CLIP_PX = 0.02  # a line along the edge of its clip path is inside: 5 µm
 _HREF = "{http://www.w3.org/1999/xlink}href"
+_FLAT = {  # paints, by svg_paint's kinds
+    "pattern": N_("pattern (the edge of its area is drawn)"), "gradient": N_("gradient (the edge of its area is drawn)"),
+    "context": N_("paint of a <use> or marker around (context-fill, context-stroke)"),
+}  # fmt: skip
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)")
 _DEEPEST = 100  # of elements in elements, <use> and clip paths included
 _DEEPEST_CLIP = 10  # of clip paths, each of which takes long
@@ -60,6 +64,7 @@ class SvgFile:
         if local_name(self._root.tag) != "svg":
             raise Failure("{} is not an SVG file: it begins with <{}>", path, self._root.tag)
         self._by_id = {}
+        self._parents = {child: parent for parent in self._root.iter() for child in parent}
         sheets = []
         self._count = 0
         for element in self._root.iter():
@@ -181,8 +186,9 @@ class SvgFile:
                 self._page.left_out[name] += 1
         if tag in SHAPES or tag == "text":
             kinds = [svg_paint.of(style.get(what, "none"), self._by_id)[1] for what in ("fill", "stroke")]
-            if "pattern" in kinds:
-                self._page.left_out[N_("pattern (the edge of its area is drawn)")] += 1
+            for kind, named in _FLAT.items():
+                if kind in kinds:
+                    self._page.left_out[named] += 1
 
     def _children(self, children, context):
         return [line for child in children for line in self._lines(child, context)]
@@ -219,16 +225,15 @@ class SvgFile:
         return self._shapes.inks(lines, lines if self._fills and svg_style.painted(context.style, "fill") else [], context.style)
 
     def _way_of(self, context):
-        """A function from a <textPath> to the path that its letters stand on, a polyline, or None."""
+        """A function from a <textPath> to the path that its letters stand on, polylines, or None."""
 
         def way(element):
             target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
             if target is None or local_name(target.tag) not in SHAPES:
                 return None
-            matrix = self._matrix(self._style(target, {"font-size": 16.0}), replace(context, matrix=svg_geometry.IDENTITY))
+            matrix = self._matrix(self._style_in_place(target), replace(context, matrix=svg_geometry.IDENTITY))
             segments = self._shapes.segments(local_name(target.tag), target, context, svg_geometry.stretch(matrix))
-            lines = svg_geometry.placed(svg_geometry.flattened(segments, _WAY_PX), matrix)
-            return numpy.concatenate(lines) if lines else None
+            return svg_geometry.placed(svg_geometry.flattened(segments, _WAY_PX), matrix)
 
         return way
 
@@ -264,7 +269,7 @@ class SvgFile:
             return lines
         edge = numpy.array([x + 1j * y, x + width + 1j * y, x + width + 1j * (y + height), x + 1j * (y + height)])
         area = svg_area.filled(svg_geometry.placed([edge], context.matrix), "nonzero")
-        return cut(lines, svg_area.grown(area, _CLIP_PX))
+        return cut(lines, svg_area.grown(area, _CLIP_PX), self._page.left_out)
 
     def _in_view_box(self, element, context, x, y, width, height):
         """The context inside a viewport."""
@@ -294,7 +299,7 @@ class SvgFile:
         if clip is None or local_name(clip.tag) != "clipPath":
             self._page.left_out[N_("clip path that is not in the file")] += 1
             return inks
-        return cut(inks, svg_area.grown(self._area(clip, lines, context), _CLIP_PX))
+        return cut(inks, svg_area.grown(self._area(clip, lines, context), _CLIP_PX), self._page.left_out)
 
     def _area(self, clip, lines, context):
         """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
@@ -306,7 +311,7 @@ class SvgFile:
         matrix = context.matrix
         if clip.get("clipPathUnits") == "objectBoundingBox":
             matrix = svg_geometry.compose(matrix, svg_geometry.box_matrix(lines, matrix))
-        style = self._style(clip, {"font-size": 16.0})
+        style = self._style_in_place(clip)
         around = replace(context, matrix=self._matrix(style, replace(context, matrix=matrix)), style=style, used=(*context.used, clip))
         area = svg_area.filled([], "nonzero")
         for child in clip:
@@ -347,13 +352,19 @@ class SvgFile:
 
     def _style(self, element, inherited):
         style = self._sheet.style(element, inherited)
-        size = inherited.get("font-size", 16.0)
-        own = style.get("font-size", size)
-        style["font-size"] = svg_geometry.length(own, size, size, size) if isinstance(own, str) else own
+        for name, number, usual in (("font-size", svg_style.font_size, 16.0), ("font-weight", svg_style.font_weight, 400)):
+            around = inherited.get(name, usual)
+            own = style.get(name, around)
+            style[name] = number(own, around) if isinstance(own, str) else own
         for what in ("fill", "stroke"):
             if what in style:
                 style[what] = svg_paint.of(style[what], self._by_id)[0]
         return style
+
+    def _style_in_place(self, element):
+        """The style of what is drawn elsewhere than it stands."""
+        parent = self._parents.get(element)
+        return self._style(element, {} if parent is None else self._style_in_place(parent))
 
     def _matrix(self, style, context):
         """The matrix of an element of `style` in a context."""

@@ -1,22 +1,26 @@
 """Fonts of an SVG file's text, among those of this computer.
 
-    font = of(style, left_out)                     # matplotlib's, from font-family, font-weight and font-style
-    ascent, descent, height_of_x = heights(font)   # parts of its size
+    font = of(style, left_out, "text")              # matplotlib's, from font-family, font-weight and font-style
+    ascent, descent, height_of_x = heights(font)    # parts of its size
+    count = missing(font, "text")                   # letters that neither it nor those that stand in for it have
 
 A font that is not installed is replaced by the one that fontconfig takes for it, so that letters are as in librsvg, browsers and Inkscape on
-the same computer; without fontconfig's `fc-match` matplotlib chooses. `left_out` is told so.
+the same computer; without fontconfig's `fc-match` matplotlib chooses. `left_out` is told so. Letters that a font has not come from one that
+has them, also as fontconfig takes it.
 """
 
 import logging
 import re
 import subprocess
+import unicodedata
 from functools import lru_cache
 
-from host_tools.language import _
+from host_tools.language import N_, _
 
 EM = 100.0  # matplotlib makes letters of this size
 _GENERIC = {"sans-serif": "sans-serif", "serif": "serif", "monospace": "monospace", "cursive": "cursive",
             "fantasy": "fantasy", "system-ui": "sans-serif", "sans": "sans-serif"}  # fmt: skip
+_SLANTED = ("italic", "oblique")
 _USUAL = "Times New Roman,Liberation Serif,serif"  # of a text that names no font, as in librsvg
 
 
@@ -30,12 +34,19 @@ def heights(font):
     return file.ascender / file.units_per_EM, -file.descender / file.units_per_EM, text_to_path.get_text_width_height_descent("x", font, False)[1] / EM
 
 
-def of(style, left_out):
-    """matplotlib's font of a style; what stands for one that is not installed is named in `left_out`."""
+def of(style, left_out, text=""):
+    """matplotlib's font of a style, and of those letters of `text` that it has not; what stands for one that is not installed is named in
+    `left_out`."""
     families = tuple(
         part.strip().strip("'\"") for part in style.get("font-family", _USUAL).split(",") if part.strip()
     )
-    font, replaced = _found(families, style.get("font-weight", "normal"), style.get("font-style", "normal"))
+    slant = style.get("font-style", "normal")
+    chosen, font, replaced = _found(families, style.get("font-weight", 400), slant)
+    if slant in _SLANTED and not _is_slanted(font):
+        left_out[N_("slanted letters that the font has not (drawn upright)")] = 1
+    strange = "".join(sorted(each for each in set(text) if missing(font, each)))
+    if strange:
+        font = _with(font, (chosen, *(_fontconfig(families, f":charset={ord(each):x}") for each in strange)))
     if replaced:
         left_out[_("the font {}, which is not on this computer ({} is drawn)", families[0], replaced)] = 1
     return font
@@ -43,30 +54,57 @@ def of(style, left_out):
 
 @lru_cache(maxsize=256)
 def _found(families, weight, slant):
-    """matplotlib's font of a CSS family list, and the name of what stands for it if none of them is installed."""
+    """(name, matplotlib's font) of a CSS family list, and the name of what stands for it if none of them is installed."""
     from matplotlib import font_manager
 
     known = {name.lower(): name for name in font_manager.get_font_names()}
     listed = next((name.lower() for name in families if name.lower() in known or name.lower() in _GENERIC), None)
     chosen = known.get(listed) or known.get(_fontconfig(families).lower()) or _GENERIC.get(listed, "sans-serif")
-    number = int(weight) if weight.isdigit() else 400
-    heavy = {"bold": 700, "bolder": 700, "lighter": 300}.get(weight, number if 1 <= number <= 1000 else 400)
-    font = font_manager.FontProperties(
-        family=[chosen], style=slant if slant in ("italic", "oblique") else "normal", weight=heavy, size=EM
-    )
-    logger = logging.getLogger("matplotlib.font_manager")
-    before = logger.level
-    logger.setLevel(logging.ERROR)
-    try:
-        name = font_manager.get_font(font_manager.findfont(font)).family_name
-    finally:
-        logger.setLevel(before)
-    return font, None if listed else name
+    font = font_manager.FontProperties(family=[chosen], style=slant if slant in _SLANTED else "normal", weight=weight, size=EM)
+    logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # a weight that no font has is no news
+    name = font_manager.get_font(font_manager.findfont(font)).family_name
+    return chosen, font, None if listed else name
 
 
-def _fontconfig(families):
-    """Name of the font that fontconfig takes for a family list, "" without it."""
-    names = ",".join(re.sub(r"([\\,:=-])", r"\\\1", name) for name in families)
+def _with(font, families):
+    """The same, of several families: a letter comes from the first that has it."""
+    from matplotlib import font_manager
+
+    known = set(font_manager.get_font_names())
+    font = font.copy()
+    font.set_family([name for name in dict.fromkeys(families) if name in known] or font.get_family())
+    return font
+
+
+def missing(font, text):
+    """How many letters of `text` no family of a font has."""
+    return sum(unicodedata.category(each)[0] not in "CZ" and not any(ord(each) in letters for letters in _letters(font)) for each in text)
+
+
+@lru_cache(maxsize=256)
+def _letters(font):
+    """The letters of each of a font's families."""
+    from matplotlib import font_manager
+
+    found = []
+    for family in font.get_family():
+        alone = font.copy()
+        alone.set_family([family])
+        found.append(frozenset(font_manager.get_font(font_manager.findfont(alone)).get_charmap()))
+    return found
+
+
+@lru_cache(maxsize=64)
+def _is_slanted(font):
+    from matplotlib import font_manager, ft2font
+
+    return bool(font_manager.get_font(font_manager.findfont(font)).style_flags & ft2font.StyleFlags.ITALIC)
+
+
+@lru_cache(maxsize=1024)
+def _fontconfig(families, of_which=""):
+    """Name of the font that fontconfig takes for a family list, "" without it. `of_which`: what more is asked of it."""
+    names = ",".join(re.sub(r"([\\,:=-])", r"\\\1", name) for name in families) + of_which
     try:
         found = subprocess.run(["fc-match", "-f", "%{family[0]}", names], capture_output=True, text=True, timeout=10, check=True)
     except (OSError, subprocess.SubprocessError):

@@ -9,6 +9,7 @@ A matrix is (a, b, c, d, e, f) as in SVG's matrix(): x' = ax + cy + e, y' = bx +
 
 import math
 import re
+from functools import lru_cache
 
 import numpy
 
@@ -242,14 +243,36 @@ def _data(*parts):
 
 def path_segments(data):
     """svgelements' segments of a path up to its first mistake, and True if there is none."""
-    import svgelements
-
-    path = svgelements.Path()
+    path = _path_type()()
     try:
         path.parse(data)
     except (ValueError, IndexError, TypeError, AttributeError):
         return list(path), False
     return list(path), True
+
+
+@lru_cache(maxsize=1)
+def _path_type():
+    """svgelements' Path, but S goes on from C and S only, T from Q and T only; behind others the control point is the current point."""
+    import svgelements
+
+    class Path(svgelements.Path):
+        _kind = svgelements.CubicBezier
+
+        def smooth_cubic(self, *points, **options):
+            self._kind = svgelements.CubicBezier
+            return super().smooth_cubic(*points, **options)
+
+        def smooth_quad(self, *points, **options):
+            self._kind = svgelements.QuadraticBezier
+            return super().smooth_quad(*points, **options)
+
+        @property
+        def smooth_point(self):
+            follows = len(self) and isinstance(self[-1], self._kind)
+            return super().smooth_point if follows else self.current_point
+
+    return Path
 
 
 def flattened(segments, deviation):

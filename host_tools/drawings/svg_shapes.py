@@ -45,7 +45,8 @@ class Shapes:
             self._page.unpainted += 1
         if filled and not stroked:  # the edge of an area is closed
             lines = [numpy.append(line, line[0]) if len(line) > 2 and line[0] != line[-1] else line for line in lines]
-        rings = svg_geometry.placed(lines, context.matrix) if self._fills and filled and tag != "line" else []
+        edges = svg_geometry.placed(lines, context.matrix) if filled and tag != "line" else []
+        rings = edges if self._fills else []
         for name in ("marker-start", "marker-mid", "marker-end"):
             if style.get(name, "none") != "none":
                 self._page.left_out[N_("marker (arrow head)")] += 1
@@ -53,14 +54,16 @@ class Shapes:
             lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
         if stroked:
             lines = self._dashed(lines, context)
-        return self.inks(svg_geometry.placed(lines, context.matrix), rings, style)
+        return self.inks(svg_geometry.placed(lines, context.matrix), rings, style, edges)
 
-    def inks(self, lines, rings, style):
-        """Lines in the colour of their stroke, or else of their fill, and the area that is filled."""
-        stroked = svg_style.painted(style, "stroke")
-        filled = not stroked and svg_style.painted(style, "fill")
-        inks = [Ink(_colour(style, "stroke" if stroked else "fill"), lines, rule=style.get("fill-rule", "nonzero") if filled else "")]
-        area = svg_area.filled(rings, style.get("fill-rule", "nonzero")) if rings else None
+    def inks(self, lines, rings, style, edges=()):
+        """Lines in the colour of their stroke, or else of their fill, and the area that is filled. `edges`: of the area under a stroke."""
+        rule = style.get("fill-rule", "nonzero")
+        if svg_style.painted(style, "stroke"):
+            inks = [Ink(_colour(style, "stroke"), lines, under=Ink(_colour(style, "fill"), edges, rule=rule) if edges else None)]
+        else:
+            inks = [Ink(_colour(style, "fill"), lines, rule=rule if svg_style.painted(style, "fill") else "")]
+        area = svg_area.filled(rings, rule) if rings else None
         if area is not None and not area.is_empty:
             inks.append(Ink(_colour(style, "fill"), [], [area]))
         return inks

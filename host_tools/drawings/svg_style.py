@@ -7,17 +7,22 @@ Supports the properties that decide whether, where and how an outline is drawn. 
 their selectors; rules of @media hold if a screen would take them. What cannot be read goes to `unknown`.
 """
 
-from functools import lru_cache
+import math
 import re
+from functools import lru_cache
+
+from host_tools.drawings.svg_geometry import length
 
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _INHERITED = frozenset(
     "visibility fill stroke stroke-width stroke-dasharray stroke-dashoffset stroke-linecap clip-rule marker-start "
     "marker-mid marker-end font-family font-size font-style font-weight text-anchor letter-spacing word-spacing white-space "
-    "writing-mode stroke-opacity fill-opacity fill-rule color text-transform direction font-variant dominant-baseline".split()
+    "writing-mode font-stretch font-variation-settings stroke-opacity fill-opacity fill-rule color text-transform direction font-variant dominant-baseline".split()
 )
 _OWN = frozenset("display clip-path mask filter overflow baseline-shift alignment-baseline text-decoration shape-inside opacity transform transform-origin transform-box".split())
 _KNOWN = _INHERITED | _OWN
+_SIZES = {"xx-small": 9.0, "x-small": 10.0, "small": 13.0, "medium": 16.0, "large": 18.0, "x-large": 24.0, "xx-large": 32.0, "xxx-large": 48.0}
+_STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
 _SHORTHANDS = {"marker": ("marker-start", "marker-mid", "marker-end")}
 _SILENT = frozenset("charset namespace font-face keyframes -webkit-keyframes page".split())  # nothing to draw by
 _QUERY = re.compile(r"(?:(?:(not)|only)\s+)?(\w[\w-]*)?(?:\s*and\s*)?(\(.*\))?$", re.S)
@@ -154,6 +159,24 @@ class Sheet:
             if value is not None:
                 style[each] = value
         return style
+
+
+def font_size(text, parent):
+    """px of a font-size; `parent`: of the element around, which stays if it cannot be read or is negative."""
+    if text in _SIZES:
+        return _SIZES[text]
+    size = parent * _STEPS[text] if text in _STEPS else length(text, parent, parent, parent)
+    return size if size >= 0 else parent
+
+
+def font_weight(text, parent):
+    """A font-weight as a number, 1…1000; `parent`: of the element around."""
+    if text == "bolder":
+        return next(weight for below, weight in ((350, 400), (550, 700), (math.inf, max(900, parent))) if parent < below)
+    if text == "lighter":
+        return next(weight for below, weight in ((100, parent), (550, 100), (750, 400), (math.inf, 700)) if parent < below)
+    number = int(text) if text.isdigit() else 700 if text == "bold" else 400
+    return number if 1 <= number <= 1000 else 400
 
 
 def painted(style, what):

@@ -48,20 +48,23 @@ class Letter:
 
 @dataclass
 class Way:
-    """What letters stand on: a polyline, and how far along it they begin."""
+    """What letters stand on: polylines one behind the other, and how far along them they begin."""
 
-    line: numpy.ndarray
+    lines: list
     begin: float
 
     def __post_init__(self):
-        self.along = numpy.concatenate(([0.0], numpy.cumsum(abs(numpy.diff(self.line)))))
+        self.line = numpy.concatenate(self.lines)
+        steps = abs(numpy.diff(self.line))
+        steps[numpy.cumsum([len(line) for line in self.lines])[:-1] - 1] = 0.0  # from one to the next
+        self.along = numpy.concatenate(([0.0], numpy.cumsum(steps)))
 
     def at(self, distance):
         """(place, direction as a complex number of length 1), or None off its ends."""
         if not 0 <= distance <= self.along[-1]:
             return None
         index = min(max(int(numpy.searchsorted(self.along, distance, "right")) - 1, 0), len(self.line) - 2)
-        while index and self.line[index + 1] == self.line[index]:
+        while index and self.along[index + 1] == self.along[index]:
             index -= 1
         step = self.line[index + 1] - self.line[index]
         return self.line[index] + (distance - self.along[index]) * step / abs(step), step / abs(step)
@@ -93,7 +96,7 @@ class _Chunk:
 
 
 def collect(element, style, style_of, viewport, left_out, way_of):
-    """The letters of a <text>, spaces collapsed. `style_of(child, style)` is the style of a <tspan>, `way_of(child)` the polyline of a
+    """The letters of a <text>, spaces collapsed. `style_of(child, style)` is the style of a <tspan>, `way_of(child)` the polylines of a
     <textPath>, or None."""
     letters = []
     _collect(element, style, (style_of, way_of), viewport, left_out, letters, False)
@@ -138,6 +141,8 @@ def _collect(element, style, found_by, viewport, left_out, letters, keep_space, 
                 _collect(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
                 for letter in letters[begin:]:
                     letter.up += _shift(inner.get("baseline-shift"), size)
+        elif tag == "tref":
+            left_out[N_("text of another place (<tref>)")] += 1
         elif tag == "textPath":
             begin, inner = len(letters), style_of(child, style)
             _along(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
@@ -164,6 +169,10 @@ def _name_others(element, style, left_out):
         left_out[N_("small capitals (drawn as small letters)")] += 1
     if style.get("text-decoration", "none").split()[:1] not in (["none"], []):
         left_out[N_("line under, over or through text")] += 1
+    if style.get("font-variation-settings", "normal") != "normal" or style.get("font-stretch", "normal") not in ("normal", "100%"):
+        left_out[N_("letters varied or stretched by their font (drawn as they are)")] += 1
+    if "%" in style.get("letter-spacing", "") + style.get("word-spacing", ""):
+        left_out[N_("space between letters in per cent")] += 1
     if style.get("alignment-baseline", "auto") not in ("auto", "baseline", "alphabetic"):
         left_out[N_("text moved by alignment-baseline")] += 1
 
@@ -190,16 +199,16 @@ def _shift(text, size):
 
 def _along(element, style, found_by, viewport, left_out, letters, keep_space, depth):
     """The letters of a <textPath>."""
-    line = found_by[1](element)
+    lines = found_by[1](element)
     if style.get("display") == "none":
         return
-    if line is None or len(line) < 2 or not abs(numpy.diff(line)).sum():
+    if not lines or not sum(abs(numpy.diff(line)).sum() for line in lines):
         left_out[N_("text along a path that is not in the file")] += 1
         return
     if element.get("side") == "right":
-        line = line[::-1]
+        lines = [line[::-1] for line in reversed(lines)]
     first = len(letters)
-    way = Way(line, 0.0)
+    way = Way(lines, 0.0)
     way.begin = svg_geometry.length(element.get("startOffset"), way.along[-1], float(style["font-size"]))
     _collect(element, style, found_by, viewport, left_out, letters, keep_space, depth)
     for letter in letters[first:]:
@@ -281,7 +290,7 @@ def _advance(run, left_out):
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        width, _, _ = text_to_path.get_text_width_height_descent(run.text, svg_font.of(run.style, left_out), False)
+        width, _, _ = text_to_path.get_text_width_height_descent(run.text, svg_font.of(run.style, left_out, run.text), False)
     return (width * run.size / svg_font.EM + _spacing(run.style, run.size, run.text)) * run.wide
 
 
@@ -290,7 +299,8 @@ def _ways(runs, left_out):
     ways = [_advance(run, left_out) for run in runs]
     for index, (run, after) in enumerate(zip(runs, runs[1:])):
         if (after.style, after.size, after.wide) == (run.style, run.size, run.wide):
-            ways[index] += _kerning(svg_font.of(run.style, left_out), run.text[-1:] + after.text[:1]) * run.size * run.wide
+            pair = run.text[-1:] + after.text[:1]
+            ways[index] += _kerning(svg_font.of(run.style, left_out, pair), pair) * run.size * run.wide
     return ways
 
 
@@ -311,14 +321,15 @@ def _drawn(run, x, y, deviation, left_out):
     from matplotlib.path import Path
     from matplotlib.textpath import text_to_path
 
-    with warnings.catch_warnings(record=True) as said:
-        warnings.simplefilter("always")
-        vertices, codes = text_to_path.get_text_path(svg_font.of(run.style, left_out), run.text, False)
-    missing = sum("missing from" in str(each.message) for each in said)
+    font = svg_font.of(run.style, left_out, run.text)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        vertices, codes = text_to_path.get_text_path(font, run.text, False)
+    missing = svg_font.missing(font, run.text)
     if missing:
         left_out[N_("letters that the font has not (boxes are drawn for them)")] += missing
     scale = run.size / svg_font.EM
-    y += _baseline(run.style.get("dominant-baseline"), svg_font.of(run.style, left_out), run.size)
+    y += _baseline(run.style.get("dominant-baseline"), font, run.size)
     lines = []
     for vertex, code in Path(vertices, codes).iter_segments(curves=True, simplify=False) if len(vertices) else ():
         positions = (vertex[0::2] * scale * run.wide + x) - 1j * (vertex[1::2] * scale - y)
