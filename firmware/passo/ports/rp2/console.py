@@ -15,7 +15,7 @@ from micropython import const
 
 _SIZE = const(512)  # bytes of the buffer: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp2
 _WORDS = const(8192)  # of memory that are looked through: its variables come first
-_PROOFS = const(24)
+_PROOFS = const(12)
 # ringbuf_t of py/ringbuf.h: words, and halfwords.
 _ADDRESS = const(0)
 _EXTENT = const(1)  # the size, and above it where the next byte is read

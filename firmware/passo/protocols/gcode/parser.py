@@ -53,9 +53,10 @@ class GCode(Motions):
         self.fields = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self.fields[PARSE_AXES] = len(axes)
         self._ends = memoryview(self.fields)[PARSE_TARGET : PARSE_TARGET + len(axes)]
+        self._system_known = None  # the system, its offsets and the travel that `fields` knows
         self._offsets_known = 0
         self._level = 0  # power of the modal state, thousandths
-        self._reach = None  # the travel that `fields` knows
+        self._reach = None
         self._unknown = True  # `fields` does not say where it is
         self.reset()
 
@@ -88,6 +89,7 @@ class GCode(Motions):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
         self.leave_batch()
         self._steps = [None] * self.axes
+        self._system_known = None
 
     def leave_batch(self):
         """What the last plain lines have changed is known here, too; the next one finds out anew where it is."""
@@ -169,35 +171,49 @@ class GCode(Motions):
             return False
         self._settle()
         fields = self.fields
+        if (
+            self.system != self._system_known or self.offsets.version != self._offsets_known or self._reach is not batch.reach
+        ) and not self._know_axes(batch.reach):  # fmt: skip
+            return False
+        positions = self.position
+        for axis in range(fields[PARSE_NAMED]):
+            if abs(positions[axis]) > _FARTHEST_NM:
+                return False
+            fields[PARSE_POSITION + axis] = positions[axis]
+        self._ends[:] = batch.target
         fields[PARSE_RELATIVE] = 0 if self.absolute else 1
         fields[PARSE_INCHES] = 1 if self.inches else 0
         fields[PARSE_MODAL] = self.motion // 100
         fields[PARSE_ARCS] = 1 if self.plane == 17 and self.axes > 1 and self.machine.arcs is not None else 0
         fields[PARSE_FEED] = self.feed
         fields[PARSE_NUMBER] = self.number
-        fields[PARSE_LEAST] = 1
-        self._reach = batch.reach
-        fields[PARSE_NAMED] = 3 if self.turns else self.axes  # degrees are for the full parser
-        for axis in range(self.axes):
-            offset = self.offsets.of(self.system, axis)
-            resolution = self.machine.steps_per_m[axis]
-            if axis < fields[PARSE_NAMED]:
-                if max(abs(self.position[axis]), abs(offset)) > _FARTHEST_NM or resolution > FARTHEST:
-                    return False
-                fields[PARSE_POSITION + axis] = self.position[axis]
-                fields[PARSE_OFFSET + axis] = offset
-            fields[PARSE_RESOLUTION + axis] = resolution
-            fields[PARSE_TARGET + axis] = self._steps[axis]
-            fields[PARSE_LEAST] += 25_000_000 // resolution
-            low, high = (-FARTHEST, FARTHEST) if self._reach is None else (self._reach[0][axis], self._reach[1][axis])
-            fields[PARSE_LOW + axis] = max(low, -FARTHEST) + BIAS
-            fields[PARSE_HIGH + axis] = min(high, FARTHEST) + BIAS
         fields[PARSE_RPM] = self.rpm
         fields[PARSE_FULL] = self._full()
         self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._level = thousandths(self._power)
-        self._offsets_known = self.offsets.version
         self._unknown = False
+        return True
+
+    def _know_axes(self, reach):
+        """Fill in what the modal state of `fields` does not change. False if that is not for plain lines."""
+        fields = self.fields
+        self._system_known = None
+        fields[PARSE_LEAST] = 1
+        fields[PARSE_NAMED] = 3 if self.turns else self.axes  # degrees are for the full parser
+        for axis in range(self.axes):
+            resolution = self.machine.steps_per_m[axis]
+            if axis < fields[PARSE_NAMED]:
+                offset = self.offsets.of(self.system, axis)
+                if abs(offset) > _FARTHEST_NM or resolution > FARTHEST:
+                    return False
+                fields[PARSE_OFFSET + axis] = offset
+            fields[PARSE_RESOLUTION + axis] = resolution
+            fields[PARSE_LEAST] += 25_000_000 // resolution
+            fields[PARSE_LOW + axis] = BIAS + (-FARTHEST if reach is None else max(reach[0][axis], -FARTHEST))
+            fields[PARSE_HIGH + axis] = BIAS + (FARTHEST if reach is None else min(reach[1][axis], FARTHEST))
+        self._reach = reach
+        self._offsets_known = self.offsets.version
+        self._system_known = self.system
         return True
 
     def take_arc(self, batch):
