@@ -247,8 +247,10 @@ class App:
         """True while more bytes are coming, or a PC may be about to send them, and the machine may wait for them. What has been
         asked for moves at once."""
         now_ms = self.port.machine_ms()
+        if heard == _PART:
+            return (now_ms - self._looked_ms) & COUNT_MASK < _LOOK_MS
         moves = self.feeder.open
-        coming = heard == _PART or not (heard & _LINES and moves) and self._coming()
+        coming = not (heard & _LINES and moves) and self._coming()
         if heard & _WHOLE:
             if not coming:
                 self.controller.queue.begin()
@@ -300,6 +302,7 @@ class App:
             self._answer()
             self._heard |= _WHOLE
 
+    @micropython.native
     def _receive(self, link, data):
         """The commands in what the line brings: each is to be answered before the next is asked for."""
         if data:
@@ -351,11 +354,12 @@ class App:
         take = link.take
         serial = link.serial
         now_ms = self._now_ms
+        moves = link.batch.moves
         more = _MORE
         while True:
             answers = take(data, now_ms)
             if answers:
-                if not self.feeder.open and self.interrupt and not serial.any():
+                if moves and not self.feeder.open and self.interrupt and not serial.any():
                     self._set_off(link)
                 serial.write(answers)
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:

@@ -13,9 +13,12 @@ from micropython import const
 
 LINES = const(0)
 POINTS = const(1)
+POINT_BYTES = const(5)
 
 
 class _Batch:
+    moves = True  # the machine sets out by what is taken
+
     def __init__(self, link):
         self.link = link  # its number
         self.count = 0  # rows filled last
@@ -50,9 +53,10 @@ class Lines(_Batch):
 
 
 class Points(_Batch):
-    """Points of five bytes each: 1 for a line or 0, x and y in steps, high byte first."""
+    """Points of POINT_BYTES each: 1 for a line or 0, x and y in steps, high byte first. They are kept until DRAW."""
 
     kind = POINTS
+    moves = False
 
     def __init__(self, link):
         _Batch.__init__(self, link)

@@ -3,7 +3,7 @@
 from micropython import const
 
 from passo import commands, errors
-from passo.batch import POINTS
+from passo.batch import POINT_BYTES, POINTS
 from passo.control.counted_job import CountedJob
 from passo.control.feature import HOMING, WORK_GONE, Feature
 from passo.control.point_buffer import PointBuffer
@@ -24,6 +24,7 @@ class Drawing(Feature):
         self.points = PointBuffer(board["store_points"])
         self.speed = board["speed"]["default"]
         self.drawn = 0  # points of the object drawn so far
+        self._travel_of = self._travel = None  # the settings' version that the farthest x and y are of
         self._taken = 0  # points taken from the buffer for this object
         self._job = machine.job = CountedJob()
 
@@ -92,24 +93,30 @@ class Drawing(Feature):
 
     def open(self, batch):
         machine = self._machine
-        if machine.commander != batch.link or machine.unready() or machine.command is not None or machine.active:
+        if machine.command is not None or machine.active or machine.commander != batch.link or machine.unready():
             return False
         reserved = self.points.reserve()
         if reserved is None:
             return False
         batch.data, batch.offset, batch.room = reserved
-        reach = self._queue.reach
-        batch.most_x = reach(0)[1]
-        batch.most_y = reach(1)[1]
+        if self._travel_of != machine.settings.version:
+            self._travel_of = machine.settings.version
+            self._travel = self._queue.reach(0)[1], self._queue.reach(1)[1]
+        batch.most_x, batch.most_y = self._travel
         batch.begun = True
         return True
 
     def accept(self, batch):
-        self._begin()
-        self.points.count += batch.count
-        if not self.open(batch):
-            batch.room = 0
-        return batch.count
+        count = batch.count
+        points = self.points
+        if not points.count:
+            self._begin()
+        points.count += count
+        batch.offset += POINT_BYTES * count
+        batch.room -= count
+        if not batch.room:  # of this piece of memory
+            self.open(batch)
+        return count
 
     def close(self, batch):
         batch.begun = False  # nothing moves by a point

@@ -2,7 +2,8 @@
 
 from micropython import const
 
-_POINT = const(5)
+from passo.batch import POINT_BYTES
+
 _CHUNK = const(256)  # points of one piece of memory: a board rarely has room for all in one
 
 
@@ -32,7 +33,7 @@ class PointBuffer:
     def _chunk(self, index):
         chunk = self._chunks[index // _CHUNK]
         if chunk is None:
-            chunk = self._chunks[index // _CHUNK] = self._spare or bytearray(_POINT * _CHUNK)
+            chunk = self._chunks[index // _CHUNK] = self._spare or bytearray(POINT_BYTES * _CHUNK)
             self._spare = None
         return chunk
 
@@ -40,7 +41,7 @@ class PointBuffer:
         """Append a point. The caller has seen that free() > 0."""
         index = (self._first + self.count) % self._size
         data = self._chunk(index)
-        at = index % _CHUNK * _POINT
+        at = index % _CHUNK * POINT_BYTES
         data[at] = 1 if tool else 0
         data[at + 1] = x >> 8
         data[at + 2] = x & 255
@@ -51,17 +52,20 @@ class PointBuffer:
     def reserve(self):
         """(bytes, the first of them, points) that the next points may be put into, five bytes each: tool 0 or 1, x and y,
         high byte first; `count` is to be raised by how many they were. None if there is no room."""
-        room = self.free()
+        room = self.capacity - self.count
         if not room:
             return None
         index = (self._first + self.count) % self._size
         at = index % _CHUNK
-        return self._chunks[index // _CHUNK], _POINT * at, min(room, _CHUNK - at)
+        try:
+            return self._chunk(index), POINT_BYTES * at, min(room, _CHUNK - at)
+        except MemoryError:
+            return None
 
     def take(self):
         """The oldest point, as (x, y, tool); it leaves the store."""
         data = self._chunk(self._first)
-        at = self._first % _CHUNK * _POINT
+        at = self._first % _CHUNK * POINT_BYTES
         self._first = (self._first + 1) % self._size
         self.count -= 1
         if not self._first % _CHUNK and self._spare is None and self.count < self._size - _CHUNK:  # else the newest points lie there
