@@ -188,7 +188,7 @@ class GCode(Motions):
         fields[PARSE_FEED] = self.feed
         fields[PARSE_NUMBER] = self.number
         fields[PARSE_RPM] = self.rpm
-        fields[PARSE_FULL] = self._full()
+        fields[PARSE_FULL] = _ANY if self.spindle == 5 else self.max_rpm if self.laser else _SAME
         self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._level = thousandths(self._power)
         self._unknown = False
@@ -243,11 +243,6 @@ class GCode(Motions):
             return False
         accept(fields, batch.rows, 0)
         return True
-
-    def _full(self):
-        if self.spindle == 5:
-            return _ANY
-        return self.max_rpm if self.laser else _SAME
 
     def _line(self):
         found = self._found
