@@ -7,9 +7,13 @@
 
 Boards are spoken to by the machines behind `passo panel`'s page (host_tools/page): they are asked for reports, and stopped. Nothing else
 is sent to them.
+
+A STOP is carried out by the thread of its connection, whatever the loop does meanwhile: the file of a job of one board may take it seconds. Each board has a
+lock for that.
 """
 
 import selectors
+import threading
 import time
 
 from host_tools.language import _
@@ -29,6 +33,7 @@ class _Board:
     def __init__(self, name, language, board, make_port, link, changed, key, about):
         self.name = name
         self._link = link
+        self._lock = threading.RLock()
         self.telling = Telling()
         self._port = make_port(lambda fd, opened: changed(self, fd, opened))
         self._machine = languages.create(language, board, self._port.write, self._hear).machine
@@ -42,6 +47,13 @@ class _Board:
         self._pressed = True  # one that is closed as the link begins may be stuck: it counts once it has been seen open
         self._begun_s = None  # not looked at yet
         self._told_s = 0.0
+        link.stopped = self.stop
+
+    def stop(self):
+        """Somebody at the broker says so: from the thread of the connection."""
+        with self._lock:
+            self._machine.stop()
+            self.telling.stopped()
 
     def attached(self, opened):
         self._machine.attached(opened)
@@ -54,15 +66,27 @@ class _Board:
             self.work.refused(event["text"])
 
     def read(self):
-        data = self._port.read()
-        if data:
-            self._machine.feed(data, clock_ms())
+        with self._lock:
+            data = self._port.read()
+            if data:
+                self._machine.feed(data, clock_ms())
 
     def poll(self, now_s):
+        with self._lock:
+            self._poll(now_s)
+
+    def shown(self):
+        """What the page at the machine shows."""
+        with self._lock:
+            return {"name": self.name, **self.work.shown(), **self.telling.told}
+
+    def act(self, what):
+        """See Work.act()."""
+        with self._lock:
+            return self.work.act(what)
+
+    def _poll(self, now_s):
         self._begun_s = self._begun_s or now_s
-        if self._link.stops():
-            self._machine.stop()
-            self.telling.stopped()
         self._port.look()
         self._machine.poll(clock_ms())
         if self.work:
@@ -115,13 +139,13 @@ class Agent:
 
     def machines(self):
         """What the page at the machine shows: [{"name", "how", "job", "text", "state", "alarm", "progress", "left"}] of those that take jobs."""
-        return [{"name": board.name, **board.work.shown(), **board.telling.told} for board in self._boards if board.work]
+        return [board.shown() for board in self._boards if board.work]
 
     def do(self, name, what):
         """An order of who stands at the machine `name`: see Work.act(). Returns "", or why not."""
         for board in self._boards:
             if board.name == name and board.work:
-                return board.work.act(what)
+                return board.act(what)
         return _("no machine {} takes jobs here", name)
 
     def _changed(self, board, fd, opened):

@@ -3,7 +3,7 @@
     link = Link(Broker("192.168.1.20"), "plotter-3")
     link.tell({"state": "idle", …})         # publishes the topics that have changed, all of them behind each connection
     link.log({"what": "alarm", …})          # not retained; waits while there is no connection, the oldest are dropped
-    link.stops()                            # True once after each STOP, for this machine or for all
+    link.stopped = function                 # called for each STOP, for this machine or for all, from the connection's own thread
     link.heard()                            # what the shop has said, [(SHOP or ORDER, text)], if the machine takes jobs
     link.parcel.ask(sha, parts)             # a file that the shop has put on the broker
     link.parcel.data()                      # its bytes, once they are all there and right
@@ -117,7 +117,7 @@ class Link:
         self._why = ""  # the last reason that it has heard
         self._told = {}
         self._fresh = threading.Event()  # connected anew: the broker may have forgotten all
-        self._stop = threading.Event()
+        self.stopped = lambda: None
         self._waiting = collections.deque(maxlen=_MOST_WAITING)
         self._client = broker.client(f"{ROOT}-{name}")
         self.parcel = Parcel(self._client)
@@ -153,7 +153,7 @@ class Link:
     def _hear(self, client, userdata, message):
         what = message.topic.rpartition("/")[2]
         if what == STOP:
-            self._stop.set()
+            self.stopped()
         elif what in (SHOP, ORDER):
             self._heard.append((what, message.payload.decode(errors="replace")))
         else:
@@ -164,12 +164,6 @@ class Link:
         while self._heard:
             found.append(self._heard.popleft())
         return found
-
-    def stops(self):
-        if not self._stop.is_set():
-            return False
-        self._stop.clear()
-        return True
 
     @property
     def up(self):

@@ -296,8 +296,9 @@ class Work:
         return done
 
     def _last(self):
+        """The last line that may move; looked for from the end, for a machine that waits asks again and again."""
         lines = self._job.files.programs()[0][1]
-        return max([number for number, line in lines if any(letter in line.upper() for letter in b"XYZ")], default=0)
+        return next((number for number, line in reversed(lines) if any(letter in line.upper() for letter in b"XYZ")), 0)
 
     def _go_on(self):
         """Released, or told to go on: home or unlock the machine if it wants that, then what is next."""

@@ -236,7 +236,7 @@ class Plant:
         for i, mask, decode, sign, carriage, barrier in self._axes:
             if changed & mask:
                 steps = decode(tick, levels, changed)
-                if self._belt and i < 2:
+                if self._belt and i < 2 and steps:
                     moved = self._belt.pull(tick, i, steps * sign) or moved
                 elif steps and self._move(tick, carriage, steps * sign):
                     moved = True

@@ -74,9 +74,6 @@ class NoBroker:
     def heard(self):
         return []
 
-    def stops(self):
-        return False
-
     def log(self, event):
         pass
 

@@ -41,6 +41,7 @@ from passo.steps.wiring import inverted_pins, muted_pins, word_times
 
 TICK_NS = 80
 COARSE_TICKS = 8 * TICKS_PER_MS  # a cycle in motion: well inside the 30 ms that the feeder keeps ahead
+CATCH_UP_TICKS = 2 * COARSE_TICKS  # a cycle in motion of real time that is behind: fewer cycles let it come level
 FINE_TICKS = 2 * TICKS_PER_MS  # a cycle while homing, about as long as a chip's; an edge within it is kept by the pin's interrupt
 IDLE_MS = 5  # the longest sleep of an idle cycle
 LAG_TICKS = 100 * TICKS_PER_MS  # real time further behind than this is given up, not caught up with
@@ -227,15 +228,16 @@ class VirtualPort:
         self._anchor_tick = self.now
 
     def _follow(self, pending, quantum):
-        """Follow the wall clock, by at most `quantum` while something is pending; sleep once level with it."""
+        """Follow the wall clock while something is pending, by cycles of `quantum`, or twice that in motion; sleep once level with it."""
+        most = CATCH_UP_TICKS if quantum == COARSE_TICKS else quantum
         behind = self._anchor_tick + (wall_ns() - self._anchor_ns) // TICK_NS - self.now
         if pending and behind > LAG_TICKS:
             self._anchor()
-            behind = quantum
+            behind = most
         if behind > 0:
             # At rest by whole milliseconds: what begins next sees the same of them whenever it begins.
-            self.advance(min(behind, quantum) if pending else behind - behind % TICKS_PER_MS)
-        if self._sleep and (not pending or behind < quantum):
+            self.advance(min(behind, most) if pending else behind - behind % TICKS_PER_MS)
+        if self._sleep and (not pending or behind <= most):
             self._sleep(max(1, quantum // (2 * TICKS_PER_MS)) if pending else IDLE_MS)
 
 
