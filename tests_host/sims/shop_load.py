@@ -321,10 +321,11 @@ class Load:
         self.boards[name] = subprocess.Popen([sys.executable, __file__, "--board", str(self.folder / name), self.mode], stdout=subprocess.PIPE, stderr=open(self.folder / name / "stderr", "ab"))
 
     def start_agent(self, at):
+        """As docs/passo-agent.service does: before the boards, which have processors of their own in a shop. If this user may not, like all others."""
         ports = [word for name in self.groups[at] for word in ("--port", f"{name}={self.folder}/{name}/port")]
         out = self.folder / f"agent-{at}.out"
         self.agents[at] = subprocess.Popen(
-            [sys.executable, "-m", "host_tools.cli", "agent", *ports, "--protocol", "grbl", "--board", str(self.board_file), "--broker", f"127.0.0.1:{self.proxy.port}",
+            ["nice", "-n", "-10", sys.executable, "-m", "host_tools.cli", "agent", *ports, "--protocol", "grbl", "--board", str(self.board_file), "--broker", f"127.0.0.1:{self.proxy.port}",
              "--shop-key", str(self.key_file), "--at-machine", "0"],
             stdout=open(out, "wb"), stderr=open(self.folder / f"agent-{at}", "ab"),
         )  # fmt: skip
