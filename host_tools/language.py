@@ -91,6 +91,44 @@ def reworded(text, sentences):
     return text
 
 
+@lru_cache(maxsize=1000)
+def in_languages(text):
+    """{language: `text` in it} of what another program has said in one of LANGUAGES, fields too; it may be none of our texts. "" of none."""
+    if not text:
+        return ""
+    words = catalogue("pt").words
+    if text in words:
+        return {"en": text, "pt": words[text]}
+    for english, portuguese in words.items():
+        if portuguese == text:
+            return {"en": english, "pt": portuguese}
+    for pair, patterns in _with_fields():
+        found = next(filter(None, (pattern.fullmatch(text) for pattern in patterns)), None)
+        if found:
+            fields = [in_languages(each) for each in found.groups()]
+            return {language: _refilled(form, [field[language] for field in fields]) for language, form in zip(LANGUAGES, pair)}
+    return {"en": text, "pt": text}
+
+
+_FIELD = re.compile(r"\{[^{}]*\}")
+
+
+@lru_cache(maxsize=1)
+def _with_fields():
+    """[((English, Portuguese), (pattern of each))] of texts with fields: what has most words of its own comes first."""
+
+    def pattern(text):
+        return re.compile("(.*?)".join(map(re.escape, _FIELD.split(text))), re.DOTALL)
+
+    words = [pair for pair in catalogue("pt").words.items() if _FIELD.search(pair[0]) and _FIELD.findall(pair[0]) == _FIELD.findall(pair[1])]
+    words.sort(key=lambda pair: len(_FIELD.sub("", pair[0])), reverse=True)
+    return [(pair, tuple(map(pattern, pair))) for pair in words]
+
+
+def _refilled(form, fields):
+    return "".join(part + field for part, field in zip(_FIELD.split(form), [*fields, ""]))
+
+
 def board_file_error(text):
     """What the firmware says of a wrong board file, in the language chosen."""
     return reworded(text, _sentences(chosen()))

@@ -48,8 +48,10 @@ def check(
 
     A program in a dialect of its own is compiled first (passo compile); errors name the program's lines.
 
-    Of a folder all programs in it are checked, each a line of one table. A worker that dies costs its program only, which is tried
-    again. On a cluster (pip install '.[cluster]' on each computer) programs, board file and tool table travel to the workers.
+    Of a folder all programs in it are checked, each a line of one table. If a process of --workers dies, its program is tried again.
+
+    --dask checks on a cluster: programs, board file and tool table travel to its workers, small programs up to 16 together. If a worker dies,
+    what it had is tried again on another one. Install Passo there with pip install '.[cluster]', and start workers with docs/dask.yaml.
 
     A million words take about a second if MicroPython is installed (pip install '.[check]', Linux), else three. Memory does not
     grow with the file.

@@ -77,9 +77,12 @@ class Parcel:
     def __init__(self, client):
         self._client = client
         self._topic, self._sha, self._pieces = "", "", []
+        self._fresh = False  # a piece has come since the file was looked at
+        self.wrong = False  # all pieces are there, and are another file
 
     def ask(self, sha, parts):
         self.drop()
+        self._fresh = self.wrong = False
         self._sha, self._pieces = sha, [None] * parts
         self._topic = f"{ROOT}/{FILE}/{sha}/"
         self.subscribe()
@@ -92,12 +95,16 @@ class Parcel:
         number = topic[len(self._topic) :]
         if self._topic and topic.startswith(self._topic) and number.isdigit() and int(number) < len(self._pieces):
             self._pieces[int(number)] = data
+            self._fresh = True
 
     def data(self):
-        """All bytes; None: they are not all there, or others than the shop has signed."""
-        pieces = list(self._pieces)
-        data = b"" if None in pieces else b"".join(pieces)
-        return data if data and hashlib.sha256(data).hexdigest() == self._sha else None
+        """All bytes, once; None: they are not all there, or others than the shop has signed, see wrong."""
+        if not self._fresh or None in self._pieces:
+            return None
+        self._fresh = False
+        data = b"".join(self._pieces)
+        self.wrong = hashlib.sha256(data).hexdigest() != self._sha
+        return None if self.wrong else data
 
     def drop(self):
         if self._topic:

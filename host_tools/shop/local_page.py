@@ -11,6 +11,7 @@ import threading
 from pathlib import Path
 
 from host_tools.failure import Failure, reason
+from host_tools.language import in_languages
 from host_tools.panel.server import HEADERS, App
 from host_tools.resources import FIRMWARE
 from microdot import Request, Response
@@ -53,7 +54,8 @@ def make_app(machines, do):
 
     @app.get("/machines")
     async def shown(request):
-        return json.dumps(await asyncio.to_thread(machines)), 200, {"Content-Type": "application/json"}
+        found = [each | {key: in_languages(each.get(key, "")) for key in ("text", "alarm")} for each in await asyncio.to_thread(machines)]
+        return json.dumps(found), 200, {"Content-Type": "application/json"}
 
     @app.get("/<name>")
     async def file(request, name):
@@ -66,7 +68,7 @@ def make_app(machines, do):
             name, what = str(body["name"]), str(body["do"])
         except (ValueError, KeyError, TypeError):
             return {"text": "no order"}, 400
-        return {"text": await asyncio.to_thread(do, name, what)}
+        return {"text": in_languages(await asyncio.to_thread(do, name, what))}
 
     return app
 

@@ -10,6 +10,7 @@ import signal
 from pathlib import Path
 
 from host_tools.failure import Failure
+from host_tools.language import in_languages
 from host_tools.page.pages import ServedPages
 from host_tools.panel.panel import FOLDER, names_of
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
@@ -24,7 +25,8 @@ _PAGES = 30
 _MOST_COPIES = 200
 _PIECE = 32_768
 _SHOWN = 300  # jobs
-_TOLD = ("how", "job", "line", "text", "kind", "tool", "page", "state", "progress", "left", "alarm")
+_TOLD = ("how", "job", "line", "kind", "tool", "page", "state", "progress", "left")
+_SAID = ("text", "alarm")  # in the language of the agent: a page has its own
 
 
 class ShopPages(ServedPages):
@@ -107,7 +109,7 @@ class Shop:
         try:
             made, data, facts = await asyncio.to_thread(drop.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
         except Failure as failure:
-            self.server.pages.tell({"t": "dropped", "name": name, "text": failure.told()})
+            self.server.pages.tell({"t": "dropped", "name": name, "text": in_languages(failure.told())})
             return
         self.book.add(data, made, {**wants, **facts}, copies)
         self.server.pages.tell({"t": "dropped", "name": name, "text": "", "copies": copies})
@@ -132,12 +134,13 @@ class Shop:
         if self._seen != book.changed:
             self._seen = book.changed
             self._jobs = [
-                {"id": job.id, "name": job.name, "state": job.state, "machine": job.machine, "wants": job.wants, "line": job.line, "text": job.text, "sha": job.sha}
+                {"id": job.id, "name": job.name, "state": job.state, "machine": job.machine, "wants": job.wants, "line": job.line, "text": in_languages(job.text), "sha": job.sha}
                 for job in book.jobs(_SHOWN)
             ]  # fmt: skip
             self._counts, self._used = book.counts(), book.used()
         machines = [
-            {"name": name, **{key: told.get(key, "") for key in _TOLD}} for name, told in sorted(self.desk.machines.items()) if told.get("state") or told.get("how")
+            {"name": name, **{key: told.get(key, "") for key in _TOLD}, **{key: in_languages(told.get(key, "")) for key in _SAID}}
+            for name, told in sorted(self.desk.machines.items()) if told.get("state") or told.get("how")
         ]  # fmt: skip
         return {"machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.desk.up}
 

@@ -250,8 +250,12 @@ class Work:
         self._quiet_s = time.monotonic()
 
     def _fetch(self):
+        if self._job.record is None:
+            return
         data = self._parcel.data()
-        if data is None or self._job.record is None:
+        if self._parcel.wrong:
+            self.text = _("the file at the broker is not the one that the shop has signed")
+        if data is None:
             return
         try:
             lines = _lines_of(data)

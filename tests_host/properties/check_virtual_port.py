@@ -2,7 +2,7 @@
 
 from draws import Random
 from passo.ports import virtual
-from passo.ports.virtual import COARSE_TICKS, FINE_TICKS, IDLE_MS, Nothing, VirtualPort
+from passo.ports.virtual import CATCH_UP_TICKS, COARSE_TICKS, FINE_TICKS, IDLE_MS, Nothing, VirtualPort
 from passo.steps.ring import Ring
 from passo.steps.word import TICKS_PER_MS, Layout
 
@@ -278,6 +278,13 @@ def check_real_time_follows_the_wall_and_never_skips():
         wall.ns += 3600 * 1000000000
         port.wait(True)
         assert port.now == before + COARSE_TICKS, "motion goes on where it was"
+        before, times = port.now, len(wall.slept)
+        wall.ns += 40 * 1000000
+        port.wait(True)
+        port.wait(True)
+        assert port.now == before + 2 * CATCH_UP_TICKS and len(wall.slept) == times, "it comes level by long cycles, without a sleep"
+        port.wait(True, True)
+        assert port.now == before + 2 * CATCH_UP_TICKS + FINE_TICKS, "not while it homes"
     finally:
         wall.close()
 

@@ -41,6 +41,7 @@ def board_file(folder):
     board = dict(boards.load("corexy_plotter"), name=KIND)
     board["axes"] = [dict(axis, steps_per_m=1000 * STEPS_MM, travel_steps=600) for axis in board["axes"]]
     board["homing"] = dict(board["homing"], seek_steps_s=600, pull_off_steps=20)
+    board["inputs"] = [*board["inputs"], {"name": "resume", "pin": 22, "active": 0, "pull": "up"}]
     board["speed"] = dict(board["speed"], default=1000, max=2500)
     path = folder / f"{KIND}.py"
     path.write_text(f"BOARD = {board!r}\n")
@@ -143,7 +144,7 @@ class _Cut(BaseException):
 
 
 def board(folder, mode):
-    """Run the board of `folder`, in "fast" or "real" time. SIGUSR1: its power is cut. Its file `moved` has the wall clock's seconds at the last step."""
+    """Run the board of `folder`, in "fast" or "real" time. SIGUSR1: its power is cut; SIGUSR2: its button is pressed, or let go. Its file `moved` has the wall clock's seconds at the last step."""
     from host_tools import boards
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
@@ -166,12 +167,16 @@ def board(folder, mode):
         raise _Cut
 
     signal.signal(signal.SIGUSR1, cut)
+    pressed = []
+    signal.signal(signal.SIGUSR2, lambda *_: pressed.append(True))
     print("ready", flush=True)
     flushed = time.monotonic()
     at, moved = None, 0.0
     try:
         while not stopped:
             machine.cycle()
+            if len(pressed) % 2 != machine.port.input("resume"):
+                machine.plant.set_input(machine.port.now, "resume", len(pressed) % 2)
             if machine.plant.position != at:
                 at, moved = list(machine.plant.position), time.time()
             if time.monotonic() - flushed > 2:

@@ -8,12 +8,14 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 import requests
 
+from host_tools import boards
 from host_tools.cli import agent as command
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
@@ -192,6 +194,70 @@ def test_the_button_releases_once_and_only_if_it_was_seen_open():
     run(lambda: board._machine.state["pins"] == "S" and board._machine.state["link"])
     report()
     assert board.work.how == "waits"
+
+
+def test_a_stop_waits_for_no_other_board_of_the_agent():
+    """The agent is busy for a long time with the file of one board."""
+    from host_tools.shop.agent import Agent
+
+    agent, links, ports = Agent(), [], []
+
+    def make_port(changed):
+        ports.append(Silent(changed))
+        return ports[-1]
+
+    for name in "ab":
+        links.append(NoBroker())
+        agent.add(name, "grbl", boards.load("corexy_plotter"), make_port, links[-1])
+    agent._changed = lambda board, fd, opened: board.attached(opened)
+    busy, over = threading.Event(), threading.Event()
+
+    def long_work(now_s):
+        busy.set()
+        assert over.wait(LIMIT_S)
+
+    agent._boards[0].poll = long_work
+    thread = threading.Thread(target=agent.run, args=(over.is_set,))
+    thread.start()
+    try:
+        assert busy.wait(LIMIT_S)
+        links[1].stopped()
+        assert b"\x18" in ports[1].lines and b"\x18" not in ports[0].lines
+        assert agent._boards[1].telling.counters["stops"] == 1
+    finally:
+        over.set()
+        thread.join()
+
+
+class Counted(list):
+    """Lines of a job, and how often one has been looked at."""
+
+    looks = 0
+
+    def __reversed__(self):
+        for row in super().__reversed__():
+            self.looks += 1
+            yield row
+
+    def __iter__(self):
+        for row in super().__iter__():
+            self.looks += 1
+            yield row
+
+
+def test_a_machine_that_waits_does_not_read_its_job_again_and_again():
+    board, port, run = agent_of(Late)
+    run(lambda: board.work._job.record)
+    lines = Counted((number, b"G1X%d" % number) for number in range(1, 10_001))
+    lines.append((10_001, b"M5"))
+    record = board.work._job.record
+    board.work._order = {"id": "7", "name": "a"}
+    board.work._job.files.keep("a", lines, 7)
+    board.work._job.record = record
+    board.work._become("waits")
+    for _poll in range(50):
+        board.work.poll(time.monotonic())
+    assert board.work._last() == 10_000 and 0 < lines.looks < 200
 
 
 def test_a_report_with_a_wrong_byte_is_left_out():

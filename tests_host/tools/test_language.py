@@ -331,6 +331,25 @@ def test_what_typer_says_of_a_wrong_command_line():
         language.choose(None)
 
 
+def test_what_another_program_has_said_in_all_languages():
+    """Whichever it spoke; fields too, and what is none of our texts."""
+    from passo import errors
+
+    said = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY))
+    english = said.told()
+    try:
+        language.choose("pt")
+        portuguese = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY)).told()
+        both = {"en": english, "pt": portuguese}
+        assert english != portuguese
+        assert language.in_languages(english) == language.in_languages(portuguese) == both
+        busy = language.error_text(errors.BUSY)
+    finally:
+        language.choose(None)
+    assert language.in_languages(busy)["en"] == language.error_text(errors.BUSY)
+    assert language.in_languages("of {} no text") == {"en": "of {} no text", "pt": "of {} no text"} and language.in_languages("") == ""
+
+
 def test_nothing_changes_in_english():
     from passo import error_texts, errors
 

@@ -1,5 +1,6 @@
 """The shop's queue: its book, what is signed, who gives a job, and what a machine at rest, killed or asked again does."""
 
+import hashlib
 import json
 import os
 import re
@@ -241,6 +242,46 @@ def test_what_was_heard_before_altered_or_told_by_strangers_does_nothing(bench):
         bench.client.publish("passo/m/order", text, 1, retain=True)
     bench.until(lambda: bench.book.counts().get("done") == 2)
     assert bench.drawn() == ([1, 2], 0, [])
+
+
+@needs_broker
+def test_the_button_at_the_machine_releases_it_for_one_job(bench):
+    """The input `resume` of a virtual board: closed from the start it does nothing; then it is opened and closed."""
+    bench.board.send_signal(signal.SIGUSR2)
+    bench.start_agent()
+    for number in (7, 8):
+        bench.book.add(shop_load.program(number), f"{number}.gcode", {"kind": shop_load.KIND})
+    bench.until(lambda: bench.how() == "rest" and bench.machine().get("state") == "alarm")
+    time.sleep(1)
+    assert bench.book.counts() == {"queued": 2} and bench.machine()["how"] == "rest"
+    bench.board.send_signal(signal.SIGUSR2)
+    time.sleep(1)
+    bench.board.send_signal(signal.SIGUSR2)
+    bench.until(lambda: bench.book.counts().get("done") == 1)
+    time.sleep(1)
+    assert bench.book.counts() == {"done": 1, "queued": 1} and bench.how() == "rest", "it is still held"
+    assert bench.drawn() == ([7], 0, [])
+
+
+@needs_broker
+def test_a_file_that_another_has_put_on_the_broker_is_not_drawn(bench):
+    """Its digest is not the one that the shop has signed: nothing moves, and the machine says why; the right file is drawn then."""
+    bench.start_agent()
+    right = shop_load.program(9)
+    bench.book.add(right, "9.gcode", {"kind": shop_load.KIND})
+    put = bench.desk._put
+    topic = "passo/file/" + hashlib.sha256(right).hexdigest() + "/0"
+    bench.desk._put = lambda sha: bench.client.publish(topic, shop_load.program(10), 1, True).wait_for_publish(30)
+    bench.release()
+    bench.until(lambda: bench.machine()["text"])
+    time.sleep(1)
+    told = bench.machine()
+    assert told["how"] == "fetch" and "is not the one" in told["text"]["en"] and "não é o" in told["text"]["pt"]
+    assert bench.book.counts() == {"given": 1} and bench.desk.machines["m"]["text"] == told["text"]["en"]
+    bench.desk._put = put
+    put(hashlib.sha256(right).hexdigest())
+    bench.until(lambda: bench.book.counts().get("done") == 1)
+    assert bench.drawn() == ([9], 0, [])
 
 
 @needs_broker

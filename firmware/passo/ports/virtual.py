@@ -233,7 +233,7 @@ class VirtualPort:
         behind = self._anchor_tick + (wall_ns() - self._anchor_ns) // TICK_NS - self.now
         if pending and behind > LAG_TICKS:
             self._anchor()
-            behind = most
+            behind = quantum
         if behind > 0:
             # At rest by whole milliseconds: what begins next sees the same of them whenever it begins.
             self.advance(min(behind, most) if pending else behind - behind % TICKS_PER_MS)

@@ -1,9 +1,9 @@
 // The page on the machine's own PC: "paper is in", go on, give up.
 
 import { _, choose, preferred } from "./words.js";
-import { element, states } from "./tiles.js";
+import { element, said, states } from "./tiles.js";
 
-const said = document.getElementById("said");
+const answered = document.getElementById("said");
 const main = document.getElementById("machines");
 const HOW = {
   rest: "Nobody has released this machine.", free: "Released: it takes the next job that fits.", fetch: "The job's file comes.",
@@ -13,7 +13,7 @@ let shown = "";
 
 async function order(name, what) {
   const answer = await fetch("/do", { method: "POST", body: JSON.stringify({ name, do: what }) });
-  said.textContent = (await answer.json()).text;
+  answered.textContent = said((await answer.json()).text);
   shown = "";
 }
 
@@ -28,8 +28,8 @@ function tile(machine) {
   made.append(element("h2", "", machine.name), element("p", "state", states[machine.state] ? _(states[machine.state]) : _("not heard of yet")), element("p", "how", _(HOW[machine.how])));
   if (machine.file) made.append(element("p", "file", !machine.progress ? machine.file : `${machine.file} · ${machine.progress} %`));
   if (machine.how === "waits" && machine.line) made.append(element("p", "", _("It stopped behind line {line}.", { line: machine.line })));
-  if (machine.text) made.append(element("p", "why", machine.text));
-  if (machine.alarm) made.append(element("p", "why", machine.alarm));
+  if (machine.text) made.append(element("p", "why", said(machine.text)));
+  if (machine.alarm) made.append(element("p", "why", said(machine.alarm)));
   if (machine.how === "rest" && machine.ended) made.append(element("p", "", _(machine.ended[1] === "done" ? "The last job is done: take it out." : "The last job was not done.")));
   if (machine.how === "rest") made.append(button("Paper is in", machine, "release", "go"));
   if (machine.how === "free" || machine.how === "fetch") made.append(button("Take it back", machine, "withdraw", ""));

@@ -3,7 +3,7 @@
 import { _, choose, preferred } from "./words.js";
 import { Link } from "./link.js";
 import { read } from "./gcode_path.js";
-import { element, states } from "./tiles.js";
+import { element, said, states } from "./tiles.js";
 
 const at = (id) => document.getElementById(id);
 const PIECE = 30000;
@@ -24,7 +24,7 @@ const link = new Link(hear, (up) => { at("lost").hidden = up; });
 
 function hear(message) {
   if (message.t === "hello") options(at("kind"), message.kinds, false);
-  if (message.t === "dropped") say(message.text || _("{name}: queued {copies} times.", message));
+  if (message.t === "dropped") say(said(message.text) || _("{name}: queued {copies} times.", message));
   if (message.t === "state") {
     state = message;
     show();
@@ -93,7 +93,7 @@ function draw(machine, shown, job, last) {
   const name = job ? job.name : machine.job || (last ? `${last.name} · ${_(ENDED[last.state])}` : "");
   shown.job.textContent = machine.progress ? `${name} · ${machine.progress} %` : name;
   shown.left.textContent = machine.left ? _("{time} left", { time: clock(Number(machine.left)) }) : "";
-  shown.why.textContent = [machine.how === "waits" && machine.line ? _("It stopped behind line {line}.", machine) : "", machine.text, machine.alarm].filter((each) => each).join(" ");
+  shown.why.textContent = [machine.how === "waits" && machine.line ? _("It stopped behind line {line}.", machine) : "", said(machine.text), said(machine.alarm)].filter((each) => each).join(" ");
   if (job || machine.job || !last) picture(shown, job, Number(machine.progress || 0));
   else picture(shown, last, last.state === "done" ? 100 : 0);
 }
@@ -140,7 +140,7 @@ function showLists() {
   const waits = state.jobs.filter((job) => job.state === "queued");
   const ended = state.jobs.filter((job) => job.state in ENDED);
   at("queue").replaceChildren(...waits.map((job) => row(job, [job.wants.kind, job.wants.tool, job.wants.seconds ? clock(job.wants.seconds) : ""], "Withdraw", "withdraw")));
-  at("history").replaceChildren(...ended.map((job) => row(job, [_(ENDED[job.state]), job.machine, job.text], "Again", "again")));
+  at("history").replaceChildren(...ended.map((job) => row(job, [_(ENDED[job.state]), job.machine, said(job.text)], "Again", "again")));
   at("used").replaceChildren(...state.used.map(([material, jobs, seconds]) => {
     const made = element("tr");
     made.append(element("td", "", material || _("not named")), element("td", "", jobs), element("td", "", clock(seconds)));
