@@ -98,7 +98,7 @@ def _agent(boards, served, told, stack):
     agent = Agent(_figures(served, stack))
     stack.callback(agent.close)
     for name, (where, (language, table, make_port)) in boards.items():
-        more = discovery(home_assistant, f"{ROOT}/", name) if home_assistant else None
+        more = {f"{ROOT}/{name}/language": language, **(discovery(home_assistant, f"{ROOT}/", name) if home_assistant else {})}
         link = Link(broker, name, lambda text, name=name: print(f"{name}: {text}", file=sys.stderr, flush=True), more, bool(key))
         agent.add(name, language, table, make_port, link, key, {"kind": table["name"], "tool": tools.get(name, ""), "page": pages.get(name, "")})
         print(_("{}: {} at {}", name, language, where), flush=True)

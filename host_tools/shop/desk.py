@@ -66,7 +66,7 @@ class Desk:
     def _connected(self, client, userdata, flags, code, properties):
         if code.is_failure:
             return
-        client.subscribe([(f"{ROOT}/+/work", 1)] + [(f"{ROOT}/+/{topic}", 0) for topic in TOPICS])
+        client.subscribe([(f"{ROOT}/+/work", 1)] + [(f"{ROOT}/+/{topic}", 0) for topic in (*TOPICS, "language")])
         client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
         with self._lock:  # the broker may have forgotten all
             for sha in self._files:

@@ -13,7 +13,7 @@ from host_tools.failure import Failure
 from host_tools.language import in_languages
 from host_tools.page.pages import ServedPages
 from host_tools.panel.panel import FOLDER, names_of
-from host_tools.panel.server import PUSH_MS, Server, clock_ms
+from host_tools.panel.server import PUSH_MS, Server, clock_ms, error_list
 from host_tools.shop import drop
 from microdot import Response
 from passo import errors
@@ -25,7 +25,7 @@ _PAGES = 30
 _MOST_COPIES = 200
 _PIECE = 32_768
 _SHOWN = 300  # jobs
-_TOLD = ("how", "job", "line", "kind", "tool", "page", "state", "progress", "left")
+_TOLD = ("how", "job", "line", "kind", "tool", "page", "language", "state", "progress", "left")
 _SAID = ("text", "alarm")  # in the language of the agent: a page has its own
 
 
@@ -57,6 +57,10 @@ class Shop:
         self._seen, self._jobs = None, []
         files = {path.name: str(path) for path in _OWN.iterdir()} | {name: f"{FOLDER}/{name}" for name in _SHARED}
         self.server = Server(self, key, names_of(host), "", pages=ShopPages(self, key), files={**files, "index.html": files["shop.html"]})
+
+        @self.server.app.get("/texts/refused.json")
+        async def refused(request):
+            return {number: in_languages(text) for number, text in error_list().items()}
 
         @self.server.app.get("/job/<job_id>")
         async def program(request, job_id):

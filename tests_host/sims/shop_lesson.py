@@ -19,6 +19,7 @@ from shop_load import MOSQUITTO, free_port
 
 AN_AGENT = 5
 LIMIT_S = 900
+SIZES = (320, 720), (768, 1024), (1920, 1080), (3840, 2160)
 
 
 def star(number):
@@ -83,6 +84,26 @@ def wall(folder):
     return webdriver.Chrome(options=options, service=webdriver.ChromeService(shutil.which("chromedriver")))
 
 
+def looks(browser, folder):
+    """Pictures of the page from a phone to a wall screen, in both languages: nothing is wider than the screen, STOP is in sight."""
+    for width, height in SIZES:
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 700}
+        browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        for language in ("en", "pt"):
+            browser.find_element("css selector", f"#language option[value={language}]").click()
+            time.sleep(1)
+            browser.execute_script("window.scrollTo(0, 0)")
+            browser.save_screenshot(str(folder / f"{width}-{language}.png"))
+            seen = browser.execute_script("""const stop = document.getElementById('stop').getBoundingClientRect();
+                return [document.documentElement.scrollWidth, stop.left, stop.right, stop.top, stop.bottom]""")
+            assert seen[0] <= width and 0 <= seen[1] <= seen[2] <= width and 0 <= seen[3] <= seen[4] <= height, (width, language, seen)
+            browser.execute_script("window.scrollTo(0, document.body.scrollHeight)")
+            browser.save_screenshot(str(folder / f"{width}-{language}-end.png"))
+    browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    browser.find_element("css selector", "#language option[value=en]").click()
+    time.sleep(1)
+
+
 def main():
     folder, machines = Path(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 30
     folder.mkdir(parents=True)
@@ -111,6 +132,7 @@ def main():
             until(f"{path.name} is queued", lambda number=number: f"{number + 1} jobs in the queue" in counts())
         browser.save_screenshot(str(folder / "1-queued.png"))
         until("some draw", lambda: (lesson.people(), browser.save_screenshot(str(folder / "2-drawing.png")))[0] >= machines // 3)
+        looks(browser, folder)
         until("all are done", lambda: lesson.people() == machines and f"0 jobs in the queue, {machines} done" in counts())
         time.sleep(2)
         browser.save_screenshot(str(folder / "3-done.png"))

@@ -17,7 +17,9 @@ import pytest
 import requests
 from test_agent import Shop, needs_broker
 
+from host_tools import language
 from host_tools.failure import Failure
+from host_tools.language import error_text
 from host_tools.shop import drop
 from host_tools.shop.book import Book
 from host_tools.shop.desk import Desk, fits
@@ -491,6 +493,11 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
 
     browser.get(address)
     bench.until(lambda: "alarme" in text(".tile"))
+    assert text(".tile .why") == language.in_languages(error_text(errors.LOCKED))["pt"] != error_text(errors.LOCKED), "the agent speaks English"
+    for value, shown in (("=free", False), ("grbl", True), ("=waits", False), ("corexy_plotter · red", True), ("", True)):
+        browser.execute_script("const filter = document.getElementById('filter'); filter.value = arguments[0]; filter.dispatchEvent(new Event('change'))", value)
+        assert browser.find_element("id", "filter").get_property("value") == value
+        assert browser.find_element("css selector", ".tile").is_displayed() == shown, value
     assert "key=" not in browser.current_url
     assert browser.find_element("css selector", ".tile a").get_attribute("href") == "http://127.0.0.1:1/"
     browser.find_element("id", "file").send_keys(str(tmp_path / "a.svg"))

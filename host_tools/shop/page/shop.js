@@ -10,6 +10,7 @@ const PIECE = 30000;
 const HOW = { rest: "not released", free: "free: paper is in", fetch: "its file comes", run: "draws", waits: "waits for somebody at the machine", goes: "gets ready" };
 const ENDED = { done: "done", "given up": "given up", refused: "refused" };
 const KEY = "passo-shop-key";
+const KEPT = 3;  // choices of the filter that are always there
 const programs = new Map();  // sha: moves, or null while they come
 const tiles = new Map();
 let state = { machines: [], jobs: [], counts: {}, used: [], broker: true };
@@ -23,25 +24,32 @@ const clock = (seconds) => {
 const link = new Link(hear, (up) => { at("lost").hidden = up; });
 
 function hear(message) {
-  if (message.t === "hello") options(at("kind"), message.kinds, false);
-  if (message.t === "dropped") say(said(message.text) || _("{name}: queued {copies} times.", message));
+  if (message.t === "hello") options(at("kind"), message.kinds, 0);
+  if (message.t === "dropped") say(() => said(message.text) || _("{name}: {copies} in the queue.", message));
   if (message.t === "state") {
     state = message;
     show();
   }
 }
 
-const say = (text) => { at("said").textContent = text; };
+let telling = () => "";
 
-function options(select, values, keep) {
+// `what()`: the text, in the language of the page, which may be another one later.
+function say(what) {
+  telling = what;
+  at("said").textContent = what();
+}
+
+// Those behind the first `kept` ones.
+function options(select, values, kept) {
   const now = select.value;
-  while (select.options.length > (keep ? 1 : 0)) select.remove(select.options.length - 1);
+  while (select.options.length > kept) select.remove(select.options.length - 1);
   for (const value of values) {
     const made = element("option", "", value);
     made.value = value;
     select.append(made);
   }
-  if (values.includes(now) || keep && now === "") select.value = now;
+  if ([...select.options].some((each) => each.value === now)) select.value = now;
 }
 
 // --- machines
@@ -59,8 +67,8 @@ function kindOf(machine) { return machine.tool ? `${machine.kind} · ${machine.t
 
 function show() {
   at("no-broker").hidden = state.broker;
-  const kinds = [...new Set(state.machines.map(kindOf))].filter((each) => each).sort();
-  if (kinds.join() !== [...at("filter").options].slice(1).map((each) => each.value).join()) options(at("filter"), kinds, true);
+  const kinds = [...new Set(state.machines.flatMap((machine) => [machine.language, kindOf(machine)]))].filter((each) => each).sort();
+  if (kinds.join() !== [...at("filter").options].slice(KEPT).map((each) => each.value).join()) options(at("filter"), kinds, KEPT);
   const jobs = new Map(state.jobs.map((job) => [job.id, job]));
   const named = new Set(state.machines.map((machine) => machine.name));
   for (const [name, known] of tiles) if (!named.has(name)) { known.made.remove(); tiles.delete(name); }
@@ -83,7 +91,9 @@ function show() {
 function draw(machine, shown, job, last) {
   const gone = machine.state === "gone" || machine.state === "lost";
   shown.made.className = `tile how-${gone ? "gone" : machine.how} state-${machine.state}`;
-  shown.made.hidden = at("filter").value !== "" && kindOf(machine) !== at("filter").value;
+  const wanted = at("filter").value;
+  const fits = wanted === "" || ["=" + machine.how, machine.language, kindOf(machine)].includes(wanted);
+  shown.made.hidden = !fits || gone && wanted.startsWith("=");
   if (machine.page && !shown.title.firstElementChild) {
     const leads = element("a", "", machine.name);
     leads.href = machine.page;
@@ -159,17 +169,17 @@ function row(job, facts, text, what) {
 }
 
 let errors = {};
-fetch("errors.json").then((answer) => answer.json()).then((texts) => { errors = texts; });
+fetch("texts/refused.json").then((answer) => answer.json()).then((texts) => { errors = texts; });
 
 function complain(answer) {
-  if (answer.error) say(_("Refused: {text}", { text: errors[answer.error] || answer.error }));
+  if (answer.error) say(() => _("Refused: {text}", { text: said(errors[answer.error]) || answer.error }));
   return answer.error;
 }
 
 async function queue(file) {
-  if (!file) return say(_("Choose a file first."));
+  if (!file) return say(() => _("Choose a file first."));
   const text = await file.text();
-  say(_("{name} is checked…", { name: file.name }));
+  say(() => _("{name} is checked…", { name: file.name }));
   const more = { kind: at("kind").value, copies: Number(at("copies").value), tool: at("tool").value, material: at("material").value };
   for (let from = 0; from === 0 || from < text.length; from += PIECE) {
     const last = from + PIECE >= text.length;
@@ -185,9 +195,9 @@ document.addEventListener("drop", (event) => { event.preventDefault(); if (event
 at("stop").addEventListener("click", async () => {
   try {
     const answer = await fetch("stop", { method: "POST" });
-    say(answer.ok ? _("STOP has been sent to all machines. Look at them.") : _("STOP was not sent. Use the emergency stops."));
+    say(() => answer.ok ? _("STOP has been sent to all machines. Look at them.") : _("STOP was not sent. Use the emergency stops."));
   } catch (error) {
-    say(_("STOP was not sent. Use the emergency stops."));
+    say(() => _("STOP was not sent. Use the emergency stops."));
   }
 });
 
@@ -201,6 +211,6 @@ function useKey(text) {
 const given = /key=([A-Z2-9]+)/.exec(location.hash);
 if (given) history.replaceState(null, "", location.pathname);
 useKey(given ? given[1] : sessionStorage.getItem(KEY) || "");
-at("language").addEventListener("change", async () => { await choose(at("language").value); lists = ""; show(); });
+at("language").addEventListener("change", async () => { await choose(at("language").value); lists = ""; say(telling); show(); });
 at("language").value = preferred();
 choose(at("language").value).then(() => { lists = ""; show(); });
