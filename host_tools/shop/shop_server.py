@@ -54,6 +54,7 @@ class Shop:
         self._orders = {"drop": self._drop, "withdraw": self._withdraw, "again": self._again}
         self._coming = {}  # page: (name, bytes so far)
         self._tasks = set()
+        self._checks = asyncio.Lock()  # one file after the other: their order is that of the queue
         self._seen, self._jobs = None, []
         files = {path.name: str(path) for path in _OWN.iterdir()} | {name: f"{FOLDER}/{name}" for name in _SHARED}
         self.server = Server(self, key, names_of(host), "", pages=ShopPages(self, key), files={**files, "index.html": files["shop.html"]})
@@ -111,7 +112,8 @@ class Shop:
 
     async def _queue(self, name, said, wants, copies):
         try:
-            made, data, facts = await asyncio.to_thread(drop.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
+            async with self._checks:
+                made, data, facts = await asyncio.to_thread(drop.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
         except Failure as failure:
             self.server.pages.tell({"t": "dropped", "name": name, "text": in_languages(failure.told())})
             return

@@ -124,12 +124,12 @@ def main():
         browser.get(lesson.shop)
         until("all machines are on the wall", lambda: len(browser.find_elements("css selector", ".tile")) == machines)
         browser.find_element("css selector", "#kind option[value=corexy_plotter]").click()
-        for number, name in enumerate(lesson.names):
-            path = folder / f"{name}.svg"
+        paths = [folder / f"{name}.svg" for name in lesson.names]
+        for number, path in enumerate(paths):
             path.write_text(star(number))
-            browser.find_element("id", "file").send_keys(str(path))
-            browser.find_element("css selector", "#add button").click()
-            until(f"{path.name} is queued", lambda number=number: f"{number + 1} jobs in the queue" in counts())
+        browser.find_element("id", "file").send_keys("\n".join(map(str, paths)))
+        browser.find_element("css selector", "#add button").click()
+        until("all are queued", lambda: f"{machines} jobs in the queue" in counts())
         browser.save_screenshot(str(folder / "1-queued.png"))
         until("some draw", lambda: (lesson.people(), browser.save_screenshot(str(folder / "2-drawing.png")))[0] >= machines // 3)
         looks(browser, folder)

@@ -4,13 +4,21 @@ import json
 import os
 import shutil
 import subprocess
+import sys
 import threading
 from pathlib import Path
 
 import pytest
+import requests
 from test_agent import LIMIT_S, MOSQUITTO, Shop, free_port
 
+from host_tools.shop.book import Book
+from host_tools.shop.desk import Desk
 from host_tools.shop.link import Broker
+from passo.web import session
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "sims"))
+import shop_load  # noqa: E402
 
 MAKE = Path(__file__).parents[2] / "docs" / "mosquitto" / "make-broker.sh"
 PATH = os.environ.get("PATH", "") + ":/usr/sbin"
@@ -145,3 +153,35 @@ def test_made_again_it_keeps_authority_and_users(guarded):
     assert list(guarded.passwords) == ["pc-1", "wall", "stop", "shop", "pc-2"]
     for name in ("ca.key", "broker.key", "passwords", "acl"):
         assert (guarded.folder / name).stat().st_mode & 0o077 == 0, name
+
+
+@pytest.mark.slow
+def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
+    """The users shop and pc-1 of the ACL, over TLS: the file, the order and what the machine tells pass."""
+    key = session.make_key(os.urandom)
+    key_file = tmp_path / "shop.key"
+    key_file.touch(0o600)
+    key_file.write_text(key)
+    board_file = shop_load.board_file(tmp_path)
+    (tmp_path / "mill").mkdir()
+    board = subprocess.Popen([sys.executable, shop_load.__file__, "--board", str(tmp_path / "mill"), "fast"], stdout=subprocess.PIPE, text=True)
+    guarded.programs.append(board)
+    assert board.stdout.readline() == "ready\n"
+    book = Book(tmp_path / "shop.sqlite")
+    book.add(shop_load.program(77), "77.gcode", {"kind": shop_load.KIND})
+    desk = Desk(Broker("127.0.0.1", guarded.port, "shop", guarded.passwords["shop"], str(guarded.folder / "ca.crt")), key, book)
+    try:
+        agent = guarded.agent_as(
+            "pc-1", "--port", f"mill={tmp_path}/mill/port", "--protocol", "grbl", "--board", str(board_file), "--shop-key", str(key_file), "--at-machine", "0"
+        )
+        page = next(line[6:].strip().rstrip("/") for line in agent.stdout if line.startswith("page: "))
+        order = {"json": {"name": "mill", "do": "release"}, "headers": {"Origin": page}, "timeout": 10}
+        guarded.until(lambda: requests.post(page + "/do", **order).json()["text"] == "" or desk.machines.get("mill", {}).get("how") not in ("rest", None))
+        guarded.until(lambda: book.counts().get("done") == 1)
+        guarded.until(lambda: guarded.told.get("passo/mill/language") == "grbl")
+    finally:
+        desk.close()
+        book.close()
+    board.terminate()
+    board.wait(60)
+    assert shop_load.read_numbers(shop_load.strokes(sorted((tmp_path / "mill").glob("trace-*.csv")))) == ([77], 0, [])

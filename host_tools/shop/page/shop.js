@@ -176,22 +176,28 @@ function complain(answer) {
   return answer.error;
 }
 
-async function queue(file) {
-  if (!file) return say(() => _("Choose a file first."));
+async function queue(files) {
+  if (!files.length) say(() => _("Choose a file first."));
+  for (const file of [...files]) if (await refused(file)) return;
+}
+
+// Sends a file; true: the shop does not take it.
+async function refused(file) {
   const text = await file.text();
   say(() => _("{name} is checked…", { name: file.name }));
   const more = { kind: at("kind").value, copies: Number(at("copies").value), tool: at("tool").value, material: at("material").value };
   for (let from = 0; from === 0 || from < text.length; from += PIECE) {
     const last = from + PIECE >= text.length;
-    if (complain(await link.order({ do: "drop", name: file.name, at: from, text: text.slice(from, from + PIECE), last, ...more }))) return;
+    if (complain(await link.order({ do: "drop", name: file.name, at: from, text: text.slice(from, from + PIECE), last, ...more }))) return true;
   }
+  return false;
 }
 
-at("add").addEventListener("submit", (event) => { event.preventDefault(); queue(at("file").files[0]); });
+at("add").addEventListener("submit", (event) => { event.preventDefault(); queue(at("file").files); });
 at("open").addEventListener("submit", (event) => { event.preventDefault(); useKey(at("key").value); });
 at("filter").addEventListener("change", show);
 document.addEventListener("dragover", (event) => event.preventDefault());
-document.addEventListener("drop", (event) => { event.preventDefault(); if (event.dataTransfer.files.length) queue(event.dataTransfer.files[0]); });
+document.addEventListener("drop", (event) => { event.preventDefault(); if (event.dataTransfer.files.length) queue(event.dataTransfer.files); });
 at("stop").addEventListener("click", async () => {
   try {
     const answer = await fetch("stop", { method: "POST" });
