@@ -11,12 +11,13 @@ from host_tools.language import N_, _
 from host_tools.resources import version
 from host_tools.shop.telling import GONE
 
+_OR_NONE = {"value_template": "{{ value or 'None' }}"}  # Home Assistant leaves a number as it was if "" comes, behind a job's end
 # (kind, object, name, what else)
 _SHOWN = (
     ("sensor", "state", N_("state"), {"icon": "mdi:state-machine"}),
     ("sensor", "job", N_("job"), {"icon": "mdi:file-outline"}),
-    ("sensor", "progress", N_("progress"), {"unit_of_measurement": "%", "state_class": "measurement"}),
-    ("sensor", "left", N_("time left"), {"unit_of_measurement": "s", "device_class": "duration"}),
+    ("sensor", "progress", N_("progress"), {"unit_of_measurement": "%", "state_class": "measurement", **_OR_NONE}),
+    ("sensor", "left", N_("time left"), {"unit_of_measurement": "s", "device_class": "duration", **_OR_NONE}),
     ("sensor", "alarm", N_("alarm"), {"icon": "mdi:alert", "value_template": "{{ value[:255] }}"}),
     ("button", "stop", N_("STOP"), {"icon": "mdi:stop-circle", "payload_press": "Home Assistant", "qos": 1, "retain": False}),
 )
@@ -35,6 +36,6 @@ def discovery(prefix, root, name):
     found = {}
     for kind, item, text, more in _SHOWN:
         topic = {"command_topic" if kind == "button" else "state_topic": own + item}
-        config = {"name": _(text), "unique_id": f"{identity}_{item}", "object_id": f"{identity}_{item}", **topic, **more, **common}
+        config = {"name": _(text), "unique_id": f"{identity}_{item}", "default_entity_id": f"{kind}.{identity}_{item}", **topic, **more, **common}
         found[f"{prefix}/{kind}/{identity}/{item}/config"] = json.dumps(config, ensure_ascii=False)
     return found

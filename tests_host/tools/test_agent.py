@@ -598,6 +598,11 @@ def test_prometheus_scrapes_and_the_dashboard_s_queries_answer(shop, tmp_path):
 # --- Home Assistant
 
 
+# The keys of a sensor and of a button that Home Assistant 2026.11 takes (components/mqtt/schemas.py, sensor.py, button.py), of those that matter here.
+_COMMON = {"availability_topic", "availability_template", "device", "origin", "icon", "default_entity_id", "unique_id", "name", "qos", "device_class"}
+TAKEN = {"sensor": _COMMON | {"state_topic", "value_template", "state_class", "unit_of_measurement"}, "button": _COMMON | {"command_topic", "payload_press", "retain"}}
+
+
 def test_discovery():
     found = {topic: json.loads(text) for topic, text in discovery("homeassistant", "passo/", "mill.2").items()}
     assert len({config["unique_id"] for config in found.values()}) == len(found) == 6
@@ -605,6 +610,9 @@ def test_discovery():
         # <discovery_prefix>/<component>/<node_id>/<object_id>/config: letters, digits, '_' and '-'.
         assert re.fullmatch(r"homeassistant/(sensor|button)/[\w-]+/[\w-]+/config", topic)
         kind = topic.split("/")[1]
+        assert set(config) <= TAKEN[kind] and config["default_entity_id"] == f"{kind}.{config['unique_id']}"
+        # "" is no number: Home Assistant keeps the last one then, and "None" is none.
+        assert ("unit_of_measurement" in config) == ("'None'" in config.get("value_template", ""))
         assert config["device"]["identifiers"] and config["origin"]["name"] == "Passo"
         assert config["availability_topic"] == "passo/mill.2/state" and f"'{GONE}'" in config["availability_template"]
         assert ("state_topic" in config, "command_topic" in config) == ((True, False) if kind == "sensor" else (False, True))
