@@ -6,6 +6,7 @@
 """
 
 import contextlib
+import re
 
 from host_tools.drawings.svg_geometry import TooFar, are_lengths
 from host_tools.drawings.svg_style import local_name
@@ -19,6 +20,7 @@ def name_of(element):
 
 
 _LENGTHS = "x y x1 y1 x2 y2 cx cy r rx ry width height dx dy rotate startOffset textLength viewBox stroke-dasharray stroke-dashoffset font-size".split()
+_BY_LETTERS = re.compile(r"\d(rem|ex|ch)\b")
 _WORDS = frozenset("auto none inherit initial medium small large smaller larger x-small x-large xx-small xx-large".split())
 
 
@@ -26,6 +28,11 @@ def unreadable(element):
     """How many attributes of an element should be numbers and are not: nan, inf, words."""
     given = ((name, element.get(name)) for name in _LENGTHS)
     return sum(text is not None and text.strip() not in _WORDS and not are_lengths(text) for name, text in given)
+
+
+def by_letters(element):
+    """How many lengths of an element are in a unit of letters that depends on more than their size."""
+    return sum(bool(_BY_LETTERS.search(element.get(name, ""))) for name in _LENGTHS)
 
 
 @contextlib.contextmanager

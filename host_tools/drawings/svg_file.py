@@ -19,7 +19,7 @@ import numpy
 
 from host_tools.drawings import svg_area, svg_geometry, svg_paint, svg_style, svg_text
 from host_tools.drawings.page import Page, cut
-from host_tools.drawings.svg_faults import name_of, told, unreadable
+from host_tools.drawings.svg_faults import by_letters, name_of, told, unreadable
 from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure
@@ -177,6 +177,9 @@ class SvgFile:
         faults = unreadable(element)
         if faults:
             self._page.left_out[N_("number that is none, or that cannot be read")] += faults
+        lengths = by_letters(element)
+        if lengths:
+            self._page.left_out[N_("length in rem, ex or ch (by the size of letters alone)")] += lengths
         return replace(context, matrix=self._matrix(style, context), style=style, depth=context.depth + 1)
 
     def _name_paints(self, style, tag):

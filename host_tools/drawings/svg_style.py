@@ -152,6 +152,8 @@ class Sheet:
             for body in bodies:
                 for name, value in _read(body)[important]:
                     _declare(own, name, value)
+        if own.get("dominant-baseline") == "no-change":
+            del own["dominant-baseline"]
         for each, value in own.items():
             if value in ("inherit", "unset", "initial"):
                 value = inherited.get(each) if value == "inherit" or value == "unset" and each in _INHERITED else None

@@ -100,21 +100,15 @@ def collect(element, style, style_of, viewport, left_out, way_of):
     <textPath>, or None."""
     letters = []
     _collect(element, style, (style_of, way_of), viewport, left_out, letters, False)
-    return _collapsed(letters)
+    return _without_end(letters)
 
 
-def _collapsed(letters):
-    """Without blanks at the beginning and the end of a line, and behind other blanks."""
-    kept = []
-    for letter in letters:
-        fresh = letter.x is not None or letter.y is not None or bool(kept) and kept[-1].way is not letter.way
-        while fresh and kept and _is_blank(kept[-1]):
-            kept.pop()
-        if not _is_blank(letter) or fresh or (kept and kept[-1].text != " "):
-            kept.append(letter)
-    while kept and _is_blank(kept[-1]):
-        kept.pop()
-    return kept
+def _without_end(letters):
+    """Without blanks at the end."""
+    count = len(letters)
+    while count and _is_blank(letters[count - 1]):
+        count -= 1
+    return letters[:count]
 
 
 def _is_blank(letter):
@@ -143,21 +137,21 @@ def _collect(element, style, found_by, viewport, left_out, letters, keep_space, 
                     letter.up += _shift(inner.get("baseline-shift"), size)
         elif tag == "tref":
             left_out[N_("text of another place (<tref>)")] += 1
-        elif tag == "textPath":
+        elif tag == "textPath" and way_of:
             begin, inner = len(letters), style_of(child, style)
             _along(child, inner, found_by, viewport, left_out, letters, keep_space, depth + 1)
             for letter in letters[begin:]:
                 letter.up += _shift(inner.get("baseline-shift"), size)
         _spell(child.tail, style, size, keep_space, letters)
     turns = svg_geometry.numbers(element.get("rotate"))
-    for index, letter in enumerate(_collapsed(letters[first:]) if turns else ()):
+    for index, letter in enumerate(letters[first:] if turns else ()):
         letter.rotate = letter.rotate or turns[min(index, len(turns) - 1)]
     for name, whole in (("x", viewport[0]), ("y", viewport[1]), ("dx", viewport[0]), ("dy", viewport[1])):
         positions = [svg_geometry.length(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
-        for letter, position in zip(_collapsed(letters[first:]) if positions else (), positions):
+        for letter, position in zip(letters[first:], positions):
             if getattr(letter, name) in (None, 0.0):  # what a <tspan> inside says goes before
                 setattr(letter, name, position)
-    _stretch(element, _collapsed(letters[first:]), viewport[0], size, left_out)
+    _stretch(element, _without_end(letters[first:]), viewport[0], size, left_out)
 
 
 def _name_others(element, style, left_out):
@@ -173,7 +167,8 @@ def _name_others(element, style, left_out):
         left_out[N_("letters varied or stretched by their font (drawn as they are)")] += 1
     if "%" in style.get("letter-spacing", "") + style.get("word-spacing", ""):
         left_out[N_("space between letters in per cent")] += 1
-    if style.get("alignment-baseline", "auto") not in ("auto", "baseline", "alphabetic"):
+    line = style.get("dominant-baseline", "auto")
+    if style.get("alignment-baseline", "auto") not in ("auto", "baseline", "alphabetic" if line == "auto" else line):
         left_out[N_("text moved by alignment-baseline")] += 1
 
 
@@ -210,24 +205,33 @@ def _along(element, style, found_by, viewport, left_out, letters, keep_space, de
     first = len(letters)
     way = Way(lines, 0.0)
     way.begin = svg_geometry.length(element.get("startOffset"), way.along[-1], float(style["font-size"]))
-    _collect(element, style, found_by, viewport, left_out, letters, keep_space, depth)
+    if element.get("path") is not None:
+        left_out[N_("path that a <textPath> has of its own")] += 1
+    _collect(element, style, (found_by[0], None), viewport, left_out, letters, keep_space, depth)
+    left_out.update({_PLACED: 1} if any(letter.x is not None or letter.y is not None for letter in letters[first:]) else {})
     for letter in letters[first:]:
         letter.way, letter.x, letter.y = letter.way or way, None, None
 
 
+_PLACED = N_("places of letters along a path (x, y, dy)")
 _CASES = {"uppercase": str.upper, "lowercase": str.lower, "capitalize": str.title}
 
 
 def _spell(text, style, size, keep_space, letters):
     text = _CASES.get(style.get("text-transform"), str)(text or "")
     for each in text:
-        letters.append(Letter(" " if each.isspace() and each != "\xa0" else each, style, size, keep_space))
+        letter = Letter(" " if each.isspace() and each != "\xa0" else each, style, size, keep_space)
+        if unicodedata.combining(each) and letters:
+            letters[-1].text += each
+        elif not _is_blank(letter) or letters and not _is_blank(letters[-1]):  # of several blanks the first, none at the beginning
+            letters.append(letter)
 
 
 def outlines(letters, deviation, left_out):
     """The outlines of letters as polylines, y down."""
     lines = []
     x = y = 0.0
+    behind = False
     for chunk in _chunks(letters):
         x = x if chunk.x is None else chunk.x
         y = y if chunk.y is None else chunk.y
@@ -235,13 +239,17 @@ def outlines(letters, deviation, left_out):
         width = sum(run.dx for run in chunk.runs[1:]) + sum(ways)  # the first one's dx moves the whole
         before = {"middle": width / 2, "end": width}.get(chunk.anchor, 0.0)
         if chunk.way:
+            left_out.update({_PLACED: 1} if (chunk.x, chunk.y) != (None, None) or any(run.dy for run in chunk.runs) else {})
             lines += _on_way(chunk, chunk.way.begin - before, ways, deviation, left_out)
+            behind = True
             continue
+        if behind and None in (chunk.x, chunk.y) and any(run.text.strip() for run in chunk.runs):
+            left_out[N_("text behind text along a path (drawn as if that were not there)")] += 1
         x -= before
         for run, way in zip(chunk.runs, ways):
             x, y = x + run.dx, y + run.dy
             drawn = _drawn(run, x, y - run.up, deviation, left_out)
-            lines += svg_geometry.placed(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y})")) if run.rotate else drawn
+            lines += svg_geometry.placed(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y - run.up})")) if run.rotate else drawn
             x += way
     return lines
 

@@ -85,6 +85,11 @@ def agreement(ink, lines, near):
 
 
 SVG = {
+    "blanks between texts on two paths": '<defs><path id="a" d="M20 60C60 10 140 10 180 60"/><path id="b" d="M20 110C60 60 140 60 180 110"/></defs><text font-family="DejaVu Sans" font-size="14" stroke="none" fill="black">\n'
+        '<textPath href="#a"> one path\n <textPath href="#b"> never</textPath></textPath>\n <textPath href="#b"> another </textPath>\n</text>',
+    "blanks before a place": '<g font-family="DejaVu Sans" font-size="20" stroke="none" fill="black" text-anchor="middle"><text x="100" y="30"> one <tspan x="100" y="60">two </tspan> <tspan x="100" y="90"> three</tspan> </text></g>',
+    "a line as around": '<text x="9" y="50" font-family="DejaVu Sans" font-size="20" stroke="none" fill="black" dominant-baseline="hanging">Ag<tspan dominant-baseline="no-change">Ag</tspan></text>',
+    "accents turn with their letters": '<text x="30" y="60" font-family="DejaVu Sans" font-size="30" stroke="none" fill="black" rotate="20">a&#x306;e&#x301;</text>',
     "sizes by name": '<g font-family="DejaVu Sans" stroke="none" fill="black"><text x="9" y="30" font-size="x-large">Ag<tspan font-size="smaller">Ag</tspan></text>'
         '<text x="90" y="30" font-size="xx-small">Ag</text><g font-size="15"><text x="9" y="80" font-size="larger">Ag</text><text x="120" y="80" font-size="-5">Ag</text></g></g>',
     "weights from those around": '<g font-family="DejaVu Sans" font-size="14" stroke="none" fill="black"><g font-weight="bold"><text x="9" y="40" font-weight="lighter">A</text>'
@@ -135,7 +140,8 @@ def test_the_edge_of_an_area_is_closed(tmp_path, shape, ends):
 
 
 # What rsvg-convert 2.54 does not do.
-BROWSER = ("sizes by name", "weights from those around", "text on a path of two parts", "css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters", "long text", "words apart, capitals",
+BROWSER = ("blanks between texts on two paths", "blanks before a place", "a line as around", "accents turn with their letters",
+           "sizes by name", "weights from those around", "text on a path of two parts", "css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters", "long text", "words apart, capitals",
            "a first dx moves all letters", "lines of text hang, stand and are centred", "letters moved one by one keep close", "a font of no weight",
            "a radius that is missing or negative is the other")  # fmt: skip
 
@@ -197,6 +203,13 @@ def test_letters_that_a_font_has_not_come_from_another_or_are_named(tmp_path, mo
     ('<text y="50" font-size="20" font-stretch="condensed">a</text>', "letters varied"),
     ('<text y="50" font-size="20" letter-spacing="5%">a</text>', "space between letters"),
     ('<text id="t" y="50" font-size="20">a</text><text y="90"><tref href="#t"/>b</text>', "text of another place"),
+    ('<path id="w" d="M0 50h90"/><text><textPath href="#w">a</textPath>b</text>', "text behind text"),
+    ('<path id="w" d="M0 50h90"/><text x="9"><textPath href="#w">a</textPath></text>', "places of letters"),
+    ('<path id="w" d="M0 50h90"/><text dy="9"><textPath href="#w">a</textPath></text>', "places of letters"),
+    ('<path id="w" d="M0 50h90"/><text><textPath href="#w">a<tspan x="9">b</tspan></textPath></text>', "places of letters"),
+    ('<path id="w" d="M0 50h90"/><text><textPath href="#w" path="M0 0h9">a</textPath></text>', "path that a <textPath>"),
+    ('<rect x="1rem" y="9" width="9" height="9"/>', "length in rem"),
+    ('<text y="50" dominant-baseline="hanging">a<tspan alignment-baseline="alphabetic">b</tspan></text>', "text moved by"),
     ('<clipPath id="c"><path d="M0 0h40v40h-40z"/></clipPath><path clip-path="url(#c)" fill="red" d="M9 9h50v50z"/>', "new edge of an area"),
 ])  # fmt: skip
 def test_what_is_drawn_in_part_is_named(tmp_path, text, name):
