@@ -1,16 +1,19 @@
-"""`passo draw` on machines that speak grbl: the drawing as lines of G-code, written to a file or sent, and gone on with by line."""
+"""`passo draw` on machines that speak grbl: the drawing as lines of G-code, written to a file or sent, and gone on with by line, or as a
+stored job amid one."""
 
 import hashlib
 from dataclasses import fields, replace
 
-from host_tools.cli import stream
+from host_tools.cli import resume, stream
 from host_tools.cli.draw_run import go_on, pen_of
+from host_tools.clients.refusal import Refused
 from host_tools.drawings import gcode
 from host_tools.drawings.gcode import TOOLS, Cut
 from host_tools.failure import Failure, reason
 from host_tools.language import _, line_text
-from host_tools.programs import gcode_file, gcode_time
+from host_tools.programs import gcode_file, gcode_time, stored_job
 from host_tools.programs.gcode_time import Limits
+from host_tools.programs.job_record import Record
 
 _BAUD = 115200
 _LEAST_TIMEOUT_S = 5.0
@@ -65,12 +68,30 @@ class Written:
 
     def write(self, console, path):
         """Write the file. Raises Failure."""
-        name = "".join(each for each in self._plan.name if each.isascii() and each not in "()")
         try:
-            path.write_text("\n".join([f"(passo draw {name})", *self.lines, ""]), encoding="ascii")
+            path.write_text("\n".join([self._head(), *self.lines, ""]), encoding="ascii")
         except OSError as error:
             raise Failure("cannot write {}: {}", path, reason(error)) from error
         console.print(_("  {0}: {1} lines; passo check {0} shows what the machine makes of it", path, len(self.lines)))
+
+    def _head(self):
+        """The first line of the file."""
+        name = "".join(each for each in self._plan.name if each.isascii() and each not in "()")
+        return f"(passo draw {name})"
+
+    def _gone_on_as_stored(self, client, said):
+        """True if the board's journal says that it ran the file as a stored job, which is gone on with then. Raises Failure."""
+        resume.settled(client)
+        try:
+            found = Record.of(client.command("$JR"))
+        except Refused:
+            return False  # no journal
+        rows = [(number + 1, line) for number, line in self._rows]
+        number = stored_job.crc(stored_job.gcode_lines(rows))
+        if found.job != number:
+            return False
+        resume.go_on(client, rows, self._plan.name, number, said.home and not said.unlock, said.unlock, said.yes)
+        return True
 
     def run(self, console, record, said):
         """Send it, from its start or from the line where it was broken off. Raises Failure."""
@@ -78,13 +99,15 @@ class Written:
         from host_tools.clients.grbl import GrblClient
 
         first = None
-        if said.resume:
-            record.resume()
-            first = record.object
-            pens = [part for line, part in self._pens.items() if line < first]
-            if pens and first not in self._pens:
-                console.print(_("  pen {} draws on", pen_of(pens[-1])))
         with GrblClient(said.port or ports.only(), said.baud or _BAUD, max(said.timeout, _LEAST_TIMEOUT_S), said.log) as client:
+            if said.resume:
+                if self._gone_on_as_stored(client, said):
+                    return
+                record.resume()
+                first = record.object
+                pens = [part for line, part in self._pens.items() if line < first]
+                if pens and first not in self._pens:
+                    console.print(_("  pen {} draws on", pen_of(pens[-1])))
             stream.make_ready(client, said.home and not said.unlock, said.unlock)
             try:
                 seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._name, record.save)

@@ -66,7 +66,8 @@ class Plotted:
         if self._said.unlock:
             raise Failure("--unlock is for machines that speak grbl: a plotter seeks its origin, or draws from where it is by --no-home")
         way = Way(said.resume, said.home)
-        run(console, self._objects, self._machine, record, said.port, said.baud or _BAUD, said.speed, way, said.log, said.timeout, changes=self._changes)
+        stored = drawn.numbers_of_stored(self._objects, said.speed)
+        run(console, self._objects, self._machine, record, said.port, said.baud or _BAUD, said.speed, way, said.log, said.timeout, stored, self._changes)
 
 
 def pen_of(part):

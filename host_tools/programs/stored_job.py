@@ -43,10 +43,16 @@ def name_of(path):
 def gcode_job(path):
     """A G-code file as a job: a line for each of its lines, without comments and blanks, numbered by N words as `passo stream`
     numbers them, so that status reports and errors name the file's line."""
+    from host_tools.programs import gcode_file
+
+    return gcode_lines(gcode_file.read(path))
+
+
+def gcode_lines(lines):
+    """The same of a file's [(number, bytes)]."""
     from host_tools.clients.grbl import tagged
     from host_tools.programs import gcode_file
 
-    lines = gcode_file.read(path)
     numbered = not gcode_file.has_numbers(lines)
     rows = [b""] * lines[-1][0]
     for number, line in lines:

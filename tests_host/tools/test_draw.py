@@ -3,11 +3,13 @@
 import json
 import math
 import os
+import pprint
 import re
 import signal
 import subprocess
 import sys
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy
@@ -19,6 +21,7 @@ from shapely import STRtree
 from shapely import points as shapely_points
 
 from host_tools import boards
+from host_tools.clients.grbl import GrblClient
 from host_tools.drawings import contours, drawing
 from host_tools.drawings.drawing import Options
 from host_tools.failure import Failure
@@ -363,6 +366,49 @@ def test_a_drawing_broken_off_by_ctrl_c_is_continued(tmp_path, start):
     wanted, done = ink(whole), ink(parts)
     assert set(done) == set(wanted)
     assert len(wanted) - 20 <= len(done) < len(wanted) + 500  # no more than one line drawn a second time
+
+
+def hold_and_reset(port):
+    """As somebody at another sender does."""
+    with GrblClient(port, 115200) as client:
+        client.real_time(b"!")
+        while not client.ask_status()["state"].startswith("Hold:0"):
+            time.sleep(0.05)
+        client.reset()
+
+
+@pytest.mark.parametrize("name, language, options, out, unlocked", [
+    ("plotter_2014", "plotter", ("--speed", "200"), "--packets", ()), ("laser_xy", "grbl", ("--feed", "3000", "--power", "300"), "-o", ("--unlock",)),
+])  # fmt: skip
+def test_a_stored_job_is_continued_amid_its_line(tmp_path, start, name, language, options, out, unlocked):
+    """The board's journal knows it; there is none beside the file. Each place is drawn."""
+    path = svg(tmp_path, "".join(f'<path d="M2 {y} h30"/>' for y in range(2, 62, 3)))
+    file, trace, job = tmp_path / "board.py", tmp_path / "t.csv", tmp_path / "job"
+    file.write_text("BOARD = " + pprint.pformat({**boards.load(name), "jobs": {"language": language}, "journal": {"every_ms": 500}}))
+    options = ("--board", file, *options)
+    board = start("board", "--board", file, "--time", "real", "--start", "30,20", "--trace", trace)
+    where = ("--port", port_of(board))
+    assert start("draw", path, *options, out, job).wait(60) == 0
+    assert start("jobs", "store", job, "--protocol", language, *where).wait(60) == 0
+    if unlocked:
+        with GrblClient(where[1], 115200) as client:
+            client.command("$X")
+    assert start("jobs", "run", "JOB", "--no-wait", "--protocol", language, *where).wait(60) == 0
+    whole = 30 * boards.load(name)["axes"][0]["steps_per_m"] // 1000
+    deadline = time.monotonic() + 120
+    while sum(not row.endswith(",0") for row in trace.read_text().splitlines()[1:-1]) < 3.3 * whole and time.monotonic() < deadline:
+        time.sleep(0.05)
+    if language == "plotter":
+        assert start("send", "STOP", *where).wait(20) == 0
+    else:
+        hold_and_reset(where[1])
+    assert 3 * whole < len(ink(trace)) < 19.5 * whole
+    again = start("draw", path, *options, *where, *unlocked, "--continue", "--yes")
+    assert again.wait(120) == 0 and "interrupted in " in again.communicate()[0]
+    drawn = Counter(ink(trace))
+    rows = Counter(y for _, y in drawn)
+    assert len(rows) == 20 and all(whole - 2 <= count <= whole + 1 for count in rows.values()), rows
+    assert drawn.total() - len(drawn) < whole, "what was drawn since the journal's last record"
 
 
 def test_the_pen_that_draws_is_named_when_a_drawing_goes_on(tmp_path, start):
