@@ -4,7 +4,7 @@ stored job amid one."""
 import hashlib
 from dataclasses import fields, replace
 
-from host_tools.cli import resume, stream
+from host_tools.cli import resume_gcode, stream
 from host_tools.cli.draw_run import go_on, pen_of
 from host_tools.clients.refusal import Refused
 from host_tools.drawings import gcode
@@ -81,7 +81,7 @@ class Written:
 
     def _gone_on_as_stored(self, client, said):
         """True if the board's journal says that it ran the file as a stored job, which is gone on with then. Raises Failure."""
-        resume.settled(client)
+        resume_gcode.settled(client)
         try:
             found = Record.of(client.command("$JR"))
         except Refused:
@@ -90,7 +90,7 @@ class Written:
         number = stored_job.crc(stored_job.gcode_lines(rows))
         if found.job != number:
             return False
-        resume.go_on(client, rows, self._plan.name, number, said.home and not said.unlock, said.unlock, said.yes)
+        resume_gcode.go_on(client, rows, self._plan.name, number, said.home and not said.unlock, said.unlock, said.yes)
         return True
 
     def run(self, console, record, said):

@@ -7,7 +7,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli import resume
+from host_tools.cli import resume_gcode
 from host_tools.cli.draw import corner
 from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
@@ -90,7 +90,7 @@ def engrave(
         raise Failure("--continue goes on at a machine: give --port")
     with contextlib.ExitStack() as ends:
         client = _client(ends, port, baud, home, unlock, continued) if port else None
-        rest = partial(resume.go_on, stored=0, home=home, unverified=False, yes=yes) if continued else None
+        rest = partial(resume_gcode.go_on, stored=0, home=home, unverified=False, yes=yes) if continued else None
         _carry_out(file, options, board, dialect, client, out, preview, rest)
 
 
@@ -153,7 +153,7 @@ def _client(ends, port, baud, home, unlock, continued):
 
     client = ends.enter_context(GrblClient(port, baud))
     if continued:
-        resume.settled(client)
+        resume_gcode.settled(client)
     else:
         make_ready(client, home, unlock)
     return client

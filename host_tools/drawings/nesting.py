@@ -1,4 +1,5 @@
-"""Finds room for several drawings on one sheet: each as low as it goes, then as far left, turned by quarters if that helps.
+"""Finds room for several drawings on one sheet: each as low as it goes, then as far left, turned by quarters if that helps. Then in lower and
+lower strips: each as far left as it goes, then as low; the lowest strip counts in which all have room.
 
     spots = nested(shapes, 400, 300, gap=5)         # [(x, y, quarter turns)], where the corner of each shape's box stands
     outline([line, ...])                            # the shape of a drawing: a shapely geometry
@@ -17,6 +18,7 @@ from host_tools.failure import Failure
 
 _MOST_CELLS = 600_000  # of the sheet
 _LEAST_MM = 1.0
+_STRIPS = 5  # tried: each takes as long as the nesting itself, or less
 
 
 def outline(lines):
@@ -37,6 +39,23 @@ def outline(lines):
 def nested(shapes, width, height, gap=0.0, turn=True):
     """Where each shape stands: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
     there is no room for one."""
+    spots = _placed(shapes, width, height, gap, turn, False)
+    sides = [(right - left, top - bottom) for left, bottom, right, top in (shape.bounds for shape in shapes)]
+    least = max(min(side) if turn else side[1] for side in sides)
+    used, _ = fullness(shapes, spots, width)
+    for _strip in range(_STRIPS):
+        limit = (least + used) / 2
+        try:
+            lower = _placed(shapes, width, limit, gap, turn, True)
+        except Failure:
+            least = limit
+        else:
+            spots, used = lower, fullness(shapes, lower, width)[0]
+    return spots
+
+
+def _placed(shapes, width, height, gap, turn, across):
+    """The same in one go; `across`: as far left as it goes, then as low."""
     cell = max(_LEAST_MM, math.sqrt(width * height / _MOST_CELLS))
     sheet = numpy.zeros((int(height / cell + 1e-9), int(width / cell + 1e-9)), bool)
     found = {}
@@ -48,7 +67,7 @@ def nested(shapes, width, height, gap=0.0, turn=True):
             if right - left > width + 1e-9 or top - bottom > height + 1e-9:
                 continue
             mask = _mask(shape, gap, cell)
-            spot = _lowest(sheet, mask, (right - left, top - bottom), (width, height), cell, gap)
+            spot = _free(sheet, mask, (right - left, top - bottom), (width, height), cell, gap, across)
             if spot and (best is None or spot[:2] < best[:2]):
                 best = (*spot, quarters, mask)
         if best is None:
@@ -84,8 +103,8 @@ def _mask(shape, gap, cell):
     return shapely.contains_xy(near, *numpy.meshgrid(xs, ys))
 
 
-def _lowest(sheet, mask, size, room, cell, gap):
-    """(top, column, row, column) of the lowest free place, or None. What was put on the sheet has the gap around it already; the
+def _free(sheet, mask, size, room, cell, gap, across):
+    """(top, column, row, column) of the lowest free place, `across`: (right end, row, row, column) of the leftmost; or None. What was put on the sheet has the gap around it already; the
     shape itself needs none."""
     pad = _pad(gap, cell)
     inner = mask[pad:-pad, pad:-pad]
@@ -93,15 +112,15 @@ def _lowest(sheet, mask, size, room, cell, gap):
     last_row = int((room[1] - size[1]) / cell + 1e-9)
     last_column = int((room[0] - size[0]) / cell + 1e-9)
     if not sheet.any():
-        return (size[1], 0, 0, 0)
+        return (size[0] if across else size[1], 0, 0, 0)
     shape = (rows + inner.shape[0], columns + inner.shape[1])
     hits = numpy.fft.irfft2(numpy.fft.rfft2(sheet, shape) * numpy.conj(numpy.fft.rfft2(inner, shape)), shape)
     free = hits[: last_row + 1, : last_column + 1] < 0.5
-    spots = numpy.argwhere(free)
+    spots = numpy.argwhere(free.T if across else free)
     if not len(spots):
         return None
-    row, column = spots[0].tolist()
-    return (row * cell + size[1], column, row, column)
+    first, second = spots[0].tolist()
+    return (first * cell + size[0], second, second, first) if across else (first * cell + size[1], second, first, second)
 
 
 def _put(sheet, mask, row, column):

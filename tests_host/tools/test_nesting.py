@@ -44,6 +44,14 @@ def test_shapes_lie_in_each_other_s_bays():
     assert used < 0.7 * used_by_boxes and full > 0.45
 
 
+def test_a_wide_sheet_is_filled_in_a_low_strip():
+    """Ten of them where six boxes have room side by side: each as low as it goes fills no bay, and takes the height of two boxes."""
+    corner = shapely.Polygon([(0, 0), (60, 0), (60, 15), (15, 15), (15, 60), (0, 60)])
+    spots = nesting.nested([corner] * 10, 380, 380, 3.0)
+    used, _ = nesting.fullness([corner] * 10, spots, 380)
+    assert used < 105
+
+
 def test_no_room_is_told():
     with pytest.raises(Failure, match="no room on the sheet of 50 × 50 mm for all 2 drawings with 2 mm"):
         nesting.nested([shapely.box(0, 0, 40, 40)] * 2, 50, 50, 2)
