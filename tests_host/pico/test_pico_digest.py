@@ -116,6 +116,6 @@ def test_the_pico_answers_to_numbers_as_cpython_does(uf2, language, step, show):
     files = with_digest(board, "job.txt", b"", "every_number.py")
     pico = EmulatedPico(files=files, uf2=uf2).boot()
     code = "import gc\ngc.threshold(16000)\n" + IN_FLASH + f"import every_number\nevery_number.main([{language!r}, '3', '{step}'])"
-    said = pico.exec(code, limit_us=10 * LIMIT_US).split()
+    said = pico.exec(code, limit_us=20 * LIMIT_US).split()
     assert " ".join(said) == "%08x %d %d" % every_number.run(language, 3, step)
     show(f"numbers of {language} on the Pico", f"{said[1]} sent, {said[2]} refused, as under CPython")
