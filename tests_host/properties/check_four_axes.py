@@ -6,6 +6,7 @@ from random_motion import MM, Machine
 
 CASES = {"check_limits": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "reversals", "arcs"))}
 RUNS = {"check_limits": 30}
+EXAMPLES = {"check_limits": ((1514, "arcs"),)}  # helices of 2 to 4 steps of the circle and 260 of the third axis
 
 
 class Four(Machine):

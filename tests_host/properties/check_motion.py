@@ -2,6 +2,7 @@
 
 from passo.motion.block import LINE
 from passo.motion.planner import Planner
+from passo.motion.speed_viper import spread
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of, reference_seconds
 
@@ -10,6 +11,7 @@ CASES = {
     "check_start_speed": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "reversals", "arcs"), ("start", 1, 40)),
     "check_feeding_changes_nothing": (("seed", "seed"),),
     "check_a_live_stream": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "arcs"), ("patience", 1, 12)),
+    "check_parts_of_steps_take_their_time": (("part", 0, 0x1FFFF), ("bits", 0, 28), ("each", "seed"), ("rest", 0, 127)),
 }
 RUNS = {"check_limits": 60, "check_start_speed": 20, "check_feeding_changes_nothing": 8, "check_a_live_stream": 20}
 TURN_TICKS = 62_500
@@ -33,6 +35,15 @@ def hold_limits(seed, kind, make=Machine):
     best = reference_seconds(machine.facts)
     assert took <= best * 1.02 + 0.0005, (took, best)
     return len(machine.facts), len(machine.segments), worst, over, took, best
+
+
+def check_parts_of_steps_take_their_time(part, bits, each, rest):
+    """To some ticks, a step as long as it may be: a steep helix makes a hundred words of one step of its circle."""
+    each = each % (1 << bits) + (1 << bits)
+    whole = min((1 << 28) // each, 255)
+    found = spread(whole << 17 | part, each, rest)
+    exact = (whole << 17 | part) * (each * 128 + rest) / (1 << 24)
+    assert abs(found - exact) <= 4 + (whole if each >= 0x80000 else 0), (found, exact)
 
 
 def check_start_speed(seed, kind, start):

@@ -65,16 +65,16 @@ def path_ticks(path: int, span: int, speed: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
-    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. Longer steps need no fraction of one."""
+    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. Longer steps need no fraction of a tick, but their parts
+    count: a word of a steep helix may be less than a hundredth of one."""
     whole = path >> 17
     path &= 0x1FFFF
     ticks = whole * each
     if each < 0x80000:
         ticks += (whole * rest >> 7) + (path * rest >> 24) + ((path >> 7) * each >> 10) + ((path & 127) * each >> 17)
-    elif each < 0x800000:
-        ticks += path * (each >> 10) >> 7
     else:
-        ticks += (path >> 7) * (each >> 10)
+        high = each >> 10
+        ticks += (path >> 7) * high + ((path & 127) * high >> 7) + ((path >> 7) * (each & 0x3FF) >> 10)
     return ticks if ticks else 1
 
 
