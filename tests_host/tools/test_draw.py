@@ -378,11 +378,11 @@ def hold_and_reset(port):
 
 
 @pytest.mark.parametrize("name, language, options, out, unlocked", [
-    ("plotter_2014", "plotter", ("--speed", "200"), "--packets", ()), ("laser_xy", "grbl", ("--feed", "3000", "--power", "300"), "-o", ("--unlock",)),
+    ("plotter_2014", "plotter", ("--speed", "1000"), "--packets", ()), ("laser_xy", "grbl", ("--feed", "3000", "--power", "300"), "-o", ("--unlock",)),
 ])  # fmt: skip
 def test_a_stored_job_is_continued_amid_its_line(tmp_path, start, name, language, options, out, unlocked):
     """The board's journal knows it; there is none beside the file. Each place is drawn."""
-    path = svg(tmp_path, "".join(f'<path d="M2 {y} h30"/>' for y in range(2, 62, 3)))
+    path = svg(tmp_path, "".join(f'<path d="M2 {y} h30"/>' for y in range(2, 96, 3)))
     file, trace, job = tmp_path / "board.py", tmp_path / "t.csv", tmp_path / "job"
     file.write_text("BOARD = " + pprint.pformat({**boards.load(name), "jobs": {"language": language}, "journal": {"every_ms": 500}}))
     options = ("--board", file, *options)
@@ -402,12 +402,14 @@ def test_a_stored_job_is_continued_amid_its_line(tmp_path, start, name, language
         assert start("send", "STOP", *where).wait(20) == 0
     else:
         hold_and_reset(where[1])
-    assert 3 * whole < len(ink(trace)) < 19.5 * whole
+    assert 3 * whole < len(ink(trace)) < 31.5 * whole
     again = start("draw", path, *options, *where, *unlocked, "--continue", "--yes")
     assert again.wait(120) == 0 and "interrupted in " in again.communicate()[0]
+    board.send_signal(signal.SIGTERM)
+    assert board.wait(10) == 0  # the trace is whole
     drawn = Counter(ink(trace))
     rows = Counter(y for _, y in drawn)
-    assert len(rows) == 20 and all(whole - 2 <= count <= whole + 1 for count in rows.values()), rows
+    assert len(rows) == 32 and all(whole - 2 <= count <= whole + 1 for count in rows.values()), rows
     assert drawn.total() - len(drawn) < whole, "what was drawn since the journal's last record"
 
 
