@@ -133,7 +133,7 @@ class LineBatches(Feature):
             return False
         queue = self._queue
         planner = self._planner
-        reach = self.reach()
+        reach = self.reach() if self._travel_of != machine.settings.version else self._travel if machine.homed else None
         if self._reached is not reach:
             self._take_over(reach)
         if self._arrays is not planner.arrays:

@@ -10,6 +10,8 @@ An attribute has one writer beside this module, unless WRITERS of tests_host/rul
 what FACE there names, and write nothing.
 """
 
+import micropython
+
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
 from passo.control.feature import ANEW, HANDED_OVER, OFF, QUEUE_GONE, SAFE, WORK_GONE, overriding
@@ -91,6 +93,7 @@ class MachineState:
     # --- what it is doing
 
     @property
+    @micropython.native
     def state(self):
         """In a word, as a status report has it."""
         if self.sleeping:

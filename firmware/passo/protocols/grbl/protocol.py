@@ -31,7 +31,7 @@ from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare, longest, rounded
-from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, plain_text
+from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, keep, plain_text
 from passo.protocols.grbl.real_time import real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
@@ -44,10 +44,6 @@ except MemoryError:  # a board that has too little, or not in one piece: feed() 
     take_lines = None
 
 _SEVERAL = const(2)
-_BY_ITSELF = b"\x18!"  # real-time bytes; a read that ends with one of them goes to feed()
-_HIGHEST = const(0x7D)  # as are those above it
-_END_OF_LINE = const(10)
-_LAST = const(-1)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
 _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
@@ -108,20 +104,22 @@ class Grbl:
         """Keep `data`, and queue the kept lines that are nothing but a G0 or G1, as long as nothing is unusual. Returns their answers,
         or b"" if no line was queued: then call feed() without data. Returns None if `data` was not kept: then call feed() with it."""
         if not self.batch.begun:
-            if data and data[_LAST] != _END_OF_LINE:
-                last = data[_LAST]
+            if data:
                 lines = self._lines
                 fields = lines.fields
-                if last > _HIGHEST or last in _BY_ITSELF:  # it need not wait for the machine's yes
-                    fields[LINES_WAITS] = 0
+                if not lines.text:
+                    lines.make()
+                kept = keep(data, len(data), lines.text, fields)
+                if kept == REAL_TIME:
+                    fields[LINES_WAITS] = 0  # these need not wait for the machine's yes
                     return None
-                if not lines.take(data):
-                    return None
+                if kept:
+                    lines.kept(kept, data)
                 if fields[LINES_ASKED] or fields[LINES_AT] == fields[LINES_WHOLE]:
                     return b""  # the answer comes first, or no line has ended: to open the batch takes 0.7 ms
                 data = b""
-            if not self._open(data):
-                return None if data else b""
+            if not self._open():
+                return b""
         text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
             data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
@@ -129,14 +127,14 @@ class Grbl:
         return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
 
     @micropython.native
-    def _open(self, data):
+    def _open(self):
         """True if the batch is open: nothing is unusual, and some lines may be there."""
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
-            or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
+            or self._version != self._settings.version or fields[LINES_AT] == fields[LINES_WHOLE]
         ):  # fmt: skip
             return False
         batch = self.batch

@@ -32,6 +32,8 @@ _STATES = {
 _BUFFERS = bytes((REPORT_BLOCKS // NUMBER_FIELDS + 1, 44, REPORT_ROOM // NUMBER_FIELDS + 1))
 _LINE = bytes((REPORT_LINE // NUMBER_FIELDS + 1,))
 _SPEEDS = bytes((REPORT_SPEED // NUMBER_FIELDS + 1, 44, REPORT_RPM // NUMBER_FIELDS + 1, 0))
+_SPINDLES = ("", "", "", "S", "C", "")
+_COOLANTS = ("", "F", "M", "FM")
 _BUSY = ("run", "hold", "jog", "door", "home")
 _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
@@ -148,7 +150,7 @@ class Status:
         self._system = gcode.system
         self._mask = settings.value(SETTING_REPORT)
         self._inches = settings.value(SETTING_INCHES) and not gcode.turns
-        self._pins = self._power = self._state = None  # that `_pressed`, the rpm and `_form` are of
+        self._pins = self._power = self._state = self._percents = None  # that `_pressed`, the rpm, `_form` and `_overridden` are of
         self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         self._fields[REPORT_SPEED + NUMBER_FIRST] = 1 if self._inches else 0
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
@@ -225,29 +227,25 @@ class Status:
         return form + b"|FS:" + _SPEEDS
 
     def _now_and_then(self, report, at):
-        out = self._out
-        fields = self._fields
         busy = report["state"] in _BUSY
         if self._wco:
             self._wco -= 1
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
             self.overrides = self.overrides or 1
-            at = tell(out, at, self._offset, fields)
+            at = tell(self._out, at, self._offset, self._fields)
         if self.overrides:
             self.overrides -= 1
             return at
         self.overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
-        number = REPORT_NUMBER
-        for percent in report["overrides"]:
-            fields[number + NUMBER_WHOLE] = percent
-            fields[number + NUMBER_FIRST] = 0
-            number += NUMBER_FIELDS
-        at = tell(out, at, b"|Ov:\1,\2,\3\0", fields)
-        accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
+        if self._percents != report["overrides"]:
+            self._percents = list(report["overrides"])
+            self._overridden = ("|Ov:%d,%d,%d\0" % tuple(self._percents)).encode()
+        at = tell(self._out, at, self._overridden, self._fields)
+        accessories = _SPINDLES[report["spindle"]] + _COOLANTS[report["coolant"]]
         if accessories:
-            at = tell(out, at, ("|A:%s\0" % accessories).encode(), fields)
+            at = tell(self._out, at, ("|A:%s\0" % accessories).encode(), self._fields)
         for key, word in STATUS_WORDS:
             if key in report and report[key] is not None:
-                at = tell(out, at, ("|%s:%s\0" % (word, report[key])).encode(), fields)
+                at = tell(self._out, at, ("|%s:%s\0" % (word, report[key])).encode(), self._fields)
         return at

@@ -3,7 +3,7 @@ integers an axis."""
 
 from micropython import const
 
-REPORT_NUMBER = const(0)  # nine numbers: of up to four axes, or the overrides; and these
+REPORT_NUMBER = const(0)  # nine numbers: of up to four axes; and these
 REPORT_BLOCKS = const(12)
 REPORT_ROOM = const(15)
 REPORT_LINE = const(18)
