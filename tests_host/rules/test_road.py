@@ -33,13 +33,14 @@ ROAD = (
 # Machine code: what it calls is part of it, and one call does the work of several lines or segments.
 KERNELS = [name for name in ROAD if "_viper.py" in name]
 
-# What the road asks, once for all lines that a cycle brings: does the machine take lines now, how many, understood by what?
+# What the road asks, once for all lines that a cycle brings: is a `?` among them? Does the machine take lines now, how many, understood by what?
 ASKED = {
     "control/line_batches.py LineBatches.open",
     "control/line_batches.py LineBatches.reach",
     "control/queue.py Queue.room",
     "motion/row_viper.py room",
     "protocols/gcode/parser.py GCode.opens",
+    "protocols/grbl/lines.py keep",
     "protocols/grbl/protocol.py Grbl._open",
 }
 # The answer, and the end of the batch.

@@ -16,7 +16,8 @@ class UartLine:
         """`link` of the board file; its port is "uart0" or "uart1". An inverter's says parity and stop bits too."""
         self._capture = None
         self._before = self._kept = self._given = 0  # bytes in the UART's buffer that come before what was captured; that; and given of it
-        self._capturing = False
+        self._ahead = b""  # comes before both
+        self._waiting = 0  # bytes that are not in the UART's buffer
         self._uart = UART(
             int(link["port"][4:]),
             link["baud"],
@@ -42,20 +43,21 @@ class UartLine:
         if self._capture is None:
             return
         if on:
-            if not self._kept:  # else what was kept the last time has not been read: the FIFO has to do
-                self._before = self._capture.begin(self._uart)
-                self._capturing = True
-        elif self._capturing:
-            self._capturing = False
+            if self._kept:  # what was captured the last time has not been read
+                first = self._uart.read(self._before) if self._before else b""
+                self._ahead += first + bytes(self._capture.view[self._given : self._kept])
+            self._before = self._capture.begin(self._uart)
+        else:
             self._kept = self._capture.end()
             self._given = 0
+            self._waiting = len(self._ahead) + self._kept
 
     def any(self):
-        return self.count() + self._kept - self._given
+        return self.count() + self._waiting
 
     def read(self):
         """Bytes that have come, at most 512, good until the next read; b"" if none."""
-        if self._kept:
+        if self._waiting:
             return self._read_kept()
         count = self.count()
         if not count:
@@ -68,6 +70,11 @@ class UartLine:
         return self._said
 
     def _read_kept(self):
+        if self._ahead:
+            data = self._ahead[:_MOST]
+            self._ahead = self._ahead[_MOST:]
+            self._waiting -= len(data)
+            return data
         if self._before:
             data = self._uart.read(min(self._before, _MOST))
             self._before -= len(data)
@@ -75,6 +82,7 @@ class UartLine:
         first = self._given
         self._given = min(first + _MOST, self._kept)
         data = self._capture.view[first : self._given]
+        self._waiting -= len(data)
         if self._given == self._kept:
             self._kept = self._given = 0
         return data
