@@ -17,7 +17,7 @@ POINT_BYTES = const(5)
 
 
 class _Batch:
-    moves = True  # the machine sets out by what is taken
+    moves = True  # if the machine stands, what is taken sets it in motion before the answer
 
     def __init__(self, link):
         self.link = link  # its number

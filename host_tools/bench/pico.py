@@ -182,8 +182,8 @@ def _gcode(mhz):
 
 
 def _answers(mhz):
-    """Milliseconds (of first steps, of holds) on router_3axis as it is flashed, but with faster axes. The trials fall on all phases of
-    the main loop's cycle."""
+    """Try first steps and holds on router_3axis, as flashed but with faster axes, at all phases of the main loop's cycle. Returns two
+    lists of milliseconds: from a line to its first step, and from `!` to the first slower step."""
     machine = EmulatedMachine(lines_of_gcode.fast_board((), clock_mhz=mhz, mm_s=500, mm_s2=300_000)[0], trace=None).boot()
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(100)

@@ -133,6 +133,7 @@ class LineBatches(Feature):
             return False
         queue = self._queue
         planner = self._planner
+        # as reach() says, without the call: each cycle with lines opens a batch, and `?` waits for it
         reach = self.reach() if self._travel_of != machine.settings.version else self._travel if machine.homed else None
         if self._reached is not reach:
             self._take_over(reach)

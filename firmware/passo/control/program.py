@@ -272,7 +272,7 @@ class Program(LineBatches):
         if self._touch is not None:
             return
         latch = self._latch
-        seen = latch and latch.seen  # asked before the pin is read: an edge behind that is no noise, and is not to be forgotten
+        seen = latch and latch.seen  # read before the pin: an edge that comes between the two is a contact, and begin() would forget it
         if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
             self._touch = queue.position(latch if latch and latch.seen else None)
             machine.drop_at_stand()

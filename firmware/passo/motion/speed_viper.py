@@ -65,8 +65,8 @@ def path_ticks(path: int, span: int, speed: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
-    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. Longer steps need no fraction of a tick, but their parts
-    count: a word of a steep helix may be less than a hundredth of one."""
+    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. Where a step is longer than 2¹⁹ ticks,
+    `rest` is left out. All bits of `path` count: a word of a steep helix may take less than a hundredth of a step of its circle."""
     whole = path >> 17
     path &= 0x1FFFF
     ticks = whole * each

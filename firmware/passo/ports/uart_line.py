@@ -16,7 +16,7 @@ class UartLine:
         """`link` of the board file; its port is "uart0" or "uart1". An inverter's says parity and stop bits too."""
         self._capture = None
         self._before = self._kept = self._given = 0  # bytes in the UART's buffer that come before what was captured; that; and given of it
-        self._ahead = b""  # comes before both
+        self._ahead = b""  # bytes that were captured earlier: they come before all these
         self._waiting = 0  # bytes that are not in the UART's buffer
         self._uart = UART(
             int(link["port"][4:]),
@@ -43,7 +43,7 @@ class UartLine:
         if self._capture is None:
             return
         if on:
-            if self._kept:  # what was captured the last time has not been read
+            if self._kept:  # nobody has read yet what was captured last: copy it, because begin() overwrites it
                 first = self._uart.read(self._before) if self._before else b""
                 self._ahead += first + bytes(self._capture.view[self._given : self._kept])
             self._before = self._capture.begin(self._uart)

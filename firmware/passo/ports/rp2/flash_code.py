@@ -43,7 +43,7 @@ from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, look, move, s
 
 _IOCTL_COUNT = const(4)
 code = None  # see begin()
-_COLLECT = const(72_000)  # bytes taken until garbage is collected where a radio's driver has a part of the memory: see begin()
+_COLLECT = const(72_000)  # bytes taken on a board with a radio until garbage is collected: see begin()
 _BUFFER_BYTES = const(4608)  # more than any file has before its functions
 _TEXTS_BYTES = const(2048)  # of names that do not lie in flash: more than most boards have
 _PAGE = const(256)  # as the interpreter mounts it
@@ -98,7 +98,7 @@ def begin():
     """What main.py begins with, at the chip's full speed."""
     global code
     clock.hurry()
-    if hasattr(rp2, "country"):  # a Pico W: what stays of this start must not lie all over its memory. On others it would cost 15 ms
+    if hasattr(rp2, "country"):  # a radio, whose driver takes 40 kB: collect early, or what stays lies all over the rest. Cost: 15 ms
         import gc
 
         gc.threshold(_COLLECT)

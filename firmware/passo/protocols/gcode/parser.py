@@ -53,10 +53,11 @@ class GCode(Motions):
         self.fields = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self.fields[PARSE_AXES] = len(axes)
         self._ends = memoryview(self.fields)[PARSE_TARGET : PARSE_TARGET + len(axes)]
-        self._system_known = None  # the system, its offsets and the travel that `fields` knows
+        # What _know_axes() has filled in: for this coordinate system (None: for none), version of the offsets, and travel.
+        self._system_known = None
         self._offsets_known = 0
-        self._level = 0  # power of the modal state, thousandths
         self._reach = None
+        self._level = 0  # power of the modal state, thousandths
         self._unknown = True  # `fields` does not say where it is
         self.reset()
 
@@ -195,7 +196,7 @@ class GCode(Motions):
         return True
 
     def _know_axes(self, reach):
-        """Fill in what the modal state of `fields` does not change. False if that is not for plain lines."""
+        """Fill in offsets, steps/mm and travel, which stay if a line changes modes only. False if they are too large for plain lines."""
         fields = self.fields
         self._system_known = None
         fields[PARSE_LEAST] = 1

@@ -101,8 +101,9 @@ class Grbl:
 
     @micropython.native
     def take(self, data, now_ms):
-        """Keep `data`, and queue the kept lines that are nothing but a G0 or G1, as long as nothing is unusual. Returns their answers,
-        or b"" if no line was queued: then call feed() without data. Returns None if `data` was not kept: then call feed() with it."""
+        """Put `data` into the line buffer. Then queue lines from there, until one is more than a G0 or G1, or the machine takes none.
+        Returns an `ok` for each; b"" if there was none, or a `?` has to be answered first: call feed(b"") then. Returns None if
+        `data` has other real-time bytes: it is not kept, call feed(data) then."""
         if not self.batch.begun:
             if data:
                 lines = self._lines
@@ -111,7 +112,7 @@ class Grbl:
                     lines.make()
                 kept = keep(data, len(data), lines.text, fields)
                 if kept == REAL_TIME:
-                    fields[LINES_WAITS] = 0  # these need not wait for the machine's yes
+                    fields[LINES_WAITS] = 0  # feed() carries out a hold or reset even if the machine has no room for lines
                     return None
                 if kept:
                     lines.kept(kept, data)
