@@ -66,10 +66,12 @@ class AtWork:
             self._failed = error
 
     def begin(self, data):
+        """Returns once it moves: before that, between a spindle's start and the first line, it is idle for a cycle."""
+        stood = list(self.machine.plant.position)
         with serial.Serial(self.line.name, 115200, timeout=0.2) as client:
             client.write(data)
             end = time.monotonic() + 60
-            while self.machine.app.controller.state not in ("run", "jog"):
+            while self.machine.app.controller.state not in ("run", "jog") or list(self.machine.plant.position) == stood:
                 assert time.monotonic() < end, self.looks()
                 client.read(100)
         return self.looks()
