@@ -9,6 +9,7 @@ A wire (host_tools/clients) says commands in the board's language: takes(command
 silent() and drop(). It tells the machine answered(event) and report(dict). Boards are asked for reports all the time, and are lost when none come.
 """
 
+from host_tools.page.later import at_once
 from passo import errors
 from passo.protocols.page.lease import since
 
@@ -38,6 +39,7 @@ def _said(kind):
 
     class Said(kind):
         tells = ()
+        beside = staticmethod(at_once)  # beside(work, then): then(work()), later where a loop is not to wait for it
         left = False  # the port has been closed, which may be amid an order: poll() calls lost()
 
         def __init__(self, tell, wire, board, spoken=None):
@@ -95,13 +97,13 @@ def _reported(kind):
 
     class Reported(kind):
         ask_ms = 40  # between two reports: 25 a second
-        silent_ms = 1500  # without a report: the link is down
+        silent_ms = 1500  # since it was asked for a report: the link is down
         again_ms = 3000  # it is asked for again
         watcher = None  # watcher(state): told of each report
 
         def __init__(self, tell, wire, board, spoken=None):
             kind.__init__(self, tell, wire, board, spoken)
-            self._asked_ms = self._heard_ms = 0
+            self._asked_ms = self._unanswered_ms = 0
             self._asking = False
 
         def feed(self, data, now_ms):
@@ -117,15 +119,16 @@ def _reported(kind):
             self.go_on(now_ms)
             if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
                 self._asked_ms = now_ms
+                if not self._asking:
+                    self._unanswered_ms = now_ms
                 self._asking = True
                 self.wire.ask()
-            if self.state["link"] and since(now_ms, self._heard_ms) > self.silent_ms:
+            if self.state["link"] and self._asking and since(now_ms, self._unanswered_ms) > self.silent_ms:
                 self.silent()
             self.say_on()
 
         def report(self, report):
             self._asking = False
-            self._heard_ms = self._now_ms
             self.state["link"] = True
             alarm = self._alarm_of(report)
             if alarm and not self._record.alarm:

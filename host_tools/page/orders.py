@@ -4,6 +4,7 @@ another machine. Tool on, run and resume from another computer want somebody at 
     api = PanelOrders(machine, store, teach, choose)
 """
 
+from host_tools.page.later import Later
 from host_tools.page.set_up import SetUp
 from host_tools.page.presence import starts
 from host_tools.page.queue import Queue
@@ -36,9 +37,10 @@ class PanelOrders(Orders):
                 "job_text": self._job_text, "job_about": self._job_about, "job_part": self._job_part,
                 "job_remove": self._job_remove, "run": self._run, "teach": self._teach,
             })  # fmt: skip
+        self._stops = 0  # how often somebody has said STOP
         self._queue = None
         if hasattr(store, "tools"):  # a tab's jobs are not looked at
-            self._queue = Queue(machine, store.tools, self._run_whole)
+            self._queue = Queue(machine, self._look_through, self._run_whole)
             self._orders["queue"] = self._queue.order
         if hasattr(store, "place"):
             self._orders["job_place"] = self._job_place
@@ -54,8 +56,29 @@ class PanelOrders(Orders):
 
     def order(self, order, proven, remote=False):
         """`remote`: it comes from another computer, and the board does not know that."""
-        error = self.machine.absent() if remote and proven and isinstance(order, dict) and starts(order) else 0
+        answer = self.begin(order, proven, remote)
+        later = answer.get("error")
+        return self.finish(answer, later.work()) if isinstance(later, Later) else answer
+
+    def begin(self, order, proven, remote=False):
+        """The same, but for what takes a moment: then the answer's "error" is a Later, and finish() has the answer."""
+        known = isinstance(order, dict)
+        if known and order.get("do") == "stop":
+            self._stops += 1
+            if self._queue:
+                self._queue.stopped()
+        error = self.machine.absent() if remote and proven and known and starts(order) else 0
         return self._answer(order["do"], error) if error else Orders.order(self, order, proven)
+
+    def finish(self, answer, result):
+        """The answer to an order whose work has given `result`."""
+        found = answer["error"].then(result)
+        if not isinstance(found, dict):
+            answer["error"] = found
+            return answer
+        if "id" in answer:
+            found["id"] = answer["id"]
+        return found
 
     def _machine(self, order):
         return self.machine.still() or self._choose(text(order, "name", 64))
@@ -74,12 +97,16 @@ class PanelOrders(Orders):
     def _job_about(self, order):
         """What a job will do: only at rest, for it takes a moment."""
         name = text(order, "name", 64)
-        found = self.machine.still() or self.store.about(name, self.machine.settings)
-        if isinstance(found, int):
-            return found
-        answer = {"t": "job_about", "name": name}  # MicroPython, in a tab, does not know {**found}
-        answer.update(found)
-        return answer
+        settings = dict(self.machine.settings)
+
+        def told(found):
+            if isinstance(found, int):
+                return found
+            answer = {"t": "job_about", "name": name}  # MicroPython, in a tab, does not know {**found}
+            answer.update(found)
+            return answer
+
+        return self.machine.still() or Later(lambda: self.store.about(name, settings), told)
 
     def _job_part(self, order):
         """A piece of a job: the first has `at` 0, the last `last`."""
@@ -88,20 +115,26 @@ class PanelOrders(Orders):
         piece = order.get("text")
         if not isinstance(piece, str):
             raise Wrong("text")
-        return self.store.add(name, at, piece, bool(order.get("last")))
+        if not order.get("last"):
+            return self.store.add(name, at, piece, False)
+        return Later(lambda: self.store.add(name, at, piece, True))  # a drawing becomes a job
 
     def _job_place(self, order):
         """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
         name = text(order, "name", 64)
         place = [number(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
-        return self.machine.still() or self.store.place(name, place)
+        return self.machine.still() or Later(lambda: self.store.place(name, place))
 
     def _job_remove(self, order):
         return self.machine.still() or self.store.remove(text(order, "name", 64))
 
-    def _run_whole(self, name):
+    def _look_through(self, name):
+        """(lines, the tools they change to or None) of a job, or the number of an error."""
         lines = self.store.lines(name)
-        return lines if isinstance(lines, int) else self.machine.run(name, lines, 1, False, False)
+        return lines if isinstance(lines, int) else (lines, self.store.tools(lines))
+
+    def _run_whole(self, name, lines):
+        return self.machine.run(name, lines, 1, False, False)
 
     def _run(self, order):
         passes = int(number(order, "passes", 1, _PASSES, 1))
@@ -109,8 +142,13 @@ class PanelOrders(Orders):
         if error:
             return error
         name = text(order, "name", 64)
-        lines = self.store.lines(name)
-        return lines if isinstance(lines, int) else self.machine.run(name, lines, passes, bool(order.get("check")), bool(order.get("single")))
+        stops = self._stops
+
+        def begin(lines):
+            error = lines if isinstance(lines, int) else errors.STOPPED if self._stops != stops else self.machine.refusal() or self.machine.still()
+            return error or self.machine.run(name, lines, passes, bool(order.get("check")), bool(order.get("single")))
+
+        return Later(lambda: self.store.lines(name), begin)
 
     # --- teach-in
 

@@ -2,7 +2,7 @@
 
     pages = PanelPages(api, key, most)
     page = pages.enter(socket, pages.about(more), now_ms)
-    answer = pages.hear(page, text, now_ms)     # a dict; None: it is to be closed
+    answer = pages.hear(page, text, now_ms)     # a dict; its "error" may be a Later, see finish(); None: it is to be closed
     pages.next_state(now_ms)                    # the message for all of them that are due
     page.pace.due(pages.version, now_ms)
 """
@@ -57,10 +57,14 @@ class PanelPages(ServedPages):
             self.api.machine.end_jog()
 
     def order(self, page, order, proven):
-        answer = self.api.order(order, proven, page.remote)
+        answer = self.api.begin(order, proven, page.remote)
         if isinstance(order, dict) and order.get("do") == "jog" and not answer["error"]:
             page.lease = order["lease"]
         return answer
+
+    def finish(self, page, answer, result):
+        """The answer to an order whose work has given `result`; None: who asked has gone, and nothing is done."""
+        return self.api.finish(answer, result) if page in self.pages else None
 
     def next_state(self, now_ms):
         """The state as it is pushed to all pages, JSON. A jog's lease counts from it: it is sent at once."""

@@ -1,6 +1,6 @@
 """Jobs that wait for one another.
 
-    queue = Queue(machine, store.tools, run)        # tools(name): [] or ["T1", …]; run(name): 0 or an error
+    queue = Queue(machine, look, run)               # look(name): (lines, [] or ["T1", …]), takes a moment; run(name, lines): 0 or an error
     queue.order({"do": "queue", "what": "add", "name": "part.gcode"})
     queue.poll()                                    # begins the next one once the one before has been done
     machine.state["queue"]          # {"jobs": [names], "on": it has been begun, "waits": "", or why somebody has to say go on, "tool": "T2"}
@@ -9,6 +9,7 @@ The next job begins by itself only if no tool has to be changed in between: its 
 Else, and in a language without tools, somebody says so: "run". One that fails or is ended stops the queue.
 """
 
+from host_tools.page.later import Later
 from passo import errors
 from passo.protocols.page.orders import Wrong, number, text
 
@@ -16,11 +17,13 @@ _MOST = 50
 
 
 class Queue:
-    def __init__(self, machine, tools, run):
-        """`tools(name)`: the tools that a job changes to, in order; None: the language has no word for them."""
+    def __init__(self, machine, look, run):
+        """`look(name)`: (lines of a job, the tools that it changes to, in order, or None: the language has no word for them), or an error."""
         self._machine = machine
-        self._tools = tools
+        self._look = look
         self._run = run
+        self._reads = False  # the next one is being read
+        self._stops = 0
         self._jobs = []
         self._now = ""  # the job of the queue that runs
         self._tool = ""  # in the spindle, as far as the queue's jobs say
@@ -36,11 +39,9 @@ class Queue:
             name = text(order, "name", 64)
             if len(jobs) >= _MOST:
                 return errors.JOB_SIZE
-            if isinstance(self._tools(name), int):
-                return errors.NO_SUCH_JOB
-            jobs.append(name)
+            return Later(lambda: self._look(name), lambda found: self._add(name, found))
         elif what == "run":
-            return self._begin()
+            return self._asked()
         elif what == "clear":
             jobs.clear()
             waits = {"waits": "", "tool": ""}
@@ -57,24 +58,45 @@ class Queue:
         self._tell(waits["waits"], waits["tool"])
         return 0
 
-    def _begin(self):
+    def _add(self, name, found):
+        if isinstance(found, int):
+            return errors.NO_SUCH_JOB
+        if len(self._jobs) >= _MOST:
+            return errors.JOB_SIZE
+        self._jobs.append(name)
+        waits = self._machine.state["queue"]
+        self._tell(waits["waits"], waits["tool"])
+        return 0
+
+    def _asked(self):
         machine = self._machine
         if not self._jobs:
             return errors.NO_SUCH_JOB
-        name = self._jobs[0]
-        error = machine.refusal() or machine.still() or self._run(name)
+        name, stops = self._jobs[0], self._stops
+        return machine.refusal() or machine.still() or Later(
+            lambda: self._look(name), lambda found: errors.STOPPED if self._stops != stops else self._begin(name, found)
+        )
+
+    def _begin(self, name, found):
+        machine = self._machine
+        if isinstance(found, int):
+            return found
+        if self._jobs[:1] != [name]:
+            return errors.BUSY  # another page has changed it meanwhile
+        lines, tools = found
+        error = machine.refusal() or machine.still() or self._run(name, lines)
         if error:
             return error
         self._jobs.pop(0)
         self._now = name
-        self._tool = (self._tools(name) or [self._tool])[-1]
+        self._tool = (tools or [self._tool])[-1]
         self._tell("")
         return 0
 
     def poll(self):
         """Look whether the job of the queue has ended; begin the next one, or ask for it."""
         machine = self._machine
-        if not self._now or machine.job.running() or machine.state["state"] != "Idle":
+        if not self._now or self._reads or machine.job.running() or machine.state["state"] != "Idle":
             if self._now and not machine.state["link"]:
                 self._stop()
             return
@@ -86,18 +108,36 @@ class Queue:
         else:
             self._next()
 
+    def stopped(self):
+        """Somebody has said STOP: the one that is being read does not begin."""
+        self._stops += 1
+
     def _stop(self):
         self._now = ""
         self._tell("")
 
     def _next(self):
-        tools = self._tools(self._jobs[0])
-        self._now = ""
-        if isinstance(tools, int):
+        name, stops = self._jobs[0], self._stops
+        self._reads = True
+
+        def read(found):
+            self._reads = False
+            if self._now and self._stops == stops:
+                self._now = ""
+                self._offer(name, found)
+            else:
+                self._stop()
+
+        self._machine.beside(lambda: self._look(name), read)
+
+    def _offer(self, name, found):
+        """Begin the next one, or say what it waits for."""
+        tools = None if isinstance(found, int) else found[1]
+        if isinstance(found, int):
             self._tell("gone")
-        elif tools is None or self._machine.absent():
+        elif self._jobs[:1] != [name] or tools is None or self._machine.absent():
             self._tell("asks")
         elif tools and tools[0] != self._tool:
             self._tell("tool", tools[0])
-        elif self._begin():
+        elif self._begin(name, found):
             self._tell("asks")

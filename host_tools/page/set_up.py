@@ -12,6 +12,7 @@ The map is kept as long as the panel runs. It runs under MicroPython too, in a b
 
 from host_tools.programs.height_map import MOST_POINTS, Grid, Unfollowed, level
 from host_tools.programs.surfacing import surface
+from host_tools.page.later import Later
 from passo import errors
 from passo.protocols.page.orders import number, text
 
@@ -90,8 +91,13 @@ class SetUp:
                 "heights": [round(height, 3) for height in grid.heights], "whole": grid.whole()}  # fmt: skip
 
     def _level(self, name):
-        if not self._grid or not self._grid.whole():
+        grid = self._grid
+        if not grid or not grid.whole():
             return errors.NO_SUCH_JOB
+        return Later(lambda: self._levelled(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._kept("map", *made))
+
+    def _levelled(self, name, grid):
+        """(name, text) of a second job, which follows `grid`; or why there is none."""
         found, size = "", 1
         while len(found) < size:
             piece = self._store.text(name, len(found))
@@ -102,7 +108,7 @@ class SetUp:
                 break
         stem, dot, kind = name.rpartition(".")
         try:
-            made = level(found, self._grid)
+            made = level(found, grid)
         except Unfollowed as unfollowed:
             return {"t": "answer", "do": "map", "error": 0, "line": unfollowed.args[0], "why": unfollowed.args[1]}
-        return self._kept("map", "%s-level%s%s" % ((stem or name)[:48], dot, kind if dot else ""), made)
+        return "%s-level%s%s" % ((stem or name)[:48], dot, kind if dot else ""), made

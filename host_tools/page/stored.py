@@ -12,6 +12,7 @@ from binascii import b2a_base64
 from micropython import const
 
 from host_tools.page.job import Job
+from host_tools.page.later import Later
 from host_tools.clients.grbl_wire import PAGE
 from passo import errors
 from passo.config.job_keys import name_fits
@@ -57,7 +58,8 @@ class StoredJobs(Job):
         if what == "run":
             return self._start(name, "check" if order.get("check") else "run")
         if what == "store" and self._packed:
-            return self._store(name, order.get("job"))
+            job = order.get("job")
+            return Later(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store(name, found)) if isinstance(job, str) else errors.NO_SUCH_JOB
         return errors.UNKNOWN_COMMAND
 
     def _listed(self, error):
@@ -159,8 +161,7 @@ class StoredJobs(Job):
 
     # --- storing
 
-    def _store(self, name, job):
-        found = self._packed(job) if isinstance(job, str) else errors.NO_SUCH_JOB
+    def _store(self, name, found):
         if isinstance(found, int):
             return found
         size, crc, packed = found

@@ -4,6 +4,7 @@ import asyncio
 import os
 import signal
 import socket
+import sys
 
 from host_tools.failure import Failure
 from host_tools.panel import languages
@@ -17,6 +18,7 @@ from passo.web import session
 _HALF_WAY = ("Hold", "Door")  # stands, but with motion that is to be gone on with
 FOLDER = FIRMWARE / "passo" / "web" / "page"
 TICK_S = 0.01
+_SWITCH_S = 0.0005  # the loop waits so long for what is done beside it
 SETTLE_S = 0.3  # a move that began just before has been reported by then
 
 
@@ -62,11 +64,15 @@ class Panel:
         """The machine of a language, and what is behind the page's orders to it."""
         spoken = languages.create(language, board, self._port.write, self._tell, self._guest.write if self._guest else None)
         self.machine = spoken.machine
+        self.machine.beside = self._beside
         folder = self._jobs if language == "grbl" else self._jobs / language
         store = Store(folder, spoken.read, spoken.made, spoken.facts) if spoken.read else None
         spoken.join(store)
         self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None)
         self._about = {"machines": self._machines, **spoken.about}
+
+    def _beside(self, work, then):
+        self.server.beside(work).add_done_callback(lambda done: then(done.result()))
 
     def _tell(self, event):
         self.server.pages.tell(event)
@@ -156,6 +162,7 @@ class Panel:
     async def run(self, host, port, ready):
         """Serve until end(). `ready(port)`: it listens."""
         self._loop = asyncio.get_running_loop()
+        sys.setswitchinterval(_SWITCH_S)
         for number in (signal.SIGTERM, signal.SIGINT):
             self._loop.add_signal_handler(number, self.end)
         self._port.open()

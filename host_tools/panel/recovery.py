@@ -42,6 +42,7 @@ class RecoverableJobs(StoredJobs):
         self._rest = []
         self._left = None  # (name, line) of what is forgotten, until a job begins
         self._position = None  # where it waits for the answer
+        self._plan_number = 0  # of what is looked for beside the machine: what was asked before is too late
         machine.state["recover"] = None
         machine.orders["recover"] = self._recover
 
@@ -64,6 +65,7 @@ class RecoverableJobs(StoredJobs):
         StoredJobs.report(self, state)
 
     def fail(self, error):
+        self._plan_number += 1
         if self._stage == "ask":  # over the place it stands no more, or not for certain
             self._stage = ""
             self._machine.state["recover"] = None
@@ -80,7 +82,26 @@ class RecoverableJobs(StoredJobs):
         if error == LOST or not error and not any(line.startswith("[JOURNAL:") for line in said):  # or an answer to who spoke here before
             self._asked = False
         elif not offer or "held" not in offer:
-            self._machine.state["recover"] = None if error else self._offer(said)
+            self._plan_number += 1
+            if error:
+                self._offered(None)
+            else:
+                self._beside(lambda: self._offer(said), self._offered)
+
+    def _beside(self, work, then):
+        """then(work()), but if meanwhile a job has begun, something has failed or stopped, or another place is looked for."""
+        number = self._plan_number
+
+        def done(result):
+            if self._plan_number == number and not self.running():
+                then(result)
+            else:
+                self._asked = False
+
+        self._machine.beside(work, done)
+
+    def _offered(self, offer):
+        self._machine.state["recover"] = offer
 
     def _offer(self, said):
         for name, lines, crc in self._files.programs():
@@ -169,41 +190,45 @@ class RecoverableJobs(StoredJobs):
         machine = self._machine
         if machine.state["state"] not in _REST or not machine.settings:
             return errors.LOCKED
-        if isinstance(self._files.lines(name), int):
+        if isinstance(self._files.text(name, 0), int):
             return errors.NO_SUCH_JOB
 
         def told(error):
             said, self._collects = self._collects or [], None
-            if error:
-                return
-            try:
-                found, _, _ = self._from_line(name, line, said)
-            except Failure as failure:
-                self._tell_all({"t": "refused", "text": failure.told()})
+            if not error:
+                self._plan_number += 1
+                self._beside(lambda: _or_failure(lambda: self._from_line(name, line, said)[0].held), offer)
+
+        def offer(held):
+            if isinstance(held, Failure):
+                self._tell_all({"t": "refused", "text": held.told()})
                 return
             self._stage = ""
-            machine.state["recover"] = {"name": name, "line": line, "known": False, "next": "", "held": found.held}
+            machine.state["recover"] = {"name": name, "line": line, "known": False, "next": "", "held": held}
 
         return self._ask_board(told, False)
 
     def _from_line(self, name, line, said):
         """(Replay, stages, rest) of a line of a job. Raises Failure."""
         lines = self._files.program(name)
-        settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
+        settings = [f"${key}={value}" for key, value in dict(self._machine.settings).items()]
         found = replay.Replay(Machine.of_answers(settings, said), lines)
         return (found, *found.from_line(line))
 
     def _told(self, error):
         said, self._collects = self._collects or [], None
         offer = self._machine.state["recover"]
-        if error or offer is None:
+        if not error and offer is not None:
+            self._plan_number += 1
+            self._beside(lambda: _or_failure(lambda: self._plan(offer, said)), lambda planned: self._go_over(offer, planned))
+
+    def _go_over(self, offer, planned):
+        if isinstance(planned, Failure):
+            self._tell_all({"t": "refused", "text": planned.told()})
             return
-        try:
-            lead, self._rest, next_ = self._plan(offer, said)
-        except Failure as failure:
-            self._tell_all({"t": "refused", "text": failure.told()})
+        lead, self._rest, self._next = planned
+        if self._machine.state["recover"] is not offer or self._machine.refusal():
             return
-        self._next = next_
         if not StoredJobs.run(self, offer["name"], lead, 1, False):
             self._stage = "over"
 
@@ -219,7 +244,7 @@ class RecoverableJobs(StoredJobs):
                 raise Failure("{} has gone", name)
             lines, crc = program[0]
             number, place, _ = interrupted(said, lines, crc)
-            settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
+            settings = [f"${key}={value}" for key, value in dict(self._machine.settings).items()]
             stages, rest, _dot = staged(Machine.of_answers(settings, said), lines, number, place, ended(said))
         asks = replay.DOWN if any(what == replay.DOWN for what, _ in stages) else replay.GO
         parts, next_ = ([], []), ""
@@ -288,6 +313,13 @@ class RecoverableJobs(StoredJobs):
         else:
             self._stage = ""
             self._asked = False
+
+
+def _or_failure(work):
+    try:
+        return work()
+    except Failure as failure:
+        return failure
 
 
 def _text(line):

@@ -15,9 +15,11 @@ import asyncio
 import json
 import os
 import time
+from concurrent.futures import ThreadPoolExecutor
 from ipaddress import ip_address
 
 from host_tools.build.pages import error_list
+from host_tools.page.later import Later
 from host_tools.page.pages import PanelPages
 from host_tools.site import offline
 from microdot import Microdot, Request, Response
@@ -155,6 +157,8 @@ class Server:
         self._as_they_are = files is not None
         self._offline = {}
         self.app = App()
+        self._worker = ThreadPoolExecutor(1)  # what takes a moment, one after the other
+        self._late = set()  # tasks of answers to it
         Request.max_content_length = Request.max_body_length = _BODY_BYTES
         Request.max_readline = _HEAD_BYTES // 4
         WebSocket.max_message_length = _MESSAGE_BYTES
@@ -231,7 +235,12 @@ class Server:
         try:
             answer = page and page.hello
             while answer is not None:
-                await socket.send(json.dumps(answer))
+                if isinstance(answer.get("error"), Later):
+                    task = asyncio.ensure_future(self._finish(page, answer))
+                    self._late.add(task)
+                    task.add_done_callback(self._late.discard)
+                else:
+                    await socket.send(json.dumps(answer))
                 data = await socket.receive()
                 answer = self.pages.hear(page, data, clock_ms()) if isinstance(data, str) else None
         except (OSError, WebSocketError, ValueError, EOFError):
@@ -240,6 +249,20 @@ class Server:
             if page:
                 self.pages.leave(page)
         return Response.already_handled
+
+    def beside(self, work):
+        """A future of work(), which is done while the loop goes on."""
+        return asyncio.get_running_loop().run_in_executor(self._worker, work)
+
+    async def _finish(self, page, answer):
+        """Answer an order once its work is done; meanwhile the page may say something else."""
+        try:
+            answer = self.pages.finish(page, answer, await self.beside(answer["error"].work))
+            if answer is not None:
+                await page.socket.send(json.dumps(answer))
+        except BaseException:
+            self._drop(page)
+            raise
 
     def _drop_unproven(self):
         """The oldest page that has proven nothing makes room. False if there is none."""

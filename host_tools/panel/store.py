@@ -7,6 +7,7 @@
 
 import os
 import re
+from threading import Lock
 
 from host_tools.clients.grbl import tagged
 from host_tools.failure import Failure
@@ -42,6 +43,7 @@ class Store:
         folder.mkdir(parents=True, exist_ok=True)
         self._coming = {}  # name: pieces so far
         self._programs = {}  # (name, time, bytes): what has been read of them
+        self._reading = Lock()  # them: by the panel's loop, or beside it
         self.changed = 0  # counts what has been kept
 
     def names(self):
@@ -80,14 +82,17 @@ class Store:
         found = self._facts(lines, settings) if self._facts else {}
         return {**found, "placed": True} if self._source(name).is_file() else found
 
-    def tools(self, name):
-        """The tools that a job changes to, in order; None: its language has none; or the number of an error."""
-        lines = self.lines(name)
-        return lines if isinstance(lines, int) else job_facts.tools(lines) if self._facts is job_facts.gcode else None
+    def tools(self, lines):
+        """The tools that a job's lines change to, in order; None: its language has none."""
+        return job_facts.tools(lines) if self._facts is job_facts.gcode else None
 
     def programs(self):
         """[(name, lines, CRC-32 as a stored job)] of the jobs by which a board's journal may know one: the newest, up to a bound. Lines
         are gcode_file.read()'s."""
+        with self._reading:
+            return self._known_programs()
+
+    def _known_programs(self):
         paths = sorted((path for path in (self._folder / name for name, _ in self.names())), key=lambda path: -path.stat().st_mtime_ns)
         found, bytes_ = [], 0
         for path in paths:
@@ -149,13 +154,14 @@ class Store:
             return error
         if at == 0:
             self._coming = {name: ""}  # one at a time: what was not finished is forgotten
-        if len(self._coming.get(name, "")) != at or name not in self._coming:
+        before = self._coming.get(name)
+        if before is None or len(before) != at:
             return errors.JOB_PIECE
-        if self._full(name, at + len(piece)):
-            del self._coming[name]
-            return errors.JOB_SIZE
-        self._coming[name] += piece
-        return self.put(name, self._coming.pop(name)) if last else 0
+        if last or self._full(name, at + len(piece)):
+            self._coming.pop(name, None)
+            return self.put(name, before + piece) if last else errors.JOB_SIZE
+        self._coming[name] = before + piece
+        return 0
 
     def put(self, name, text):
         """Keep a job under a name, whole or not at all."""

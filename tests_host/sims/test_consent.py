@@ -143,9 +143,9 @@ def test_let_in_on_the_page(tmp_path):
             assert ask(client, b"$G\n") == b"ok" and ask(client, b"$LINK=0\n") == b"error:178"
             assert page.said("asks")["name"] == panel.guest
             assert page.order("give", to="guest")["error"] == 0
-            page.until(lambda state: state["owner"] == "guest")
+            stood = page.until(lambda state: state["owner"] == "guest")["m"]
             assert ask(client, b"G91G0X1\n") == b"ok"
-        page.until(lambda state: state["state"] == "Idle")
+        page.until(lambda state: state["state"] == "Idle" and state["m"] != stood)  # states from before the move may still come
         assert page.order("give", to="page")["error"] == 0
         with socket.create_connection(address, LIMIT_S) as client:
             assert ask(client, b"$LINK=0\n") == b"ok", "asked once a start"
