@@ -14,7 +14,7 @@ from passo import errors
 
 _MOST_POINTS = 1000  # of one object
 _NARROW_MM = 0.001  # a single upright line has no width
-_MOST_BYTES = 4 << 20  # of a file: the page's server waits for it
+_MOST_BYTES = 4 << 20  # of a file
 
 
 def words_of(board):
@@ -47,13 +47,14 @@ def _maker(board_now, suffixes, suffix, write):
         if len(text) > _MOST_BYTES:
             return errors.JOB_SIZE
         from host_tools.drawings import drawing
+        from host_tools.drawings.placement import Options
 
         board = board_now()
         with tempfile.TemporaryDirectory() as folder:
             path = (Path(folder) / "drawing").with_suffix(Path(name.lower()).suffix)
             path.write_text(text, encoding="utf-8")
             try:
-                plan = drawing.load(path, board)
+                plan = drawing.load(path, board, Options(keep_order=bool(place)))  # only its size is wanted, to place it
                 if place:
                     plan = drawing.load(path, board, _placed(plan, *place))
             except Failure:
