@@ -1,6 +1,7 @@
 """The board's HTTP server, real sockets, its own time: who does not read an answer holds a place for a second, and no longer."""
 
 import socket
+import time
 
 from passo.web.files import Folder
 from passo.web.http import SLOTS, Server
@@ -77,7 +78,9 @@ def test_one_that_is_read_slowly_stays(tmp_path):
     reading = connect(address, GET)
     polled(server, 0)
     others = [connect(address, GET) for _ in range(SLOTS - 1)]
-    polled(server, 0)
+    for _ in range(LOOKS):  # until the sockets are full
+        polled(server, 0)
+        time.sleep(0.02)
     for now_ms in range(300, 3000, 300):
         assert len(reading.recv(65_536)) > 0
         polled(server, now_ms)

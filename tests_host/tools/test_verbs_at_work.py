@@ -12,6 +12,7 @@ from test_board_command import passo
 from host_tools import boards
 from host_tools.sim.machine import Machine
 from host_tools.sim.serial_line import PtyLine, wait
+from passo import errors
 from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine
 from passo.protocols.plotter.host import COMMANDS, packet
@@ -77,10 +78,10 @@ class AtWork:
         return self.looks()
 
     def looks(self):
-        """All that a visitor might change."""
+        """All that a visitor might change; not that this PC had no time for the machine."""
         assert self._failed is None, self._failed
         controller = self.machine.app.controller
-        log = [entry[1:] for entry in controller.machine.log.entries]
+        log = [entry[1:] for entry in controller.machine.log.entries if entry[1] != errors.WORDS_LATE]
         return controller.state, log, list(self.machine.plant.errors)
 
     def moves_on(self):
