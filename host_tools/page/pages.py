@@ -21,9 +21,10 @@ class ServedPages(Pages):
 
     def hear(self, page, text, now_ms):
         """The answer to a message, a dict; None: the page is to be closed."""
+        said = text
         text, proven = self.open(page, text, now_ms)
         if text is None:
-            return proven
+            return proven and _numbered(proven, said)
         try:
             order = order_of(text)
         except ValueError:
@@ -34,6 +35,17 @@ class ServedPages(Pages):
             if isinstance(order, dict) and isinstance(order.get("id"), int):
                 answer["id"] = order["id"]
         return answer
+
+
+def _numbered(answer, said):
+    """An answer to a message that was not looked at, with the message's number: a slower order may be the oldest that waits for one."""
+    try:
+        order = order_of(said.split(".", 2)[-1])
+    except ValueError:
+        return answer
+    if isinstance(order, dict) and isinstance(order.get("id"), int):
+        answer["id"] = order["id"]
+    return answer
 
 
 class PanelPages(ServedPages):

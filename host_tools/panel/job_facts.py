@@ -3,7 +3,7 @@
     gcode(lines, settings)                  # [(number, bytes)], {number: text} → {"lines", "seconds", "parts", "tools", "pauses"}
     packets_of(board)(lines, settings)      # the same of a plotter's job
 
-`parts`: estimated seconds up to each 32nd of the lines. A job of more than MOST_LINES is not estimated: the panel's loop must not stand.
+`parts`: estimated seconds up to each 32nd of the lines. A job of more than MOST_LINES is not estimated: what is asked next waits for it.
 """
 
 import re

@@ -1,5 +1,7 @@
 """What takes a moment is done beside the panel's loop: nobody waits for it, STOP above all, and what has been said meanwhile counts."""
 
+import json
+
 import pytest
 
 from host_tools.page.orders import PanelOrders
@@ -105,5 +107,9 @@ def test_a_drawing_is_made_while_a_job_runs(tmp_path):
         while not answered():
             others += other.order("jobs")["t"] == "jobs"
         assert others > 5 and len(set(lines)) > 5, (others, lines)
+        page.socket.send(page.message({"do": "job_part", "name": "again.svg", "at": 0, "text": CURVES[:half], "last": True}))
+        page.socket.send(f"{page.count + 1}.{'0' * 64}." + json.dumps({"do": "jobs", "id": page.count + 1}))
+        assert page._find(lambda message: message["t"] == "answer")["id"] == page.count + 1, "what was refused has its own number"
+        assert page._find(lambda message: message.get("id") == page.count)["error"] == errors.DRAWING
         assert other.order("stop")["error"] == 0
-        assert ["drawing.svg.gcode"] == [name for name, _ in page.order("jobs")["jobs"] if "drawing" in name]
+        assert ["drawing.svg.gcode"] == [name for name, _ in other.order("jobs")["jobs"] if "drawing" in name]

@@ -484,16 +484,19 @@ async function upload(file) {
   const name = file.name.replace(/[^A-Za-z0-9 ._-]/g, "_").replace(/^[^A-Za-z0-9]+/, "").slice(-60) || "job.gcode";
   const there = (wanted) => Array.from($("jobs").options).some((option) => option.value === wanted);
   if (there(name) && !(await ask(_("Replace {name}?", { name })))) return;
+  const progress = $("progress");
   for (let at = 0; at === 0 || at < text.length; at += PIECE) {
-    const answer = await order("job_part", { name, at, text: text.slice(at, at + PIECE), last: at + PIECE >= text.length });
+    const last = at + PIECE >= text.length;
+    progress.hidden = false;
+    if (last) progress.removeAttribute("value");  // a drawing becomes a job, and nobody knows how long that takes
+    const answer = await order("job_part", { name, at, text: text.slice(at, at + PIECE), last });
+    if (last || answer.error) progress.hidden = !report.job;
     if (answer.error) return;
-    $("progress").hidden = false;
-    $("progress").value = Math.min(1, (at + PIECE) / text.length);
+    if (!last) progress.value = (at + PIECE) / text.length;
   }
   job = { name: "", text: "", lines: [] };
   await order("jobs");
   $("jobs").value = ["", ".txt", ".gcode"].map((end) => name + end).find(there) || "";  // a drawing has become a job
-  $("progress").hidden = !report.job;
   await load();
 }
 
