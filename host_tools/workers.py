@@ -2,6 +2,7 @@
 
     for item, result in in_processes(work, items, 4): …             # as they end, each item once
     for item, result in on_cluster(work, items, "tcp://host:8786"): …
+    with table(Path("results.csv"), ("item", "result")) as write: write(cells)
 
 `work(item)`: a function of a module, which another process imports; so items and results are pickled. If a worker
 dies, the item it had is tried again, TRIES times in all; then its result is DIED. What `work` raises ends it all.
@@ -11,8 +12,11 @@ that has used up its tries are then tried each by itself.
 """
 
 import collections
+import contextlib
+import csv
 import itertools
 import multiprocessing
+import os
 import signal
 import time
 from multiprocessing import connection
@@ -53,6 +57,32 @@ def _serve(work, pipe):
             return
         except Exception as error:
             pipe.send((None, error))
+
+
+def done(work, items, count, cluster):
+    """Yields (item, result) by the workers of a Dask cluster, if there is an address; else by `count` processes."""
+    return on_cluster(work, items, cluster) if cluster else in_processes(work, items, count)
+
+
+@contextlib.contextmanager
+def table(path, columns):
+    """write(cells) of a .csv file, which is there once it is whole; of no file if `path` is None. Raises Failure."""
+    if path is None:
+        yield lambda cells: None
+        return
+    if path.suffix.lower() != ".csv":
+        raise Failure("-o writes a table, FILE.csv, not {}", path)
+    new = path.with_name(path.name + ".new")
+    try:
+        with open(new, "w", newline="", encoding="utf-8") as stream:
+            writer = csv.writer(stream)
+            writer.writerow(columns)
+            yield writer.writerow
+        os.replace(new, path)
+    except OSError as error:
+        raise Failure("cannot write {}: {}", path, reason(error)) from error
+    finally:
+        new.unlink(missing_ok=True)
 
 
 def in_processes(work, items, count):

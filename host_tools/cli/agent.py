@@ -44,6 +44,7 @@ def agent(
         Optional[int], typer.Option(min=0, max=65535, metavar="PORT", help="With --shop-key: serve the page at the machine, on this PC only; 0: any free port.")
     ] = None,
     tool: Annotated[Optional[list[str]], typer.Option(metavar="NAME=TEXT", help="With --shop-key: what the machine draws with, for jobs that want it.")] = None,
+    laser_class: Annotated[Optional[list[str]], typer.Option(metavar="NAME=CLASS", help="With --shop-key: class of its laser as the machine stands, enclosure and all (IEC 60825-1): 1 … 4.")] = None,
     page: Annotated[Optional[list[str]], typer.Option(metavar="NAME=URL", help="With --shop-key: the machine's own page, to which that of the shop leads.")] = None,
 ):
     """Tell an MQTT broker of the machines beside this PC: state, job, progress, place, time left, alarms, counters.
@@ -62,12 +63,13 @@ def agent(
 
         passo agent --emulated a=router_3axis --emulated b=plotter_2014 --broker localhost
     """
-    if (at_machine is not None or tool or page) and not shop_key:
-        raise Failure("--at-machine, --tool and --page want --shop-key")
+    if (at_machine is not None or tool or laser_class or page) and not shop_key:
+        raise Failure("--at-machine, --tool, --laser-class and --page want --shop-key")
     served = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
     boards = _named(port or [], emulated or [])
     key = read_secret(shop_key) if shop_key else ""
-    told = make_broker(broker, user, password, ca), home_assistant, key, _of_machines("--tool", tool, boards), _of_machines("--page", page, boards)
+    about = (_of_machines(*each, boards) for each in (("--tool", tool), ("--laser-class", laser_class), ("--page", page)))
+    told = make_broker(broker, user, password, ca), home_assistant, key, about
     stopped = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.append(True))
@@ -93,14 +95,14 @@ def _agent(boards, served, told, stack):
     from host_tools.shop.link import ROOT, Link
     from passo.web.session import read_key
 
-    broker, home_assistant, key, tools, pages = told
+    broker, home_assistant, key, (tools, lasers, pages) = told
     key = read_key(key)
     agent = Agent(_figures(served, stack))
     stack.callback(agent.close)
     for name, (where, (language, table, make_port)) in boards.items():
         more = {f"{ROOT}/{name}/language": language, **(discovery(home_assistant, f"{ROOT}/", name) if home_assistant else {})}
         link = Link(broker, name, lambda text, name=name: print(f"{name}: {text}", file=sys.stderr, flush=True), more, bool(key))
-        agent.add(name, language, table, make_port, link, key, {"kind": table["name"], "tool": tools.get(name, ""), "page": pages.get(name, "")})
+        agent.add(name, language, table, make_port, link, key, {"kind": table["name"], "tool": tools.get(name, ""), "laser": lasers.get(name, ""), "page": pages.get(name, "")})
         print(_("{}: {} at {}", name, language, where), flush=True)
     return agent
 
@@ -130,12 +132,16 @@ def _serve_page(port, agent, asked, stack):
 
 def _of_machines(option, texts, boards):
     """{machine: text} of an option that says something of machines. Raises Failure."""
+    from host_tools.shop.desk import LASER_CLASSES
+
     found = dict(text.partition("=")[::2] for text in texts or ())
     for name, text in found.items():
         if name not in boards or not text:
             raise Failure("{} {}={}: NAME=… of a machine is wanted", option, name, text)
         if option == "--page" and not text.startswith(("http://", "https://")):
             raise Failure("--page {}={}: an address is wanted, http://…", name, text)
+        if option == "--laser-class" and text not in LASER_CLASSES:
+            raise Failure("--laser-class {}={}: one of {} is wanted", name, text, ", ".join(LASER_CLASSES))
     return found
 
 

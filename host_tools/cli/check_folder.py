@@ -1,7 +1,6 @@
 """`passo check FOLDER`: all programs of a folder, by several processes or a cluster, as one table."""
 
 import contextlib
-import csv
 import os
 import sys
 import tempfile
@@ -99,8 +98,6 @@ def _sent(board):
 def check_folder(folder, board, place, dialect, tools, out, count, cluster):
     """Check the programs of `folder` and print their table; `out`: a .csv of it, or None; `count`: processes, None: as many as there are
     processors; `cluster`: a Dask scheduler's address, or None. Raises Failure, also if one has a fault."""
-    if out and out.suffix.lower() != ".csv":
-        raise Failure("of a folder -o writes a table, FILE.csv, not {}", out)
     files = sorted(path for path in folder.rglob("*") if path.suffix.lower() in SUFFIXES and path.is_file())
     if not files:
         raise Failure("no program in {}: names end in {}", folder, ", ".join(SUFFIXES))
@@ -110,11 +107,10 @@ def check_folder(folder, board, place, dialect, tools, out, count, cluster):
     table = tools and Sent.of(tools, travels)
     items = (Item(Sent.of(path, travels), board, table, dialect, place, language.chosen()) for path in files)
     begun = time.monotonic()
-    count = min(count or os.cpu_count() or 1, len(files))
-    found = workers.on_cluster(work, items, cluster) if cluster else workers.in_processes(work, items, count)
+    found = workers.done(work, items, min(count or os.cpu_count() or 1, len(files)), cluster)
     width = min(max(len(_name(folder, path)) for path in files), 60)
     faults = 0
-    with _table(out) as write:
+    with workers.table(out, _COLUMNS) as write:
         for path, row in _in_order([str(path) for path in files], found):
             name = _name(folder, path)
             faults += bool(row.fault)
@@ -155,20 +151,3 @@ def _told(row):
     return f"{clock(row.seconds):>8}  {sides} mm"
 
 
-@contextlib.contextmanager
-def _table(path):
-    """write(cells) of the file, which is there once it is whole; of no file if `path` is None."""
-    if path is None:
-        yield lambda cells: None
-        return
-    new = path.with_name(path.name + ".new")
-    try:
-        with open(new, "w", newline="", encoding="utf-8") as stream:
-            writer = csv.writer(stream)
-            writer.writerow(_COLUMNS)
-            yield writer.writerow
-        os.replace(new, path)
-    except OSError as error:
-        raise Failure("cannot write {}: {}", path, reason(error)) from error
-    finally:
-        new.unlink(missing_ok=True)

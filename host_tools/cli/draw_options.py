@@ -37,6 +37,7 @@ class Said:
     copies: Annotated[str, typer.Option(metavar="COLUMNSxROWS", help="Copies side by side, as 3x2.")] = ""
     gap: Annotated[float, typer.Option(min=0.0, max=1000.0, help="Between copies, and between drawings on one sheet, in mm.")] = 5.0
     turn: Annotated[bool, typer.Option("--turn/--no-turn", help="Drawings on one sheet may be turned.")] = True
+    nesting: Annotated[int, typer.Option(min=0, help="Drawings on one sheet: the nesting of that number, as passo nest has found it.")] = 0
     hatch: Annotated[
         Optional[list[str]], typer.Option(metavar="[LAYER:]ANGLE,SPACING[,crossed]", help="Fill areas with lines, in degrees and mm.")
     ] = None
@@ -77,6 +78,6 @@ class Said:
 
 # Of drawing.Options, but for `origin`, `layer` and `hatch`, which are said otherwise.
 PLACED = (
-    "fit", "center", "scale", "place", "margin", "tolerance", "crop", "pens", "repeat", "copies", "gap", "turn", "marks", "keep_order",
+    "fit", "center", "scale", "place", "margin", "tolerance", "crop", "pens", "repeat", "copies", "gap", "turn", "nesting", "marks", "keep_order",
 )  # fmt: skip
 KEPT = ("board", "speed", "points", "origin", "layer", "hatch", *PLACED)

@@ -33,6 +33,7 @@ class PlotterWire:
         self._asked = 0  # STATUS answered since it was said
         self._idle = 0  # of these the newest in a row that said idle
         self._attempts = 0
+        self.retries = 0  # packets that were said again
 
     # --- commands
 
@@ -121,4 +122,5 @@ class PlotterWire:
         if kind == commands.JOG or self._attempts > _ATTEMPTS:
             self._end(errors.NO_ANSWER)
         else:
+            self.retries += 1
             self._say()

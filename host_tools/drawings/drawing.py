@@ -147,6 +147,12 @@ def load(path, board, options=None, progress=None):
     )  # fmt: skip
 
 
+def shapes(paths, board, options):
+    """What is nested of several drawings: (shapes, (width, height) of the room for them). Raises Failure."""
+    found = [layout.shape_of(_sheet(path, board, options, lambda text, share: None, True)) for path in paths]
+    return found, layout.room(placement.table_mm(board), options)[1]
+
+
 def _sheet(path, board, options, progress, several):
     """One file, positioned on the table; of several each by itself, at 0;0."""
     file = sources.opened(path)

@@ -38,10 +38,9 @@ class Sheet:
 
 def nested(sheets, table, options):
     """Several drawings on one table, `options.gap` between them. Raises Failure if there is no room."""
-    x, y = options.origin or (options.margin, options.margin)
-    width, height = table[0] - x - options.margin, table[1] - y - options.margin
-    shapes = [nesting.outline([line for lines in sheet.layers.values() for line in lines]) for sheet in sheets]
-    spots = nesting.nested(shapes, width, height, options.gap, options.turn)
+    (x, y), (width, height) = room(table, options)
+    shapes = [shape_of(sheet) for sheet in sheets]
+    spots = nesting.nested(shapes, width, height, options.gap, options.turn, options.nesting)
     boxes = [shapely.box(*shape.bounds) for shape in shapes]
     used, full = nesting.fullness(shapes, spots, width)
     boxed = sum(box.area for box in boxes)
@@ -66,6 +65,16 @@ def nested(sheets, table, options):
         text = _("{} drawings on one sheet use {:.0f} mm of its height, {:.0f} % of that full, boxes {:.0f} %; by their boxes there would be no room")
         whole.notes.append(text.format(len(sheets), used, *shares))
     return whole
+
+
+def room(table, options):
+    """(corner, size) of what drawings are nested in, in mm."""
+    x, y = options.origin or (options.margin, options.margin)
+    return (x, y), (table[0] - x - options.margin, table[1] - y - options.margin)
+
+
+def shape_of(sheet):
+    return nesting.outline([line for lines in sheet.layers.values() for line in lines])
 
 
 def copy(sheet, options):

@@ -2,13 +2,15 @@
 lower strips: each as far left as it goes, then as low; the lowest strip counts in which all have room.
 
     spots = nested(shapes, 400, 300, gap=5)         # [(x, y, quarter turns)], where the corner of each shape's box stands
+    spots = nested(shapes, 400, 300, order=417)     # another nesting
     outline([line, ...])                            # the shape of a drawing: a shapely geometry
 
 A shape's place is sought on a grid of a millimetre, or more on large sheets, by FFT; shapes are covered by whole cells, so they keep the
-gap for certain. Large ones come first.
+gap for certain. Large ones come first, more or less: with each number of an order some come earlier than others.
 """
 
 import math
+import random
 
 import numpy
 import shapely
@@ -18,6 +20,7 @@ from host_tools.failure import Failure
 
 _MOST_CELLS = 600_000  # of the sheet
 _LEAST_MM = 1.0
+_LEAST_CHANCE = 0.2  # a shape may come as late as one with this share of its area
 _STRIPS = 5  # tried: each takes as long as the nesting itself, or less
 
 
@@ -36,17 +39,19 @@ def outline(lines):
     return shapely.unary_union([shapely.Polygon(part.exterior) for part in shapely.get_parts(whole)])
 
 
-def nested(shapes, width, height, gap=0.0, turn=True):
+def nested(shapes, width, height, gap=0.0, turn=True, order=0):
     """Where each shape stands: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
-    there is no room for one."""
-    spots = _placed(shapes, width, height, gap, turn, False)
+    there is no room for one. `order`: 0, the largest first; each other number is an order of its own, the same on every computer."""
+    chance = random.Random(order)
+    turns = sorted(range(len(shapes)), key=lambda each: -shapes[each].area * (chance.uniform(_LEAST_CHANCE, 1) if order else 1))
+    spots = _placed(shapes, turns, width, height, gap, turn, False)
     sides = [(right - left, top - bottom) for left, bottom, right, top in (shape.bounds for shape in shapes)]
     least = max(min(side) if turn else side[1] for side in sides)
     used, _ = fullness(shapes, spots, width)
     for _strip in range(_STRIPS):
         limit = (least + used) / 2
         try:
-            lower = _placed(shapes, width, limit, gap, turn, True)
+            lower = _placed(shapes, turns, width, limit, gap, turn, True)
         except Failure:
             least = limit
         else:
@@ -54,12 +59,12 @@ def nested(shapes, width, height, gap=0.0, turn=True):
     return spots
 
 
-def _placed(shapes, width, height, gap, turn, across):
-    """The same in one go; `across`: as far left as it goes, then as low."""
+def _placed(shapes, turns, width, height, gap, turn, across):
+    """The same in one go; `turns`: indices of the shapes, as they come; `across`: as far left as it goes, then as low."""
     cell = max(_LEAST_MM, math.sqrt(width * height / _MOST_CELLS))
     sheet = numpy.zeros((int(height / cell + 1e-9), int(width / cell + 1e-9)), bool)
     found = {}
-    for index in sorted(range(len(shapes)), key=lambda each: -shapes[each].area):
+    for index in turns:
         best = None
         for quarters in range(4 if turn else 1):
             shape = turned(shapes[index], quarters)

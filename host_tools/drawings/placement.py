@@ -34,6 +34,7 @@ class Options:
     copies: str = ""  # columns and rows, as 3x2
     gap: float = 5.0  # between copies, and between drawings on one sheet
     turn: bool = True  # drawings on one sheet may be turned
+    nesting: int = 0  # the order in which they are placed, see nesting.nested()
     marks: bool = False  # crosses at the corners, of each pen
     repeat: int = 1  # how often each line is gone along
     keep_order: bool = False

@@ -100,6 +100,8 @@ def _reported(kind):
         silent_ms = 1500  # since it was asked for a report: the link is down
         again_ms = 3000  # it is asked for again
         watcher = None  # watcher(state): told of each report
+        retries = 0  # questions that were asked again
+        late = 0  # reports of steps that were not computed in time; grbl has no word for it in its reports
 
         def __init__(self, tell, wire, board, spoken=None):
             kind.__init__(self, tell, wire, board, spoken)
@@ -119,7 +121,9 @@ def _reported(kind):
             self.go_on(now_ms)
             if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
                 self._asked_ms = now_ms
-                if not self._asking:
+                if self._asking:
+                    self.retries += 1
+                else:
                     self._unanswered_ms = now_ms
                 self._asking = True
                 self.wire.ask()
@@ -130,6 +134,7 @@ def _reported(kind):
         def report(self, report):
             self._asking = False
             self.state["link"] = True
+            self.late += report.get("error") == errors.WORDS_LATE
             alarm = self._alarm_of(report)
             if alarm and not self._record.alarm:
                 self.alarmed(alarm)

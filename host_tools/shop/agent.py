@@ -12,6 +12,7 @@ A STOP is carried out by the thread of its connection, whatever the loop does me
 lock for that.
 """
 
+import re
 import selectors
 import threading
 import time
@@ -21,11 +22,14 @@ from host_tools.panel import languages
 from host_tools.panel.server import clock_ms
 from host_tools.shop.link import SHOP
 from host_tools.shop.telling import Telling
+from passo import errors
 
 _ASK_MS = 200  # between two reports of a board
 _TELL_S = 0.2  # between two looks at what has changed
 _WAIT_S = 0.02
 _BUTTON = "S"  # in the report's Pn: cycle start, which does nothing else at a machine that stands
+_LOGGED = "[LOGGED:"  # the last line of $LOG: how many times each number, 3x109,1x201
+_LATE = re.compile(rf"[:,](\d+)x{errors.WORDS_LATE}[],]")
 _FIRST_S = 3.0  # a board's first report has come by then, or it is lost
 
 
@@ -47,6 +51,8 @@ class _Board:
         self._pressed = True  # one that is closed as the link begins may be stuck: it counts once it has been seen open
         self._begun_s = None  # not looked at yet
         self._told_s = 0.0
+        self._grbl = self._logs = language == "grbl"
+        self._log_due = True  # behind each motion
         link.stopped = self.stop
 
     def stop(self):
@@ -60,10 +66,15 @@ class _Board:
 
     def _hear(self, event):
         """What the machine tells its pages."""
-        if event["t"] == "refused" and event.get("error"):
-            self.telling.refused(event["error"])
+        if event["t"] == "log":
+            for number in event["log"]:
+                if number < errors.ALARM_LOCKED and number != errors.WORDS_LATE:
+                    self.telling.refused(number)
         elif event["t"] == "refused" and self.work:
             self.work.refused(event["text"])
+        elif event["t"] == "said" and event["text"].startswith(_LOGGED):
+            late = _LATE.search(event["text"])
+            self.telling.late(int(late[1]) if late else 0)
 
     def read(self):
         with self._lock:
@@ -97,12 +108,34 @@ class _Board:
         shown = self._machine.shown()
         if not shown["link"] and now_s - self._begun_s < _FIRST_S:
             return
+        self._count(shown)
         topics = self.telling.look(shown, now_s)
         for event in self.telling.events(time.time()):
             self._link.log(event)
         if self.work:
             topics = {**topics, "work": self.work.told(self._shop)}
         self._link.tell(topics)
+
+    def _count(self, shown):
+        """What reports do not tell. Behind each motion a board that speaks grbl is asked how often its steps were late; other languages have that in their reports."""
+        machine, telling = self._machine, self.telling
+        telling.scale = self._scale(machine)
+        telling.counters["retries"] = machine.retries + getattr(machine.wire, "retries", 0)
+        telling.counters["connections"] = max(self._link.connections - 1, 0)
+        if not self._grbl:
+            telling.late(machine.late)
+        elif not shown["link"] or not machine.stands():
+            self._log_due = True
+        elif self._logs and self._log_due and machine.options is not None and machine.settings and not machine.wire.of(0):
+            self._log_due = machine.say(b"$LOG", self._logged) != 0
+
+    def _logged(self, error):
+        self._logs = error <= 0  # else a grbl without a log
+        self._log_due = error < 0
+
+    def _scale(self, machine):
+        """Steps/mm of each axis; (): not known yet."""
+        return [float(machine.settings[number]) for number in range(100, 104) if number in machine.settings] if self._grbl else machine.scale
 
     def _work(self, now_s):
         for what, text in self._link.heard():

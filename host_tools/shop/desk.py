@@ -24,6 +24,7 @@ from passo.web.guard import nonce
 
 _STATES = {"fetch": GIVEN, "run": BEGUN, "waits": WAITING, "goes": WAITING}
 _TOOL = "tool"
+LASER_CLASSES = "1", "1C", "1M", "2", "2M", "3R", "3B", "4"  # of IEC 60825-1, the harmless ones first
 _AWAY = GONE, LOST
 
 
@@ -34,8 +35,14 @@ def fits(job, machine):
     return (
         wants.get("kind") == machine.get("kind")
         and wants.get(_TOOL, "") in ("", machine.get(_TOOL, ""))
+        and _is_safe(machine.get("laser", ""), wants.get("laser", ""))
         and all(not have or need <= have + 0.001 for need, have in zip(area, room))
     )
+
+
+def _is_safe(has, most):
+    """True if a laser's class is `most` or a more harmless one. `most` "": any will do; `has` "": nobody has said."""
+    return not most or has in LASER_CLASSES[: LASER_CLASSES.index(most) + 1]
 
 
 class Desk:

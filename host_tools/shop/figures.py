@@ -21,6 +21,9 @@ _COUNTERS = (
     ("passo_stops", "Stops that came by the broker.", None, {"": "stops"}),
     ("passo_motion_seconds", "Time in motion.", None, {"": "run_s"}),
     ("passo_way_metres", "Way from report to report.", None, {"": "metres"}),
+    ("passo_steps", "Steps of all axes, from report to report.", None, {"": "steps"}),
+    ("passo_late_words", "Times that the board's steps were not computed in time, and the motion paused.", None, {"": "late"}),
+    ("passo_retries", "Questions and packets that the board has not answered and that were said again; connections to the broker that were lost and begun anew.", "to", {"board": "retries", "broker": "connections"}),
 )
 # Gauges: (figure, help, topic of a Telling, factor).
 _GAUGES = (

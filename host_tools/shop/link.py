@@ -123,6 +123,7 @@ class Link:
         self._refused = refused or (lambda text: None)
         self._why = ""  # the last reason that it has heard
         self._told = {}
+        self.connections = 0  # begun
         self._fresh = threading.Event()  # connected anew: the broker may have forgotten all
         self.stopped = lambda: None
         self._waiting = collections.deque(maxlen=_MOST_WAITING)
@@ -140,6 +141,7 @@ class Link:
             self._fail(_("the broker refuses: {}", code))
             return
         self._why = ""
+        self.connections += 1
         # One that is retained would stop the machine again at each connection, long after.
         options = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
         client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])

@@ -15,6 +15,7 @@ from host_tools.page.pages import ServedPages
 from host_tools.panel.panel import FOLDER, names_of
 from host_tools.panel.server import PUSH_MS, Server, clock_ms, error_list
 from host_tools.shop import drop
+from host_tools.shop.desk import LASER_CLASSES
 from microdot import Response
 from passo import errors
 from passo.protocols.page.orders import Wrong, number, text
@@ -25,7 +26,7 @@ _PAGES = 30
 _MOST_COPIES = 200
 _PIECE = 32_768
 _SHOWN = 300  # jobs
-_TOLD = ("how", "job", "line", "kind", "tool", "page", "language", "state", "progress", "left")
+_TOLD = ("how", "job", "line", "kind", "tool", "laser", "page", "language", "state", "progress", "left")
 _SAID = ("text", "alarm")  # in the language of the agent: a page has its own
 
 
@@ -104,7 +105,10 @@ class Shop:
             kind, copies = text(order, "kind", 40), int(number(order, "copies", 1, _MOST_COPIES))
             if kind not in drop.kinds():
                 raise Wrong("kind")
-            wants = {"kind": kind, "tool": text(order, "tool", 40), "material": str(order.get("material", ""))[:40]}
+            laser = order.get("laser", "")
+            if laser not in ("", *LASER_CLASSES):
+                raise Wrong("laser")
+            wants = {"kind": kind, "tool": text(order, "tool", 40), "laser": laser, "material": str(order.get("material", ""))[:40]}
             task = asyncio.ensure_future(self._queue(name, self._coming.pop(page)[1], wants, copies))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)

@@ -28,8 +28,10 @@ class Telling:
         self._alarm = 0
         self._job = None  # (name, when it has begun)
         self._place = None
+        self.scale = ()  # steps/mm of each axis; (): not known yet
+        self._late = None  # how often steps were late since the board's start, as it said last
         self._then_s = self._often_s = None
-        self.counters = {"jobs": 0, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 0.0, "metres": 0.0}
+        self.counters = {"jobs": 0, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 0.0, "metres": 0.0, "steps": 0, "late": 0, "retries": 0, "connections": 0}
         self.told = {}  # what look() has said last
         self.full = None  # per cent of the board's queue that is in use, if it tells
 
@@ -79,6 +81,13 @@ class Telling:
         self.counters["refused"] += 1
         self._event("refused", number=number, text=error_text(number))
 
+    def late(self, count):
+        """So often the board's steps have come late since its start, when the motion paused. Counts those since the last time; a board that has begun
+        anew counts from 0."""
+        if self._late is not None:
+            self.counters["late"] += count - self._late if count >= self._late else count
+        self._late = count
+
     def _event(self, what, **more):
         self._events.append({"what": what, **more})
 
@@ -104,10 +113,11 @@ class Telling:
             self._event("begun", job=name)
 
     def _count(self, shown, state, now_s):
-        """Time in motion, and the way of X, Y and Z: a straight line from each report to the next."""
+        """Time in motion, the way of X, Y and Z, and all axes' steps: a straight line from each report to the next."""
         place = shown.get("m")
         if self._then_s is not None and state in _MOVES:
             self.counters["run_s"] += now_s - self._then_s
         if place and self._place and len(place) == len(self._place) and state not in (LOST, "home"):
             self.counters["metres"] += sum((to - at) ** 2 for to, at in zip(place[:3], self._place[:3])) ** 0.5 / 1000
+            self.counters["steps"] += sum(round(abs(to - at) * scale) for to, at, scale in zip(place, self._place, self.scale))
         self._place, self._then_s = place, now_s

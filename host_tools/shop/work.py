@@ -75,6 +75,10 @@ class _Job(RecoverableJobs):
         self.record = None
         self.files.keep(*program)
 
+    def heard(self, line):
+        """The agent has asked for the log before the journal was asked: its lines are none of the journal's."""
+        return line[:4] != "[LOG" and RecoverableJobs.heard(self, line)
+
     def fail(self, error):
         self.ask_again()
         RecoverableJobs.fail(self, error)

@@ -4,6 +4,7 @@
     make soak ARGS="--seed 7 --minutes 5"
     make soak ARGS="--machine feeds --minutes 600 --actions 100000"    # over both links
     make soak ARGS="--machine router --life 70012"      # one life again, as a violation has named it
+    make soak ARGS="--lives 1000 --dask tcp://192.168.1.20:8786 --table lives.csv"     # on many computers: docs/many.md
 
 A *life* is a machine from its seed on: so many rounds of work and faults. The machines and what must hold are told in soak_router.py,
 soak_plotter.py, soak_mill.py and soak_pulses.py. Each process takes one life after the other, of the machine that has had the least of its share of
@@ -17,6 +18,7 @@ import sys
 import time
 import traceback
 from collections import Counter
+from pathlib import Path
 
 from soak_bench import EVENTS
 from soak_mill import Mill
@@ -24,9 +26,12 @@ from soak_plotter import Plotter
 from soak_pulses import Pulses
 from soak_router import Feeds, Router
 
+from host_tools import workers
+
 MACHINES = {made.NAME: made for made in (Router, Feeds, Plotter, Mill, Pulses)}
 SHARES = {"router": 0.2, "feeds": 0.2, "plotter": 0.2, "mill": 0.2, "pulses": 0.2}  # of processor time
 ROUNDS = {"router": 45, "feeds": 45, "plotter": 45, "mill": 4, "pulses": 45}  # of a life
+COLUMNS = ("machine", "life", "rounds", "steps", "actions", "faults", "virtual_s", "cpu_s", "violation")  # of the table of --lives
 LIVES = 10_000  # seeds of lives between two seeds of a run
 
 
@@ -81,6 +86,36 @@ def work(number, processes, seed, end, names, out):
             out.put(str(violation))
             return
         life += processes
+
+
+def lived(item):
+    """A row of the table, of (machine, seed): rounds, steps, actions, faults, virtual seconds, seconds of CPU, the text of a violation or ""."""
+    begun = time.process_time()
+    try:
+        machine = live(*item)
+    except Violation as violation:
+        return 0, 0, 0, 0, 0.0, round(time.process_time() - begun, 1), str(violation)
+    spent = round(time.process_time() - begun, 1)
+    return machine.rounds, machine.steps, machine.actions, sum(machine.faults.values()), round(machine.now_ms() / 1000, 1), spent, ""
+
+
+def run_lives(seed, count, processes, names, cluster, path):
+    """So many whole lives, by processes or a Dask cluster, as one table, by machine and seed. 0, or 1 if something has been violated."""
+    import soak  # what travels is a function of a module, not of the program that was started
+
+    items = [(names[number % len(names)], seed * LIVES + number) for number in range(count)]
+    begun = time.monotonic()
+    with workers.table(path, COLUMNS) as write:
+        rows = {}
+        for item, row in workers.done(soak.lived, items, processes, cluster):
+            rows[item] = row if row != workers.DIED else (0, 0, 0, 0, 0.0, 0.0, f"its worker died {workers.TRIES} times")
+            if rows[item][-1]:
+                print(*item, rows[item][-1], file=sys.stderr)
+        for item in items:
+            write((*item, *rows[item]))
+    bad = sum(bool(row[-1]) for row in rows.values())
+    print(f"{len(rows)} lives, {sum(row[1] for row in rows.values())} steps, {sum(row[3] for row in rows.values())} faults, {time.monotonic() - begun:.0f} s: {bad} violations")
+    return 1 if bad else 0
 
 
 class Sum:
@@ -161,10 +196,17 @@ def main(arguments=None):
     parser.add_argument("--processes", type=int, default=2, help="in parallel (2)")
     parser.add_argument("--machine", choices=MACHINES, action="append", help="only this one; may be given more than once")
     parser.add_argument("--life", type=int, help="one life of --machine again, by its seed")
+    parser.add_argument("--lives", type=int, help="so many whole lives, whatever they take, instead of --minutes")
+    parser.add_argument("--dask", help="of --lives: the scheduler of a Dask cluster whose workers have this checkout, tcp://HOST:PORT")
+    parser.add_argument("--table", type=Path, help="of --lives: write a line for each, FILE.csv")
     chosen = parser.parse_args(arguments)
     if chosen.minutes <= 0 or chosen.processes < 1:
         parser.error("--minutes and --processes are positive")
     names = chosen.machine or list(MACHINES)
+    if (chosen.dask or chosen.table) and not chosen.lives:
+        parser.error("--dask and --table want --lives")
+    if chosen.lives:
+        return run_lives(chosen.seed, chosen.lives, chosen.processes, names, chosen.dask, chosen.table)
     if chosen.life is None:
         return run(chosen.seed, chosen.minutes, chosen.processes, names, chosen.actions)
     if len(names) != 1:

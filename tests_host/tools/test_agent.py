@@ -44,6 +44,7 @@ class Silent:
     def __init__(self, changed):
         self._changed = changed
         self.said, self.lines, self.dead, self.pins = b"", [], False, b""
+        self.state, self.late, self.at = b"Idle", 0, 0
 
     def write(self, data):
         for line in data.replace(b"?", b"?\n").split():
@@ -52,9 +53,12 @@ class Silent:
                 continue
             self.lines.append(line)
             if line == b"?":
-                self.said += b"<Idle|MPos:0.000,0.000|FS:0,0|WCO:0.000,0.000" + self.pins + b">\r\n"
+                self.said += b"<%s|MPos:%d.000,0.000|FS:0,0|WCO:0.000,0.000%s>\r\n" % (self.state, self.at, self.pins)
+            elif line == b"G99":
+                self.said += b"error:20\r\n"
             else:
-                self.said += {b"$I": b"[OPT:J,15,128]\r\n", b"$$": b"$100=80\r\n$101=80\r\n$130=100\r\n$131=100\r\n"}.get(line, b"") + b"ok\r\n"
+                logged = b"[LOG:5,109,]\r\n[LOGGED:2x9,%dx109,7x1109]\r\n" % self.late if self.late else b"[LOGGED:2x9]\r\n"
+                self.said += {b"$LOG": logged, b"$I": b"[OPT:J,15,128]\r\n", b"$$": b"$100=80\r\n$101=80\r\n$130=100\r\n$131=100\r\n"}.get(line, b"") + b"ok\r\n"
 
     def read(self):
         said, self.said = self.said, b""
@@ -72,6 +76,7 @@ class Silent:
 
 class NoBroker:
     parcel = None
+    connections = 3
 
     def heard(self):
         return []
@@ -101,6 +106,11 @@ class Late(Silent):
     def read(self):
         said, _end, self.said = self.said.partition(b"\n")
         return said + _end
+
+
+class NoLog(Late):
+    def write(self, data):
+        Late.write(self, data.replace(b"$LOG\n", b"G99\n"))
 
 
 def agent_of(kind):
@@ -194,6 +204,56 @@ def test_the_button_releases_once_and_only_if_it_was_seen_open():
     run(lambda: board._machine.state["pins"] == "S" and board._machine.state["link"])
     report()
     assert board.work.how == "waits"
+
+
+def test_steps_and_late_words_and_what_was_refused_are_counted():
+    board, port, run = agent_of(Late)
+    port.late = 5
+    counters = board.telling.counters
+    run(lambda: b"$LOG" in port.lines and board.telling._late == 5)
+    assert counters["late"] == 0, "those were before the agent"
+    for state, at, late in ((b"Run", 10, 5), (b"Run", 40, 8), (b"Idle", 40, 8)):
+        port.state, port.at, port.late = state, at, late
+        run(lambda at=at, state=state: board._machine.state["m"] == [at, 0] and board.telling.told["state"] == state.decode().lower())
+    run(lambda: counters["late"] == 3)
+    assert counters["steps"] == 40 * 80 and counters["refused"] == 0
+    asked = port.lines.count(b"$LOG")
+    port.dead, port.late = True, 1
+    run(lambda: board.telling.told["state"] == "lost")
+    port.restart()
+    run(lambda: port.lines.count(b"$LOG") > asked and counters["late"] == 4)
+    board._machine.say(b"G99")
+    run(lambda: counters["refused"] == 1)
+    assert counters["connections"] == 2
+    assert port.lines.count(b"$LOG") == 3, "once behind each motion, and each start"
+
+
+def test_a_grbl_without_a_log_is_asked_once():
+    board, port, run = agent_of(NoLog)
+    run(lambda: b"G99" in port.lines)
+    for state in (b"Run", b"Idle"):
+        port.state = state
+        run(lambda state=state: board.telling.told["state"] == state.decode().lower())
+    told = len(port.lines)
+    run(lambda: len(port.lines) > told + 5)
+    assert port.lines.count(b"G99") == 1 and board.telling.counters["late"] == 0
+
+
+def test_late_words_and_lost_packets_of_a_plotter():
+    from host_tools import boards
+    from host_tools.panel import languages
+    from passo import commands, errors
+    from passo.commands import Command
+
+    machine = languages.create("plotter", boards.load("plotter_2014"), lambda data: None, lambda event: None).machine
+    report = {"state": "idle", "position": [0, 0], "x": 0, "y": 0, "drawn": 0, "free": 9, "error": 0}
+    machine.wire._report({**report, "error": errors.WORDS_LATE})
+    machine.wire._report(dict(report))
+    assert machine.late == 1
+    machine.do(Command(commands.POINT, (5, 5), tool=1))
+    for _status in range(3):
+        machine.wire._report(dict(report))
+    assert machine.wire.retries == 1
 
 
 def test_a_stop_waits_for_no_other_board_of_the_agent():
@@ -291,7 +351,7 @@ def test_a_job_from_its_beginning_to_its_end():
     assert (told["progress"], told["left"]) == ("25", "90")
     told = telling.look(shown(job=job("done", 200)), 130)
     assert told["job"] == told["progress"] == told["left"] == ""
-    assert json.loads(told["counters"]) == {"jobs": 1, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 40, "metres": 2.0}
+    assert json.loads(told["counters"]) == {"jobs": 1, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 40, "metres": 2.0, "steps": 0, "late": 0, "retries": 0, "connections": 0}
     events = [event for event in telling.events(5) if event["what"] != "state"]
     assert events == [
         {"at": 5, "what": "begun", "job": "part.nc"},
@@ -351,6 +411,14 @@ def test_names():
     for ports, virtual, what in (([], [], "which board"), (["a=x", "a=y"], [], "two machines"), (["a+b=x"], [], "no machine's name"), (["#=x"], [], "name")):
         with pytest.raises(Failure, match=what):
             command._named(ports, virtual)
+
+
+def test_what_is_said_of_machines():
+    boards = {"a": ("x", False)}
+    assert command._of_machines("--laser-class", ["a=3B"], boards) == {"a": "3B"}
+    for option, text, what in (("--laser-class", "a=5", "one of 1, 1C"), ("--laser-class", "b=1", "of a machine"), ("--page", "a=x", "address"), ("--tool", "a=", "of a machine")):
+        with pytest.raises(Failure, match=what):
+            command._of_machines(option, [text], boards)
 
 
 def test_the_broker_and_its_password(tmp_path):
@@ -533,6 +601,10 @@ def scraped():
     from host_tools.shop.figures import Figures
 
     telling = Telling()
+    telling.scale = [80, 80]
+    for count in (7, 9):
+        telling.late(count)
+    telling.counters["retries"] = 4
     telling.look(shown(state="Run", job=job("run", 100), full=30), 0)
     telling.look(shown(state="Run", job=job("run", 150), full=30, m=[1.0, 1002.0]), 60)
     telling.refused(2)
@@ -556,6 +628,8 @@ def test_figures_in_openmetrics():
     assert found["passo_job_progress_ratio", "a"] == 0.75 and found["passo_job_left_seconds", "a"] == 20
     assert found["passo_queue_ratio", "a"] == 0.3
     assert found["passo_motion_seconds_total", "a"] == 60 and found["passo_way_metres_total", "a"] == 1
+    assert found["passo_late_words_total", "a"] == 2 and found["passo_steps_total", "a"] == 80_000
+    assert found["passo_retries_total", "a", "board"] == 4 and found["passo_retries_total", "a", "broker"] == 0
     assert found["passo_refused_total", "a"] == 1 and found["passo_jobs_total", "a", "failed"] == 0
     assert not [key for key in found if "not yet heard of" in key]
 

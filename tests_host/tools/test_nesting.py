@@ -1,5 +1,6 @@
 """Nesting and hatching, judged by shapely."""
 
+import csv
 import math
 
 import numpy
@@ -8,7 +9,9 @@ import shapely
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely import affinity
+from typer.testing import CliRunner
 
+from host_tools.cli.main import app
 from host_tools.drawings import hatch, nesting
 from host_tools.failure import Failure
 
@@ -19,11 +22,11 @@ SHAPES = st.lists(st.tuples(ANGLES, st.floats(5, 40)), min_size=3, max_size=8).m
 
 
 @settings(max_examples=25, deadline=None)
-@given(st.lists(SHAPES, min_size=1, max_size=6), st.sampled_from([0.0, 1.0, 3.7]), st.booleans())
-def test_nested_shapes_keep_their_distance_and_the_sheet(shapes, gap, turn):
+@given(st.lists(SHAPES, min_size=1, max_size=6), st.sampled_from([0.0, 1.0, 3.7]), st.booleans(), st.sampled_from([0, 1, 417]))
+def test_nested_shapes_keep_their_distance_and_the_sheet(shapes, gap, turn, order):
     width, height = 200.0, 150.0
     try:
-        spots = nesting.nested(shapes, width, height, gap, turn)
+        spots = nesting.nested(shapes, width, height, gap, turn, order)
     except Failure:
         assume(False)
     placed = [affinity.translate(nesting.turned(shape, quarters), x, y) for shape, (x, y, quarters) in zip(shapes, spots)]
@@ -50,6 +53,64 @@ def test_a_wide_sheet_is_filled_in_a_low_strip():
     spots = nesting.nested([corner] * 10, 380, 380, 3.0)
     used, _ = nesting.fullness([corner] * 10, spots, 380)
     assert used < 105
+
+
+def test_each_number_is_an_order_of_its_own_and_always_the_same():
+    shapes = [shapely.box(0, 0, 20 + 7 * number, 50 - 3 * number) for number in range(9)]
+    found = [nesting.nested(shapes, 220, 220, 1.0, order=order) for order in range(8)]
+    assert len({str(spots) for spots in found}) > 4
+    assert found[:2] == [nesting.nested(shapes, 220, 220, 1.0, order=order) for order in range(2)]
+    # As it was when this was written: a number that somebody has kept goes on to mean the same.
+    assert [spot[:2] for spot in found[3]] == [(0.0, 68.0), (164.0, 0.0), (164.0, 29.0), (121.0, 0.0), (71.0, 0.0), (78.0, 43.0), (135.0, 65.0), (0.0, 0.0), (0.0, 40.0)]
+
+
+def pieces(folder):
+    """Files of drawings whose nesting hangs on their order."""
+    made = []
+    for number in range(7):
+        width, height = 20 + 9 * number, 60 - 5 * number
+        path = folder / f"{number}.svg"
+        path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}mm" height="{height}mm" viewBox="0 0 {width} {height}"><path d="M0 0H{width}L0 {height}Z" fill="none" stroke="black"/></svg>')
+        made.append(str(path))
+    return made
+
+
+def test_the_lowest_of_many_nestings_is_named_and_drawn_so(tmp_path):
+    files, table = pieces(tmp_path), tmp_path / "table.csv"
+    options = ["--board", "plotter_2014", "--gap", "2"]
+    told = CliRunner().invoke(app, ["nest", *files, *options, "--tries", "12", "--workers", "2", "-o", str(table)])
+    assert told.exit_code == 0, told.exception
+    with table.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["nesting"] for row in rows] == [str(order) for order in range(12)]
+    heights = {row["nesting"]: float(row["height_mm"]) for row in rows if not row["fault"]}
+    assert len(set(heights.values())) > 2 and min(heights.values()) < heights["0"]
+    best = told.stdout.splitlines()[-1].split("--nesting ")[1].split()[0]
+    assert heights[best] == min(heights.values())
+    for order in (best, "0"):
+        drawn = CliRunner().invoke(app, ["draw", *files, *options, "--nesting", order, "--dry-run"])
+        assert f"use {heights[order]:.0f} mm of its height" in drawn.output.replace("\n", " ")
+
+
+def test_what_cannot_be_nested(tmp_path):
+    files = pieces(tmp_path)
+    for words, what in (
+        ((files[0],), "several"), ((*files, "--workers", "2", "--dask", "tcp://127.0.0.1:1"), "give one of them"), ((*files, "--scale", "0"), "above 0"),
+        ((*files, "-o", str(tmp_path / "a.txt")), "writes a table"), ((*files, "--scale", "5", "--tries", "2"), "no room for all of them in any order"),
+    ):  # fmt: skip
+        told = CliRunner().invoke(app, ["nest", *words])
+        assert told.exit_code == 1 and what in str(told.exception), (words, told.exception)
+
+
+@pytest.mark.slow
+def test_nestings_on_a_cluster_are_those_of_this_pc(tmp_path):
+    distributed = pytest.importorskip("distributed")
+    files = pieces(tmp_path)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, processes=True) as cluster:
+        for name, words in (("here", ("--workers", "1")), ("there", ("--dask", cluster.scheduler_address))):
+            told = CliRunner().invoke(app, ["nest", *files, "--gap", "2", "--tries", "30", *words, "-o", str(tmp_path / f"{name}.csv")])
+            assert told.exit_code == 0, told.exception
+    assert (tmp_path / "here.csv").read_text() == (tmp_path / "there.csv").read_text()
 
 
 def test_no_room_is_told():

@@ -22,7 +22,7 @@ from host_tools.failure import Failure
 from host_tools.language import error_text
 from host_tools.shop import drop
 from host_tools.shop.book import Book
-from host_tools.shop.desk import Desk, fits
+from host_tools.shop.desk import LASER_CLASSES, Desk, fits
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
 from passo import errors
 from passo.web import session
@@ -71,6 +71,24 @@ def test_jobs_are_given_in_their_order_to_machines_that_fit(book):
     assert book.give("red", "n", lambda job: fits(job, {**blue, "tool": "red"})).name == "red"
     assert not fits(book.jobs()[0], {**blue, "kind": "another"})
     assert book.give("big", "n", lambda job: fits(job, {"kind": "k", "area": [300, 100]})).name == "big"
+
+
+def test_a_laser_is_given_what_may_be_burnt_by_its_class_and_no_other(book):
+    def takes(most, **machine):
+        book.add(b"1", "cut", {"kind": "k", "laser": most})
+        job = book.give("m", "n", lambda job: fits(job, {"kind": "k", **machine}))
+        if job:
+            book.end(job, "done", 1, "")
+        else:
+            book.withdraw(book.jobs(1)[0].id)
+        return bool(job)
+
+    assert [has for has in LASER_CLASSES if takes("1M", laser=has)] == ["1", "1C", "1M"]
+    assert [has for has in LASER_CLASSES if takes("3B", laser=has)] == ["1", "1C", "1M", "2", "2M", "3R", "3B"]
+    assert not takes("4", laser="") and not takes("4"), "nobody has said what it is"
+    assert all(takes("", laser=has) for has in ("", *LASER_CLASSES))
+    book.add(b"1", "of an older shop", {"kind": "k"})
+    assert fits(book.jobs()[0], {"kind": "k", "laser": "4"})
 
 
 def test_a_job_that_is_done_before_its_machine_could_say_more_began(book):
@@ -426,7 +444,7 @@ def test_orders_of_the_page_are_proven_and_good_once(served, book):
     more = {"do": "drop", "name": "a", "text": "x", "kind": "corexy_plotter", "copies": 1, "tool": "", "last": True}
     wrongs = [
         {"do": "withdraw"}, {"do": "withdraw", "job": 5}, {"do": "drop", "name": 1}, {**more, "at": 7}, {"do": "again", "job": "0" * 8}, {"do": []},
-        {**more, "kind": "nobody's"}, {**more, "copies": 0}, {**more, "copies": 10**9}, {**more, "copies": True}, {**more, "tool": "é"}, {**more, "text": "x" * 40_000},
+        {**more, "kind": "nobody's"}, {**more, "copies": 0}, {**more, "copies": 10**9}, {**more, "copies": True}, {**more, "tool": "é"}, {**more, "laser": "5"}, {**more, "laser": []}, {**more, "text": "x" * 40_000},
     ]  # fmt: skip
     for count, wrong in enumerate(wrongs, 10):
         assert pages.hear(page, said(count, wrong), 0)["error"], wrong
@@ -480,7 +498,8 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     shop = bench.run("shop", "--broker", f"127.0.0.1:{bench.port}", "--book", str(tmp_path / "page.sqlite"), "--shop-key", str(bench.key_file), "--http", "0")
     address = shop.stdout.readline().strip()[6:]
     agent = bench.agent(
-        "--emulated", "plotter=corexy_plotter", "--shop-key", str(bench.key_file), "--at-machine", "0", "--tool", "plotter=red", "--page", "plotter=http://127.0.0.1:1/"
+        "--emulated", "plotter=corexy_plotter", "--shop-key", str(bench.key_file), "--at-machine", "0", "--tool", "plotter=red", "--page", "plotter=http://127.0.0.1:1/",
+        "--laser-class", "plotter=1M",
     )
     local = next(line[6:].strip() for line in agent.stdout if line.startswith("page: "))
     (tmp_path / "a.svg").write_text(SVG)
@@ -503,8 +522,11 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     browser.find_element("id", "file").send_keys(str(tmp_path / "a.svg"))
     for name, value in (("copies", "\ue009a\ue0002"), ("tool", "red"), ("material", "A4")):
         browser.find_element("id", name).send_keys(value)
+    browser.execute_script("document.getElementById('laser').value = '2'")
+    assert "laser de classe 1M" in text(".tile .state")
     browser.find_element("css selector", "#add button").click()
     bench.until(lambda: len(browser.find_elements("css selector", "#queue li")) == 2)
+    assert "laser de classe 2" in text("#queue li")
     assert browser.execute_script("return document.documentElement.scrollWidth") == 320
     first = browser.current_window_handle
     browser.switch_to.new_window("tab")

@@ -63,6 +63,8 @@ function tile(name) {
   return tiles.get(name);
 }
 
+function laser(has) { return has.laser ? _("laser class {laser}", has) : ""; }
+
 function kindOf(machine) { return machine.tool ? `${machine.kind} · ${machine.tool}` : machine.kind || ""; }
 
 function show() {
@@ -99,7 +101,7 @@ function draw(machine, shown, job, last) {
     leads.href = machine.page;
     shown.title.replaceChildren(leads);
   }
-  shown.state.textContent = [states[machine.state] ? _(states[machine.state]) : _("not heard of yet"), gone ? "" : _(HOW[machine.how] || "")].filter((each) => each).join(" · ");
+  shown.state.textContent = [states[machine.state] ? _(states[machine.state]) : _("not heard of yet"), gone ? "" : _(HOW[machine.how] || ""), laser(machine)].filter((each) => each).join(" · ");
   const name = job ? job.name : machine.job || (last ? `${last.name} · ${_(ENDED[last.state])}` : "");
   shown.job.textContent = machine.progress ? `${name} · ${machine.progress} %` : name;
   shown.left.textContent = machine.left ? _("{time} left", { time: clock(Number(machine.left)) }) : "";
@@ -149,7 +151,7 @@ function program(job) {
 function showLists() {
   const waits = state.jobs.filter((job) => job.state === "queued");
   const ended = state.jobs.filter((job) => job.state in ENDED);
-  at("queue").replaceChildren(...waits.map((job) => row(job, [job.wants.kind, job.wants.tool, job.wants.seconds ? clock(job.wants.seconds) : ""], "Withdraw", "withdraw")));
+  at("queue").replaceChildren(...waits.map((job) => row(job, [job.wants.kind, job.wants.tool, laser(job.wants), job.wants.seconds ? clock(job.wants.seconds) : ""], "Withdraw", "withdraw")));
   at("history").replaceChildren(...ended.map((job) => row(job, [_(ENDED[job.state]), job.machine, said(job.text)], "Again", "again")));
   at("used").replaceChildren(...state.used.map(([material, jobs, seconds]) => {
     const made = element("tr");
@@ -185,7 +187,7 @@ async function queue(files) {
 async function refused(file) {
   const text = await file.text();
   say(() => _("{name} is checked…", { name: file.name }));
-  const more = { kind: at("kind").value, copies: Number(at("copies").value), tool: at("tool").value, material: at("material").value };
+  const more = { kind: at("kind").value, copies: Number(at("copies").value), tool: at("tool").value, laser: at("laser").value, material: at("material").value };
   for (let from = 0; from === 0 || from < text.length; from += PIECE) {
     const last = from + PIECE >= text.length;
     if (complain(await link.order({ do: "drop", name: file.name, at: from, text: text.slice(from, from + PIECE), last, ...more }))) return true;
