@@ -77,12 +77,12 @@ def pieces(folder):
 
 def test_the_lowest_of_many_nestings_is_named_and_drawn_so(tmp_path):
     files, table = pieces(tmp_path), tmp_path / "table.csv"
-    options = ["--board", "plotter_2014", "--gap", "2"]
-    told = CliRunner().invoke(app, ["nest", *files, *options, "--tries", "12", "--workers", "2", "-o", str(table)])
+    options = ["--board", "plotter_2014", "--gap", "2", "--margin", "60"]
+    told = CliRunner().invoke(app, ["nest", *files, *options, "--tries", "8", "--workers", "2", "-o", str(table)])
     assert told.exit_code == 0, told.exception
     with table.open(newline="") as file:
         rows = list(csv.DictReader(file))
-    assert [row["nesting"] for row in rows] == [str(order) for order in range(12)]
+    assert [row["nesting"] for row in rows] == [str(order) for order in range(8)]
     heights = {row["nesting"]: float(row["height_mm"]) for row in rows if not row["fault"]}
     assert len(set(heights.values())) > 2 and min(heights.values()) < heights["0"]
     best = told.stdout.splitlines()[-1].split("--nesting ")[1].split()[0]
@@ -108,7 +108,7 @@ def test_nestings_on_a_cluster_are_those_of_this_pc(tmp_path):
     files = pieces(tmp_path)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, processes=True) as cluster:
         for name, words in (("here", ("--workers", "1")), ("there", ("--dask", cluster.scheduler_address))):
-            told = CliRunner().invoke(app, ["nest", *files, "--gap", "2", "--tries", "30", *words, "-o", str(tmp_path / f"{name}.csv")])
+            told = CliRunner().invoke(app, ["nest", *files, "--gap", "2", "--margin", "60", "--tries", "12", *words, "-o", str(tmp_path / f"{name}.csv")])
             assert told.exit_code == 0, told.exception
     assert (tmp_path / "here.csv").read_text() == (tmp_path / "there.csv").read_text()
 
