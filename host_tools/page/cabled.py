@@ -40,6 +40,8 @@ def _said(kind):
     class Said(kind):
         tells = ()
         beside = staticmethod(at_once)  # beside(work, then): then(work()), later where a loop is not to wait for it
+        retries = 0  # questions that were asked again
+        late = 0  # reports of steps that were not computed in time; grbl has no word for it in its reports
         left = False  # the port has been closed, which may be amid an order: poll() calls lost()
 
         def __init__(self, tell, wire, board, spoken=None):
@@ -100,8 +102,6 @@ def _reported(kind):
         silent_ms = 1500  # since it was asked for a report: the link is down
         again_ms = 3000  # it is asked for again
         watcher = None  # watcher(state): told of each report
-        retries = 0  # questions that were asked again
-        late = 0  # reports of steps that were not computed in time; grbl has no word for it in its reports
 
         def __init__(self, tell, wire, board, spoken=None):
             kind.__init__(self, tell, wire, board, spoken)
