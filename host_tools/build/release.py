@@ -160,8 +160,9 @@ class Release:
         print("".join(rows), end="")
 
     def tried(self):
-        """The wheel with the extra `draw`, as pip installs it for anybody, in each Python that is there."""
+        """The wheel, as pip installs it for anybody, in each Python that is there; it also proves the UF2 of an RP2040, if one was built."""
         wheel, = self.assets.glob("*.whl")
+        uf2 = [str(path) for path in self.assets.glob("passo-rp2040-*.uf2")]
         for name in os.environ.get("PYTHONS", PYTHONS).split():
             if shutil.which(name) is None or subprocess.run([name, "-c", ""], capture_output=True).returncode:
                 print(_("not tried, because it is not here: {}", name))
@@ -169,8 +170,8 @@ class Release:
             folder = self._out / "tried" / Path(name).as_posix().replace("/", "_")
             run(name, "-m", "venv", str(folder), environment=self._clean)
             python = python_of(folder)
-            run(str(python), "-m", "pip", "install", "--quiet", f"{wheel}[draw]", environment=self._clean)
-            run(str(python), "-m", "host_tools.build.try_installed", folder=self._out / "home", environment=self._clean)
+            run(str(python), "-m", "pip", "install", "--quiet", f"{wheel}[draw,emulate]", environment=self._clean)
+            run(str(python), "-m", "host_tools.build.try_installed", *uf2, folder=self._out / "home", environment=self._clean)
 
     def _pip(self, *words):
         run(str(self._python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words, folder=self._clone, environment=self._clean)
