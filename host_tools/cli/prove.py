@@ -23,6 +23,15 @@ def prove(
     json: Annotated[Optional[Path], typer.Option("--json", help="Write the report as JSON.")] = None,
     report: Annotated[Optional[Path], typer.Option("--report", help="Write the report as text, for an issue.")] = None,
     picture: Annotated[Optional[Path], typer.Option("--picture", help="Write a picture of the timings, .png.")] = None,
+    analyser: Annotated[
+        Optional[Path], typer.Option("--analyser", metavar="FILE", help="Be a logic analyser of eight pins instead: write what they do, .vcd or .sr (PulseView).")
+    ] = None,
+    first_pin: Annotated[int, typer.Option("--first-pin", help="--analyser: GPIO of the first channel.", min=0, max=22)] = 2,
+    rate: Annotated[float, typer.Option("--rate", help="--analyser: samples a second, in MHz.", min=0.001, max=25)] = 25,
+    trigger: Annotated[
+        Optional[str], typer.Option("--trigger", help="--analyser: begin at rise:PIN, fall:PIN or word:LEVELS of the first channels (word:101).")
+    ] = None,
+    play: Annotated[bool, typer.Option("--play", help="--analyser: let the axes of the board file move there and back; else pins are only looked at.")] = False,
 ):
     """Let a board measure itself: clock, flash, memory, golden jobs, link, edges on its pins, emergency input, watchdog.
 
@@ -31,40 +40,63 @@ def prove(
     Example: passo prove --port /dev/ttyACM0
 
     Example: passo prove --emulated router_3axis --picture prove.png
+
+    Example: passo prove --port /dev/ttyACM0 --analyser seen.vcd --first-pin 2 --trigger rise:2
     """
-    from host_tools import boards
-    from host_tools.prove import report as reports
-    from host_tools.prove.connection import EmulatedBoard, PortBoard
-    from host_tools.prove.promises import WORSE
-    from host_tools.prove.proof import Proof
+    from host_tools.prove.analyser import Wanted
 
     if (port is None) == (emulated is None):
         raise Failure("which board? Give --port, or --emulated BOARD")
+    wanted = Wanted.checked(analyser, first_pin, rate, trigger, play) if analyser else None
+    connection, raw = connected(port, emulated, uf2, named=not wanted or play)
+    with connection as board:
+        pins = bool(emulated) or (not wanted or play) and (yes_drivers or asked(raw))
+        if wanted:
+            print(wanted.taken(board, raw, pins))
+            return
+        worse = proven(board, raw, pins, report, json, picture)
+    if worse:
+        raise typer.Exit(1)
+
+
+def connected(port, emulated, uf2, named):
+    """(connection, the board file's table); `named` False: the table is {} if the board has none. Raises Failure."""
+    from host_tools import boards
+    from host_tools.prove.connection import EmulatedBoard, PortBoard, Silent
+
     if emulated:
         raw = boards.load(emulated)
         if raw.get("chip") != "rp2040":
             raise Failure("an RP2040 is emulated, and the board file is for {}", raw.get("chip"))
-        connection = EmulatedBoard(emulated, uf2)
-        pins = True
-    else:
-        check_port(port)
-        connection = PortBoard(port)
-        raw = board_file_of(connection)
-        pins = yes_drivers or asked(raw)
-    with connection as board:
-        proof = Proof(board, raw, pins)
-        rows = list(watched(proof))
-    header = _("Passo {}: {} on {}", version(), raw["name"], connection.name)
+        return EmulatedBoard(emulated, uf2), raw
+    check_port(port)
+    connection = PortBoard(port)
+    try:
+        return connection, board_file_of(connection)
+    except Failure as failure:
+        if named or isinstance(failure, Silent):
+            raise
+        return connection, {}
+
+
+def proven(board, raw, pins, report, json, picture):
+    """Measure, show, and write the reports. Whether anything is worse."""
+    from host_tools.prove import report as reports
+    from host_tools.prove.promises import WORSE
+    from host_tools.prove.proof import Proof
+
+    proof = Proof(board, raw, pins)
+    rows = list(watched(proof))
+    header = _("Passo {}: {} on {}", version(), raw["name"], board.name)
     reports.show(rows, header)
     if report:
         with open(report, "w", encoding="utf-8") as file:
             reports.show(rows, header, file)
     if json:
-        json.write_text(reports.as_json(rows, {"passo": version(), "board": raw["name"], "emulated": connection.emulated}), encoding="utf-8")
+        json.write_text(reports.as_json(rows, {"passo": version(), "board": raw["name"], "emulated": board.emulated}), encoding="utf-8")
     if picture:
         reports.picture(picture, proof.timings)
-    if any(row.verdict == WORSE for row in rows):
-        raise typer.Exit(1)
+    return any(row.verdict == WORSE for row in rows)
 
 
 def board_file_of(board):
@@ -83,10 +115,14 @@ def asked(raw):
 
     pins = ", ".join(f"GPIO{pin}" for pin in word_pins(check(raw))[:-1])
     question = _("Steps will appear on {}. Enable stays off, but are the drivers unplugged, or is their enable wired? Then y", pins)
-    if not sys.stdin.isatty():
+    if not is_terminal():
         print(_("no terminal to ask: rows that need pins are left out. --yes-drivers drives them"))
         return False
     return typer.confirm(question)
+
+
+def is_terminal():
+    return sys.stdin.isatty()
 
 
 def watched(proof):

@@ -110,7 +110,7 @@ def level(pin):
 
 def pull(pin, up):
     """Let the pad's own resistor pull; whatever is wired to the pin is stronger."""
-    at = (0x40038000 if "RP2350" in sys.implementation._machine else 0x4001C000) + 4 + 4 * pin
+    at = pad(pin)
     mem32[at] = mem32[at] & ~12 | (8 if up else 4)
 
 

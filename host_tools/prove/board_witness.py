@@ -1,6 +1,6 @@
 """Runs on the board: a spare PIO state machine writes down each change of the pins and its time, DMA carries that into memory.
 
-    witness = Witness(2, 6, RECORDS)    # GPIO2 to GPIO7, at most as many changes as the array holds
+    witness = Witness(2, 6, RECORDS)    # GPIO2 to GPIO7, at most as many changes as there is room for
     witness.start(); …; witness.stop()
     witness.show()                      # prints them in base64
 
@@ -8,7 +8,7 @@ A record is a word: the levels in the low bits moved above a count of passes tha
 machine, one that writes a record 14: host_tools/prove/edges.py makes times of them. The processor is not asked for anything.
 """
 
-from array import array
+import sys
 from binascii import b2a_base64
 
 import machine
@@ -17,7 +17,12 @@ from machine import Pin, mem32
 from uctypes import addressof
 
 
-RECORDS = array("I", bytearray(4 * 2048))  # made first, while memory is free in large pieces
+RECORDS = bytearray(4 * 2048)  # made first, while memory is free in large pieces
+
+
+def pad(pin):
+    """Address of the register of a pin's pad."""
+    return (0x40038000 if "RP2350" in sys.implementation._machine else 0x4001C000) + 4 + 4 * pin
 
 
 def looker(width):
@@ -46,24 +51,28 @@ def looker(width):
 
 
 class Witness:
-    def __init__(self, base, pins, records, number=4):
-        """`number`: of the state machine."""
+    def __init__(self, base, pins, records, number=4, program=None, **speed):
+        """`number`: of the state machine; `program`: another one than the witness's."""
         block, at = divmod(number, 4)
         self._pio = 0x50200000 + 0x100000 * block
         self._bit = 1 << at
         self._wrap = self._pio + 0xCC + 0x18 * at  # EXECCTRL
-        self.room = len(records)
+        self.room = len(records) // 4
         self._records = records
-        self._machine = rp2.StateMachine(number, looker(pins), in_base=Pin(base))
+        self._machine = rp2.StateMachine(number, program or looker(pins), in_base=Pin(base), **speed)
         self._dma = rp2.DMA()
         self._fifo = self._pio + 0x20 + 4 * at
         self._ctrl = self._dma.pack_ctrl(size=2, inc_read=False, inc_write=True, high_pri=True, treq_sel=8 * block + 4 + at)
 
-    def ready(self):
-        """Before start(): the count at its highest, no levels seen."""
+    def prepare(self):
+        """The count at its highest, no levels seen."""
         first = mem32[self._wrap] >> 7 & 31
         for instruction in (0xA02B, 0xA04B, first):  # mov(x, invert(null)), mov(y, invert(null)), jmp("look")
             self._machine.exec(instruction)
+
+    def ready(self):
+        """Before start()."""
+        self.prepare()
         self._dma.config(read=self._fifo, write=addressof(self._records), count=self.room, ctrl=self._ctrl, trigger=True)
         return self._bit
 
@@ -80,6 +89,6 @@ class Witness:
         self._dma.active(0)
 
     def show(self):
-        for at in range(0, self.taken, 96):
-            print(str(b2a_base64(memoryview(self._records)[at : min(at + 96, self.taken)]), "ascii").strip())
+        for at in range(0, 4 * self.taken, 384):
+            print(str(b2a_base64(memoryview(self._records)[at : min(at + 384, 4 * self.taken)]), "ascii").strip())
         print("-")

@@ -9,6 +9,7 @@
 
 import contextlib
 import io
+import struct
 import time
 
 from host_tools.failure import Failure
@@ -17,6 +18,10 @@ from host_tools.language import _
 EXEC_S = 120
 ASK_S = 30
 _PRESS_S = 30  # for somebody to press the reset button
+
+
+class Silent(Failure):
+    """The board does not answer any more, whatever is asked."""
 
 
 class Board:
@@ -111,6 +116,8 @@ class EmulatedBoard(Board):
 
 
 class PortBoard(Board):
+    answer_s = 3  # for the interpreter to be there again after a soft reset
+
     def __init__(self, port):
         self.name = port
         self._wire = None
@@ -122,48 +129,62 @@ class PortBoard(Board):
 
         try:
             with contextlib.redirect_stdout(io.StringIO()):
-                self._wire = SerialTransport(self.name)
+                self._wire = SerialTransport(self.name, timeout=self.answer_s)
         except (TransportError, OSError) as error:
             raise Failure("{}: {}", self.name, str(error)) from None
 
     def fresh(self):
         from mpremote.transport import TransportError
 
-        end = time.monotonic() + _PRESS_S
+        end = self.now_s() + _PRESS_S
         asked = False
         while True:
             try:
                 with contextlib.redirect_stdout(io.StringIO()):
                     if self._wire is None:
                         self._open()
-                    self._wire.enter_raw_repl(timeout_overall=3)
+                    self._wire.enter_raw_repl(timeout_overall=self.answer_s)
                 self.expect(b">")
                 break
             except (TransportError, OSError, Failure):
-                if time.monotonic() > end:
-                    raise Failure(
+                if self.now_s() > end:
+                    raise Silent(
                         "no MicroPython board answers on {}: is it the right port (passo ports), and does no other program use it? A running Passo "
                         "lets go for two seconds after a reset", self.name) from None  # fmt: skip
                 if not asked:
                     print(_("the board is at work, or silent: press its reset button, or unplug it and plug it in again"))
                     asked = True
                 self._drop()
-                time.sleep(0.2)
+                self.wait_s(0.2)
         self.heard = b""
 
     def start(self, code):
+        from mpremote.transport import TransportError
+
         self.take()
-        self._wire.serial.write(b"\x05A\x01")
-        if self._wire.serial.read(2) != b"R\x01":
-            raise Failure("{} does not take code: it wants MicroPython 1.26 or later", self.name)
-        self._wire.raw_paste_write(code.encode())
+        try:
+            self._wire.serial.write(b"\x05A\x01")
+            if self._wire.serial.read(2) != b"R\x01":
+                raise Failure("{} does not take code: it wants MicroPython 1.26 or later", self.name)
+            self._wire.raw_paste_write(code.encode())
+        except (TransportError, OSError, struct.error) as error:
+            raise Failure("{} does not take code: {}", self.name, str(error)) from None
 
     def write(self, data):
-        self._wire.serial.write(data)
+        with self._wire_there():
+            self._wire.serial.write(data)
 
     def read(self):
-        serial = self._wire.serial
-        return serial.read(serial.in_waiting) if serial.in_waiting else b""
+        with self._wire_there():
+            serial = self._wire.serial
+            return serial.read(serial.in_waiting) if serial.in_waiting else b""
+
+    @contextlib.contextmanager
+    def _wire_there(self):
+        try:
+            yield
+        except OSError as error:
+            raise Failure("{} has gone: {}", self.name, str(error)) from None
 
     def wait_s(self, seconds):
         time.sleep(seconds)
@@ -172,20 +193,28 @@ class PortBoard(Board):
         return time.monotonic()
 
     def await_reset(self, limit_s):
-        """Wait until the port has gone and come again. Raises TimeoutError."""
-        end = time.monotonic() + limit_s
+        """Wait until the port has gone, as USB does in a reset, and come again. Raises TimeoutError."""
+        end = self.now_s() + limit_s
+        with contextlib.suppress(Failure):
+            while self.now_s() < end:
+                self.wait_s(0.02)
+                self.read()
+            raise TimeoutError(_("the port does not go"))
         self._drop()
-        while time.monotonic() < end:
-            time.sleep(0.2)
+        while self.now_s() < end:
+            self.wait_s(0.2)
             with contextlib.suppress(Failure):
                 self._open()
                 return
         raise TimeoutError(_("the port does not come back"))
 
     def _drop(self):
+        """Close the port, even one that has gone: as long as it is open, the board gets another name when it comes back."""
         if self._wire is not None:
             with contextlib.suppress(OSError):
                 self._wire.close()
+            with contextlib.suppress(OSError):
+                self._wire.serial.close()
             self._wire = None
 
     def close(self):

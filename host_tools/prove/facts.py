@@ -7,6 +7,8 @@ from host_tools.language import _
 from host_tools.prove.promises import KEPT, MEMORY, PROMISES
 from host_tools.prove.row import Row, equal, number, text
 
+READINGS = 9
+
 
 def facts(proof):
     board = proof.board
@@ -53,17 +55,26 @@ def memory(proof):
 
 
 def crystal(proof):
-    """The chip's microseconds against the PC's, over two seconds; the way there and back is in both readings."""
+    """The chip's microseconds against the PC's, over two seconds: of several readings the one that came back first, because a busy PC, and not
+    the chip, makes the others late."""
     board = proof.board
+    board.start("import sys\nwhile sys.stdin.read(1) == 't': print(ticks_us())")
 
     def reading():
         before = board.now_s()
-        said = int(board.exec("print(ticks_us())"))
-        return (before + board.now_s()) / 2, said
+        board.write(b"t")
+        said = int(board.expect(b"\n"))
+        after = board.now_s()
+        return after - before, (before + after) / 2, said
 
-    first_s, first = reading()
+    def best():
+        return min(reading() for _again in range(READINGS))[1:]
+
+    first_s, first = best()
     board.wait_s(2)
-    second_s, second = reading()
+    second_s, second = best()
+    board.write(b"e")
+    board.ended()
     ticks = (second - first) % (1 << 30)
     return proof.judged("crystal_ppm", abs(ticks / 1e6 / (second_s - first_s) - 1) * 1e6)
 
@@ -72,7 +83,7 @@ def watchdog(proof):
     board = proof.board
     board.fresh()
     begun = board.now_s()
-    board.start("import machine\nfrom time import sleep_ms\nsleep_ms(50)\nmachine.WDT(timeout=1000)\nwhile True: pass")
+    board.start("import machine, micropython\nfrom time import sleep_ms\nsleep_ms(50)\nmicropython.kbd_intr(-1)\nmachine.WDT(timeout=1000)\nwhile True: pass")
     try:
         board.await_reset(12)
     except TimeoutError:

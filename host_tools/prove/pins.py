@@ -21,7 +21,7 @@ COILS_HZ = 5000
 # Where the pull's resistor holds the input to its other level before the machine is asked to move.
 _LOOK = """
 witness = Witness({base}, {width}, RECORDS)
-other = Witness({pin}, 1, array("I", bytearray(256)), 5)
+other = Witness({pin}, 1, bytearray(256), 5)
 pull({pin}, {rest})
 sleep_ms(5)
 clear()
@@ -72,9 +72,9 @@ def chip_mhz(proof):
     return int(proof.board.exec("print(machine.freq())")) / 1e6
 
 
-def said(proof, code):
+def said(proof, code, *limit_s):
     """What the board says of its own, a first line and the records; what the machine's link says comes before."""
-    first, *rest = proof.board.exec(code).rpartition("\n= ")[2].splitlines()
+    first, *rest = proof.board.exec(code, *limit_s).rpartition("\n= ")[2].splitlines()
     return [int(each) for each in first.split()], rest
 
 
@@ -216,7 +216,12 @@ def halted(proof, shape, code, active):
     return max(0, steps[-1] - pressed[0]), went == edges.counted(seen, shape.layout.axes, shape.layout.motors)
 
 
+def printed(lines):
+    """The bytes that the board printed."""
+    return b"".join(base64.b64decode(line) for line in lines)
+
+
 def unpacked(lines):
     """The records that the board printed."""
-    data = b"".join(base64.b64decode(line) for line in lines)
+    data = printed(lines)
     return struct.unpack(f"<{len(data) // 4}I", data)

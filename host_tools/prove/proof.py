@@ -10,6 +10,7 @@ making its outputs inactive, and no session's machine has any outputs.
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.prove import digests, facts, link, pins
+from host_tools.prove.connection import Silent
 from host_tools.prove.promises import PROMISES, WORSE, verdict
 from host_tools.prove.row import LEFT_OUT, Row, number, text
 
@@ -30,6 +31,7 @@ class Proof:
         self.raw = raw
         self.drive_pins = drive_pins
         self.frozen = False
+        self._silent = False  # for so long that it is not asked any more
         self.timings = {}  # name: what the picture shows
 
     def rows(self):
@@ -46,8 +48,14 @@ class Proof:
         if pins_wanted and not self.drive_pins:
             yield Row(part.__name__, _(title), _("no pins are driven"), verdict=LEFT_OUT)
             return
+        if self._silent:
+            yield Row(part.__name__, _(title), _("the board is silent"), verdict=LEFT_OUT)
+            return
         try:
             yield from part(self)
+        except Silent as silent:
+            self._silent = True
+            yield Row(part.__name__, _(title), silent.told(), verdict=WORSE, advice=_("begin anew: what was not asked is left out"))
         except (Failure, TimeoutError, ValueError) as error:
             said = error.told() if isinstance(error, Failure) else str(error)
             advice = _("something else takes memory: flash the board anew, leave out a link or a language") if "memory" in said else _("flash the board again, and report this")
@@ -64,10 +72,14 @@ class Proof:
     def begin(self, order, changes=None, more=()):
         """A fresh interpreter with the board's machine. `order`: make or words; `more`: programs that come first."""
         self.board.fresh()
-        for name in (*more, "board_session.py"):
-            self.board.exec(text(name))
-            self.board.exec("import gc\ngc.collect()")  # what stays lies close together
+        self.load(*more, "board_session.py")
         self.board.exec(f"{order}({ {'inputs': [], **(changes or {})}!r}, {WITHOUT!r})")
+
+    def load(self, *programs):
+        """Run files of this folder on the board, or what is no file's name."""
+        for name in programs:
+            self.board.exec(text(name) if name.endswith(".py") else name)
+            self.board.exec("import gc\ngc.collect()")  # what stays lies close together
 
     def machine(self, changes=None):
         """The same machine's checked board file here."""
