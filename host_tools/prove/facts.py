@@ -8,6 +8,7 @@ from host_tools.prove.promises import KEPT, MEMORY, PROMISES
 from host_tools.prove.row import Row, equal, number, text
 
 READINGS = 9
+LEAST_MV = 800  # of the RP2040's regulator, levels 0 to 5; 50 more with each further
 
 
 def facts(proof):
@@ -43,6 +44,9 @@ def memory(proof):
     wanted = proof.raw.get("clock_mhz", 125) * 1000
     off = max(abs(freq // 1000 - wanted), abs(counted - wanted))
     yield proof.judged("clock_khz", off, found=_("{} kHz counted, {} kHz said", counted, freq // 1000))
+    if proof.raw["chip"] == "rp2040":
+        level = int(board.exec("from passo.ports.rp2 import chip\nprint(machine.mem32[chip.REGULATOR] >> 4 & 15)"))
+        yield proof.judged("core_mv", LEAST_MV + 50 * max(0, level - 5), 1150 if wanted > 133_000 else 1100)
     yield crystal(proof)
     yield proof.judged("collect_ms", took_us / 1000)
     known = MEMORY.get(proof.raw.get("name"))

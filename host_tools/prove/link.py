@@ -2,6 +2,7 @@
 
 import binascii
 import random
+import re
 import statistics
 
 from host_tools.failure import Failure
@@ -15,6 +16,8 @@ LINES = 800
 POINTS = 400
 WINDOW = 127
 QUIET_MS = 700
+FRAMED, SPOILED, FRAMES_S = 200, 300, 3
+_ANSWER = re.compile(rb"(?:ok|error:\d+)\r\n")
 
 
 def link(proof):
@@ -27,6 +30,9 @@ def link(proof):
     yield from bytes_through(proof)
     if language == "grbl":
         yield from grbl_link(proof)
+        if first.get("frames") or proof.frozen:
+            proof.begin("make", {"links": [{**link, "frames": True}], "axes": axes})
+            yield framed_link(proof)
     elif language == "plotter":
         yield from plotter_link(proof)
 
@@ -56,13 +62,72 @@ def grbl_link(proof):
     ask(proof, b"$X\n", b"ok")
     waits = sorted(ask(proof, b"?", b">\r\n") for _again in range(ASKS))
     yield proof.judged("ask_ms", statistics.median(waits) * 1000, found=_("{} ms, p99 {}", number(statistics.median(waits) * 1000), number(waits[-3] * 1000)))
-    lines_s, asked = stream(proof, chord_lines(LINES))
+    lines_s, asked = stream(proof, chord_lines(LINES, len(proof.raw["axes"])))
     proof.timings["asks"] = [each * 1000 for each in asked]
     board.expect(b"served", 30)
     late = int(board.ended().split()[0])
     yield proof.judged("lines_s", lines_s, late=late)
     asked.sort()
     yield proof.judged("ask99_ms", asked[int(len(asked) * 0.99) - 1] * 1000, found=_("{} ms, median {}", number(asked[int(len(asked) * 0.99) - 1] * 1000), number(statistics.median(asked) * 1000)))
+
+
+def framed_link(proof):
+    """Lines in frames over a wire that spoils bytes on their way to the board."""
+    from host_tools.clients.frames import FramedPort
+
+    board = proof.board
+    board.start(f"serve({QUIET_MS})")
+    board.expect(b"ready\r\n")
+    wire = SpoiledWire(board)
+    port = FramedPort(wire, lambda: round(board.now_s() * 1000))
+    if not port.begin(FRAMES_S):
+        raise Failure("the board does not answer in frames")
+    lines = [b"$X\n", *chord_lines(FRAMED, len(proof.raw["axes"]))]
+    said, sent, begun = b"", 0, board.now_s()
+    while (answered := len(_ANSWER.findall(said))) < len(lines) and board.now_s() - begun < 30:
+        if sent < len(lines) and sent - answered < 8:
+            port.write(lines[sent])
+            sent += 1
+        said += port.read(256)
+        if b"\nserved" in said:  # it has waited in vain
+            said, _end, rest = said.partition(b"\nserved")
+            board.heard = b"served" + rest + board.heard
+            break
+    board.wait_s(QUIET_MS / 1000 + 0.5)
+    board.expect(b"served", 30)
+    board.ended()
+    lost = len(lines) - said.count(b"ok\r\n")
+    return proof.judged("framed_lost", lost, found=_("{} of {}, though {} bytes were spoiled", lost, len(lines), wire.spoiled))
+
+
+class SpoiledWire:
+    """The face of a serial port over a board; of what is written each so many bytes one is changed."""
+
+    baudrate = timeout = None
+
+    def __init__(self, board):
+        self._board, self._written, self.spoiled = board, 0, 0
+
+    @property
+    def in_waiting(self):
+        self._board.heard += self._board.read()
+        return len(self._board.heard)
+
+    def read(self, size):
+        if not self.in_waiting:
+            self._board.wait_s(0.0005)
+        data = self._board.take()
+        self._board.heard = data[size:]
+        return data[:size]
+
+    def write(self, data):
+        data = bytearray(data)
+        for at in range(-self._written % SPOILED, len(data), SPOILED):
+            if self._written:  # HELLO comes whole
+                data[at] ^= 0x10
+                self.spoiled += 1
+        self._written += len(data)
+        self._board.write(bytes(data))
 
 
 def plotter_link(proof):
@@ -137,10 +202,12 @@ def stream(proof, lines):
     return (len(lines) - len(lines) // 4) / (board.now_s() - start), asked
 
 
-def chord_lines(count):
+def chord_lines(count, axes):
+    """Lines of 0.2 mm, in space or in a plane."""
     from host_tools.emulator.gcode import LINE_BYTES, chords
 
     start, data = chords(0.2)
     lines = [line.rstrip() + b"\n" for line in data.splitlines()]
     head = [b"G21G90G94\n", b"G92X%.3fY50Z-20\n" % start, b"G1F29400\n"]
-    return head + (lines * (count // len(lines) + 1))[:count]
+    made = head + (lines * (count // len(lines) + 1))[:count]
+    return made if axes > 2 else [re.sub(rb"Z[-.\d]+", b"", line) for line in made]

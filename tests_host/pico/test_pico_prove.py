@@ -90,7 +90,7 @@ def test_the_rows_that_move_pins(board, way, show):
 @pytest.mark.unmeasured
 def test_the_rows_that_want_no_pins(board, way, show):
     rows = rows_of(board, way, facts.facts, facts.memory, digests.digests, facts.watchdog)
-    assert {"chip", "stamp", "erase_ms", "page_ms", "clock_khz", "crystal_ppm", "collect_ms", "free_bytes", "piece_bytes", "digests", "watchdog_ms"} <= set(rows)
+    assert {"chip", "stamp", "erase_ms", "page_ms", "clock_khz", "core_mv", "crystal_ppm", "collect_ms", "free_bytes", "piece_bytes", "digests", "watchdog_ms"} <= set(rows)
     assert WORSE not in {verdict for _, verdict, _ in rows.values()}, {key: row for key, row in rows.items() if row[1] == WORSE}
     show("without pins", "; ".join(f"{key} {found}" for key, (found, *_) in rows.items()))
 
@@ -102,6 +102,29 @@ def test_the_link(board, way, show):
     assert set(rows) == {"bytes_lost", "ask_ms", "lines_s", "ask99_ms"}, rows
     assert WORSE not in {verdict for _, verdict, _ in rows.values()}, rows
     show("link", "; ".join(f"{key} {found}" for key, (found, *_) in rows.items()))
+
+
+@pytest.mark.slow
+@pytest.mark.unmeasured
+def test_lines_in_frames_over_a_bad_wire(uf2, show):
+    """laser_fast: two axes, and a link that has frames. Without them the row is red."""
+    board = EmulatedBoard("laser_fast")
+
+    def measured(frames):
+        link.ASKS, link.LINES = 20, 100
+        if not frames:
+            from host_tools.clients.frames import FramedPort
+
+            FramedPort.begin = lambda self, wait_s: True
+            FramedPort.write = lambda self, data: self._port.write(data)
+            FramedPort.read = lambda self, size: self._port.read(size)
+        made = Proof(board, boards.load("laser_fast"), True)
+        return {row.key: (row.found, row.verdict) for row in made._part("link", link.link, False)}
+
+    rows, bare = on_a_copy(lambda: measured(True)), on_a_copy(lambda: measured(False))
+    assert {"lines_s", "ask_ms", "framed_lost"} <= set(rows) and WORSE not in {verdict for _, verdict in rows.values()}, rows
+    assert bare["framed_lost"][1] == WORSE, bare
+    show("lines in frames", f"{rows['framed_lost'][0]}; without frames {bare['framed_lost'][0]}")
 
 
 @pytest.mark.unmeasured
