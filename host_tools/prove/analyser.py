@@ -79,7 +79,7 @@ class Wanted:
         divider = -(-clock // self.hz)
         if divider > SLOWEST:
             raise Failure("{} samples a second at least, not {}", -(-clock // SLOWEST), self.hz)
-        board.exec(f"analyser = Analyser({self.base}, samples, {clock // divider}, {self.trigger!r})\ngc.collect()")
+        board.exec(f"analyser = Analyser({self.base}, samples, {divider}, {self.trigger!r})\ngc.collect()")
         (_late, taken, _finished), rows = pins.said(proof, order, self.wait_s + 120)
         if self.play:
             pins.check_enable(proof)

@@ -1,17 +1,17 @@
 """Runs on the board, behind board_witness.py: a spare PIO state machine as a logic analyser of eight channels.
 
-    samples = bytearray(32768)                                  # made first, while memory is free in large pieces
-    analyser = Analyser(2, samples, 25000000, (RISE, 5))        # GPIO2 to GPIO9, from the next rise of GPIO5 on
-    analyser = Analyser(2, samples, 25000000, (WORD, 0b101, 3)) # once the first three channels are 1, 0, 1
-    analyser = Analyser(2, samples, 25000000)                   # at once
-    record(analyser, 10000)                                     # waits for the trigger; or play(lines, analyser)
+    samples = bytearray(32768)                          # made first, while memory is free in large pieces
+    analyser = Analyser(2, samples, 8, (RISE, 5))       # GPIO2 to GPIO9, from the next rise of GPIO5 on, each 8 cycles of the system clock
+    analyser = Analyser(2, samples, 8, (WORD, 0b101, 3))    # once the first three channels are 1, 0, 1
+    analyser = Analyser(2, samples, 8)                  # at once
+    record(analyser, 10000)                             # waits for the trigger; or play(lines, analyser)
 
 A sample is a byte, the first channel in its lowest bit, taken in every cycle of the state machine, whose clock is the sampling rate: nothing but
 the memory's room bounds it up to the system clock, and DMA has room for 25 MHz beside a player. A rise that is shorter than a sample, and a word
 that lasts less than four, are not seen. The pins are looked at; only their inputs are switched on.
 """
 
-from time import sleep_ms, sleep_us, ticks_diff, ticks_ms
+from time import sleep_ms, ticks_diff, ticks_ms
 
 import rp2
 from machine import mem32
@@ -56,12 +56,12 @@ def recorder(trigger):
 
 
 class Analyser(Witness):
-    def __init__(self, base, samples, hz, trigger=()):
-        """`samples`: a bytearray for them; `hz`: a whole part of the system clock."""
-        self._trigger = trigger
+    def __init__(self, base, samples, divider, trigger=()):
+        """`samples`: a bytearray for them; `divider`: cycles of the system clock to a sample, at most 65535."""
+        self._divider, self._trigger = divider, trigger
         for pin in list(range(base, base + 8)) + [trigger[1]] * edge_of(trigger):
             mem32[pad(pin)] = mem32[pad(pin)] & ~0x100 | 0x40  # the input is on; an RP2350's pad holds nothing
-        super().__init__(base, 8, samples, 4, recorder(trigger), freq=hz)
+        super().__init__(base, 8, samples, 4, recorder(trigger))
 
     def prepare(self):
         """Y has the word as the program has what it sees: in the highest bits."""
@@ -71,7 +71,7 @@ class Analyser(Witness):
             loads = [part for bits, count in parts if count > 0 for part in ("set(x, %d)" % bits, "in_(x, %d)" % count)]
             for instruction in ["mov(isr, null)"] + loads + ["mov(y, isr)", "mov(isr, null)"]:
                 self._machine.exec(instruction)
-                sleep_us(400)  # longer than a cycle at the slowest rate
+        mem32[self._wrap - 4] = self._divider << 16  # CLKDIV: whole cycles, which a frequency in hertz would not always give
 
     def full(self):
         return self._dma.count == 0

@@ -51,7 +51,7 @@ def looker(width):
 
 
 class Witness:
-    def __init__(self, base, pins, records, number=4, program=None, **speed):
+    def __init__(self, base, pins, records, number=4, program=None):
         """`number`: of the state machine; `program`: another one than the witness's."""
         block, at = divmod(number, 4)
         self._pio = 0x50200000 + 0x100000 * block
@@ -59,7 +59,7 @@ class Witness:
         self._wrap = self._pio + 0xCC + 0x18 * at  # EXECCTRL
         self.room = len(records) // 4
         self._records = records
-        self._machine = rp2.StateMachine(number, program or looker(pins), in_base=Pin(base), **speed)
+        self._machine = rp2.StateMachine(number, program or looker(pins), in_base=Pin(base))
         self._dma = rp2.DMA()
         self._fifo = self._pio + 0x20 + 4 * at
         self._ctrl = self._dma.pack_ctrl(size=2, inc_read=False, inc_write=True, high_pri=True, treq_sel=8 * block + 4 + at)
