@@ -45,8 +45,8 @@ def _serve(folder, port):
             """Requests of a page are no news."""
 
     with ThreadingHTTPServer(("127.0.0.1", port), partial(Quiet, directory=folder)) as server:
-        print(f"page: http://127.0.0.1:{server.server_port}/\n" + _("Ctrl-C ends it."), flush=True)
         try:
+            print(f"page: http://127.0.0.1:{server.server_port}/\n" + _("Ctrl-C ends it."), flush=True)
             server.serve_forever()
         except KeyboardInterrupt:
             pass

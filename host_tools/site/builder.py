@@ -111,8 +111,10 @@ def build(out, files):
 
     if out.exists() and not (out / "firmware.json").is_file() and any(out.iterdir()):
         raise Failure("{} is not empty, and holds no site of Passo: name another folder", out)
+    firmware, machines = texts(), {"boards": jobs(), "rules": setting_names.rules(_MOST_AXES)}
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
+    _write(out, "firmware.json", firmware)  # first: by it a folder that was broken off is known
     for name, data in files.items():
         (out / name).write_bytes(data)
     for path in PAGE.iterdir():
@@ -124,8 +126,7 @@ def build(out, files):
     (out / "index.html").write_text(page((PAGE / "index.html").read_text(encoding="utf-8")), encoding="utf-8")
     words = [json.loads((folder / "pt.json").read_text(encoding="utf-8")) for folder in (PAGE, OWN)]
     _write(out, "pt.json", words[0] | words[1])
-    _write(out, "firmware.json", texts())
-    _write(out, "site.json", {"boards": jobs(), "rules": setting_names.rules(_MOST_AXES)})
+    _write(out, "site.json", machines)
     _write(out, "errors.json", error_list())
     served = {path.name: path.read_bytes() for path in out.iterdir() if path.name not in offline.NAMES}
     for name, data in offline.files(served, "cache").items():

@@ -107,6 +107,14 @@ def test_a_folder_of_something_else_is_left_alone(tmp_path):
 
 def test_a_site_is_written_over_an_older_one(tmp_path):
     out = tmp_path / "site"
+
+    def broken_off(*_):
+        raise KeyboardInterrupt
+
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr(site.shutil, "copyfile", broken_off)
+        with pytest.raises(KeyboardInterrupt):
+            site.build(out, {"micropython.mjs": b""})
     for _ in range(2):
         size = site.build(out, {"micropython.mjs": b"", "micropython.wasm": b""})
         (out / "stale.js").write_text("")
