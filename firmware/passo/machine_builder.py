@@ -156,10 +156,11 @@ def wanted(board, languages):
 
 
 def load(names, board):
-    """[(name, class)] of features; `board["pauses"]` may name another module, as parking_keys.py says. Raises BoardError."""
+    """[(name, class)] of features; `board["features"]` may name other modules, as parking_keys.py says. Raises BoardError."""
+    other = board.get("features") or {}
     try:
         return [
-            (name, getattr(__import__("passo.control." + (name == "pauses" and board.get(name) or name), None, None, (kind,)), kind))
+            (name, getattr(__import__("passo.control." + other.get(name, name), None, None, (kind,)), kind))
             for name, kind, _ in FEATURES if name in names
         ]  # fmt: skip
     except ImportError as missing:

@@ -121,6 +121,7 @@ OF_BACKLASH = (
 OF_DRIVERS = (
     Path("passo", "config", "drivers_keys.py"), Path("passo", "control", "drives.py"), Path("passo", "config", "tmc2209.py"),
 )  # fmt: skip
+STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")  # and feel where their axes end
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
 PARKING = (
@@ -216,6 +217,8 @@ def selected(board, firmware=FIRMWARE, spared=None):
     mapped = kinematics != "none"
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
     absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") else OF_DRIVERS)
+    stalls = STALLS if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())) else ()
+    absent += tuple(set(STALLS) - set(stalls))
     absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING)
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
@@ -241,6 +244,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     chosen |= {*(OF_BACKLASH if board.get("backlash") else ()), *(OF_DRIVERS if board.get("drivers") else ())}
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
+    chosen |= {*stalls}
     chosen |= {*(ROTARY if board.get("rotary") else ()), *(PARKING if board.get("parking") else ())}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)

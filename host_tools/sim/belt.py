@@ -8,15 +8,17 @@ Its own reckoning, not the firmware's: x = (a + b) / 2, y = (a − b) / 2. A mot
 
 
 class Belt:
+    motors = range(2)  # that it belongs to
+
     def __init__(self, plant):
         self._plant = plant
         x, y = plant.position[:2]
-        self.motors = [x + y, x - y]
+        self._turned = [x + y, x - y]
 
     def pull(self, tick, motor, steps):
         """A motor turns by steps. True if a carriage has moved a whole step."""
         plant = self._plant
-        motors = list(self.motors)
+        motors = list(self._turned)
         motors[motor] += steps
         places = (motors[0] + motors[1]) // 2, (motors[0] - motors[1]) // 2
         moved = False
@@ -25,5 +27,5 @@ class Belt:
                 if not plant.move(tick, axis, place - plant.position[axis]):
                     return moved
                 moved = True
-        self.motors = motors
+        self._turned = motors
         return moved

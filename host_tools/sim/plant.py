@@ -25,6 +25,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
     seed         of all that is random
     stock        a Stock that the tool can touch: the input probe is active meanwhile
     play         {axis: steps of the motor that its carriage does not follow where it turns}
+    stalls       seed of what drivers feel that have `stall`: see slipping.py
 """
 
 import random
@@ -32,13 +33,14 @@ import random
 from host_tools.sim.belt import Belt
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
 from host_tools.sim.parts import MARGIN_MM, NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle, hard_ends, pull_off_of
+from host_tools.sim.slipping import Slipping
 
 TICKS_PER_MS = 12_500
 MAX_ERRORS = 1000  # kept by `errors`; `error_count` goes on
 
 
 class Plant:
-    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0, stock=None, play=None):
+    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0, stock=None, play=None, stalls=0):
         self._random = random.Random(seed)
         self.errors = []  # (tick, text)
         self.error_count = 0
@@ -65,6 +67,8 @@ class Plant:
         self._build_carriages(start, play or {})
         self._build_gantry(racked)
         self._build_barriers(bounce_ms, dict(faults or {}))
+        if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())):
+            self._belt = self.slipping = Slipping(self, board, stalls)
         self.encoders = {}  # by motor, in the board file's order
         for item in self._board.get("encoders", ()):
             motor = self._carriage(item["motor"])
@@ -100,6 +104,7 @@ class Plant:
             self.carriages.append(Carriage(axis["name"], at, low, high, self.report, play.get(axis["name"], 0)))
             self.position[i] = at
         self._belt = Belt(self) if self._board.get("kinematics") == "corexy" else None
+        self.slipping = None
 
     def _build_gantry(self, racked):
         """The second side of a gantry: a carriage of its own, as far as the frame lets it."""
@@ -122,7 +127,10 @@ class Plant:
         self.barriers = {}
         self._watching = [None] * len(names)  # the barrier of each axis
         self._others = {}  # of an axis with more of them
+        felt = {motor["axis"] for motor in (self._board.get("drivers") or {}).get("motors", ()) if motor.get("stall")}
         for axis, sensor in homing.get("sensors", {}).items():
+            if axis in felt:
+                continue  # its driver feels the hard end
             high = axis in homing.get("high_end", "")
             edge = pull_off_of(homing, axis)
             barrier = Barrier(
@@ -236,7 +244,7 @@ class Plant:
         for i, mask, decode, sign, carriage, barrier in self._axes:
             if changed & mask:
                 steps = decode(tick, levels, changed)
-                if self._belt and i < 2 and steps:
+                if self._belt and i in self._belt.motors and steps:
                     moved = self._belt.pull(tick, i, steps * sign) or moved
                 elif steps and self._move(tick, carriage, steps * sign):
                     moved = True

@@ -12,6 +12,8 @@ _DRIVER = {
     "hold_percent": (int, 50, 0, 100),  # of it, at rest
     "microsteps": (int, 16, 1, 256),
     "stealth": (bool, True, 0, 1),  # stealthChop; False: spreadCycle
+    "stall": (int, 0, 0, 255),  # its axis homes by stall: half the SG_RESULT below which it has; 0: it does not
+    "stall_ma": (int, 0, 0, 2000),  # meanwhile; 0: current_ma
 }
 RULES = {
     "drivers": {
@@ -22,6 +24,7 @@ RULES = {
         "sense_mohm": (int, 110, 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
     },
+    "features": (dict, {}, 0, 4),  # set by check(): modules of control, by the name of the feature whose class they have instead
     "drives": (str, "", 0, 0),  # the same, set by check(): the rest of the firmware reads this key, whose word all boards have in memory
 }
 
@@ -57,3 +60,29 @@ def check(board):
         if scale(motor["current_ma"], config["sense_mohm"]) is None:
             raise BoardError("%s: %d mA are too much for %d mΩ" % (where, motor["current_ma"], config["sense_mohm"]))
     board["drives"] = config
+    feel = [motor for motor in config["motors"] if motor["stall"]]
+    if feel:
+        _check_stalls(board, feel)
+        board["features"] = dict(board["features"])
+        board["features"].update({"homing": "stall_homing", "drives": "stall_drives"})
+
+
+def _check_stalls(board, feel):
+    """`feel`: the drivers that do."""
+    homing = board["homing"]
+    names = [motor["axis"] for motor in feel]
+    if board.get("kinematics", "none") != "none" and ("x" in names) != ("y" in names):
+        raise BoardError("drivers.motors: x and y move one belt: both stall, or none")
+    for motor in feel:
+        axis = motor["axis"]
+        where = "drivers.motors, %s: stall" % axis
+        if not homing or axis not in homing["sensors"]:
+            raise BoardError("%s: homing.sensors must name the input that its DIAG pin goes to" % where)
+        if board["interlock"] or board["gantry"] and board["gantry"]["axis"] == axis:
+            raise BoardError("%s: not with an interlock, and not of a gantry" % where)
+        for group in homing["order"].split() if " " in homing["order"] else ():
+            if axis in group and len(group) > 1:
+                raise BoardError("%s: homing.order: it homes alone, not with %s" % (where, group))
+        pull_off = homing["each"].get(axis, {}).get("pull_off_steps", homing["pull_off_steps"])
+        if pull_off < 8 * motor["microsteps"]:
+            raise BoardError("%s: its pull_off_steps are %d at least, eight full steps, not %d" % (where, 8 * motor["microsteps"], pull_off))

@@ -1,0 +1,57 @@
+"""TMC2209 drivers, some of which feel where their axis ends: while the machine homes they have less current, stealthChop and a threshold.
+
+All are set up anew, and read back, as homing begins and as it ends, however it does; nothing moves in between. A driver compares
+SG_RESULT, which falls with the load, with twice the threshold, and says on its DIAG pin that it is below.
+"""
+
+from micropython import const
+
+from passo import commands
+from passo.config import tmc2209 as chip
+from passo.control import drives
+from passo.control.feature import HOMING
+
+_TCOOLTHRS = const(0x14)  # clocks a microstep from which on DIAG tells
+_SGTHRS = const(0x40)
+_SLOWEST = const(0xFFFFF)
+
+
+class Motors(drives.Motors):
+    heeds = HOMING
+
+    def __init__(self, board, machine, queue):
+        self._mohm = board["drives"]["sense_mohm"]
+        self._set = 0
+        self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
+        drives.Motors.__init__(self, board, machine, queue)
+
+    def heed(self, what):
+        """Homing begins."""
+        self._asked = True
+
+    def ready(self):
+        return self._asked == self._feels and drives.Motors.ready(self)
+
+    def look(self, now_ms):
+        if self._asked and not self._machine.busy_with(commands.HOME):
+            self._asked = False
+        if self._asked != self._feels and self._register < 0:
+            self._feels = self._asked
+            self._begin()
+        drives.Motors.look(self, now_ms)
+
+    def _begin(self):
+        # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
+        first = 1 if self._set == len(self._motors) else 0
+        self._registers = [self._rows(motor)[first:] for motor in self._motors]
+        drives.Motors._begin(self)
+
+    def _rows(self, motor):
+        """What chip.registers() says, and what a motor feels: those that can be read back are the last."""
+        threshold = motor["stall"] if self._feels else 0
+        if threshold:
+            motor = dict(motor)
+            motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
+            motor["stealth"] = True
+        rows = chip.registers(motor, self._mohm)
+        return rows[:-2] + ((_SGTHRS, threshold), (_TCOOLTHRS, _SLOWEST if threshold else 0)) + rows[-2:]

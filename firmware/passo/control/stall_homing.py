@@ -1,0 +1,109 @@
+"""Homing by motors that feel the end of their way: the sensor of an axis is the DIAG pin of its driver (StallGuard). In phases:
+
+    1 back off  away from the end: a rotor that already stands against it tells nothing
+    2 seek      to the end, at the one speed that the driver's threshold was found for
+    3 pull off  from where it stalled
+    4 locate    to the end again, at the same speed. 3 and 4 again, until three places in a row lie within a full step
+    5 pull off  to the origin
+
+A way's first half pull-off does not count: a rotor that sets out trembles. A stall on the way that is none costs more locating; an end
+that has been located twenty times without three that agree is alarm 8. On a belt of two motors (CoreXY) either of them tells. Axes with switches home as elsewhere.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.control import homing
+from passo.control.sensor import Sensor
+
+_MOST = const(20)  # times that an end is located
+_AGREE = const(3)
+_LAST = const(4)  # the phase of the last pull-off
+
+
+class StallSensor(Sensor):
+    """A DIAG pin. What it says before the axis is `blind` steps from `start` does not count."""
+
+    start = blind = 0
+
+    def sample(self, now_ms, position):
+        if abs(position - self.start) < self.blind:
+            self.restart(now_ms, False)
+        else:
+            Sensor.sample(self, now_ms, position)
+
+
+class Homing(homing.Homing):
+    def __init__(self, board, machine, queue):
+        names = [axis["name"] for axis in board["axes"]]
+        self._full = {}  # steps of a full step, by the number of an axis whose end is felt
+        for motor in board["drives"]["motors"]:
+            if motor["stall"]:
+                self._full[names.index(motor["axis"])] = motor["microsteps"]
+        self._belt = "xy" if board.get("motion") else ""  # axes that both motors move
+        # Of the axis that homes, for it does so alone: how often its end has been located, and the last of these that agree, with what.
+        self._located = self._agree = self._edge = 0
+        homing.Homing.__init__(self, board, machine, queue)
+
+    def _seeker(self, number):
+        seeker = homing.Homing._seeker(self, number)
+        name = self._axes[number]["name"]
+        if number in self._full:
+            read = self._machine.inputs.read
+            watch = self._machine.port.watch_limit
+            names = [self._config["sensors"][each] for each in (self._belt if name in self._belt else name)]
+            debounce_ms = self._config["debounce_ms"]
+            seeker.sensors = [StallSensor(lambda each=each: read(each), debounce_ms, watch(each), self._queue, number) for each in names]
+            seeker.edges = [seeker.start] * len(names)
+            seeker.ends = [seeker.pull_off_steps] * len(names)
+        return seeker
+
+    def _go_on(self, now_ms):
+        if self._located > _MOST:
+            return errors.ALARM_SENSOR_STUCK
+        return homing.Homing._go_on(self, now_ms)
+
+    def _blind(self, seeker, steps):
+        """`steps` of the way that begins do not count."""
+        for sensor in seeker.sensors:
+            sensor.start = self._queue.axis(seeker.axis)
+            sensor.blind = steps
+            sensor.restart(self._now_ms, False)
+
+    def _leave(self, seeker):
+        if seeker.axis not in self._full:
+            homing.Homing._leave(self, seeker)
+            return
+        self._located = self._agree = 0
+        self.end_of_way()
+        self._back(seeker, seeker.pull_off_steps)
+
+    def _back(self, seeker, steps):
+        """Away from the end, whatever the driver says meanwhile."""
+        self.way(seeker, steps, seeker.seek_steps_s)
+        self._blind(seeker, abs(steps) + 1)
+
+    def _seek(self, seeker):
+        homing.Homing._seek(self, seeker)
+        if seeker.axis in self._full:
+            self._blind(seeker, seeker.pull_off_steps // 2)
+
+    def _pull_off(self, seeker):
+        homing.Homing._pull_off(self, seeker)
+        if seeker.axis not in self._full:
+            return
+        edge = seeker.edges[seeker.tripped]
+        if not self._agree or abs(edge - self._edge) > self._full[seeker.axis]:
+            self._edge = edge
+            self._agree = 0
+        self._agree += 1
+        if self._stage % len(self._phases) == _LAST and self._agree < _AGREE:
+            self._stage -= 2
+        self._back(seeker, seeker.pull_off_steps - self.gone(seeker, seeker.tripped))
+
+    def _locate(self, seeker):
+        if seeker.axis not in self._full:
+            homing.Homing._locate(self, seeker)
+            return
+        self._located += 1
+        self._seek(seeker)

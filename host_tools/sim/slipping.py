@@ -1,0 +1,107 @@
+"""Motors that feel: rotors that lag behind their field where something holds the carriage, and what their drivers' DIAG pins say of it.
+
+    plant = Plant(board, stalls=7)          # the seed of all that trembles
+    plant.slipping.drivers = drivers        # a SimDrivers: threshold and the rest are in its registers
+    plant.slipping.spike(0.02)              # so often a free motor seems to stall, a quarter of a full step long
+
+An axis homes where its hard end is, `pull_off_steps` from its origin. Against an end a rotor stands still while its field goes on; two full
+steps behind it slips to the next pole, four full steps back. SG_RESULT falls in proportion to the lag, to 0 at one full step, and trembles
+anew each quarter of a full step. On a belt both motors hold both carriages.
+"""
+
+import random
+
+from host_tools.sim.parts import pull_off_of
+
+FREE = 200  # SG_RESULT of a motor without a load
+TREMBLE = 30  # its standard deviation
+
+
+class Slipping:
+    def __init__(self, plant, board, seed):
+        self._plant = plant
+        self._random = random.Random(seed)
+        self._often = 0.0
+        self.drivers = None
+        self.slips = 0  # how often a rotor has lost four full steps
+        names = [axis["name"] for axis in board["axes"]]
+        homing = board["homing"]
+        self.sensors = {}  # input, by the number of its motor
+        self._full = [16] * len(names)
+        for motor in board["drivers"]["motors"]:
+            number = names.index(motor["axis"])
+            self._full[number] = motor.get("microsteps", 16)
+            if motor.get("stall"):
+                self.sensors[number] = homing["sensors"][motor["axis"]]
+                self._stop(number, names[number] in homing.get("high_end", ""), pull_off_of(homing, names[number]))
+        self._names = names
+        self._belt = board.get("kinematics") == "corexy"
+        self.motors = range(len(names))
+        self._fields = self._turn(plant.position)  # where each motor's field stands
+        self._lost = [0] * len(names)  # what it is from where the rotor would be
+        self._told = [None] * len(names)  # the quarter of a full step that SG_RESULT is of
+
+    def _stop(self, number, high, pull_off):
+        carriage = self._plant.carriages[number]
+        if high:
+            carriage.high = pull_off
+        else:
+            carriage.low = -pull_off
+        carriage.position = self._plant.position[number] = min(max(carriage.position, carriage.low), carriage.high)
+
+    def spike(self, often):
+        self._often = often
+
+    def _turn(self, places):
+        """Axes to motors, and so back but for a factor of two."""
+        x, y = places[:2]
+        return [x + y, x - y] + list(places[2:]) if self._belt else list(places)
+
+    def pull(self, tick, motor, steps):
+        """A motor's field goes on by steps. True if a carriage has moved."""
+        self._fields[motor] += steps
+        moved = self._follow(tick)
+        lags = self._lags()
+        for number in self.sensors:
+            if abs(lags[number]) >= 2 * self._full[number]:
+                self._lost[number] += 4 * self._full[number] * (1 if lags[number] > 0 else -1)
+                self.slips += 1
+                moved = self._follow(tick) or moved
+        if motor in self.sensors:
+            self._feel(tick, motor, abs(self._lags()[motor]))
+        return moved
+
+    def _places(self):
+        """Where the carriages would be if nothing held them."""
+        wanted = [field - lost for field, lost in zip(self._fields, self._lost)]
+        if self._belt:
+            wanted[:2] = (wanted[0] + wanted[1]) // 2, (wanted[0] - wanted[1]) // 2
+        return wanted
+
+    def _follow(self, tick):
+        moved = False
+        for axis, place in enumerate(self._places()):
+            carriage = self._plant.carriages[axis]
+            if axis in self.sensors:
+                place = min(max(place, carriage.low), carriage.high)
+            if place != carriage.position:
+                moved = self._plant.move(tick, axis, place - carriage.position) or moved
+        return moved
+
+    def _lags(self):
+        rotors = self._turn(self._plant.position)
+        lags = [field - lost - rotor for field, lost, rotor in zip(self._fields, self._lost, rotors)]
+        return [0 if self._belt and number < 2 and abs(lag) < 2 else lag for number, lag in enumerate(lags)]  # half a step of the belt
+
+    def _feel(self, tick, motor, lag):
+        full = self._full[motor]
+        quarter = self._fields[motor] * 4 // full
+        if quarter == self._told[motor]:
+            return
+        self._told[motor] = quarter
+        result = max(0, FREE * (1 - lag / full) + self._random.gauss(0, TREMBLE))
+        if self._random.random() < self._often:
+            result = 0
+        registers = self.drivers[self._names[motor]].registers
+        feels = registers.get(0x14, 0) and not registers[0x00] & 4
+        self._plant.set_input(tick, self.sensors[motor], bool(feels) and result <= 2 * registers.get(0x40, 0))

@@ -1,0 +1,29 @@
+"""Homing by StallGuard on the emulated Pico: DIAG pins that tremble, drivers on the UART that are set up for it, and back."""
+
+import pytest
+from emulated import make_machine, uf2  # noqa: F401
+from test_stall_homing import FULL, router
+
+
+@pytest.mark.slow
+def test_it_repeats_within_two_full_steps(make_machine, show):  # noqa: F811
+    board = router()
+    for axis in board["axes"][:2]:
+        axis["travel_steps"] = 4000
+    machine = make_machine(board, start=(900, 700, -1200), stalls=3)
+    drivers = machine.drivers.model
+    machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
+    places = []
+    for number in range(3):
+        machine.take()
+        machine.send(b"$H\n")
+        machine.run_until(lambda: b"ok" in machine.received() or b"ALARM" in machine.received(), 60_000)
+        assert b"ok" in machine.received() and b"ALARM" not in machine.received(), machine.received()
+        places.append(list(machine.plant.position[:2]))
+        machine.send(b"G90G0X%dY%d\n" % (5 + number, 7))
+        machine.settle()
+        assert not machine.plant.errors, machine.plant.errors[:3]
+    ranges = [max(each) - min(each) for each in zip(*places)]
+    show("homing by stall", f"range of {len(places)} homings: {ranges} steps of 1/{FULL}; poles slipped: {machine.plant.slipping.slips}")
+    assert max(ranges) <= 2 * FULL and machine.plant.slipping.slips == 0, places
+    assert [drivers[axis].registers[0x40] for axis in "xy"] == [0, 0], "no threshold behind it"
