@@ -54,11 +54,10 @@ class Plant:
         self._power = 0 if (board.get("spindle") or {}).get("pwm") else 1000
         self._actives = {item["name"]: item.get("active", 1) for item in board.get("inputs", ())}  # their levels while active
         self._levels = {name: 1 - active for name, active in self._actives.items()}
-        self._enable = None
-        for item in board.get("outputs", ()):
-            if item["name"] == "enable":
-                self._enable = item.get("active", 1)
-        self.enabled = self._enable is None
+        # Outputs that give motors their current: by name, the level that does; and those that do not yet.
+        self._enables = {item["name"]: item.get("active", 1) for item in board.get("outputs", ()) if item["name"].startswith("enable")}
+        self._without = set(self._enables)
+        self.enabled = not self._without
         # Relays that bring this board's signals to the drivers: by name, the level that closes them; and those still open.
         outputs = board.get("outputs", ())
         self._relays = {item["name"]: item.get("active", 1) for item in outputs if item.get("role") == "ours"}
@@ -314,8 +313,9 @@ class Plant:
         return self.spindle.pulses(tick)
 
     def output(self, tick, name, level):
-        if name == "enable":
-            self.enabled = level == self._enable
+        if name in self._enables:
+            (self._without.discard if level == self._enables[name] else self._without.add)(name)
+            self.enabled = not self._without
         if name in self._relays:
             (self._open_relays.discard if level == self._relays[name] else self._open_relays.add)(name)
 

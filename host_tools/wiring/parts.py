@@ -179,6 +179,9 @@ def _outputs(board):
         name = item["name"]
         if name == "enable" and common_enable(board) is not None:
             continue
+        if name[:7] == "enable_":
+            yield Part(f"out_{name}", "lamp", f"{name}: {_('EN of this driver')}", [Terminal("", pin_of(item["pin"], "out"))], [])
+            continue
         role = {"ours": _("on: motors are this board's"), "theirs": _("on: motors are the other's"), "none": None}[item["role"]]
         purpose = _PURPOSES[name]() if name in _PURPOSES else role or _("relay")
         level = _("active high") if item["active"] else _("active low")

@@ -169,3 +169,24 @@ def test_a_hundred_homings(which, show):
     ranges = [max(each) - min(each) for each in zip(*places)]
     show(f"homing by stall, {which}", f"range of 100 homings: {ranges} steps of 1/{FULL}; poles slipped: {machine.plant.slipping.slips}")
     assert max(ranges) <= 2 * FULL, places
+
+
+def test_a_board_with_an_enable_for_each_driver_homes():
+    """The SKR Pico: all of its drivers have current while it moves, and none behind an alarm."""
+    machine = Asked("router_skr_pico", stalls=5)
+    levels = {}
+    told = machine.plant.output
+
+    def output(tick, name, level):
+        levels[name] = level
+        told(tick, name, level)
+
+    machine.machine.port.world.output = output
+    machine.do("$X", "$H", "G90G1X20Y20F3000")
+    machine.stand()
+    enables = [levels.get(name) for name in ("enable", "enable_y", "enable_z")]
+    assert enables == [0, 0, 0] and machine.plant.enabled
+    machine.machine.drivers["z"].dead = True
+    machine.machine.run_ms(400)
+    enables = [levels.get(name) for name in ("enable", "enable_y", "enable_z")]
+    assert enables == [1, 1, 1] and not machine.plant.enabled

@@ -23,7 +23,7 @@ class InterlockWatch(Feature):
         self._names = names = [item["name"] for item in board["inputs"]]
         self._outputs = [item["name"] for item in board["outputs"]]
         # Without these the motors do not follow.
-        self._vital = [item["name"] for item in board["outputs"] if item["role"] == "ours" or item["name"] == "enable"]
+        self._vital = [item["name"] for item in board["outputs"] if item["role"] == "ours" or item["name"][:6] == "enable"]
         self._halting = [item["name"] for item in board["inputs"] if item["halt"]]
         homing = board["homing"]
         sensors = list(homing["sensors"].values()) if homing else []

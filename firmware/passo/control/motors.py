@@ -13,13 +13,13 @@ RELEASED = const(2)
 
 class Motors:
     def __init__(self, port, player, layout, drive, off_levels, board, enable_inverted=False):
-        """`drive` and `off_levels` for coils; `drive` None for STEP/DIR drivers, which have an output "enable"."""
+        """`drive` and `off_levels` for coils; `drive` None for STEP/DIR drivers, which have an output "enable", or more whose names begin so."""
         self._port = port
         self._player = player
         self._tool_mask = layout.tool_mask
         self._drive = drive
         self._off_levels = off_levels
-        self._enable = "enable" in [output["name"] for output in board["outputs"]]
+        self._enable = [output["name"] for output in board["outputs"] if output["name"][:6] == "enable"]
         self._wake_ms = _WAKE_MS if self._enable or drive is not None else 0  # what is not switched need not settle
         self._hold_ms = board["drive"]["hold_ms"]
         self._enable_inverted = enable_inverted
@@ -84,8 +84,8 @@ class Motors:
 
     def _set(self, state):
         self.state = state
-        if self._enable:
-            self._port.output("enable", (state != RELEASED) != self._enable_inverted)
+        for name in self._enable:
+            self._port.output(name, (state != RELEASED) != self._enable_inverted)
         if self._drive is None:
             return
         levels = (self._drive.levels, self._drive.holding, self._off)[state]()
