@@ -49,7 +49,7 @@ BOARD = {
         "sensors": {"x": "stall_x", "y": "stall_y", "z": "limit_z"},
         "order": "zxy",
         "high_end": "z",
-        "seek_steps_s": 4000,
+        "seek_steps_s": 2000,
         "locate_steps_s": 200,
         "pull_off_steps": 400,
         "debounce_ms": 2,

@@ -73,7 +73,7 @@ class EmulatedMachine:
         self.inverter = WiredInverter(self.pico, self.board["inverter"]) if self.board["inverter"] else None
         self.drivers = WiredDrivers(self.pico, self.board["drivers"]) if self.board.get("drivers") else None
         if self.plant.slipping:
-            self.plant.slipping.drivers = self.drivers.model
+            self.plant.slipping.wire(self.drivers.model)
         self._watches = {name: HomingWatch(link["protocol"], self._homed) for name, link in self._links.items()}
         for name in self.uart_links():
             self.wire(name).listeners.append(self._watches[name].answered)

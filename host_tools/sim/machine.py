@@ -54,7 +54,7 @@ class Machine:
             self.drivers = SimDrivers(self.board["drivers"], self.now_ms)
             lines = {**lines, "drivers": self.drivers}
             if self.plant.slipping:
-                self.plant.slipping.drivers = self.drivers
+                self.plant.slipping.wire(self.drivers)
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, radio=radio)
         if self.board["journal"]:
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)

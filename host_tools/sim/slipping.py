@@ -1,7 +1,7 @@
 """Motors that feel: rotors that lag behind their field where something holds the carriage, and what their drivers' DIAG pins say of it.
 
     plant = Plant(board, stalls=7)          # the seed of all that trembles
-    plant.slipping.drivers = drivers        # a SimDrivers: threshold and the rest are in its registers
+    plant.slipping.wire(drivers)            # a SimDrivers: threshold and the rest are in its registers
     plant.slipping.spike(0.02)              # so often a free motor seems to stall, a quarter of a full step long
 
 An axis homes where its hard end is, `pull_off_steps` from its origin. Against an end a rotor stands still while its field goes on; two full
@@ -22,7 +22,8 @@ class Slipping:
         self._plant = plant
         self._random = random.Random(seed)
         self._often = 0.0
-        self.drivers = None
+        self._drivers = None
+        self._tick = 0  # of the last step
         self.slips = 0  # how often a rotor has lost four full steps
         names = [axis["name"] for axis in board["axes"]]
         homing = board["homing"]
@@ -49,6 +50,19 @@ class Slipping:
             carriage.low = -pull_off
         carriage.position = self._plant.position[number] = min(max(carriage.position, carriage.low), carriage.high)
 
+    def wire(self, drivers):
+        self._drivers = drivers
+        for number in self.sensors:
+            drivers[self._names[number]].written = lambda motor=number: self._feels(motor) or self._say(self._tick, motor, False)
+
+    def _feels(self, motor):
+        registers = self._drivers[self._names[motor]].registers
+        return bool(registers.get(0x14, 0)) and not registers[0x00] & 4
+
+    def _say(self, tick, motor, stalled):
+        if motor in self.sensors:
+            self._plant.set_input(tick, self.sensors[motor], stalled)
+
     def spike(self, often):
         self._often = often
 
@@ -59,6 +73,7 @@ class Slipping:
 
     def pull(self, tick, motor, steps):
         """A motor's field goes on by steps. True if a carriage has moved."""
+        self._tick = tick
         self._fields[motor] += steps
         moved = self._follow(tick)
         lags = self._lags()
@@ -102,6 +117,5 @@ class Slipping:
         result = max(0, FREE * (1 - lag / full) + self._random.gauss(0, TREMBLE))
         if self._random.random() < self._often:
             result = 0
-        registers = self.drivers[self._names[motor]].registers
-        feels = registers.get(0x14, 0) and not registers[0x00] & 4
-        self._plant.set_input(tick, self.sensors[motor], bool(feels) and result <= 2 * registers.get(0x40, 0))
+        threshold = self._drivers[self._names[motor]].registers.get(0x40, 0)
+        self._say(tick, motor, self._feels(motor) and result <= 2 * threshold)

@@ -30,10 +30,13 @@ class SimDriver:
         self.address = address
         self.dead = False
         self.frozen = ()  # registers that keep their value
+        self.written = None  # called after each register that is
         self.power_cycle()
 
     def power_cycle(self):
         self.registers = dict(_DEFAULTS)
+        if self.written:
+            self.written()
 
     @property
     def status(self):
@@ -53,6 +56,8 @@ class SimDriver:
             if register not in self.frozen:
                 self.registers[register] = value
             self.registers[0x02] = (self.registers[0x02] + 1) & 255
+            if self.written:
+                self.written()
             return b""
         value = self.registers[register] if register in _READABLE else 0
         body = bytes((5, 0xFF, register)) + value.to_bytes(4, "big")

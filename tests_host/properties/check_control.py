@@ -20,6 +20,7 @@ CASES = {
     ),
     "check_stop_anywhere": (("turns", 1, 250),),
     "check_sensor_noise": (("spikes", "list", 30, ("at", 0, 99)),),
+    "check_sensor_in_slow_cycles": (("cycle_ms", 3, 30), ("first_ms", 1, 500), ("wide_ms", 1, 3)),
 }
 RUNS = {"check_homing_from_anywhere": 15, "check_stop_anywhere": 12}
 NOT_QUICK = ("check_dead_and_stuck_sensors",)
@@ -320,6 +321,44 @@ def check_sensor_noise(spikes):
         level[0] = 0 if ms in (101, 103) else 1
         sensor.sample(ms, ms)
     assert sensor.active and sensor.edge == (98 if 98 in noisy else 100)
+
+
+class _Latch:
+    """Stands for the interrupt of a sensor's pin: it keeps the position of the first edge since begin()."""
+
+    seen = False
+
+    def begin(self, _):
+        self.seen = False
+
+    def rise(self, position):
+        if not self.seen:
+            self.seen = True
+            self.position = position
+
+
+class _Axis:
+    def lend(self):
+        return (None,)
+
+    def axis(self, _, latch):
+        return latch.position
+
+
+def check_sensor_in_slow_cycles(cycle_ms, first_ms, wide_ms):
+    """The main loop may look less often than the debouncing time: noise between two looks, or during one, is noise, and the edge
+    that comes later has its own place."""
+    latch = _Latch()
+    level = [0]
+    sensor = Sensor(lambda: level[0], 2, latch, _Axis(), 0)
+    for ms in range(1000):
+        level[0] = 1 if first_ms <= ms < first_ms + wide_ms or ms >= 700 else 0
+        if ms in (first_ms, 700):
+            latch.rise(ms)
+        if ms % cycle_ms == 0:
+            sensor.sample(ms, ms)
+            assert not sensor.active or ms >= 700, (ms, "noise is none")
+    assert sensor.active and sensor.edge == 700
 
 
 class _Memory:

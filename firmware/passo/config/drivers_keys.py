@@ -84,5 +84,5 @@ def _check_stalls(board, feel):
             if axis in group and len(group) > 1:
                 raise BoardError("%s: homing.order: it homes alone, not with %s" % (where, group))
         pull_off = homing["each"].get(axis, {}).get("pull_off_steps", homing["pull_off_steps"])
-        if pull_off < 8 * motor["microsteps"]:
-            raise BoardError("%s: its pull_off_steps are %d at least, eight full steps, not %d" % (where, 8 * motor["microsteps"], pull_off))
+        if pull_off < 16 * motor["microsteps"]:
+            raise BoardError("%s: its pull_off_steps are %d at least, 16 full steps, not %d" % (where, 16 * motor["microsteps"], pull_off))

@@ -43,7 +43,7 @@ class Sensor:
             if same:  # it is over by now
                 self.pending = True
                 self.edge = position
-                self._against_ms = self._calm_ms = 0
+                self._against_ms = self._calm_ms = passed_ms = 0
         if same:
             self._against_ms = max(0, self._against_ms - passed_ms)
             self._calm_ms += passed_ms
@@ -54,7 +54,7 @@ class Sensor:
         if not self.pending:
             self.pending = True
             self.edge = position
-            self._against_ms = 0
+            self._against_ms = passed_ms = 0  # when it began since the last reading nobody knows
         self._calm_ms = 0
         self._against_ms += passed_ms
         if self._against_ms >= self.debounce_ms:

@@ -1,15 +1,16 @@
 """TMC2209 drivers, some of which feel where their axis ends: while the machine homes they have less current, stealthChop and a threshold.
 
 All are set up anew, and read back, as homing begins and as it ends, however it does; nothing moves in between. A driver compares
-SG_RESULT, which falls with the load, with twice the threshold, and says on its DIAG pin that it is below.
+SG_RESULT, which falls with the load, with twice the threshold, and says on its DIAG pin that it is below. Before it has a threshold the pin
+is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves.
 """
 
 from micropython import const
 
-from passo import commands
+from passo import commands, errors
 from passo.config import tmc2209 as chip
 from passo.control import drives
-from passo.control.feature import HOMING
+from passo.control.feature import ANEW, HOMING
 
 _TCOOLTHRS = const(0x14)  # clocks a microstep from which on DIAG tells
 _SGTHRS = const(0x40)
@@ -21,6 +22,7 @@ class Motors(drives.Motors):
 
     def __init__(self, board, machine, queue):
         self._mohm = board["drives"]["sense_mohm"]
+        self._sensors = board["homing"]["sensors"]
         self._set = 0
         self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
         drives.Motors.__init__(self, board, machine, queue)
@@ -37,8 +39,21 @@ class Motors(drives.Motors):
             self._asked = False
         if self._asked != self._feels and self._register < 0:
             self._feels = self._asked
-            self._begin()
+            if not self._feels or not self._stuck():
+                self._begin()
         drives.Motors.look(self, now_ms)
+
+    def _stuck(self):
+        """Raise an alarm if a driver that feels nothing yet says so."""
+        machine = self._machine
+        for motor in self._motors:
+            axis = motor["axis"]
+            if motor["stall"] and machine.inputs.read(self._sensors[axis]):
+                self._asked = self._feels = False
+                machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
+                machine.restarted()
+                return True
+        return False
 
     def _begin(self):
         # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.

@@ -3,11 +3,15 @@
     1 back off  away from the end: a rotor that already stands against it tells nothing
     2 seek      to the end, at the one speed that the driver's threshold was found for
     3 pull off  from where it stalled
-    4 locate    to the end again, at the same speed. 3 and 4 again, until three places in a row lie within a full step
+    4 locate    to the end again, at the same speed. 3 and 4 again, until enough places in a row lie within a full step
     5 pull off  to the origin
 
-A way's first half pull-off does not count: a rotor that sets out trembles. A stall on the way that is none costs more locating; an end
-that has been located twenty times without three that agree is alarm 8. On a belt of two motors (CoreXY) either of them tells. Axes with switches home as elsewhere.
+Five places are enough, and one more for each that did not agree with those before it. If false stalls come at random, however often, five
+agree by chance less than twice in 100 000 homings: the way to a place is 25 full steps, half of which count, and a place is two wide. Alarm 8 is
+raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles. A place
+behind which the axis ran on for more than 1.25 full steps does not agree: two full steps behind its field a rotor slips to another pole.
+
+On a belt of two motors (CoreXY) either of them tells. Axes with switches home as elsewhere.
 """
 
 from micropython import const
@@ -17,7 +21,7 @@ from passo.control import homing
 from passo.control.sensor import Sensor
 
 _MOST = const(20)  # times that an end is located
-_AGREE = const(3)
+_ENOUGH = const(5)
 _LAST = const(4)  # the phase of the last pull-off
 
 
@@ -41,8 +45,9 @@ class Homing(homing.Homing):
             if motor["stall"]:
                 self._full[names.index(motor["axis"])] = motor["microsteps"]
         self._belt = "xy" if board.get("motion") else ""  # axes that both motors move
-        # Of the axis that homes, for it does so alone: how often its end has been located, and the last of these that agree, with what.
-        self._located = self._agree = self._edge = 0
+        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, and
+        # how many have to.
+        self._located = self._agree = self._edge = self._enough = 0
         homing.Homing.__init__(self, board, machine, queue)
 
     def _seeker(self, number):
@@ -59,7 +64,7 @@ class Homing(homing.Homing):
         return seeker
 
     def _go_on(self, now_ms):
-        if self._located > _MOST:
+        if self._located + self._enough - self._agree > _MOST:
             return errors.ALARM_SENSOR_STUCK
         return homing.Homing._go_on(self, now_ms)
 
@@ -75,6 +80,7 @@ class Homing(homing.Homing):
             homing.Homing._leave(self, seeker)
             return
         self._located = self._agree = 0
+        self._enough = _ENOUGH
         self.end_of_way()
         self._back(seeker, seeker.pull_off_steps)
 
@@ -93,13 +99,20 @@ class Homing(homing.Homing):
         if seeker.axis not in self._full:
             return
         edge = seeker.edges[seeker.tripped]
-        if not self._agree or abs(edge - self._edge) > self._full[seeker.axis]:
+        full = self._full[seeker.axis]
+        beyond = -self.gone(seeker, seeker.tripped)
+        slipped = 4 * beyond > 5 * full
+        if not self._agree:
+            self._edge = edge
+        if slipped or abs(edge - self._edge) > full:
+            self._enough += 1
             self._edge = edge
             self._agree = 0
-        self._agree += 1
-        if self._stage % len(self._phases) == _LAST and self._agree < _AGREE:
+        if not slipped:
+            self._agree += 1
+        if self._stage % len(self._phases) == _LAST and self._agree < self._enough:
             self._stage -= 2
-        self._back(seeker, seeker.pull_off_steps - self.gone(seeker, seeker.tripped))
+        self._back(seeker, seeker.pull_off_steps + beyond)
 
     def _locate(self, seeker):
         if seeker.axis not in self._full:
