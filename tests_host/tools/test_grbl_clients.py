@@ -168,3 +168,41 @@ def test_bcnc(board, tmp_path):
         assert [at - by for at, by in zip(board.world.place, zero)] == board.position()
     finally:
         bcnc.close()
+
+
+@pytest.mark.slow
+def test_bcnc_with_four_axes(tmp_path):
+    """A job that turns a table: bCNC reads A's setting and position, and the trace ends at A to the step."""
+    pytest.importorskip("tkinter", reason="bCNC wants tkinter")
+    if importlib.util.find_spec("bCNC") is None:
+        pytest.skip("bCNC is not installed")
+    trace, job = tmp_path / "trace.csv", tmp_path / "job.gcode"
+    command = [sys.executable, "-m", "host_tools.cli.main", "board", "--board", "router_4axis", "--trace", trace, "--link", tmp_path / "port"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        bcnc = Bcnc(tmp_path)
+
+        def until(line, wanted):
+            end = time.monotonic() + 120
+            while bcnc.do(line) != wanted:
+                assert time.monotonic() < end, (line, bcnc.do(line), wanted)
+                time.sleep(0.1)
+
+        try:
+            assert process.stdout.readline().startswith("port: ")
+            bcnc.do(f"sender.open({str(tmp_path / 'port')!r}, 115200)")
+            bcnc.do("sender.viewSettings()")
+            until("CNC.vars.get('grbl_103')", "'53.333'")
+            bcnc.do("sender.unlock()")
+            until("CNC.vars['state']", "'Idle'")
+            bcnc.do("sender.home()")
+            until("CNC.vars['state']", "'Home'")
+            until("CNC.vars['state']", "'Idle'")
+            job.write_text("G21 G90\nG1 X10 A90 F3000\nG1 A-45\nG93 G1 X5 A30 F60\nG94\nG0 X0 A12.5\nM30\n")
+            bcnc.do(f"run({str(job)!r})")
+            until("ended()", "True")
+            until("CNC.vars['state'], CNC.vars['mx'], CNC.vars['ma']", "('Idle', 0.0, 12.506)")
+        finally:
+            bcnc.close()
+            process.terminate()
+    last = trace.read_text().splitlines()[-1].split(",")
+    assert last[1] == "0" and last[4] == str(round(12.5 * 53.333)), last
