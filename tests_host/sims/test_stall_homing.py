@@ -32,7 +32,7 @@ def plotter():
     board = {**copy.deepcopy(boards.load("corexy_plotter")), "idle_release_ms": 0}
     motors = [{"axis": axis, "address": number, "current_ma": 700, "stall": STALL, "stall_ma": 400} for number, axis in enumerate("xy")]
     board["drivers"] = {"port": "uart1", "tx": 20, "rx": 21, "motors": motors}
-    board["homing"] = {**board["homing"], "debounce_ms": 2, "seek_steps_s": 2000, "pull_off_steps": 400}
+    board["homing"] = {**board["homing"], "debounce_ms": 5, "seek_steps_s": 1000, "pull_off_steps": 400}
     return board
 
 
