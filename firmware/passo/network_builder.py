@@ -62,7 +62,21 @@ def serials(board, port):
 
     radio = port.radio if hasattr(port, "radio") else Radio(board["network"])
     networked = make(board, radio, port.link_ms, _page_line)
+    if board["network"]["broker"]:
+        _join_broker(board, networked)
     return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]
+
+
+def _join_broker(board, lines):
+    try:
+        umqtt = __import__("umqtt.simple", None, None, ("MQTTClient",))
+    except ImportError:
+        raise BoardError("network.broker: umqtt is not on this board: mpremote mip install umqtt.simple")
+    for link in board["links"]:
+        line = lines[link["name"]] if link["port"] == "page" else None
+        if hasattr(line, "join_broker"):  # else the radio is off
+            text_of = __import__("passo.error_texts", None, None, ("text",)).text  # now: nothing is loaded while a machine works
+            line.join_broker(__import__("passo.web.broker", None, None, ("Broker",)).Broker(board, link["protocol"], line.stop, umqtt, text_of))
 
 
 def join(links, controller):

@@ -243,6 +243,10 @@ MEANINGS = {
     "network.button": "Name of the input of the button that gives `minutes`; empty: there is none, only `passo torch admit`.",
     "network.presence": "Name of an input: over the network the spindle goes on, and a hold ends, only while it is active. Empty: always.",
     "network.minutes": "Minutes that the button gives.",
+    "network.broker": "An MQTT broker that the board tells its state, and from which STOP comes: `192.168.1.5` or `192.168.1.5:1884`, without TLS; its topics are "
+    "`passo/HOST/…`, see [network](network.md#a-broker). Wants a link on `page`, and umqtt. Empty: none.",
+    "network.broker_user": "The broker's user for this board; empty: none.",
+    "network.broker_password": "That user's password.",
     "jog.steps": "Steps of a jog.",
     "jog.up": "Which way UP goes; DOWN is the opposite, LEFT and RIGHT the other axis.",
     "jog.ahead_ms": "A jog that is repeated asks for this much motion in advance, ms: the longest time that the axis runs on after "

@@ -31,6 +31,7 @@ KEYS_KB = {
 }  # fmt: skip
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB, STALLS_KB = 6, 10, 7, 2, 4  # a laser's rows of dots, and what burns them
+BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
 def budget(board):
@@ -66,6 +67,7 @@ def heap_kb(board):
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
     taken += sum(cost for key, cost in KEYS_KB.items() if board.get(key))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
+    taken += BROKER_KB * bool((board["network"] or {}).get("broker"))
     taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     taken += STALLS_KB * any(motor["stall"] for motor in (board.get("drivers") or {}).get("motors", ()))
     return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])

@@ -103,6 +103,7 @@ WEB = Path("passo", "web")
 NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
 PAGE_LINE = WEB / "page_line.py"
 PAGE = Path("passo", "protocols", "page")
+BROKER, ERROR_TEXTS = WEB / "broker.py", Path("passo", "error_texts.py")  # only boards that tell a broker
 # The file systems of stock MicroPython 1.27; of a block 4 bytes and more are littlefs's. Settings, and a journal's blocks, want some.
 _STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 4088, 40
 BUILDER = Path("passo", "machine_builder.py")
@@ -241,6 +242,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
+                chosen |= {BROKER, ERROR_TEXTS} if board["network"].get("broker") else set()
     chosen |= {*(OF_BACKLASH if board.get("backlash") else ()), *(OF_DRIVERS if board.get("drivers") else ())}
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}

@@ -6,11 +6,13 @@ radio: what its driver and lwIP hold lies outside of MicroPython's heap, and thi
 
 import gzip
 import sys
+from pathlib import Path
 
 import pytest
 from air import RADIO, Air, Page
 from check_jobs import stored_form
 from emulated import uf2  # noqa: F401
+from umqtt_here import UMQTT, needs_umqtt
 
 from host_tools import boards
 from host_tools.build.frozen import beside
@@ -19,10 +21,13 @@ from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.frozen import find_frozen, frozen_machine
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.queries import Asking
+from passo import errors
 from passo.protocols.plotter.host import COMMANDS, packet
 
 pytestmark = pytest.mark.slow
+BROKER_SOCKET = Path(__file__).with_name("broker_socket.py")
 LEAST = 45_000  # bytes free, at any time
+LEAST_TOLD = 40_000  # the same with umqtt, what it says, and the texts of alarms
 LINES = 3000
 JOB_BYTES = 4000
 SLOWER = 230_400  # bytes come: the interrupt that makes words may last longer than 32 of them at full pace
@@ -44,10 +49,10 @@ def frozen_w(uf2):  # noqa: F811
         pytest.skip(f"NOT TESTED WITH PASSO'S UF2 FOR THE PICO W: {reason}")
 
 
-def on_the_air(board, uf2):
-    """(machine, air) of a board file with this radio."""
-    files = {"boot.py": _RADIO, **beside("rp2040_w", {RADIO.name: RADIO.read_text()})}
-    machine = frozen_machine(boards.load(board), uf2, files, trace=None).boot()
+def on_the_air(board, uf2, boot=_RADIO, more=None):
+    """(machine, air) of a board file, by name or as a table, with this radio. `more`: {path: text} of other modules."""
+    files = {"boot.py": boot, **beside("rp2040_w", {RADIO.name: RADIO.read_text(), **(more or {})})}
+    machine = frozen_machine(board if isinstance(board, dict) else boards.load(board), uf2, files, trace=None).boot()
     machine.pico.console.expect(b"code in", 8_000_000)
     machine.run_ms(300)
     return machine, Air(machine, SLOWER)
@@ -94,6 +99,40 @@ def test_all_at_once(frozen_w, board, show):
     )
     assert b"error" not in sender.said and least >= LEAST and min(pushes) >= 2
     assert not machine.plant.errors
+
+
+@needs_umqtt
+def test_a_broker_is_told_beside_two_pages_and_stops_the_machine(frozen_w, show):
+    board = boards.load("router_pico_w")
+    modules = {BROKER_SOCKET.name: BROKER_SOCKET.read_text(), "umqtt/simple.py": (UMQTT / "umqtt" / "simple.py").read_text()}
+    without, _air = on_the_air(board, frozen_w)
+    board["network"] = {**board["network"], "broker": "192.168.4.9"}
+    machine, air = on_the_air(board, frozen_w, _RADIO + b'import broker_socket\nsys.modules["socket"] = broker_socket\n', modules)
+    begun, before = Heap(machine.pico, True), Heap(without.pico, True)
+    sender = Asking(machine, machine.board["links"][0]["name"])
+    sender.stream(streamed(machine.board))
+    pages = [Page(air), Page(air)]
+    for page in pages:
+        page.until(lambda page=page: page.state.get("state") == "Run", 10_000)
+    heaps = [Heap(machine.pico, True)]
+    looked_ms = machine.now_ms()
+
+    def look():
+        nonlocal looked_ms
+        if machine.now_ms() - looked_ms > 1000:
+            heaps.append(Heap(machine.pico, True))
+            looked_ms = machine.now_ms()
+        return pages[0].state["state"]
+
+    pages[0].until(lambda: look() == "Alarm", 30_000)
+    answer, _ = pages[0].order("log")
+    assert errors.WORDS_LATE not in answer["log"]
+    least, piece = min(heap.free for heap in heaps), min(heap.largest for heap in heaps)
+    show(
+        "router_pico_w on a Pico W that tells a broker, two pages open, lines streamed over USB",
+        f"{before.free} bytes free without the broker, {begun.free} with it, {least} at least ({piece} in one piece); STOP came from the broker",
+    )
+    assert least >= LEAST_TOLD and not machine.plant.errors
 
 
 def job_of(language):

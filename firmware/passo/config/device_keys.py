@@ -48,6 +48,9 @@ RULES = {
         "button": (str, "", 0, 16),
         "presence": (str, "", 0, 16),
         "minutes": (int, 10, 1, 60),
+        "broker": (str, "", 0, 21),
+        "broker_user": (str, "", 0, 40),
+        "broker_password": (str, "", 0, 64),
     },
     "registers": {
         "clock": (int, ..., 0, 48),

@@ -18,6 +18,8 @@ def check(board):
         raise BoardError("network: one link on http, one on page, and one on tcp, at most")
     if board["links"][0]["port"] in PORTS:
         raise BoardError("network: the first link is a cable")
+    if config["broker"]:
+        _check_broker(config["broker"], ports)
     for link in board["links"]:
         if link["port"] == "http" and link["protocol"] != "torch":
             raise BoardError("link %s: http is for the protocol torch" % link["name"])
@@ -25,3 +27,12 @@ def check(board):
             raise BoardError("link %s: tcp is for the protocol grbl" % link["name"])
         if link["port"] in PORTS and (link["frames"] or link["lost"] != "go_on"):
             raise BoardError("link %s: frames and lost are for cables" % link["name"])
+
+
+def _check_broker(text, ports):
+    host, _, port = text.partition(":")
+    for number, most in [(part, 255) for part in host.split(".")] + [(port or "1883", 65535)]:
+        if not number.isdigit() or int(number) > most or host.count(".") != 3:
+            raise BoardError("network.broker: an address such as 192.168.1.5, or 192.168.1.5:1884, not %r" % text)
+    if "page" not in ports:
+        raise BoardError("network.broker: the broker is told what pages are: a link on page is wanted")

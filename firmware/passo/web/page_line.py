@@ -36,12 +36,17 @@ class PageLine:
         self._pushed_ms = 0
         self._number = 0
         self._language = None
+        self._broker = None
         self.pages = Pages(key, _PAGES)
         server.sockets[b"/ws"] = self
         server.calls[b"/stop"] = self._stop
 
     def join(self, link, controller):
         self._language = link.protocol
+
+    def join_broker(self, broker):
+        """A Broker that is told what pages are."""
+        self._broker = broker
 
     # --- the app's side
 
@@ -60,7 +65,8 @@ class PageLine:
             if connection.page:
                 self._server.send(connection, message)
         late_ms = (now_ms - self._pushed_ms) & COUNT_MASK
-        if late_ms < _PUSH_MS or not self.pages.pages:
+        wanted = self._broker and self._broker.poll(now_ms)
+        if self._messages or late_ms < _PUSH_MS or not (self.pages.pages or wanted):
             return b""
         self._pushed_ms = now_ms if late_ms >= 2 * _PUSH_MS else (self._pushed_ms + _PUSH_MS) & COUNT_MASK
         return bytes((ALL, len(self.pages.pages)))
@@ -70,6 +76,8 @@ class PageLine:
             number = message[0]
             if number == ALL:
                 self._push(message[1], frame(TEXT, message[2:]))
+                if self._broker:
+                    self._broker.tell(message[2:])
             elif number == TOLD:
                 self.pages.tell(frame(TEXT, message[2:]))
             else:
@@ -79,9 +87,11 @@ class PageLine:
                         break
 
     def watched(self):
-        return self._server.watched()
+        return self._server.watched() + (self._broker.watched() if self._broker else [])
 
     def close(self):
+        if self._broker:
+            self._broker.close()
         self._server.close()
 
     # --- the pages'
@@ -139,6 +149,10 @@ class PageLine:
         if page:
             self.pages.leave(page)
             self._messages.append((None, bytes((page.number, GONE))))
+
+    def stop(self, *_):
+        """STOP by a broker."""
+        self._stop(b"")
 
     def _stop(self, body):
         """STOP by a request of its own: refuse the orders that pages sent before it."""
