@@ -115,6 +115,7 @@ def pull(pin, up):
 
 
 def queue(lines):
+    feeder.open = False  # until a cycle opens it: if the interrupt set out first, the motors would not count as ready before all of it was played
     for deltas, ticks in lines:
         planner.line(deltas, ticks, False)
     planner.flush()

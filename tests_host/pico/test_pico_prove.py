@@ -88,6 +88,21 @@ def test_the_rows_that_move_pins(board, way, show):
 
 
 @pytest.mark.unmeasured
+def test_an_interrupt_in_front_of_the_first_cycle_makes_no_word_late(board):
+    """The feeder's comes each 3 ms: here it always finds lines that no cycle has seen, as if the machine had just been made."""
+    code = """
+_queue = queue
+def queue(lines):
+    port.wait(False, False)  # the main loop's heartbeat
+    feeder.open = True
+    _queue(lines)
+    sleep_ms(7)
+"""
+    rows = rows_of(board, None, pins.edges_of, fault=lambda board: on_make(board, after=code))
+    assert rows["levels"][1] == rows["late_words"][1] == rows["edge_ns"][1] == KEPT, rows
+
+
+@pytest.mark.unmeasured
 def test_the_rows_that_want_no_pins(board, way, show):
     rows = rows_of(board, way, facts.facts, facts.memory, digests.digests, facts.watchdog)
     assert {"chip", "stamp", "erase_ms", "page_ms", "clock_khz", "core_mv", "crystal_ppm", "collect_ms", "free_bytes", "piece_bytes", "digests", "watchdog_ms"} <= set(rows)
