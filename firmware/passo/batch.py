@@ -17,7 +17,7 @@ POINT_BYTES = const(5)
 
 
 class _Batch:
-    moves = True  # if the machine stands, what is taken sets it in motion before the answer
+    moves = True  # if the machine stands, begin the motion of what was taken before it is answered
 
     def __init__(self, link):
         self.link = link  # its number

@@ -1,10 +1,10 @@
-"""An order that takes longer than a machine may wait for: a file is read, a drawing made, a job looked through.
+"""An order that takes longer than the machine may wait: it reads a file, makes a drawing, or estimates a job.
 
     return Later(lambda: store.lines(name), lambda lines: machine.run(name, lines))     # an order's answer
 
 `work()` touches neither the machine nor the pages: a panel has it done beside its loop (server.py), which goes on meanwhile: STOP, leases
-of jogs, lines of a job. Where nothing runs beside, in a browser's tab, it is done at once. `then(result)` gives what the order is answered
-with: 0, the number of an error, or a dict. Meanwhile the machine may have begun something else, so what was looked at before is looked at again there.
+of jogs, lines of a job. Where nothing runs beside, in a browser's tab, it is done at once. `then(result)` returns the answer:
+0, the number of an error, or a dict. Meanwhile the machine may have begun something else, so `then` checks again whether the order may be carried out.
 """
 
 

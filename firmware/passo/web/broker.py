@@ -1,12 +1,12 @@
-"""An MQTT broker that is told what pages are told, and from which STOP comes: the topics of docs/shop.md, by the board itself.
+"""The board publishes its state to an MQTT broker, and takes STOP from it: topics as in docs/shop.md.
 
-    broker = Broker(board, language, line.stop, umqtt.simple, text_of)     # stop(): somebody at the broker says so; text_of(number of an alarm)
+    broker = Broker(board, language, line.stop, umqtt.simple, text_of)     # calls stop() if a STOP comes; text_of(number of an alarm)
     broker.poll(now_ms)                         # True: the state is wanted
     broker.tell(state)                          # bytes, JSON as pages get it
 
-micropython-lib's umqtt makes the packets, MQTT 3.1.1. It waits for the network, and the main loop of a machine must not: so what it takes for a socket is a
-buffer, sent as the network takes it, and the answers that it waits for are there before they have come. Nothing but STOP is subscribed to, so any
-message is a STOP; one that the broker has kept stops nothing. Without TLS: that wants 40 kB.
+micropython-lib's umqtt makes the packets (MQTT 3.1.1). It would wait for the network, and the main loop must not. So umqtt writes into a buffer (Wire),
+which poll() sends as the network takes it, and Wire gives umqtt the answers that it waits for at once; poll() checks the broker's real ones.
+Only STOP is subscribed to, so each message is a STOP; a retained one is ignored. No TLS: that would take 40 kB.
 """
 
 import json
@@ -177,7 +177,7 @@ class Broker:
         elif self._left:
             self._left -= 1
             if not self._left:
-                if self._kind == _CONNACK and byte:  # who we are is not good enough
+                if self._kind == _CONNACK and byte:  # the broker refuses the user or the password
                     raise OSError(byte)
                 self._kind = 0
         else:
