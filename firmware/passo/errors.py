@@ -102,6 +102,7 @@ JOB_PIECE = const(177)
 NOT_ADMITTED = const(178)
 PRESENCE = const(179)
 DRAWING = const(180)
+NOT_A_JOB = const(181)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

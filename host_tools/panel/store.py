@@ -30,6 +30,11 @@ def gcode_lines(path):
     return Store.numbered(lines, lines)
 
 
+def text_error(text):
+    """0 if a file may be a job; empty ones, and pictures and other files with zero bytes, are none."""
+    return errors.NOT_A_JOB if "\0" in text or not text.strip() else 0
+
+
 class Store:
     def __init__(self, folder, read, made=None, facts=None):
         """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it. `made(name, text)`: name
@@ -71,7 +76,9 @@ class Store:
             return path
         try:
             return self._read(path)
-        except (Failure, OSError):
+        except Failure:
+            return errors.NOT_A_JOB
+        except OSError:
             return errors.NO_SUCH_JOB
 
     def about(self, name, settings):
@@ -135,7 +142,7 @@ class Store:
         try:
             data = stored_job.gcode_job(path)
         except Failure:
-            return errors.NO_SUCH_JOB
+            return errors.NOT_A_JOB
         return len(data), stored_job.crc(data), stored_job.pack(data)
 
     def text(self, name, at):
@@ -165,7 +172,7 @@ class Store:
 
     def put(self, name, text):
         """Keep a job under a name, whole or not at all."""
-        error = self.name_error(name) or (errors.JOB_SIZE if self._full(name, len(text)) else 0)
+        error = self.name_error(name) or (errors.JOB_SIZE if self._full(name, len(text)) else 0) or text_error(text)
         if error:
             return error
         found = self._made(name, text) if self._made else (name, text)

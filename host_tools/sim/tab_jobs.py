@@ -82,6 +82,8 @@ class Jobs:
             return error
         if len(text) + sum([len(self._jobs[other]) for other in self._jobs if other != name]) > _MOST_BYTES:
             return errors.JOB_SIZE
+        if "\0" in text or not text.strip():
+            return errors.NOT_A_JOB
         self._jobs[name] = text
         return 0
 

@@ -152,6 +152,7 @@ def test_jobs_of_a_tab():
     assert kept.add("c", 2, " X1\n", True) == 0
     assert kept.text("c", 3) == ("X1\n", 6)
     assert kept.put("d", "x" * 8_000_001) == errors.JOB_SIZE
+    assert kept.put("d", " \n") == kept.put("photo.png", "\x89PNG\0") == kept.add("e", 0, "", True) == errors.NOT_A_JOB
     assert [name for name, _ in kept.names()] == ["a.gcode", "c"]
     assert Jobs({"noise": "G0 X1!\x18?~ü\r\n%\r\n\x00\n"}, "grbl").lines("noise") == [(1, b"N1G0 X1")]
     assert Jobs({"n": "N7 G0 X1\nG0 X2\n"}, "grbl").lines("n") == [(1, b"N7 G0 X1"), (2, b"G0 X2")]

@@ -139,7 +139,7 @@ def test_each_language(tmp_path, name):
 SQUARE = "MOVE 100 100  # a square\nLINE 300 100\nLINE 300 300\nLINE 100 300\nLINE 100 100\nEND\n"
 UPLOADS = (("plotter_2014", "square.txt", SQUARE, "SQUARE.TXT", "odd.txt", "CIRCLE 5\n"),
            ("lpt_router", "square.txt", "[+500(" + "A" * 99 + "\n" + "G" * 40 + ")]\n", "SQUARE.TXT", "empty.txt", " \n"),
-           ("router_3axis", "part 1.gcode", "G21 G91 F3000\r\nG1 X4\r\nY4\r\nX-4\r\n" * 9, "PART_1.GCODE", "empty.nc", "\n"))  # fmt: skip
+           ("router_3axis", "peça 1.gcode", "G21 G91 F3000\r\nG1 X4\r\nY4\r\nX-4\r\n" * 9, "PECA_1.GCODE", "photo.nc", "\x89PNG\0\n"))  # fmt: skip
 
 
 @pytest.mark.parametrize("name, file, text, kept, wrong, wrong_text", UPLOADS)

@@ -462,8 +462,8 @@ def junction(browser):
 
 
 def test_tool_overrides_line_and_settings(browser):
-    for name, text in (("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: –"), ("flood", "Coolant: on"),
-                       ("coolant_off", "Coolant: –"), ("mist", "Mist: on"), ("coolant_off", "Mist: –")):  # fmt: skip
+    for name, text in (("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: off"), ("flood", "Coolant: on"),
+                       ("coolant_off", "Coolant: off"), ("mist", "Mist: on"), ("coolant_off", "Mist: off")):  # fmt: skip
         browser.until(lambda: switched(browser, name, text))
     for button, what, text in (("feed+10", "feed", "110 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"), ("rapid100", "rapid", "100 %")):
         browser.tap(f"[data-override='{button}']")

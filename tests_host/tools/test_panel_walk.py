@@ -293,8 +293,8 @@ def kept_jobs(page, folder):
 
 def tool(page, folder):
     page.type("rpm", "12000")
-    for name, text in (("spindle_ccw", "Spindle: on"), ("spindle_off", "Spindle: –"), ("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: –"),
-                       ("flood", "Coolant: on"), ("coolant_off", "Coolant: –"), ("mist", "Mist: on"), ("coolant_off", "Mist: –")):  # fmt: skip
+    for name, text in (("spindle_ccw", "Spindle: on"), ("spindle_off", "Spindle: off"), ("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: off"),
+                       ("flood", "Coolant: on"), ("coolant_off", "Coolant: off"), ("mist", "Mist: on"), ("coolant_off", "Mist: off")):  # fmt: skip
         page.until(lambda: switched(page, name, text))
     page.until_state("Ready")
     for button, what, text in (("feed+10", "feed", "110 %"), ("feed-10", "feed", "100 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"),

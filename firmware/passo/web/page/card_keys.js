@@ -1,5 +1,6 @@
 // The kit of two motors: on, off, reverse and speed of each.
 
+import { grey } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -38,12 +39,12 @@ export class Keys {
     }));
   }
 
-  show(report) {
+  show(report, why) {
     if (this.made !== document.documentElement.lang) this.make();
     (report.motors || []).forEach((motor, n) => {
       const text = motor.on ? `${motor.back ? _("anticlockwise") : _("clockwise")}, ${_("{rate} steps/s", { rate: motor.rate })}` : _("off");
       if ($(`motor-${n + 1}`).textContent !== text) $(`motor-${n + 1}`).textContent = text;
     });
-    for (const button of document.querySelectorAll("[data-motor]")) button.disabled = !report.link;
+    for (const button of document.querySelectorAll("[data-motor]")) grey(button, report.link ? "" : why.rest);
   }
 }

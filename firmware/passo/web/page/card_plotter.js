@@ -1,5 +1,6 @@
 // The plotter: a job in the words of its packets, how much of it is drawn, the pen, and the speed.
 
+import { grey } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -29,7 +30,7 @@ export class Plotter {
     return moves;
   }
 
-  show(report) {
+  show(report, why) {
     const pen = { up: _("up"), down: _("down") }[report.pen] || _("not known");
     const { min, max, unit } = this.speed, speeds = `${min} … ${max} ${unit === "half_period_us" ? _("µs a half step: more is slower") : unit}`;
     for (const [name, value] of [["draw-speed-unit", speeds], ["pen", pen], ["drawn", report.drawn || 0], ["room", report.free === undefined ? "" : report.free]]) {
@@ -37,10 +38,9 @@ export class Plotter {
     }
     const now = report.job || {};
     const mine = report.link && report.owner !== "guest";
-    const free = mine && report.state === "Idle" && Boolean(now.back);
-    for (const [what, on] of [["run", mine && now.how === "run" && now.single], ["back", free], ["step_back", free]]) {
-      document.querySelector(`#card-plotter [data-play=${what}]`).disabled = !on;
-    }
-    $("draw-speed-form").querySelector("button").disabled = !report.link || report.state !== "Idle";
+    const back = why.mine || (mine && report.state === "Idle" && now.back ? "" : why.idle || _("No job is under way."));
+    const run = why.mine || (mine && now.how === "run" && now.single ? "" : _("No job is under way."));
+    for (const [what, text] of [["run", run], ["back", back], ["step_back", back]]) grey(document.querySelector(`#card-plotter [data-play=${what}]`), text);
+    grey($("draw-speed-form").querySelector("button"), why.idle);
   }
 }

@@ -1,5 +1,6 @@
 // Pulse files: the codes with the one under way, the path that they make, and how they are played.
 
+import { grey } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -24,7 +25,7 @@ export class PulseFile {
     this.end = null;
     this.marked = -1;
     $("pace").max = message.fastest || "";
-    $("pace-most").textContent = message.fastest ? `1 … ${message.fastest}` : "";
+    $("pace-most").textContent = message.fastest ? `1 … ${message.fastest} mm/min` : "";
     $("pace-form").onsubmit = (event) => { event.preventDefault(); page.order("pace", { speed: Number($("pace").value) }); };
     this.showPort(0, message.bits || "76543210");
   }
@@ -139,20 +140,23 @@ export class PulseFile {
     return true;
   }
 
-  show(report) {
+  show(report, why) {
     this.place(report);
     const now = report.job;
     const busy = Boolean(now) && ["load", "run"].includes(now.how);
     const mine = report.link && report.owner !== "guest";
     const stands = ["Idle", "Hold"].includes(report.state);
     const by_hand = Boolean(report.manual) && report.state === "Hold" && busy;
-    for (const name of ["back", "step_back"]) document.querySelector(`[data-play=${name}]`).disabled = !mine || !now || now.how === "load" || now.checked || by_hand;
+    for (const name of ["back", "step_back"]) {
+      const plays = mine && now && now.how !== "load" && !now.checked;
+      grey(document.querySelector(`[data-play=${name}]`), by_hand ? _("There were moves by hand in the pause.") : plays ? "" : why.mine || why.rest || _("No job is under way."));
+    }
     $("by-hand").hidden = !by_hand;
-    if (by_hand) { $("resume").disabled = true; $("single").disabled = true; }
+    if (by_hand) for (const id of ["resume", "single"]) grey($(id), _("There were moves by hand in the pause."));
     $("asked").hidden = !report.asked;
     const wait = report.wait ? _("waits {seconds} s", { seconds: report.wait.toFixed(1) }) : "";
     if ($("countdown").textContent !== wait) $("countdown").textContent = wait;
-    $("teach-begin").disabled = !mine || !stands;
+    grey($("teach-begin"), why.mine || (mine && stands ? "" : why.rest || _("The machine is not at rest.")));
     this.showPort(report.port || 0);
   }
 

@@ -1,5 +1,6 @@
 // The torch: moves of each axis at its own speed, seams, the origin, and the preferences of jogs.
 
+import { grey } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -39,14 +40,13 @@ export class Torch {
     $("scale").textContent = `X ${told.scale[0]}, Y ${told.scale[1]}`;
   }
 
-  show(report) {
+  show(report, why) {
     if (!this.asked && this.page.proven()) {
       this.asked = true;
       this.tell();
     }
-    const still = report.link && report.state === "Idle";
-    for (const name of ["move-form", "weave-form", "preferences-form"]) $(name).querySelector("button").disabled = !still;
-    $("origin").disabled = !still;
+    for (const name of ["move-form", "weave-form", "preferences-form"]) grey($(name).querySelector("button"), why.idle);
+    grey($("origin"), why.idle);
     if ($("dropped").textContent !== String(report.dropped || 0)) $("dropped").textContent = report.dropped || 0;
   }
 }

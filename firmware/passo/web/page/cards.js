@@ -4,6 +4,7 @@ import { Keys } from "./card_keys.js";
 import { Plotter } from "./card_plotter.js";
 import { PulseFile } from "./card_pulses.js";
 import { Torch } from "./card_torch.js";
+import { grey, onOff } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -47,19 +48,21 @@ export class Cards {
   // What is said of a job; null: as of G-code, and of one that the board keeps.
   told(now) { return !now.stored && this.own && this.own.told ? this.own.told(now) : null; }
 
-  show(report) {
+  // `why`: of what is grey.
+  show(report, why) {
     const now = report.job;
     const busy = Boolean(now) && ["load", "run", "halting"].includes(now.how);
     const mine = report.link && report.owner !== "guest";
-    $("single").disabled = !(mine && $("jobs").value && (busy ? !now.checked : report.state === "Idle"));
-    if (busy && now.single && mine) $("resume").disabled = false;
-    for (const button of document.querySelectorAll("[data-switch]")) button.disabled = !mine || !["Idle", "Hold", "Alarm"].includes(report.state);
+    grey($("single"), why.mine || why.chosen || (report.link && busy && !now.checked ? "" : why.idle));
+    if (busy && now.single && mine) grey($("resume"), "");
+    const switches = why.mine || (mine && ["Idle", "Hold", "Alarm"].includes(report.state) ? "" : why.rest);
+    for (const button of document.querySelectorAll("[data-switch]")) grey(button, switches);
     for (const mark of document.querySelectorAll("[data-shows]")) {
-      const text = _(report[mark.dataset.shows] ? "on" : "off");
+      const text = onOff(mark.dataset.shows, report[mark.dataset.shows]);
       if (mark.textContent !== text) mark.textContent = text;
     }
     this.tellLacks();
-    if (this.own) this.own.show(report);
+    if (this.own) this.own.show(report, why);
   }
 
   // What a PC would do is greyed, and why.

@@ -70,10 +70,37 @@ function paused(report) {
   return [_("Put in tool {tool}. Keep your hands away, then go on.", { tool: why }), _("Tool {tool} is in: go on", { tool: why })];
 }
 
+// "on" or "off", in words that agree with the name of what is so: in Portuguese a door is not on as a spindle is.
+const AGREES = { Door: "f.", Coolant: "f.", Mist: "f.", tool: "f.", drives: "pl.", ours: "pl." };
+export function onOff(name, on) {
+  const [plain, feminine, plural] = on ? [_("on"), _("on (f.)"), _("on (pl.)")] : [_("off"), _("off (f.)"), _("off (pl.)")];
+  return ({ "f.": feminine, "pl.": plural }[AGREES[name]] || plain).split(" (")[0];
+}
+
+// Greys a button, and says why to a pointer and to a screen reader; "": it may be pressed.
+export function grey(button, why) {
+  button.disabled = Boolean(why);
+  if (button.title !== why) button.title = why;
+}
+
+// Why nothing may begin now, in words; "" where it may. `mine`: this page commands; `rest`: the machine is at rest, perhaps in an alarm; `idle`: and
+// in none.
+export function reasons(report, busy) {
+  const mine = report.owner === "guest" ? _("Another program moves the machine.") : "";
+  let rest = "";
+  if (report.link === false || !report.state) rest = _("There is no link to the machine.");
+  else if (busy) rest = _("A job is under way.");
+  else if (["Hold", "Door"].includes(report.state)) rest = _("The machine is held: resume it first.");
+  else if (!["Idle", "Alarm"].includes(report.state)) rest = _("The machine is not at rest.");
+  return { mine, rest, idle: rest || (report.state === "Alarm" ? _("The machine is locked: home or unlock it first.") : ""),
+    chosen: $("jobs").value ? "" : _("Choose a file first.") };
+}
+
 // What a job waits for, or else the queue.
 export function showWait(report, mine, queued) {
   const told = paused(report) || queued;
   $("wait-bar").hidden = !told;
+  if (!told) $("wait-text").textContent = $("wait-go").textContent = "";
   if (!told) return;
   $("wait-go").dataset.order = told === queued ? "queue" : "resume";
   const [text, go] = told;

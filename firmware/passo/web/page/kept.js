@@ -1,11 +1,12 @@
 // The jobs that the board keeps in its flash: a row of the job's card, shown if there are any to be kept.
 
-import { crc32, deflate, jobBytes } from "./pack.js";
+import { grey } from "./controls.js";
+import { crc32, deflate, jobBytes, unaccented } from "./pack.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const NAME_MOST = 24;
-const storedName = (name) => name.toUpperCase().replace(/[^A-Z0-9._-]/g, "_").replace(/^\.+/, "").slice(-NAME_MOST);
+const storedName = (name) => unaccented(name).toUpperCase().replace(/[^A-Z0-9._-]/g, "_").replace(/^\.+/, "").slice(-NAME_MOST);
 
 export class Kept {
   // order(name, fields): a promise of the answer; ask(text): of a yes; report(): the newest state; chosen(): the page's own job;
@@ -81,14 +82,13 @@ export class Kept {
       (message.more ? `; ${_("{more} more jobs are not listed", message)}` : "");
   }
 
-  // Ask for the list once the machine is at rest; `free`: nothing runs, and this page commands.
-  show(free) {
-    const state = this.report().state;
-    const rest = free && ["Idle", "Alarm"].includes(state);
-    for (const id of ["kept-run", "kept-check", "kept-remove"]) $(id).disabled = !rest || !$("kept").value;
-    $("keep").disabled = !rest || !$("jobs").value;
-    $("kept-upload").disabled = !rest;
-    if (this.known || !rest) return;
+  // Ask for the list once the machine is at rest; `why`: of what is grey.
+  show(why) {
+    const rest = why.mine || why.rest;
+    for (const id of ["kept-run", "kept-check", "kept-remove"]) grey($(id), rest || ($("kept").value ? "" : _("Choose a file first.")));
+    grey($("keep"), rest || why.chosen);
+    grey($("kept-upload"), rest);
+    if (this.known || rest) return;
     this.known = true;
     this.order("stored", { what: "list" }).then((answer) => { if (answer.error && answer.error !== 102) this.known = false; });
   }

@@ -2,10 +2,14 @@
 
 const WINDOW = 1000, LONGEST = 258, TRIES = 32;
 
+// A name without its accents, which neither a board nor a PC's jobs take.
+export const unaccented = (name) => name.normalize("NFD").replace(/[\u0300-\u036f]/g, "");
+
 // The bytes of a job, or null if the file is none of the language.
 export function jobBytes(language, bytes) {
   const text = new TextDecoder("latin1").decode(bytes);
   if (language === "plotter") return packets(text);
+  if (text.includes("\0")) return null;  // a picture, or another file that is no text
   const kept = language === "pulses" ? text.replace(/\s/g, "") : text.replace(/\r/g, "").replace(/\n*$/, "\n");
   return kept.trim() ? Uint8Array.from(kept, (letter) => letter.charCodeAt(0)) : null;
 }

@@ -2,12 +2,13 @@
 
 import "./old.js";
 import { Cards } from "./cards.js";
-import { makeOverrides, nameTool, showControls, showWait, toolName } from "./controls.js";
+import { grey, makeOverrides, nameTool, onOff, reasons, showControls, showWait, toolName } from "./controls.js";
 import { Jog } from "./jog.js";
 import { JobFacts, dropped } from "./job_facts.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
 import { OwnButtons } from "./own_buttons.js";
+import { unaccented } from "./pack.js";
 import { makePad } from "./pad.js";
 import { Picture } from "./path.js";
 import { read } from "./gcode_path.js";
@@ -267,33 +268,49 @@ function showWhere() {
 }
 
 function enable() {
-  const idle = report.state === "Idle";
+  const state = report.state, locked = state === "Alarm";
   const busy = Boolean(report.job) && ["load", "run", "halting", "store"].includes(report.job.how);
-  const mine = report.owner !== "guest";
-  const set = (id, on) => { $(id).disabled = !on; };
-  for (const id of ["run", "check"]) set(id, idle && !busy && mine && $("jobs").value);
-  for (const id of ["remove", "zero-all", "teach-begin", "teach-save"]) set(id, (idle || report.state === "Alarm") && !busy);
-  set("machine", (idle || report.state === "Alarm" || report.link === false) && !busy && mine);
-  set("home", (idle || report.state === "Alarm") && !busy && mine);
-  set("unlock", report.state === "Alarm" && mine);
-  set("hold", ["Run", "Jog", "Home"].includes(report.state));
-  set("resume", ["Hold", "Door"].includes(report.state) && mine);
-  set("abort", busy);
+  const why = reasons(report, busy), mine = !why.mine;
+  const set = (id, text) => grey($(id), text);
+  showLock(locked);
+  for (const id of ["run", "check"]) set(id, why.mine || why.idle || why.chosen);
+  for (const id of ["zero-all", "teach-begin", "teach-save"]) set(id, why.rest);
+  set("remove", why.rest || why.chosen);
+  set("machine", why.mine || (report.link === false && !busy ? "" : why.rest));
+  set("home", why.mine || why.rest);
+  set("unlock", why.mine || (locked ? "" : _("The machine is not locked.")));
+  set("hold", ["Run", "Jog", "Home"].includes(state) ? "" : _("Nothing moves."));
+  set("resume", why.mine || (["Hold", "Door"].includes(state) ? "" : _("Nothing is held.")));
+  set("abort", busy ? "" : _("No job is under way."));
+  const told = busy || !cards.can("jobs") ? "" : $("run").title;  // a finger has no other way to ask
+  if ($("run-why").textContent !== told) $("run-why").textContent = told;
   showPause();
-  set("give", idle && !busy);
-  set("take", idle || report.state === "Alarm");
+  set("give", why.idle);
+  set("take", state === "Idle" || locked ? "" : why.rest);
   $("give").hidden = !mine;
   $("take").hidden = mine;
   $("card-log").hidden = !cards.can("log") || !$("log").children.length;
-  cards.show(report);
+  cards.show(report, why);
   // A running job has no use for these, and a phone little room.
   $("passes").parentNode.hidden = busy || !cards.can("jobs");
   $("from-form").hidden = busy || !cards.can("from");
   $("pictures-row").hidden = busy || !cards.can("jobs");
-  queue.show(report.queue, mine && !busy && idle);
+  queue.show(report.queue, why);
   const offer = report.recover;
-  recover.show(busy && !(offer && offer.next) ? null : offer, mine && !busy, idle, /[SC]/.test(report.on || ""));
-  if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
+  recover.show(busy && !(offer && offer.next) ? null : offer, { ...why, busy: busy ? why.rest : "" }, /[SC]/.test(report.on || ""));
+  if (link.key && $("card-key").hidden) shelf.show(why);
+}
+
+// In an alarm a phone begins with what ends it. After it the keys that move come to the same spot: who taps twice there moves nothing.
+function showLock(locked) {
+  const { dataset } = document.body;
+  if (dataset.locked === String(locked)) return;
+  if (dataset.locked === "true") {
+    document.body.classList.add("settles");
+    setTimeout(() => document.body.classList.remove("settles"), TWICE_MS);
+  }
+  dataset.locked = locked;
+  $("home").className = locked ? "go" : "";
 }
 
 // Pause or Resume, always in sight while there is something to pause. It says the other thing after a moment: who taps twice has paused.
@@ -344,21 +361,19 @@ function showSignals() {
   const on = report.pins || "";
   const outputs = report.on || "";
   const rows = Object.entries(SIGNALS).filter(([letter]) => "XYZA".indexOf(letter) < axes.length || letter > "B" && !"XYZ".includes(letter))
-    .map(([letter, name]) => [_(name), on.includes(letter)]);
-  if (/n/i.test(on)) rows.push([_("Somebody at the machine"), on.includes("N")]);
-  rows.push([toolName(), /[SC]/.test(outputs)], [_("Coolant"), outputs.includes("F")], [_("Mist"), outputs.includes("M")]);
-  rows.push(...(report.more || []).filter(([word]) => word !== "SD").map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, text]));
+    .map(([letter, name]) => [_(name), on.includes(letter), onOff(name, on.includes(letter))]);
+  if (/n/i.test(on)) rows.push([_("Somebody at the machine"), on.includes("N"), on.includes("N") ? _("Yes") : _("No")]);
+  for (const [name, is] of [["", /[SC]/], ["Coolant", /F/], ["Mist", /M/]]) rows.push([name ? _(name) : toolName(), is.test(outputs), onOff(name, is.test(outputs))]);
+  rows.push(...(report.more || []).filter(([word]) => word !== "SD").map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, null, text]));
   const text = JSON.stringify(rows);
   if ($("signals").dataset.shown === text) return;
   $("signals").dataset.shown = text;
-  $("signals").replaceChildren(...rows.map(([name, active]) => {
+  $("signals").replaceChildren(...rows.map(([name, active, said]) => {
     const item = document.createElement("li");
     item.innerHTML = "<span></span><b></b>";
     item.firstChild.textContent = `${name}: `;
-    item.lastChild.textContent = typeof active === "string" ? active : active ? _("on") : "–";
-    if (active === false) item.lastChild.setAttribute("aria-label", _("off"));
-    if (active === false) item.lastChild.setAttribute("role", "img");
-    item.className = active === true ? "on" : "";
+    item.lastChild.textContent = said;
+    item.className = active ? "on" : "";
     return item;
   }));
 }
@@ -481,7 +496,7 @@ async function load() {
 
 async function upload(file) {
   const text = await file.text();
-  const name = file.name.replace(/[^A-Za-z0-9 ._-]/g, "_").replace(/^[^A-Za-z0-9]+/, "").slice(-60) || "job.gcode";
+  const name = unaccented(file.name).replace(/[^A-Za-z0-9 ._-]/g, "_").replace(/^[^A-Za-z0-9]+/, "").slice(-60) || "job.gcode";
   const there = (wanted) => Array.from($("jobs").options).some((option) => option.value === wanted);
   if (there(name) && !(await ask(_("Replace {name}?", { name })))) return;
   const progress = $("progress");

@@ -1,5 +1,6 @@
 // The jobs that wait for one another, and all jobs with their pictures.
 
+import { grey } from "./controls.js";
 import { clock } from "./job_facts.js";
 import { _ } from "./words.js";
 
@@ -22,12 +23,13 @@ export class Queue {
 
   ask(what, more = {}) { return this.order("queue", { what, ...more }); }
 
-  // `queue`: the state's; `free`: nothing runs, and this page commands.
-  show(queue, free) {
+  // `queue`: the state's; `why`: of what is grey.
+  show(queue, why) {
     if (!queue) return;
-    $("queue-add").disabled = !this.page.job();
-    $("queue-run").disabled = !free || !queue.jobs.length;
-    $("queue-clear").disabled = !queue.jobs.length;
+    const empty = queue.jobs.length ? "" : _("The queue is empty.");
+    grey($("queue-add"), why.chosen);
+    grey($("queue-run"), why.mine || why.idle || empty);
+    grey($("queue-clear"), empty);
     const told = JSON.stringify(queue.jobs) + document.documentElement.lang;
     if (told === this.told) return;
     this.told = told;

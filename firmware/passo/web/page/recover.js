@@ -1,7 +1,7 @@
 // A job that was interrupted, and that the board's journal knows, or one that is to begin at a line: what will hold there is told, and it is
 // asked before the tool goes down.
 
-import { isLaser } from "./controls.js";
+import { grey, isLaser } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -21,10 +21,10 @@ export class Recover {
     };
   }
 
-  // `offer`: of the state; `free`: nothing runs, and this page commands; `idle`: the machine is; `turns`: its spindle does.
-  show(offer, free, idle, turns) {
+  // `offer`: of the state; `why`: of what is grey; `turns`: its spindle does.
+  show(offer, why, turns) {
     $("recover-row").hidden = !offer;
-    $("from-form").querySelector("button").disabled = !free || !idle || !$("jobs").value;
+    grey($("from-form").querySelector("button"), why.mine || why.idle || why.chosen);
     if (!offer) return;
     const text = offer.held ? this.told(offer) : this.stopped(offer, turns), head = offer.held ? _("Begin at a line") : _("A job was interrupted");
     if ($("recover-text").textContent !== text) $("recover-text").textContent = text;
@@ -34,9 +34,10 @@ export class Recover {
     $("recover-down").hidden = !offer.next;
     $("recover-drop").hidden = Boolean(offer.held) && !offer.next;
     $("recover-drop").textContent = isLaser() ? _("End it: laser off") : _("End it: tool up, spindle off");
-    $("recover-begin").disabled = !free || !idle || !(offer.known || $("recover-sure").checked);
-    $("recover-down").disabled = !free || !idle;
-    $("recover-drop").disabled = $("recover-forget").disabled = !free;
+    const sure = offer.known || $("recover-sure").checked ? "" : _("Look first whether zero is right.");
+    grey($("recover-begin"), why.mine || why.idle || sure);
+    grey($("recover-down"), why.mine || why.idle);
+    for (const id of ["recover-drop", "recover-forget"]) grey($(id), why.mine || why.busy);
   }
 
   over(offer) {

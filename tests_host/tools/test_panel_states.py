@@ -1,0 +1,153 @@
+"""What the page says and shows in states that a stranger brings it to: a file that is no job, what is grey and why, an alarm on a phone."""
+
+import pytest
+from test_panel_page import Browser, driver, pytestmark as of_pages  # noqa: F401
+
+from panel_process import PanelProcess
+
+pytestmark = of_pages
+PHONE, WIDE = (360, 640), (1920, 1080)
+PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20
+NO_JOB = {"en": "Error 181: the file is empty or is no text", "pt": "Erro 181: o arquivo está vazio ou não é texto"}
+PAUSED = "G21 G90 G54\nT1 M6\nG0 X1\nM2\n"
+GREY = """
+return [...document.querySelectorAll("button:disabled")].filter((e) => e.offsetParent && !e.title && !e.closest("#elsewhere, #setup, #queue")).map((e) => e.id || e.textContent)
+"""
+TEXT = "return document.getElementById(arguments[0]).textContent"
+BOX = "const b = document.getElementById(arguments[0]).getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]"
+
+
+@pytest.fixture(scope="module")
+def router(tmp_path_factory):
+    with PanelProcess(tmp_path_factory.mktemp("router"), "--board", "router_3axis") as process:
+        yield process
+
+
+@pytest.fixture
+def page(router, driver):
+    """page(language, size): the router's page, on a screen of that size."""
+
+    def opened(language="en", size=WIDE):
+        screen = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size == PHONE}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+        return Browser(router, driver, size, f"lang={language}&theme=light")
+
+    yield opened
+    driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def at_rest(browser):
+    """Out of the alarm."""
+    state = "return document.getElementById('state').dataset.state"
+    if browser.driver.execute_script(state) == "Alarm":
+        browser.click("unlock")
+    browser.until(lambda: browser.driver.execute_script(state) == "Idle")
+
+
+def box(browser, name):
+    return browser.driver.execute_script(BOX, name)
+
+
+def test_a_phone_in_an_alarm_begins_with_what_ends_it(page, router):
+    """Home and Unlock are in sight above the message, Home as what goes on; once it is unlocked, the keys that move come back to that spot, and a
+    second tap there moves nothing."""
+    with page("pt", PHONE) as browser:
+        client = router.page()
+        client.order("stop")
+        browser.until(lambda: browser.find("state").get_attribute("data-state") == "Alarm" and browser.text("message"))
+        browser.driver.execute_script("document.querySelector('[data-tab=move]').click(); scrollTo(0, 0)")
+        for name in ("home", "unlock"):
+            assert box(browser, name)[3] < box(browser, "message")[1], name
+        assert browser.find("home").get_attribute("class") == "go"
+        browser.find("unlock").click()
+        settles = "return getComputedStyle(document.getElementById('card-jog')).pointerEvents"
+        browser.until(lambda: browser.driver.execute_script(settles) == "none")
+        browser.until(lambda: browser.driver.execute_script(settles) == "auto")
+        assert box(browser, "card-jog")[1] < box(browser, "card-place")[1] and browser.find("home").get_attribute("class") == ""
+
+
+@pytest.mark.parametrize("language", NO_JOB)
+def test_a_file_that_is_no_job_is_refused(page, router, tmp_path, language):
+    with page(language) as browser:
+        for name, data in (("photo.png", PNG), ("photo.nc", PNG), ("empty.nc", b""), ("blank.svg", b" \n\n")):
+            (tmp_path / name).write_bytes(data)
+            browser.driver.execute_script("document.getElementById('message').click()")
+            browser.find("upload").send_keys(str(tmp_path / name))
+            browser.until(lambda: browser.text("message").startswith(NO_JOB[language]))
+        assert not [path.name for path in router.jobs.iterdir() if path.name.startswith(("photo", "empty", "blank"))]
+
+
+def test_what_is_grey_says_why(page, router, tmp_path):
+    with page() as browser:
+        at_rest(browser)
+        browser.choose("jobs", "")
+        browser.until(lambda: browser.text("run-why") == "Choose a file first.")
+        assert not browser.find("remove").is_enabled() and browser.find("remove").get_attribute("title") == "Choose a file first."
+        assert not browser.driver.execute_script(GREY)
+        (tmp_path / "pause.nc").write_text("G21\nM0\nM2\n")
+        browser.find("upload").send_keys(str(tmp_path / "pause.nc"))
+        browser.until(lambda: browser.find("run").is_enabled())
+        assert not browser.text("run-why") and not browser.find("run").get_attribute("title") and browser.find("remove").is_enabled()
+        browser.click("run")
+        browser.until(lambda: browser.find("wait-go").is_displayed())
+        assert browser.find("check").get_attribute("title") == "A job is under way." and not browser.driver.execute_script(GREY)
+        browser.click("wait-go")
+        browser.until(lambda: "Done" in browser.text("job-state"))
+        router.page().order("give", to="guest")
+        browser.until(lambda: browser.text("run-why") == "Another program moves the machine.")
+        assert not browser.driver.execute_script(GREY)
+        browser.click("take")
+        browser.until(lambda: browser.find("run").is_enabled())
+
+
+def test_accents_leave_a_name_readable(page, tmp_path):
+    with page() as browser:
+        (tmp_path / "peça de mão.nc").write_text("G21 G90\nG0 X1\n")
+        browser.find("upload").send_keys(str(tmp_path / "peça de mão.nc"))
+        browser.until(lambda: browser.driver.execute_script("return document.getElementById('jobs').value") == "peca de mao.nc")
+
+
+def test_a_tool_change_is_short_on_a_phone_and_leaves_nothing(page, tmp_path):
+    with page("pt", PHONE) as browser:
+        at_rest(browser)
+        (tmp_path / "tool.nc").write_text(PAUSED)
+        browser.find("upload").send_keys(str(tmp_path / "tool.nc"))
+        browser.until(lambda: browser.find("run").is_enabled() and browser.driver.execute_script("return document.getElementById('jobs').value") == "tool.nc")
+        browser.click("run")
+        browser.until(lambda: browser.find("wait-go").is_displayed())
+        left, top, right, bottom = box(browser, "wait-text")
+        assert bottom - top < 60, "at most two lines"
+        assert box(browser, "wait-go")[2] - box(browser, "wait-go")[0] > 300
+        browser.click("abort")
+        browser.until(lambda: not browser.find("wait-bar").is_displayed())
+        assert browser.driver.execute_script(TEXT, "wait-text") == browser.driver.execute_script(TEXT, "wait-go") == ""
+
+
+def test_overrides_stand_beside_their_names(page):
+    with page() as browser:
+        gap = browser.driver.execute_script(
+            "const row = document.querySelector('.override'), range = document.createRange(); range.selectNodeContents(row.firstChild);"
+            "return row.children[1].getBoundingClientRect().left - range.getBoundingClientRect().right")
+        assert 0 < gap < 100
+
+
+def test_signals_that_are_off_say_so(page):
+    for language, said in (("en", ["Door: off", "Spindle: off", "Mist: off"]), ("pt", ["Porta: desligada", "Spindle: desligado", "Névoa: desligada"])):
+        with page(language) as browser:
+            at_rest(browser)
+            browser.until(lambda: said[0] in browser.driver.execute_script(TEXT, "signals"))
+            told = browser.driver.execute_script(TEXT, "signals")
+            assert all(each in told for each in said) and "–" not in told
+
+
+def test_portuguese_agrees_and_a_bound_has_its_unit(tmp_path, driver):
+    with PanelProcess(tmp_path, "--board", "lpt_router") as process, Browser(process, driver, WIDE, "lang=pt&theme=light") as browser:
+        for name, words in (("tool", ("desligada", "ligada")), ("drives", ("desligados", "ligados"))):
+            for way, said in (("off", words[0]), ("on", words[1])):
+                button = browser.css(f"[data-switch={name}_{way}]")
+                browser.until(button.is_enabled)
+                browser.bring(button).click()
+                browser.until(lambda: browser.css(f"[data-shows={name}]").text == said)
+        most = browser.driver.execute_script(TEXT, "pace-most")
+        assert most.startswith("1 … ") and most.endswith(" mm/min")
+        assert not browser.driver.execute_script(GREY)
