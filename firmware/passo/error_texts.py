@@ -100,7 +100,7 @@ TEXTS = {
     errors.JOB_MEMORY: "no memory is left to read the job with: reset the board, or take a link out of its board file",
     errors.PRESENCE: "over the network this needs somebody at the machine: hold the button there",
     errors.DRAWING: "the file cannot be drawn, or does not fit on the table: run passo draw FILE --dry-run to see why",
-    errors.NOT_A_JOB: "the file is empty or is no text: a job is a program or a drawing, such as .nc, .gcode, .svg or .dxf",
+    errors.NOT_A_JOB: "the file is empty or no text: a job is a program or a drawing",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked, because the position is not known: home the machine, or unlock it",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit, the position may be lost: free it, reset, and home",

@@ -8,7 +8,7 @@ from panel_process import PanelProcess
 pytestmark = of_pages
 PHONE, WIDE = (360, 640), (1920, 1080)
 PNG = b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 20
-NO_JOB = {"en": "Error 181: the file is empty or is no text", "pt": "Erro 181: o arquivo está vazio ou não é texto"}
+NO_JOB = {"en": "Error 181: the file is empty or no text", "pt": "Erro 181: o arquivo está vazio ou não é texto"}
 PAUSED = "G21 G90 G54\nT1 M6\nG0 X1\nM2\n"
 GREY = """
 return [...document.querySelectorAll("button:disabled")].filter((e) => e.offsetParent && !e.title && !e.closest("#elsewhere, #setup, #queue")).map((e) => e.id || e.textContent)

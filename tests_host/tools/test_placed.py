@@ -94,7 +94,7 @@ def test_g_code_is_a_router_s_own_language(tmp_path):
     store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), LASER), job_facts.gcode)
     assert store.add("map.nc", 0, GCODE, True) == 0
     assert (tmp_path / "jobs" / "map.nc").read_text() == GCODE and "placed" not in store.about("map.nc", {})
-    assert store.add("none.dxf", 0, "hello", True) == errors.DRAWING and store.add("none.plt", 0, "", True) == errors.DRAWING
+    assert store.add("none.dxf", 0, "hello", True) == errors.DRAWING and store.add("none.plt", 0, "", True) == errors.NOT_A_JOB
 
 
 def test_what_leaves_the_table_is_refused_and_the_job_stays(store):
