@@ -252,5 +252,6 @@ def test_each_part_fits_and_axe_finds_nothing(homed, driver, axe, size, language
             page.shot(f"setup-{key}-{language}-{size[0]}")
             faults = faults_found(page, axe)
             assert not faults, (key, faults)
+            page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+            page.until(lambda: page.driver.execute_script("return innerWidth") > 600)  # its own screen is that of within_two_screens()
             within_two_screens(page, size)
-        page.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
