@@ -1,13 +1,15 @@
 """What a job will do, as far as its lines say: about how long it takes, its tools, and where it waits for somebody.
 
-    gcode(lines, settings)                  # [(number, bytes)], {number: text} → {"lines", "seconds", "parts", "tools", "pauses"}
+    gcode(lines, settings)                  # [(number, bytes)], {number: text} → {"lines", "seconds", "parts", "tools", "pauses", "refused"}
     packets_of(board)(lines, settings)      # the same of a plotter's job
 
+`refused`: [line, error] of the first line that the firmware's parser refuses, or None; machines with a rotary axis are not asked.
 `parts`: estimated seconds up to each 32nd of the lines. A job of more than MOST_LINES is not estimated: what is asked next waits for it.
 """
 
 import re
 
+from host_tools.failure import Failure
 from host_tools.programs.estimate import Estimate
 from host_tools.programs.gcode_time import Limits, estimate
 
@@ -21,9 +23,22 @@ _PAUSE = re.compile(rb"M0*[01](?!\d)")
 def gcode(lines, settings):
     found = {"lines": len(lines), "tools": tools(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
     if len(lines) <= MOST_LINES:
-        limits = Limits.of_settings([f"${number}={value}" for number, value in settings.items()])
-        found.update(_times(estimate(lines, limits)))
+        answers = [f"${number}={value}" for number, value in settings.items()]
+        found.update(_times(estimate(lines, Limits.of_settings(answers))), refused=_refused(lines, answers))
     return found
+
+
+def _refused(lines, answers):
+    from host_tools.programs.replay import Replay
+    from host_tools.programs.replayed_machine import Machine
+
+    if not any(row.startswith("$100=") for row in answers) or any(row.startswith("$103=") for row in answers):
+        return None
+    try:
+        Replay(Machine.of_answers(answers, []), lines).check()
+    except Failure as failure:
+        return getattr(failure, "refused", None)
+    return None
 
 
 def tools(lines):

@@ -205,7 +205,7 @@ class Replay:
         raise Failure("the file ends before line {}", number)
 
     def check(self):
-        """Raise Failure at the first line that the parser refuses. `$` lines are passed over."""
+        """Raise Failure at the first line that the parser refuses; its `refused` is (line, error). `$` lines are passed over."""
         for command in (made for at, row in enumerate(self._lines) if row[1][:1] != b"$" for made in self._interpret(at)):
             self._board.target = self._board.target if command.target is None else list(command.target)
 
@@ -217,7 +217,9 @@ class Replay:
             raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
         error = self._gcode.interpret(line)
         if error:
-            raise Failure("line {}, {}: {}", number, line.decode("ascii", "replace"), explain(f"error:{error}"))
+            refused = Failure("line {}, {}: {}", number, line.decode("ascii", "replace"), explain(f"error:{error}"))
+            refused.refused = number, error
+            raise refused
         return list(_all(self._gcode.commands))
 
     def _carry_out(self, index):

@@ -13,6 +13,7 @@ PAUSED = "G21 G90 G54\nT1 M6\nG0 X1\nM2\n"
 GREY = """
 return [...document.querySelectorAll("button:disabled")].filter((e) => e.offsetParent && !e.title && !e.closest("#elsewhere, #setup, #queue")).map((e) => e.id || e.textContent)
 """
+PAD = "return [...new Set([...document.querySelectorAll('#pad button')].map((key) => key.getAttribute('aria-disabled')))]"
 TEXT = "return document.getElementById(arguments[0]).textContent"
 BOX = "const b = document.getElementById(arguments[0]).getBoundingClientRect(); return [b.left, b.top, b.right, b.bottom]"
 
@@ -58,12 +59,13 @@ def test_a_phone_in_an_alarm_begins_with_what_ends_it(page, router):
         browser.driver.execute_script("document.querySelector('[data-tab=move]').click(); scrollTo(0, 0)")
         for name in ("home", "unlock"):
             assert box(browser, name)[3] < box(browser, "message")[1], name
-        assert browser.find("home").get_attribute("class") == "go"
+        assert browser.find("home").get_attribute("class") == "go" and browser.driver.execute_script(PAD) == ["true"]
         browser.find("unlock").click()
         settles = "return getComputedStyle(document.getElementById('card-jog')).pointerEvents"
         browser.until(lambda: browser.driver.execute_script(settles) == "none")
         browser.until(lambda: browser.driver.execute_script(settles) == "auto")
         assert box(browser, "card-jog")[1] < box(browser, "card-place")[1] and browser.find("home").get_attribute("class") == ""
+        assert browser.driver.execute_script(PAD) == ["false"]
 
 
 @pytest.mark.parametrize("language", NO_JOB)
@@ -121,6 +123,24 @@ def test_a_tool_change_is_short_on_a_phone_and_leaves_nothing(page, tmp_path):
         browser.click("abort")
         browser.until(lambda: not browser.find("wait-bar").is_displayed())
         assert browser.driver.execute_script(TEXT, "wait-text") == browser.driver.execute_script(TEXT, "wait-go") == ""
+
+
+def test_a_line_that_is_refused_is_told_before_it_runs(page, tmp_path):
+    """By the firmware's own parser, on the PC; Check finds the same."""
+    for language, said in (("en", "The job would stop at line 3. Error 36"), ("pt", "O trabalho pararia na linha 3. Erro 36")):
+        with page(language) as browser:
+            at_rest(browser)
+            (tmp_path / f"word-{language}.nc").write_text("G21 G90\nG1 X1 F1000\nG1 Q5\nM2\n")
+            browser.find("upload").send_keys(str(tmp_path / f"word-{language}.nc"))
+            browser.until(lambda: browser.text("job-wrong").startswith(said))
+    with page() as browser:
+        browser.click("check")
+        browser.until(lambda: "line 3" in browser.text("job-state") and "Error 36" in browser.text("job-state"))
+        at_rest(browser)
+        (tmp_path / "good.nc").write_text("G21 G90\nG1 X1 F1000\nG43.1 Z2\nT2 M6\n$H\nM2\n")
+        browser.find("upload").send_keys(str(tmp_path / "good.nc"))
+        browser.until(lambda: "good.nc" in browser.text("run") and "tools T2" in browser.text("job-facts"))
+        assert "would stop" not in browser.text("job-wrong")
 
 
 def test_overrides_stand_beside_their_names(page):

@@ -14,9 +14,12 @@ export function clock(seconds) {
 }
 
 export class JobFacts {
-  // order(name, fields): a promise of the answer; picture: its bounds and table; known(about): what is known of the job is another.
-  constructor(order, picture, known) {
+  // order(name, fields): a promise of the answer; picture: its bounds and table; known(about): what is known of the job is another;
+  // errorText(number): what an error says.
+  constructor(order, picture, known, errorText) {
     this.known = known;
+    this.errorText = errorText;
+    this.beyond = "";  // what leads out of the table, in words
     this.order = order;
     this.picture = picture;
     this.about = {};
@@ -45,7 +48,9 @@ export class JobFacts {
     if (tools && tools.length) facts.push(_("tools {tools}", { tools: tools.join(", ") }));
     if (pauses) facts.push(_("pauses: {pauses}", { pauses }));
     if ($("job-facts").textContent !== facts.join(" · ")) $("job-facts").textContent = facts.join(" · ");
-    const wrong = box ? this.outside(box) : "";
+    const { refused } = this.about, line = refused && refused[0];
+    this.beyond = box ? this.outside(box) : "";
+    const wrong = [refused ? `${_("The job would stop at line {line}.", { line })} ${this.errorText(refused[1])}` : "", this.beyond].filter(Boolean).join(". ");
     if ($("job-wrong").textContent !== wrong) $("job-wrong").textContent = wrong;
   }
 

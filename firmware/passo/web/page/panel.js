@@ -45,7 +45,7 @@ const recover = new Recover((name, fields) => order(name, fields), () => $("jobs
 const queue = new Queue((name, fields) => order(name, fields), { job: () => $("jobs").value, choose, text: textOf, about: (name) => link.order({ do: "job_about", name }), moves: movesOf });
 const picture = new Picture($("path"), touched);
 const place = new Place(order, picture, () => load());
-const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture, (about) => place.take(about));
+const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture, (about) => place.take(about), errorText);
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 let setup = null;  // once it has been loaded
@@ -282,6 +282,9 @@ function enable() {
   set("hold", ["Run", "Jog", "Home"].includes(state) ? "" : _("Nothing moves."));
   set("resume", why.mine || (["Hold", "Door"].includes(state) ? "" : _("Nothing is held.")));
   set("abort", busy ? "" : _("No job is under way."));
+  const still = ["Alarm", "Home", "Run", "Check", "Sleep", "Door"].includes(state) || report.link === false;
+  if ($("pad").dataset.off !== String(still)) $("pad").dataset.off = still;
+  for (const key of $("pad").querySelectorAll("button")) if (key.getAttribute("aria-disabled") !== String(still)) key.setAttribute("aria-disabled", still);
   const told = busy || !cards.can("jobs") ? "" : $("run").title;  // a finger has no other way to ask
   if ($("run-why").textContent !== told) $("run-why").textContent = told;
   showPause();
