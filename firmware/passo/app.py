@@ -226,16 +226,17 @@ class App:
                     self._hear()
                     break
                 heeded = True
+                self._overruled = 0
                 self._listen(link)
         return heeded
 
     def _listen(self, link):
         """Carry out the real-time bytes that `link` has brought, and keep its lines."""
         link.heard = True
+        speaking = self._speaking
         self._speaking = link
-        self._overruled = 0
         self._carry_out(link.heed(link.serial.read()), link)
-        self._speaking = None
+        self._speaking = speaking
 
     def _coming(self):
         for link in self.links:
@@ -247,10 +248,8 @@ class App:
         """True while more bytes are coming, or a PC may be about to send them, and the machine may wait for them. What has been
         asked for moves at once."""
         now_ms = self.port.machine_ms()
-        if heard == _PART:
-            return (now_ms - self._looked_ms) & COUNT_MASK < _LOOK_MS
         moves = self.feeder.open
-        coming = not (heard & _LINES and moves) and self._coming()
+        coming = heard == _PART or not (heard & _LINES and moves) and self._coming()
         if heard & _WHOLE:
             if not coming:
                 self.controller.queue.begin()
@@ -310,7 +309,19 @@ class App:
             link.heard = True
         if link.batch and (link.keeps or data and not link.waiting):
             data = self._in_batches(link, data)
-        return link.protocol.feed(data, self._now_ms)
+        commands = link.protocol.feed(data, self._now_ms)
+        if commands and not data and self.interrupt and link.heed and not isinstance(commands, tuple):
+            return self._one_by_one(commands, link)
+        return commands
+
+    def _one_by_one(self, commands, link):
+        """`commands` of lines, which are understood as each is asked for and take a chip milliseconds: `?` comes before each."""
+        if link.serial.any():
+            self._listen(link)
+        for command in commands:
+            yield command
+            if link.serial.any():
+                self._listen(link)
 
     def _carry_out(self, commands, link):
         for command in commands:
@@ -365,7 +376,7 @@ class App:
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
                     break
-            elif answers is None or len(data) < _FULL or not more:
+            elif answers is None or answers is False or len(data) < _FULL or not more:
                 break
             else:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost

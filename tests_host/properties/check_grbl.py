@@ -73,6 +73,44 @@ def check_a_few_lines_a_turn():
     assert machine.controller.queue.target[0] == 57 * 320
 
 
+def check_real_time_bytes_come_between_lines_that_take_time():
+    """On a chip, where an interrupt makes words: the line that is being understood is the last before the answer."""
+    for byte, then in ((b"?", "<"), (b"\x18", BANNER)):
+        machine = Machine().ready()
+        machine.app.interrupt = True
+        machine.port.set_out = lambda live: None
+        for line in machine.port.lines.values():
+            line.any = lambda line=line: line.incoming != b""
+        write = machine.line.write
+
+        def answered(data):
+            write(data)
+            if data == b"ok\r\n" and byte not in machine.line.incoming and then.encode() not in machine.line.outgoing:
+                machine.put(byte)
+
+        machine.line.write = answered
+        machine.put("G54\nG55\n" * 4)
+        said = machine.cycles(4)
+        assert said[0] == "ok" and said[1].startswith(then), said
+        assert said.count("ok") == (8 if byte == b"?" else 1), said
+
+
+def check_a_question_ends_the_reading_of_lines():
+    """It waits for no further bytes, be there ever so many."""
+    machine = Machine().ready()
+    protocol = machine.app.links[0].protocol
+    batch = protocol.batch
+    assert protocol.take(b"G0X1\nG0X2?\n", 0) is False and not batch.begun
+    assert len(protocol.feed(b"", 0)) == 1
+    assert protocol.take(b"", 0) == b"ok\r\n" * 2 and batch.begun
+    assert protocol.take(b"", 0) == b""
+    assert protocol.take(b"?G0X3\n", 0) is False and batch.begun
+    batch.close(batch)
+    assert len(protocol.feed(b"", 0)) == 1
+    assert protocol.take(b"", 0) == b"ok\r\n"
+    batch.close(batch)
+
+
 def check_plain_text():
     assert plain_text(b" $n0 = g1 x1 \xff\x01") == "$N0=G1X1"
 

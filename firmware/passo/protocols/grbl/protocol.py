@@ -102,7 +102,7 @@ class Grbl:
     @micropython.native
     def take(self, data, now_ms):
         """Put `data` into the line buffer. Then queue lines from there, until one is more than a G0 or G1, or the machine takes none.
-        Returns an `ok` for each; b"" if there was none, or a `?` has to be answered first: call feed(b"") then. Returns None if
+        Returns an `ok` for each; b"" if there was none; False if a `?` has to be answered first: call feed(b"") then. Returns None if
         `data` has other real-time bytes: it is not kept, call feed(data) then."""
         if not self.batch.begun:
             if data:
@@ -117,7 +117,7 @@ class Grbl:
                 if kept:
                     lines.kept(kept, data)
                 if fields[LINES_ASKED] or fields[LINES_AT] == fields[LINES_WHOLE]:
-                    return b""  # the answer comes first, or no line has ended: to open the batch takes 0.7 ms
+                    return self._took(0, data)  # the answer comes first, or no line has ended: to open the batch takes 0.7 ms
                 data = b""
             if not self._open():
                 return b""
@@ -125,7 +125,7 @@ class Grbl:
         taken = take_lines(
             data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
         )
-        return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
+        return _OKS[taken] if 0 < taken <= BATCH_ROWS else self._took(taken, data)
 
     @micropython.native
     def _open(self):
@@ -151,10 +151,12 @@ class Grbl:
         return True
 
     def _took(self, taken, data):
-        """The same of many lines, and of what take_lines() could not do."""
+        """The same of many lines, of none, and of what take_lines() could not do."""
         if taken == REAL_TIME:
             return None
         lines = self._lines
+        if not taken:
+            return False if lines.fields[LINES_ASKED] else b""
         if taken == SLOWLY or taken == LONG:
             lines.kept(taken, data)
             return self.take(b"", 0)
