@@ -11,7 +11,7 @@ agree by chance less than twice in 100 000 homings: the way to a place is 25 ful
 raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles. A place
 behind which the axis ran on for more than 1.25 full steps does not agree: two full steps behind its field a rotor slips to another pole.
 
-On a belt of two motors (CoreXY) either of them tells. Axes with switches home as elsewhere.
+Axes with switches home as elsewhere. X and Y on one belt do not home by stall: see stall_drives.py.
 """
 
 from micropython import const
@@ -44,7 +44,6 @@ class Homing(homing.Homing):
         for motor in board["drives"]["motors"]:
             if motor["stall"]:
                 self._full[names.index(motor["axis"])] = motor["microsteps"]
-        self._belt = "xy" if board.get("motion") else ""  # axes that both motors move
         # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, and
         # how many have to.
         self._located = self._agree = self._edge = self._enough = 0
@@ -52,15 +51,11 @@ class Homing(homing.Homing):
 
     def _seeker(self, number):
         seeker = homing.Homing._seeker(self, number)
-        name = self._axes[number]["name"]
         if number in self._full:
             read = self._machine.inputs.read
             watch = self._machine.port.watch_limit
-            names = [self._config["sensors"][each] for each in (self._belt if name in self._belt else name)]
-            debounce_ms = self._config["debounce_ms"]
-            seeker.sensors = [StallSensor(lambda each=each: read(each), debounce_ms, watch(each), self._queue, number) for each in names]
-            seeker.edges = [seeker.start] * len(names)
-            seeker.ends = [seeker.pull_off_steps] * len(names)
+            sensor = self._config["sensors"][self._axes[number]["name"]]
+            seeker.sensors = [StallSensor(lambda: read(sensor), self._config["debounce_ms"], watch(sensor), self._queue, number)]
         return seeker
 
     def _go_on(self, now_ms):
