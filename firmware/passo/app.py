@@ -310,12 +310,15 @@ class App:
         if link.batch and (link.keeps or data and not link.waiting):
             data = self._in_batches(link, data)
         commands = link.protocol.feed(data, self._now_ms)
-        if commands and not data and self.interrupt and link.heed and not isinstance(commands, tuple):
-            return self._one_by_one(commands, link)
-        return commands
+        return self._one_by_one(commands, link) if commands and not data else commands
 
     def _one_by_one(self, commands, link):
         """`commands` of lines, which are understood as each is asked for and take a chip milliseconds: `?` comes before each."""
+        if not self.interrupt or not link.heed or isinstance(commands, tuple):
+            return commands
+        return self._between(commands, link)
+
+    def _between(self, commands, link):
         if link.serial.any():
             self._listen(link)
         for command in commands:
@@ -376,7 +379,7 @@ class App:
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
                     break
-            elif answers is None or answers is False or len(data) < _FULL or not more:
+            elif answers != b"" or len(data) < _FULL or not more:  # None, False
                 break
             else:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost
