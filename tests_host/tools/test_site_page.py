@@ -201,13 +201,17 @@ def test_what_a_stranger_brings(browser, tmp_path):
     browser.open("?lang=en")
     browser.press("unlock")
     browser.state("Idle")
+    picture = tmp_path / "picture.nc"
+    picture.write_bytes(bytes(range(256)) * 4)
+    browser.driver.find_element("id", "upload").send_keys(str(picture))
+    browser.until("document.getElementById('message').textContent.includes('181')")
     odd = tmp_path / "söme (file).nc"
-    odd.write_bytes(bytes(range(256)) * 4)
+    odd.write_bytes(bytes(range(1, 256)) * 4)
     good = tmp_path / "good.nc"
     good.write_text("G21 G91\nG1 X1 F600\n")
     for file in (odd, good):
         browser.driver.find_element("id", "upload").send_keys(str(file))
-        name = "s_me _file_.nc" if file is odd else "good.nc"
+        name = "some _file_.nc" if file is odd else "good.nc"
         browser.until(f"document.getElementById('jobs').value === {name!r}")
         for _ in range(2):
             before = browser.at()[0]
