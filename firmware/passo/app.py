@@ -313,12 +313,14 @@ class App:
         return self._one_by_one(commands, link) if commands and not data else commands
 
     def _one_by_one(self, commands, link):
-        """`commands` of lines, which are understood as each is asked for and take a chip milliseconds: `?` comes before each."""
+        """`commands`, and before each the real-time bytes that have come: a generator reads a line as its command is asked for, which
+        takes a chip milliseconds. A tuple is there already."""
         if not self.interrupt or not link.heed or isinstance(commands, tuple):
             return commands
         return self._between(commands, link)
 
     def _between(self, commands, link):
+        """Carry out the real-time bytes of `link` before, between and behind `commands`."""
         if link.serial.any():
             self._listen(link)
         for command in commands:
@@ -379,7 +381,7 @@ class App:
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
                     break
-            elif answers != b"" or len(data) < _FULL or not more:  # None, False
+            elif answers != b"" or len(data) < _FULL or not more:  # None, False: see Grbl.take()
                 break
             else:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost

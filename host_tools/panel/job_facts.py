@@ -9,7 +9,6 @@
 
 import re
 
-from host_tools.failure import Failure
 from host_tools.programs.estimate import Estimate
 from host_tools.programs.gcode_time import Limits, estimate
 
@@ -29,15 +28,15 @@ def gcode(lines, settings):
 
 
 def _refused(lines, answers):
-    from host_tools.programs.replay import Replay
+    from host_tools.programs.replay import Refused, Replay
     from host_tools.programs.replayed_machine import Machine
 
     if not any(row.startswith("$100=") for row in answers) or any(row.startswith("$103=") for row in answers):
         return None
     try:
         Replay(Machine.of_answers(answers, []), lines).check()
-    except Failure as failure:
-        return getattr(failure, "refused", None)
+    except Refused as refused:
+        return refused.number, refused.error
     return None
 
 

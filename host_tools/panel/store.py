@@ -13,6 +13,7 @@ from host_tools.clients.grbl import tagged
 from host_tools.failure import Failure
 from host_tools.panel import job_facts
 from host_tools.programs import gcode_file, stored_job
+from host_tools.sim.tab_jobs import text_error
 from passo import errors
 
 MOST_BYTES = 64 << 20  # of all jobs
@@ -28,11 +29,6 @@ def gcode_lines(path):
     """[(number, bytes)] as they are sent: without comments, numbered if the file does not number them itself. Raises Failure."""
     lines = gcode_file.read(path)
     return Store.numbered(lines, lines)
-
-
-def text_error(text):
-    """0 if a file may be a job; empty ones, and pictures and other files with zero bytes, are none."""
-    return errors.NOT_A_JOB if "\0" in text or not text.strip() else 0
 
 
 class Store:

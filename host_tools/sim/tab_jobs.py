@@ -30,6 +30,11 @@ def tagged(number, line):
     return line if line[:1] == "$" or len(line) > _LONGEST_TAGGED else "N%d%s" % (number, line)
 
 
+def text_error(text):
+    """0 if a file may be a job, else NOT_A_JOB: it is empty, or has zero bytes, as pictures have."""
+    return errors.NOT_A_JOB if "\0" in text or not text.strip() else 0
+
+
 class Jobs:
     def __init__(self, jobs, language):
         """`jobs`: {name: text}; `language`: grbl's lines are numbered."""
@@ -82,10 +87,10 @@ class Jobs:
             return error
         if len(text) + sum([len(self._jobs[other]) for other in self._jobs if other != name]) > _MOST_BYTES:
             return errors.JOB_SIZE
-        if "\0" in text or not text.strip():
-            return errors.NOT_A_JOB
-        self._jobs[name] = text
-        return 0
+        error = text_error(text)
+        if not error:
+            self._jobs[name] = text
+        return error
 
     def remove(self, name):
         if name not in self._jobs:

@@ -1,4 +1,4 @@
-"""Homing by StallGuard: motors feel the ends of their axes, on a plant whose signal trembles, with a motor an axis; on a belt of two it is refused."""
+"""Homing by StallGuard: motors feel the ends of their axes, on a plant whose signal trembles, with a motor an axis."""
 
 import copy
 import random
@@ -281,33 +281,24 @@ def test_what_a_board_file_cannot_ask_for(change, words):
         check(board)
 
 
-@pytest.mark.parametrize("asked", ("$H", "$HX", "$HY"))
-def test_a_belt_does_not_home_by_stall(asked):
-    """A motor that slips a pole while Y homes shifts X, which is homed already: 6 of 23 emulated homings said ok elsewhere."""
-    machine = Asked(plotter(), stalls=3, seed=3)
-    machine.do("$X")
-    before = list(machine.plant.position)
-    assert "ALARM:8" in machine.ask(asked, 10_000)
-    machine.machine.run_ms(300)
-    assert machine.plant.position == before and not machine.machine.app.controller.machine.homed
-    log = [str(entry) for entry in machine.machine.app.controller.machine.log.entries]
-    assert any("driver of x: no homing by stall on a belt" in entry for entry in log), log
-    assert set_up(machine, "x")[0] == set_up(machine, "y")[0] == 0
-    machine.do("$X", "G91G0X1")
+def test_two_motors_that_share_their_axes_do_not_home_by_stall():
+    """On CoreXY a motor that slips a pole while Y homes shifts X, which is homed already: 6 of 23 emulated homings said ok elsewhere."""
+    for feels in ("xy", "x", "y"):
+        board = plotter()
+        for motor in board["drivers"]["motors"]:
+            motor["stall"] *= motor["axis"] in feels
+        with pytest.raises(BoardError, match="no stall where x and y share two motors"):
+            check(board)
+    for motor in board["drivers"]["motors"]:
+        motor["stall"] = 0
+    check(board)
 
 
-def test_backlash_is_no_belt():
-    """A machine that takes up backlash has a motor an axis, though its planner is another, too: it homes by stall."""
+def test_backlash_and_stall():
+    """A machine that takes up backlash homes by stall, too."""
     machine = Asked({**router(), "backlash": {"x": 0, "y": 0, "z": 0}}, stalls=3, seed=3)
     machine.do("$X", "$H")
     assert all(abs(each) <= 2 * FULL for each in machine.plant.position[:2]), machine.plant.position
-
-
-def test_both_motors_of_a_belt_feel_or_none():
-    board = plotter()
-    board["drivers"]["motors"][1]["stall"] = 0
-    with pytest.raises(BoardError, match="both stall, or none"):
-        check(board)
 
 
 @pytest.mark.slow

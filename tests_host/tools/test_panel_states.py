@@ -1,4 +1,4 @@
-"""What the page says and shows in states that a stranger brings it to: a file that is no job, what is grey and why, an alarm on a phone."""
+"""The page refuses files that are no jobs, says why a button is grey, and on a phone begins with Home and Unlock in an alarm."""
 
 import pytest
 from test_panel_page import Browser, driver, pytestmark as of_pages  # noqa: F401

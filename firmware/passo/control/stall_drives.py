@@ -2,8 +2,7 @@
 
 All are set up anew, and read back, as homing begins and as it ends, however it does; nothing moves in between. A driver compares
 SG_RESULT, which falls with the load, with twice the threshold, and says on its DIAG pin that it is below. Before it has a threshold the pin
-is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves. So is homing where X and Y share their
-motors: one that slips a pole while Y homes shifts X, too.
+is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves.
 """
 
 from micropython import const
@@ -24,7 +23,6 @@ class Motors(drives.Motors):
     def __init__(self, board, machine, queue):
         self._mohm = board["drives"]["sense_mohm"]
         self._sensors = board["homing"]["sensors"]
-        self._belt = "xy" if board.get("motion") == "corexy" else ""  # axes that both motors move
         self._set = 0
         self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
         drives.Motors.__init__(self, board, machine, queue)
@@ -46,15 +44,13 @@ class Motors(drives.Motors):
         drives.Motors.look(self, now_ms)
 
     def _stuck(self):
-        """Raise an alarm if a driver that feels nothing yet says so, or if a slip would shift an axis that has been homed."""
+        """Raise an alarm if a driver that feels nothing yet says so."""
         machine = self._machine
         for motor in self._motors:
             axis = motor["axis"]
-            belt = axis in self._belt
-            if motor["stall"] and (belt or machine.inputs.read(self._sensors[axis])):
+            if motor["stall"] and machine.inputs.read(self._sensors[axis]):
                 self._asked = self._feels = False
-                words = "driver of %s: " + ("no homing by stall on a belt" if belt else "DIAG is active")
-                machine.raise_alarm(errors.ALARM_SENSOR_STUCK, words % axis, ANEW)
+                machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
                 machine.restarted()
                 return True
         return False

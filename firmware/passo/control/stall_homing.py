@@ -11,7 +11,7 @@ agree by chance less than twice in 100 000 homings: the way to a place is 25 ful
 raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles. A place
 behind which the axis ran on for more than 1.25 full steps does not agree: two full steps behind its field a rotor slips to another pole.
 
-Axes with switches home as elsewhere. X and Y on one belt do not home by stall: see stall_drives.py.
+Axes with switches home as elsewhere. X and Y of CoreXY cannot home by stall: if a motor slips while Y homes, X is wrong and nothing tells.
 """
 
 from micropython import const
