@@ -28,14 +28,14 @@ def gcode(lines, settings):
 
 
 def _refused(lines, answers):
-    from host_tools.programs.replay import Refused, Replay
+    from host_tools.programs.replay import RefusedLine, Replay
     from host_tools.programs.replayed_machine import Machine
 
     if not any(row.startswith("$100=") for row in answers) or any(row.startswith("$103=") for row in answers):
         return None
     try:
         Replay(Machine.of_answers(answers, []), lines).check()
-    except Refused as refused:
+    except RefusedLine as refused:
         return refused.number, refused.error
     return None
 

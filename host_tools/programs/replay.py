@@ -46,7 +46,7 @@ def _close(place, other):
     return all(abs(one - two) <= _NEAR_STEPS for one, two in zip(place, other))
 
 
-class Refused(Failure):
+class RefusedLine(Failure):
     """The parser refuses line `number` of the file, by the number `error`."""
 
     def __init__(self, number, line, error):
@@ -214,7 +214,7 @@ class Replay:
         raise Failure("the file ends before line {}", number)
 
     def check(self):
-        """Raise Refused at the first line that the parser refuses. `$` lines are passed over."""
+        """Raise RefusedLine at the first line that the parser refuses. `$` lines are passed over."""
         for command in (made for at, row in enumerate(self._lines) if row[1][:1] != b"$" for made in self._interpret(at)):
             self._board.target = self._board.target if command.target is None else list(command.target)
 
@@ -226,7 +226,7 @@ class Replay:
             raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
         error = self._gcode.interpret(line)
         if error:
-            raise Refused(number, line, error)
+            raise RefusedLine(number, line, error)
         return list(_all(self._gcode.commands))
 
     def _carry_out(self, index):
