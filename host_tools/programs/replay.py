@@ -49,8 +49,8 @@ def _close(place, other):
 class RefusedLine(Failure):
     """The parser refuses line `number` of the file, by the number `error`."""
 
-    def __init__(self, number, line, error):
-        Failure.__init__(self, "line {}, {}: {}", number, line.decode("ascii", "replace"), explain(f"error:{error}"))
+    def __init__(self, text, number, line, error):
+        super().__init__(text, number, line.decode("ascii", "replace"), explain(f"error:{error}"))
         self.number = number
         self.error = error
 
@@ -226,7 +226,7 @@ class Replay:
             raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
         error = self._gcode.interpret(line)
         if error:
-            raise RefusedLine(number, line, error)
+            raise RefusedLine("line {}, {}: {}", number, line, error)
         return list(_all(self._gcode.commands))
 
     def _carry_out(self, index):

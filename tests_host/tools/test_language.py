@@ -29,7 +29,7 @@ PAGE = json.loads((FIRMWARE / "passo" / "web" / "page" / "pt.json").read_text(en
 SOURCES = [path for path in HOST_TOOLS.rglob("*.py") if path.parent.name != "bench"]  # that one speaks to those who build Passo
 TREES = Trees({path.relative_to(HOST_TOOLS).as_posix(): path for path in SOURCES})
 # Calls that take a text and the values of its fields, and which argument the text is.
-TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "Unavailable": 0, "Aborted": 0, "Stopped": 0, "Broken": 0, "Failed": 0, "Silent": 0,
+TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "RefusedLine": 0, "Unavailable": 0, "Aborted": 0, "Stopped": 0, "Broken": 0, "Failed": 0, "Silent": 0,
          "ProgramError": 1, "_misfit": 2}  # fmt: skip
 # Functions that hand on a text of their caller's, or one of a table.
 HANDED_ON = {
