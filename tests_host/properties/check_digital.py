@@ -78,6 +78,34 @@ def check_from_a_stand():
     assert machine.world.on()[0] and machine.world.changes[0][0] - begun <= 50 * TICKS_PER_MS
 
 
+def check_behind_an_arc_of_chords():
+    """Its last chords are not queued yet as M62 is read: it waits for the motion behind all of them. With G93 no batch keeps the line back."""
+    machine = router()
+    machine.do("G18G91", "G1X1F3000", "G93", "G2X20Z0I10K0F3")
+    assert machine.controller.queue.chords, "or it shows nothing"
+    machine.do("M62P0", "G1X5F10")
+    machine.settle()
+    (change,) = machine.world.changes
+    assert 0 <= change[3] - 3000 - 21 * 320 <= 50 * 320 * 2 * CYCLE_MS // 1000, change
+
+
+def check_a_dwell_is_no_motion():
+    """From a stand, and behind a motion. As LinuxCNC: a dwell takes no change with it, the motion behind it does."""
+    machine = router()
+    begun = machine.port.now
+    machine.do("G91", "M62P0", "G4P0.5", "M62P1", "G4P0.3", "G1X5F3000")
+    machine.settle()
+    machine.do("M63P0", "G4P0.2", "G4P0.2")
+    machine.settle()
+    machine.cycles(50)
+    assert [(name, on) for _, name, on, _ in machine.world.changes] == [("p0", True), ("p1", True)]
+    for tick, _, _, place in machine.world.changes:
+        assert tick - begun >= 800 * TICKS_PER_MS and 0 <= place - 3000 <= 50 * 320 * 2 * CYCLE_MS // 1000
+    machine.do("G1X1")
+    machine.settle()
+    assert machine.world.on() == (0, 1)
+
+
 def check_refusals():
     machine = router()
     for line, error in (("M62", 28), ("M64 P2", 122), ("M64 P10", 122), ("M62 P0 M63", 21), ("M64 P-1", 4)):

@@ -271,6 +271,32 @@ def test_at_rest_with_the_door_open_it_parks_too_and_comes_back():
     assert made.plant.position == [6720, 6400, -2000]
 
 
+@pytest.mark.parametrize("before", [(), ("G1X25F600",)], ids=["at rest", "amid a motion"])
+def test_m62_waits_for_the_programs_motion_not_for_parking(before):
+    """The output is on from the next motion of the program on, which the door lets begin only when all is closed."""
+    outputs = [*boards.load("router_3axis")["outputs"], {"name": "p0", "pin": 22, "active": 1, "role": "none"}]
+    made = Parked(router(outputs=outputs))
+    changes = []
+    show = made.machine.port.output
+    made.machine.port.output = lambda name, on: (changes.append((made.plant.position[:], on)) if name == "p0" else None, show(name, on))
+    made.do(*before, "M62P0")
+    made.machine.run_ms(100)
+    assert not any(on for _, on in changes)
+    made.door(True)
+    made.until("Door:1")
+    made.machine.run_ms(200)
+    made.door(False)
+    made.until("Door:0")
+    made.machine.send(b"~")
+    made.finish()
+    assert not any(on for _, on in changes), changes
+    x = made.plant.position[0]
+    made.do("G91G1X5F600")
+    made.finish()
+    (place,) = [place for place, on in changes if on]
+    assert 0 <= place[0] - x <= 10 * 320 * 20 // 1000 and place[1:] == [6400, -2000], place
+
+
 def test_the_end_of_a_program():
     made = Parked(router({"at_end": True}))
     made.do("M3S1000", "G1Z-10F900", "M30")
