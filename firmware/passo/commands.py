@@ -49,7 +49,7 @@ SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in st
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 JOB = const(50)  # a stored job: `value` is one of JOB_RUN …, `target` its name or what else it needs
 JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
-CODE = const(1000)  # + 62: M62, as the line of G-code says it: `value` is its number, see protocols/gcode/codes.py
+CODE = const(1000)  # + 62: M62, as the line of G-code says it: `value` is its number, see protocols/gcode/codes.py; M66: `power` is L, `feed` Q in ms
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
 STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
 

@@ -11,7 +11,7 @@ _PINS = {
     "P": N_("probe"), "D": N_("door"), "H": N_("hold"), "R": N_("reset"), "S": N_("resume"), "N": N_("presence"),
     "n": N_("nobody at the machine"),
 }  # fmt: skip
-_MORE = {"Dr": N_("drivers"), "RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs")}
+_MORE = {"Dr": N_("drivers"), "In": N_("input of M66"), "RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs")}
 _ELSEWHERE = ("SD", "En")  # words of a status that have rows of their own
 _ACCESSORIES = {"S": N_("spindle clockwise"), "C": N_("spindle counter-clockwise"), "F": N_("flood"), "M": N_("mist")}
 
@@ -106,7 +106,7 @@ def grbl_rows(fields, encoders, log):
         rows.append((N_("overrides"), _("feed {} %, rapids {} %, spindle {} %", *fields["Ov"].split(","))))
     active = [_(_PINS[letter]) if letter in _PINS else _("limit {}", letter) for letter in fields.get("Pn", "")]
     rows.append((N_("active"), ", ".join(active) or _("no input")))
-    rows += [(_(_MORE[word]) if word in _MORE else word, fields[word]) for word in ("Dr", *(word for _, word in STATUS_WORDS if word != "Dr")) if word in fields and word not in _ELSEWHERE]
+    rows += [(_(_MORE[word]) if word in _MORE else word, fields[word]) for word in dict.fromkeys(("Dr", "In", *(word for _, word in STATUS_WORDS))) if word in fields and word not in _ELSEWHERE]
     for line in encoders:
         motor, count, error, most = line[5:-1].split(",")
         rows.append((_("encoder {}", motor), _("{} counts, {} steps off, {} at most", count, error, most)))

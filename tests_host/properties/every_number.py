@@ -27,7 +27,7 @@ LINES = (
     "G2X1I%sF900", "G2X1Y1J%sF900", "G3X1Y1R%sF900", "G3X1Y1R-%sF900", "G2X1Y1I1P%sF900", "G18G2X1Z-1K%sF900", "G19G3Y1Z-1J%sF900", "G2X%sY%sR%sF900",
     "G4P%s", "T%s", "M6T%s", "G%s", "M%s", "N%sX1", "G10L2P1X%s", "G10L2P%sX1", "G10L%sP1X1", "G10L20P0Y%s", "G92Z%s", "G43.1Z%s",
     "G43H%s", "G10L1P1Z%s", "G81X1Z-1R%sF100", "G81X1Z-%sR0F100", "G82Z-1R0P%sF100", "G83Z-1R0Q%sF100", "G73Z-1R0Q%sF100", "G91G81X1Z-1R1L%sF100",
-    "G64P%s", "G61P%s", "G38.2Z-%sF100", "G28X%s", "G53G0X%s", "M62P%s", "M63P%s", "M64P%s", "M65P%s", "M3S100P%s", "D%s", "Q%s", "E%sX1", "A%s",
+    "G64P%s", "G61P%s", "G38.2Z-%sF100", "G28X%s", "G53G0X%s", "M62P%s", "M63P%s", "M64P%s", "M65P%s", "M66P%s", "M66P0L%sQ1", "M66P0L3Q%s", "M3S100P%s", "D%s", "Q%s", "E%sX1", "A%s",
     "S%s", "F%s", "$J=X%sF100", "$J=G91X1F%s", "$%s", "$%s=1", "$N%s=G21", "$LINK=%s", "$JR=%s", "$ENC=%s",
 )  # fmt: skip
 LASER = (

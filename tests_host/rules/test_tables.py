@@ -7,7 +7,7 @@ import pytest
 
 from host_tools.cli import status
 from passo.commands import INPUTS, STATUS_WORDS
-from passo.control import drives
+from passo.control import drives, wait
 from passo.machine_builder import FEATURES
 
 pytestmark = pytest.mark.quick
@@ -35,6 +35,6 @@ def test_inputs_are_in_the_docs_and_have_their_feature():
 
 
 def test_words_of_a_status_have_names_for_people_or_are_shown_as_they_are():
-    words = {word for _, word in (*STATUS_WORDS, drives._WORD)}  # the last only where drivers are set up
+    words = {word for _, word in (*STATUS_WORDS, drives._WORD, wait._WORD)}  # the last two only on boards that ask for them
     text = re.search(r"^const MORE = {(.*)}", (PAGE / "panel.js").read_text(encoding="utf-8"), re.MULTILINE).group(1)
     assert set(re.findall(r"(\w+): \"", text)) | set(status._MORE) | set(status._ELSEWHERE) <= words, "a name without its row"

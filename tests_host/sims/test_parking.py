@@ -297,6 +297,28 @@ def test_m62_waits_for_the_programs_motion_not_for_parking(before):
     assert 0 <= place[0] - x <= 10 * 320 * 20 // 1000 and place[1:] == [6400, -2000], place
 
 
+def test_a_wait_for_an_input_parks_and_goes_on():
+    """What the input does meanwhile counts once the axis is back."""
+    made = Parked(router(inputs=[*boards.load("router_3axis")["inputs"], {"name": "p0", "pin": 22, "active": 1, "pull": "down"}]))
+    made.plant.set_input(made.machine.port.now, "p0", False)
+    made.feed(["M66P0L1Q100", "G91G1X5F600"])
+    made.machine.run_ms(200)
+    park(made, places := [])
+    assert places == [(6400, 6400, -2000)]
+    made.until("Run")
+    made.machine.run_ms(300)
+    made.door(True)
+    made.until("Door:1")
+    made.plant.set_input(made.machine.port.now, "p0", True)
+    made.machine.run_ms(300)
+    assert made.plant.position == [6400, 6400, -2 * Z_MM]
+    made.door(False)
+    made.until("Door:0")
+    made.machine.send(b"~")
+    made.finish()
+    assert made.plant.position == [8000, 6400, -2000]
+
+
 def test_the_end_of_a_program():
     made = Parked(router({"at_end": True}))
     made.do("M3S1000", "G1Z-10F900", "M30")

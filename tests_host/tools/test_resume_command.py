@@ -12,7 +12,8 @@ from host_tools.programs.interrupted import interrupted, number_of
 from host_tools.clients.grbl import GrblClient, Refused, tagged
 from host_tools.failure import Failure
 from host_tools.programs import compiler, gcode_file, stored_job
-from router import LASER
+from passo import commands
+from router import BOARD, LASER
 from running_router import Running
 
 PART = b"G21 G90\nG1 X20 Y5 F3000\nG1 X20 Y15\nG1 X5 Y15\nG0 X0 Y0\nM30\n"
@@ -56,6 +57,26 @@ def test_a_lost_pc(board, part, capsys):
     part.write_bytes(PART + b"G4P0\n")
     with pytest.raises(Failure, match="another file"):
         resume.resume(part, board.line.name, 115200, yes=True)
+
+
+def test_a_wait_for_an_input(tmp_path, capsys):
+    """Interrupted amid M66 a job goes on with it."""
+    part = tmp_path / "part.nc"
+    part.write_bytes(b"G21 G90\nG1 X20 Y5 F3000\nM66 P0 L3 Q9000\nG1 X5 Y15\nM30\n")
+    lines = gcode_file.read(part)
+    with Running("fast", journal={"every_ms": 100}, inputs=[*BOARD["inputs"], {"name": "p0", "pin": 20, "active": 1, "pull": "down"}]) as running:
+        running.world.switches["p0"] = 0
+        machine = running.app.controller.machine
+        with GrblClient(running.line.name) as client:
+            begin(client, lines, 2)
+            client.real_time(tagged(*lines[2]) + b"\n")
+            running.until(lambda: machine.busy_with(commands.CODE + 66) and running.app.controller.queue.still())
+            client.reset()
+        assert machine.command is None
+        running.world.switches["p0"] = 1
+        resume.resume(part, running.line.name, 115200, yes=True)
+        assert "interrupted before line 3" in capsys.readouterr().out
+        assert running.position() == [1600, 4800, 0] and "M66" in str(lines[2])
 
 
 NGC = "#1=5\no100 while [#1 lt 20]\nG1 X#1 F3000\nG1 Y#1\n#1=[#1+5]\no100 endwhile\nG0 X0 Y0\nM30\n"

@@ -28,7 +28,7 @@ _M = {
     TURNING: (30, 40, 50),
     COOLING: (70, 80, 90),
     OVERRIDES: (480, 490, 500, 510, 520, 530),
-    SWITCHING: (620, 630, 640, 650),
+    SWITCHING: (620, 630, 640, 650, 660),
     CALLING: (980, 990),
     SAVING: (700, 710, 720, 730),
 }
@@ -43,7 +43,7 @@ NOT_ON_BOARD = {
         592: "G54 to G59 only", 593: "G54 to G59 only", 760: "a spindle with an encoder", 870: "a spindle that stops at an angle",
         922: "G92 offsets are not kept", 923: "G92 offsets are not kept", 960: "constant surface speed",
     },
-    "m": {190: "a spindle that stops at an angle", 660: "waiting for an input", 670: "analogue outputs", 680: "analogue outputs"},
+    "m": {190: "a spindle that stops at an angle", 670: "analogue outputs", 680: "analogue outputs"},
 }  # fmt: skip
 
 # Who takes the line's axis words.

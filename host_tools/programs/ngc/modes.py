@@ -71,8 +71,19 @@ class Modes:
         if code is not None:
             self.path.word(f"M{code // 10}")
             self.coolant = {*self.coolant, f"M{code // 10}"} if code != 90 else set()
-        if output is not None:
+        if output == 660:
+            self.wait()
+        elif output is not None:
             self.path.word(f"M{output // 10} P{self.whole('p', 0, 9)}")
+
+    def wait(self):
+        """M66: the board waits; what it finds, #5399, only the machine knows."""
+        port = self.whole("p", 0, 9)
+        what = self.whole("l", 0, 4) if "l" in self.words else 0
+        seconds = self.words.pop("q", 0)
+        if what and seconds <= 0:
+            raise ProgramError(RANGE, "Q{:g}", seconds)
+        self.path.word(f"M66 P{port} L{what}" + (f" Q{number(seconds)}" if what else ""))
 
     def dwell(self):
         seconds = self.take("p")

@@ -3,7 +3,7 @@
     G92*            it wants the line's axis words for itself
     G83**           so does a canned cycle
     M62=P           reader.py hands it on as it is, before the line's motion: Command(CODE + 62), `value` the whole number behind P, to the
-                    feature whose handlers() name it; M62= has no number. What the other codes do says parser.py
+                    feature whose handlers() name it; M62= has no number. M66 has L and Q, too. What the other codes do says parser.py
 
 Codes of the same group exclude each other in a line.
 """
@@ -48,7 +48,7 @@ _TABLE = (
     "M6;"
     "M3 M4 M5;"
     "M7 M8 M9;"
-    "M62=P M63=P M64=P M65=P"
+    "M62=P M63=P M64=P M65=P M66=P"
 )
 
 # Of a code's entry in CODES.

@@ -5,11 +5,12 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.gcode.codes import AXES, CODES, G43, GROUP, GROUPS, LETTER, ON, why_unknown
-from passo.protocols.gcode.words import A, F, H, L, M_CODES, N, P, R, X, Z, Words, rounded
+from passo.protocols.gcode.words import A, F, H, L, M_CODES, N, P, Q, R, X, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)
 NONE = const(-1)
+_M66 = const(1_006_600)  # as in CODES
 
 
 class Refused(Exception):
@@ -131,7 +132,11 @@ class Reader:
         letter = CODES[code] >> LETTER
         if letter and not self._take(letter):
             raise Refused(errors.VALUE_MISSING)
-        return Command(commands.CODE + (code - M_CODES) // 100, value=self._whole(letter) if letter else 0)
+        command = Command(commands.CODE + (code - M_CODES) // 100, value=self._whole(letter) if letter else 0)
+        if code == _M66:
+            command.power = self._whole(L) if self._take(L) else 0
+            command.feed = self.words.fixed(Q, 3) if self._take(Q) else 0
+        return command
 
     def _take_axes(self, places, value):
         """A copy of `places` with value(axis, its word) where the line has the axis's word."""
