@@ -46,7 +46,7 @@ TEXTS = {
     errors.TOOL_NUMBER: "the tool number is above 255: take a lower one",
     errors.NO_SUCH_TOOL: "the tool is not in the table of lengths: G10 L1 P Z puts it there",
     errors.CHECKSUM: "a packet's checksum was wrong: it was asked for again",
-    errors.UNKNOWN_COMMAND: "an unknown command byte",
+    errors.UNKNOWN_COMMAND: "unknown to this board",
     errors.BYTES_DROPPED: "an unfinished packet was dropped: it was asked for again",
     errors.TRAVEL: "the point lies outside the machine's travel: move or scale the drawing",
     errors.SPEED_RANGE: "the speed is outside the board file's speed.min … speed.max",
