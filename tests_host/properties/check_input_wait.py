@@ -2,6 +2,7 @@
 
 from boards.router_3axis import BOARD
 from check_jobs import make, remove, run, store
+from passo.control.motors import RELEASED, RUNNING
 from passo.steps.word import TICKS_PER_MS
 from router import BANNER, Machine, home
 
@@ -178,6 +179,27 @@ def check_a_hold_stops_its_time_and_its_eyes():
         assert "ok" not in machine.said()
         machine.put(b"~")
         assert "ok" in machine.cycles(10) and found(machine) == 1
+
+
+def check_the_motors_keep_their_current():
+    """Through a wait, a hold of it and the door, as through G4; behind it they are released as ever."""
+    for wait in ("M66P0L3Q9", "G4P9"):
+        machine = router(idle_release_ms=100)
+        motors = machine.app.controller.machine.motors
+        machine.do("G91G1X1F3000")
+        machine.settle()
+        for byte in (b"", b"!", b"\x84"):
+            machine.cycles(300)
+            assert motors.state == RELEASED and machine.world.outputs["enable"] == 1
+            machine.put(wait + "\n")
+            machine.cycles(300)
+            assert motors.state == RUNNING and machine.world.outputs["enable"] == 0, wait
+            machine.put(byte)
+            machine.cycles(300)
+            assert motors.state == RUNNING and machine.world.outputs["enable"] == 0, (wait, byte)
+            machine.put(b"~" if byte else b"")
+            while "ok" not in machine.cycles():
+                assert machine.world.outputs["enable"] == 0, (wait, byte)
 
 
 def check_reset_and_stops_end_it():

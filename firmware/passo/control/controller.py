@@ -165,7 +165,7 @@ class Controller:
             self._late = self._feeder.late
             machine.note(errors.WORDS_LATE)
         if (
-            self._motors.poll(now_ms, not still and not machine.sleeping, self.queue.tool)  # first: it runs in each cycle
+            self._motors.poll(now_ms, (not still or machine.busy_with(commands.CODE + 66)) and not machine.sleeping, self.queue.tool)  # in each cycle
             or not still or machine.command is not None or machine.drawing or machine.hold or machine.dropping
         ):  # fmt: skip
             machine.awake = True

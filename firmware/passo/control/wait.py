@@ -3,7 +3,7 @@
     M66 P0 L3 Q5        until p0 is active, but 5 s at most
 
 L is what it waits for: 0 nothing, and needs no Q, 1 that the input becomes active, 2 that it becomes inactive, 3 that it is active,
-4 that it is inactive. The axes stand meanwhile. Status reports tell what it has found, until the next M66: `In:1` active, `In:0`
+4 that it is inactive. The axes stand meanwhile, with current, as for G4. Status reports tell what it has found, until the next M66: `In:1` active, `In:0`
 inactive, `In:-1` time-out, as grblHAL does; LinuxCNC has it in #5399. A time-out is no error, as in both.
 
 The main loop looks once a cycle: a change has to last 20 ms to be seen for sure. In a hold, and while the door is open, neither time nor

@@ -9,8 +9,8 @@ from host_tools.programs.program_errors import (
     BRACKETS, NOT_IN_DIALECT, RANGE, REPEATED, SYNTAX, WHOLE, ProgramError,
 )  # fmt: skip
 
-LETTERS = "dfhijklpqrstxyz@^"
-ELSEWHERE = "abcuvwe$"  # axes and words that LinuxCNC has, and no Passo machine
+LETTERS = "defhijklpqrstxyz@^"
+ELSEWHERE = "abcuvw$"  # axes and words that LinuxCNC has, and no Passo machine
 
 
 class Block:

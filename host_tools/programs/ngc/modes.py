@@ -3,6 +3,7 @@
 import cmath
 import math
 
+from host_tools.language import _
 from host_tools.programs.compensation import LEFT, RIGHT
 from host_tools.programs.program_errors import (
     MISSING, NOT_ON_BOARD, RANGE, TOOL, UNUSED, ProgramError,
@@ -78,6 +79,8 @@ class Modes:
 
     def wait(self):
         """M66: the board waits; what it finds, #5399, only the machine knows."""
+        if "e" in self.words:
+            raise ProgramError(NOT_ON_BOARD, "M66 E: {}", _("analogue inputs"))
         port = self.whole("p", 0, 9)
         what = self.whole("l", 0, 4) if "l" in self.words else 0
         seconds = self.words.pop("q", 0)
