@@ -8,7 +8,7 @@
 from passo.config.board_error import BoardError
 
 _OF_NETWORK = ("websocket", "connection", "session", "guard", "http", "files", "signed", "lines")
-_OF_PAGE = ("protocols.page.lease", "protocols.page.jog", "web.pace", "web.pages", "protocols.page.orders", "protocols.page.page_machine")
+_OF_PAGE = ("protocols.page.lease", "protocols.page.jog", "web.pace", "web.pages", "protocols.page.orders", "protocols.page.page_machine", "protocols.page.protocol")
 
 
 def load(board):

@@ -90,6 +90,7 @@ def check_stop_origin_and_preferences():
     assert desk.order("step", by={"x": 1}, speed=600) == errors.BUSY
     assert desk.api.order({"do": "stop"}, False)["error"] == 0
     desk.settle()
+    assert desk.machine.shown()["lease"] == 1  # as other pages see that somebody has stopped
     stood = desk.place()
     assert 100 < stood[0] < 1000
     desk.run_ms(300)
@@ -101,7 +102,7 @@ def check_stop_origin_and_preferences():
     desk.settle()
     told = desk.api.order({"do": "preferences"}, True)
     assert told["jog"] == [2, 3] and told["speed"] == [300, 600] and told["scale"] == [48, 83], told
-    desk.hold_jog(1, 60, way={"y": 1})
+    desk.hold_jog(2, 60, way={"y": 1})  # STOP has used up a number
     desk.order("release")
     desk.settle()
     assert desk.place()[1] > stood[1]

@@ -1,5 +1,7 @@
 """The page refuses files that are no jobs, says why a button is grey, and on a phone begins with Home and Unlock in an alarm."""
 
+import time
+
 import pytest
 from test_panel_page import Browser, driver, pytestmark as of_pages  # noqa: F401
 
@@ -171,3 +173,72 @@ def test_portuguese_agrees_and_a_bound_has_its_unit(tmp_path, driver):
         most = browser.driver.execute_script(TEXT, "pace-most")
         assert most.startswith("1 … ") and most.endswith(" mm/min")
         assert not browser.driver.execute_script(GREY)
+
+
+def test_the_tool_goes_around_a_job(page, router, tmp_path):
+    """To the corners of its box, and no further; a pause and STOP end it. What leads out of the travel, and what moves nothing, cannot be gone around."""
+    client = router.page()
+    with page() as browser:
+        at_rest(browser)
+        browser.click("zero-all")
+        browser.answer()
+        (tmp_path / "part.nc").write_text("G21 G90\nG0 X0 Y0\nG1 X4 Y3 F1000\nG1 X2 Y0\nM2\n")
+        browser.find("upload").send_keys(str(tmp_path / "part.nc"))
+        browser.until(lambda: "part.nc" in browser.text("run") and browser.find("round").is_enabled())
+        browser.fill("jog-speed", "3000")
+        browser.click("round")
+        browser.until(lambda: "4.0 × 3.0 mm" in browser.text("ask-text"))
+        browser.answer()
+        for x, y in ((4, 0), (4, 3), (0, 3), (0, 0)):
+            browser.until(lambda: browser.works_at(x, y))
+        browser.until_state("Ready")
+        start = browser.place()
+        browser.fill("jog-speed", "60")
+        for end, state in (("hold", "Idle"), ("stop", "Alarm")):
+            browser.click("round")
+            browser.answer()
+            browser.until(lambda: browser.place() != start)
+            browser.click(end)
+            browser.until(lambda state=state: browser.find("state").get_attribute("data-state") == state)
+            stood = browser.place()
+            time.sleep(1)
+            assert browser.place() == stood and 0 < stood[0] - start[0] < 4 and stood[1:] == start[1:]
+            if end == "hold":
+                browser.fill("goto-x", "0")
+                browser.css("#goto-form button").click()
+                browser.until(lambda: browser.works_at(0, 0))
+                browser.until_state("Ready")
+        at_rest(browser)
+        for name, text, said in (("far.nc", "G21 G90\nG1 X4000 F1000\nM2\n", "out of the travel"), ("still.nc", "(nothing)\nM2\n", "moves nothing")):
+            (tmp_path / name).write_text(text)
+            browser.find("upload").send_keys(str(tmp_path / name))
+            browser.until(lambda said=said: said in browser.find("round").get_attribute("title") and not browser.find("round").is_enabled())
+
+
+def test_a_stop_of_another_page_ends_what_goes_step_by_step(page, router, tmp_path):
+    """It comes while the machine stands between two moves: of a button of one's own, and around a job."""
+    other = router.page()
+    with page() as browser:
+        at_rest(browser)
+        browser.click("zero-all")
+        browser.answer()
+        (tmp_path / "small.nc").write_text("G21 G90\nG0 X0 Y0\nG1 X4 Y3 F1000\nM2\n")
+        browser.find("upload").send_keys(str(tmp_path / "small.nc"))
+        browser.until(lambda: browser.find("round").is_enabled())
+        browser.driver.execute_script("document.querySelector('#card-own details').open = true")
+        browser.fill("own-name", "Twice")
+        browser.fill("own-lines", "G1 X4 F3000\nG1 Y3")
+        browser.tap("#own-form button")
+        browser.fill("jog-speed", "3000")
+        browser.driver.execute_script("const real = setTimeout; window.setTimeout = (call, ms) => real(call, 10 * ms)")  # it stands for longer
+        for begin in (lambda: browser.tap("#own-buttons button"), lambda: (browser.click("round"), browser.answer())):
+            begin()
+            other.until(lambda state: state["state"] in ("Run", "Jog"))
+            other.until(lambda state: state["state"] == "Idle" and state["w"][0] > 3.9)
+            other.order("stop")
+            time.sleep(4)
+            assert browser.works_at(4, 0), browser.place()
+            at_rest(browser)
+            other.order("goto", to={"x": 0, "y": 0}, speed=3000)
+            browser.until(lambda: browser.works_at(0, 0))
+            browser.until_state("Ready")

@@ -174,6 +174,8 @@ def jobs(page, folder):
     page.click("check")
     page.until(lambda: "no error" in page.text("job-state"))
     page.until_state("Ready")
+    page.click("round")
+    page.answer(False)
     page.type("passes", "2")
     page.click("run")
     page.until_state("Running")

@@ -54,11 +54,12 @@ def read_key(text):
 
 def same(one, other):
     """True if two texts are equal; how long that takes says nothing of where they differ."""
+    one, other = one.encode(), other.encode()  # a letter of a text becomes a name for good, and may want a new table of names: of 1280 bytes
     if len(one) != len(other):
         return False
     differ = 0
     for at in range(len(one)):
-        differ |= ord(one[at]) ^ ord(other[at])
+        differ |= one[at] ^ other[at]
     return differ == 0
 
 
@@ -74,7 +75,7 @@ class Session:
         """The body of a message, or None: a wrong proof, or a counter that is not higher than the last."""
         count, _, rest = text.partition(".")
         proof, _, body = rest.partition(".")
-        if not count or len(count) > _DIGITS or [digit for digit in count if digit not in "0123456789"]:
+        if not count or len(count) > _DIGITS or [digit for digit in count.encode() if not 48 <= digit <= 57]:
             return None
         if not same(proof, self._hmac.hex((self.nonce + "." + count + "." + body).encode())) or int(count) <= self.count:
             return None

@@ -6,10 +6,10 @@ There is a machine for the language of each board's other links (grbl.py, plotte
 what it may ask for. A PC's page has the same orders and machines, which a wire tells by cable (host_tools/page).
 """
 
-from passo.protocols.page.protocol import Page
-
 
 def create(kind, number, board, controller, spoken):
     """`kind`: the class of the machine; `spoken`: what its link speaks besides, or else that language's
     package."""
+    from passo.protocols.page.protocol import Page  # late: this package is imported before each of its modules
+
     return Page(lambda tell: kind(controller.machine, number, board, tell, spoken))

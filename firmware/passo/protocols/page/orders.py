@@ -19,6 +19,7 @@ _MOST_SPEED = 1_000_000.0
 _LEAST_WAY = 1e-6  # of a direction: less is no direction, and its square may be 0
 _LINE = const(120)
 _MOST_NUMBER = const(0x1FFFFFFF)
+_QUOTE, _BACKSLASH, _BRACE, _BRACKET = const(34), const(92), const(123), const(91)
 _DEEPEST = const(8)  # brackets in each other: an order has two
 
 
@@ -30,19 +31,19 @@ def too_deep(text):
     """True if brackets of JSON stand in each other more than _DEEPEST times: a parser that calls itself would run out of stack."""
     depth = 0
     quoted = escaped = False
-    for letter in text:
+    for code in text.encode():  # bytes: MicroPython keeps each letter that it takes out of a text as a name for good
         if escaped:
             escaped = False
         elif quoted:
-            escaped = letter == "\\"
-            quoted = letter != '"'
-        elif letter == '"':
+            escaped = code == _BACKSLASH
+            quoted = code != _QUOTE
+        elif code == _QUOTE:
             quoted = True
-        elif letter in "{[":
+        elif code == _BRACE or code == _BRACKET:
             depth += 1
             if depth > _DEEPEST:
                 return True
-        elif letter in "}]":
+        elif code == _BRACE + 2 or code == _BRACKET + 2:  # the closing ones
             depth -= 1
     return False
 
@@ -65,7 +66,7 @@ def number(order, name, least, most, otherwise=None):
 def text(order, name, most):
     """A text of `order`, printable ASCII. Raises Wrong."""
     value = order.get(name)
-    if not isinstance(value, str) or len(value) > most or [letter for letter in value if not " " <= letter <= "~"]:
+    if not isinstance(value, str) or len(value) > most or [code for code in value.encode("utf-8", "surrogatepass") if not 32 <= code <= 126]:
         raise Wrong(name)
     return value
 
@@ -100,6 +101,7 @@ class Orders:
         """The answer to an order. `proven`: its session has the key."""
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
+            self.machine.lease.number += 1  # every page sees that it came: what one of them does step by step ends
             return self._answer("stop", self.machine.stop())
         do = (self._orders.get(name) or self.machine.orders.get(name)) if isinstance(name, str) else None
         if do is None:

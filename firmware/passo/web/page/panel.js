@@ -22,6 +22,7 @@ import { _, choose as chooseWords, languages, preferred } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const TWICE_MS = 700;
+const NEAR_MM = 0.5;  // more than a step of any machine
 const PIECE = 30000;  // characters of a job in one message
 const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Probe", D: "Door", H: "Hold button", R: "Reset button", S: "Start button" };
 const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs" };  // words of a status that only some machines have
@@ -52,7 +53,7 @@ let setup = null;  // once it has been loaded
 const list = new Settings({ order, ask, say, axes: () => axes, turns: () => turns, rules: () => rules, lines: () => loadSetup().then((made) => made.lines) });
 const tabs = new Tabs(() => { picture.draw(); if (language === "grbl" && !$("pane-setup").hidden) loadSetup(); });
 const typed = new Typed(order, errorText);
-const own = new OwnButtons(order, ask, atRest, () => link.stops);
+const own = new OwnButtons(order, ask, atRest, stops);
 let waiting = [];  // [condition of a job, resolve]
 let starting = false;  // a job has been asked to run: the end of the one before is told no more
 
@@ -72,6 +73,9 @@ async function atRest() {
   while (moves()) await new Promise((seen) => setTimeout(seen, 100));
   return report.state === "Idle";
 }
+
+// What is another thing once a page has pressed STOP, or jogs.
+function stops() { return [link.stops, report.lease].join(); }
 
 // An order; what is refused is said. Returns the answer.
 async function order(name, fields = {}) {
@@ -285,6 +289,8 @@ function enable() {
   const still = ["Alarm", "Home", "Run", "Check", "Sleep", "Door"].includes(state) || report.link === false;
   if ($("pad").dataset.off !== String(still)) $("pad").dataset.off = still;
   for (const key of $("pad").querySelectorAll("button")) if (key.getAttribute("aria-disabled") !== String(still)) key.setAttribute("aria-disabled", still);
+  const moves = picture.moves.length ? facts.beyond : _("This file moves nothing.");
+  set("round", why.mine || why.idle || why.chosen || moves);
   const told = busy || !cards.can("jobs") ? "" : $("run").title;  // a finger has no other way to ask
   if ($("run-why").textContent !== told) $("run-why").textContent = told;
   showPause();
@@ -296,6 +302,7 @@ function enable() {
   cards.show(report, why);
   // A running job has no use for these, and a phone little room.
   $("passes").parentNode.hidden = busy || !cards.can("jobs");
+  $("round").hidden = !cards.can("jobs") || !cards.can("goto");
   $("from-form").hidden = busy || !cards.can("from");
   $("pictures-row").hidden = busy || !cards.can("jobs");
   queue.show(report.queue, why);
@@ -629,6 +636,16 @@ $("run").onclick = async () => {
   if (shown || await ask(_("Run {name}, which is not shown here yet?", { name }))) run({ name, passes: Number($("passes").value) || 1 });
 };
 $("check").onclick = () => run({ name: $("jobs").value, check: true });
+// The corners of the job's box, one after the other, at the height where the tool is. A STOP of any page ends it, and what keeps the tool from one of them.
+$("round").onclick = async () => {
+  const [[left, right], [low, high]] = picture.bounds(), before = stops(), size = { width: (right - left).toFixed(1), height: (high - low).toFixed(1) };
+  const height = axes.includes("z") ? _("It stays at the height where it is now.") : "";
+  if (!(await ask(`${_("The tool goes around the job, {width} × {height} mm. Is the way free?", size)} ${height}`.trim()))) return;
+  for (const [x, y] of [[left, low], [right, low], [right, high], [left, high], [left, low]]) {
+    if (stops() !== before || (await order("goto", { to: { x, y }, speed: speed() })).error || !(await atRest())) return;
+    if (Math.hypot(report.w[0] - x, report.w[1] - y) > NEAR_MM) return;
+  }
+};
 $("key-form").onsubmit = (event) => {
   event.preventDefault();
   keep($("key").value);

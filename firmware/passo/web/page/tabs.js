@@ -4,6 +4,7 @@ const COLUMNS = {
   1: [["move", "job", "overrides", "path", "setup", "machine", "more", "who"], [], []],
   2: [["move", "setup", "machine", "more"], ["path", "job", "overrides", "who"], []],
   3: [["move"], ["path", "overrides", "setup", "machine"], ["job", "more", "who"]],
+  "3 open": [["move"], ["path", "setup", "machine"], ["job", "overrides", "more", "who"]],  // with a part of the set-up open
   "2 plain": [["move", "path"], ["job", "overrides", "setup", "machine", "more", "who"], []],  // of a machine without a set-up, which has less to show
   "3 plain": [["move"], ["path", "overrides", "setup", "machine", "more", "who"], ["job"]],
 };
@@ -36,7 +37,7 @@ export class Tabs {
   // Panes into the columns that the window has room for.
   place() {
     this.count = THREE.matches ? 3 : TWO.matches ? 2 : 1;
-    const kind = this.count > 1 && !used("setup") ? `${this.count} plain` : this.count;
+    const kind = this.count > 1 && !used("setup") ? `${this.count} plain` : this.count === 3 && document.body.dataset.setup ? "3 open" : this.count;
     if (kind === this.kind) return;
     this.kind = kind;
     document.querySelectorAll(".column").forEach((column, n) => COLUMNS[kind][n].forEach((name) => column.append(pane(name))));
