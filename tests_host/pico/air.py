@@ -67,6 +67,7 @@ class Air:
         self._wire = machine.pico.uart(1)
         self._come = b""
         self._opened = 0
+        self.pages = []  # that are open: a browser answers the board's pings whatever else it waits for
         self.heard = {}
         self.ended = set()
 
@@ -117,6 +118,8 @@ class Air:
             assert self._machine.now_ms() < begun + limit_ms, self.heard[number]
             self._machine.run_ms(1)
             self.look()
+            for page in self.pages:
+                page.look()
         head, _, body = self.heard[number].partition(b"\r\n\r\n")
         assert head.startswith(b"HTTP/1.1 200 OK"), head
         return body, self._machine.now_ms() - begun
@@ -138,6 +141,7 @@ class Page:
             "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\nAccept-Encoding: gzip\r\nUser-Agent: Mozilla/5.0\r\n\r\n"
         )
         self.until(lambda: self.hello)
+        air.pages.append(self)
         self._session = Session(KEY, self.hello["nonce"])
 
     def look(self):

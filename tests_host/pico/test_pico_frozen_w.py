@@ -173,4 +173,6 @@ def test_a_job_is_uploaded_while_two_pages_look_on(frozen_w, board, show):
         f"{begun.free} of {begun.total} bytes free before ({begun.largest} in one piece), {least} at least ({piece} in one piece); "
         f"a piece in {min(took):.0f} to {max(took):.0f} ms",
     )
+    if board == "plotter_page":
+        assert [at - 100 for at in machine.plant.position[:2]] == [(JOB_BYTES // 6 - 1) % 7, (JOB_BYTES // 6 - 1) % 5]
     assert least >= LEAST and not machine.plant.errors

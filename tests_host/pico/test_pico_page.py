@@ -8,8 +8,7 @@ import json
 
 import pytest
 
-from air import UART_BYTES, Air, Page, files, pico_w
-from check_jobs import stored_form
+from air import Air, Page, files, pico_w
 from host_tools import boards
 from host_tools.build.pages import texts_of
 from host_tools.emulator.machine import EmulatedMachine
@@ -24,8 +23,6 @@ POINTS = 600
 ROUNDS = 4
 WINDOW = 4
 AGAIN_MS = 100
-DRAWING = 400  # points
-PAGES_FREE = 40_000  # bytes, with two pages
 
 
 @pytest.mark.slow
@@ -74,7 +71,7 @@ def test_the_page_while_three_axes_step(show):
     assert served.free >= LEAST_FREE
     assert worst < LATEST_US
     for page, count in zip(pages, pushes):
-        assert count >= 5 * passed / 1000
+        assert count >= int(5 * passed / 1000)
     machine.send(torch.move(STEPS, RATE, 0, RATE))
     machine.run_ms(200)
     begun = machine.now_ms()
@@ -135,49 +132,9 @@ def test_pages_that_look_on_cost_a_stream_little(show):
     passed = machine.now_ms() - begun
     for page in pages:
         page.look()
-    pushes = [(page.pushes - count) / passed * 1000 for page, count in zip(pages, before)]
+    pushes = [page.pushes - count for page, count in zip(pages, before)]
     show(
         "points a second of a plotter on a Pico W, without pages and with two",
-        f"{alone:.0f}, {watched:.0f}: {watched / alone:.3f}; pushes a second {pushes}; {air.collected().free} bytes free",
+        f"{alone:.0f}, {watched:.0f}: {watched / alone:.3f}; pushes {pushes} in {passed:.0f} ms; {air.collected().free} bytes free",
     )
-    assert watched >= 0.9 * alone and min(pushes) >= 5
-
-
-@pytest.mark.slow
-def test_a_drawing_is_uploaded_and_drawn(show):
-    """By a page, while another one looks on: piece by piece into flash, read back whole, drawn from there."""
-    board = boards.load("plotter_page")
-    machine = EmulatedMachine(board, files(board), uf2=pico_w(), start=(100, 100)).boot()
-    machine.run_until(lambda: b"code in" in machine.pico.console.text, 5000)
-    machine.run_ms(300)
-    air = Air(machine)
-    alone = air.collected()
-    pages = [Page(air), Page(air)]
-    for page in pages:
-        page.until(lambda page=page: page.state.get("link"))
-    page = pages[0]
-    assert page.order("give", to="page")[0]["error"] == 0
-    page.until(lambda: page.state["owner"] == "page")
-    lines = [packet(COMMANDS["MOVE"], 100, 100)] + [packet(COMMANDS["LINE"], 100 + at % 7, 100 + at % 5) for at in range(1, DRAWING)]
-    data = b"".join(lines) + packet(COMMANDS["END"])
-    packed = stored_form(data)  # as a browser's would be that cannot be made smaller
-
-    begun = machine.now_ms()
-    took = page.upload("PART", data, packed)
-    passed = machine.now_ms() - begun
-    loading = air.collected()
-    page.stored("end", "PART")
-    page.until(lambda: page.state["job"] and page.state["job"]["how"] == "kept")
-    page.stored("run", "PART")
-    page.until(lambda: page.state["state"] == "Run" and page.state["job"]["how"] == "run")
-    drawing = air.collected()
-    page.until(lambda: page.state["job"]["how"] == "done", 60_000)
-    last = lines[-1]
-    assert [at - 100 for at in machine.plant.position[:2]] == [last[1] << 8 | last[2], last[3] << 8 | last[4]]
-    show(
-        "A drawing uploaded to a Pico W by its own page",
-        f"{len(packed)} bytes in {passed:.0f} ms: {len(packed) / passed:.1f} kB/s, a piece {min(took):.0f} to {max(took):.0f} ms; "
-        f"{alone.free} bytes free without clients ({alone.largest} in one piece), with two pages {loading.free} while it is uploaded ({loading.largest}), "
-        f"{drawing.free} while it is drawn ({drawing.largest}); {UART_BYTES} more are the stand-in's",
-    )
-    assert min(loading.free, drawing.free) + UART_BYTES >= PAGES_FREE
+    assert watched >= 0.9 * alone and min(pushes) >= int(5 * passed / 1000)

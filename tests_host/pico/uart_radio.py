@@ -7,12 +7,13 @@ Wi-Fi carries outbound connections only.
 import gc
 import io
 
-from machine import UART, Pin
+from machine import UART, Pin, disable_irq, enable_irq
 
 BAUD = 921_600
 _POLL = 3
 _IN, _OUT = 1, 4
-_SENT = 96
+_SENT = 512  # bytes at once; lwIP takes more
+_PIECE = 240  # of a frame
 
 
 class Mux:
@@ -23,8 +24,11 @@ class Mux:
         self._data = b""
 
     def pump(self):
-        if self.uart.any():
-            self._data += self.uart.read()
+        state = disable_irq()  # any() holds a lock: an interrupt amid it keeps that of the UART from emptying the FIFO, whose bytes get lost
+        waiting = self.uart.any()
+        enable_irq(state)
+        if waiting:
+            self._data += self.uart.read(waiting)  # no more: looking for another byte takes the lock, too
         while len(self._data) >= 3 and len(self._data) >= 3 + self._data[2]:
             kind, number, length = self._data[0], self._data[1], self._data[2]
             data = self._data[3 : 3 + length]
@@ -55,7 +59,6 @@ class Socket(io.IOBase):
     def ioctl(self, request, argument):
         if request != _POLL:
             return 0
-        self._mux.pump()
         return argument & (_OUT | (_IN if self._come or self._ended else 0))
 
     def setblocking(self, blocking):
@@ -71,8 +74,10 @@ class Socket(io.IOBase):
         return data
 
     def send(self, data):
-        self._mux.say(0x44, self._number, bytes(data[:_SENT]))
-        return min(len(data), _SENT)
+        data = data[:_SENT]
+        for at in range(0, len(data), _PIECE):
+            self._mux.say(0x44, self._number, bytes(data[at : at + _PIECE]))
+        return len(data)
 
     def close(self):
         self._mux.say(0x43, self._number)
@@ -80,6 +85,8 @@ class Socket(io.IOBase):
 
 
 class Listener(io.IOBase):
+    """Is asked before the sockets, for all of them."""
+
     def __init__(self, mux):
         self._mux = mux
 
