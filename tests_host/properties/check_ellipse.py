@@ -48,8 +48,11 @@ def check_inwards(start, sweep, clockwise, fast, slow):
     """v²/R asks no axis for more than it has, anywhere on the arc, and one of them, somewhere, for nearly all of it."""
     radius = 100_000
     sign = -1 if clockwise else 1
-    way = [start / 1000 + sign * min(sweep / 1000, 6.28) * part / 500 for part in range(501)]
-    first, last = [(int(radius * 48 * cos(angle)), int(radius * 83 * sin(angle))) for angle in (way[0], way[-1])]
+    ends = start / 1000, start / 1000 + sign * min(sweep / 1000, 6.28)
+    first, last = [(int(radius * 48 * cos(angle)), int(radius * 83 * sin(angle))) for angle in ends]
+    # The arc is that of the rounded ends; where one axis has much more than the other, that is seen.
+    begun, ended = [angle + (atan2(y / 83, x / 48) - angle + 3 * pi) % (2 * pi) - pi for angle, (x, y) in zip(ends, (first, last))]
+    way = [begun + (ended - begun) * part / 500 for part in range(501)]
     deltas = last[0] - first[0], last[1] - first[1], 0
     ellipse = Ellipse(deltas, (0, 1, 2), (-first[0], -first[1]), STEPS_PER_M, bool(clockwise))
     inwards = ellipse.inwards((fast * 1_000_000, slow * 1_000_000)) / 1e6

@@ -583,6 +583,7 @@ def test_a_stop_for_all_and_one_that_was_kept(shop, tmp_path):
         print(f"from the message to the alarm on another link: {1000 * (time.monotonic() - begun):.0f} ms")
         assert client.alarm == 3
     shop.until(lambda: shop.told["passo/a/state"] == "alarm")
+    shop.until(lambda: json.loads(shop.told["passo/a/counters"])["stops"])  # counters are told apart from the state
     assert json.loads(shop.told["passo/a/counters"])["stops"] == 1
 
 
