@@ -302,7 +302,7 @@ function enable() {
   cards.show(report, why);
   // A running job has no use for these, and a phone little room.
   $("passes").parentNode.hidden = busy || !cards.can("jobs");
-  $("round").hidden = !cards.can("jobs") || !cards.can("goto");
+  $("round").hidden = busy || !cards.can("jobs") || !cards.can("goto");
   $("from-form").hidden = busy || !cards.can("from");
   $("pictures-row").hidden = busy || !cards.can("jobs");
   queue.show(report.queue, why);
