@@ -1,7 +1,7 @@
 """Every command that a document shows in a block, run by the installed `passo` in the order of its page, at a virtual board that speaks what is asked.
 
-Guides have a test of their own (test_install.py). A command that interrupts is killed amid its work, and one that serves is ended by Ctrl-C. What only a
-chip or another PC answers is in ELSEWHERE, with the test that runs it.
+Guides and README have tests of their own (test_install.py). A command that interrupts is killed amid its work, and one that serves is
+ended by Ctrl-C. What only a chip or another PC answers is in ELSEWHERE, with the test that runs it.
 """
 
 import re
@@ -197,7 +197,7 @@ class Reader:
 def documents():
     """Pages with commands in blocks that no guide's test runs."""
     for page in PAGES:
-        if "pt" not in page.parts and (page not in GUIDES or page.name == "README.md") and page.name != "CHANGELOG.md":
+        if "pt" not in page.parts and page not in GUIDES and page.name != "CHANGELOG.md":
             if shown_commands(page.read_text(encoding="utf-8"), "passo", mentioned=False):
                 yield page
 
