@@ -1,8 +1,8 @@
 """Digital outputs for the programme, M62 to M65: those that the board file names p0 … p9.
 
 M64 and M65 switch at once. M62 and M63 switch as the next motion begins, without a stand: the cycle of the main loop that finds the
-motion before it played to its end does it, so 15 ms behind that at most on a chip. A wait is no motion (G4, a tool's time), as in LinuxCNC,
-nor is parking. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it.
+motion before it played to its end does it, so 15 ms behind that at most on a chip. G4, a tool's time and parking
+are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it.
 
 A hold leaves them as they are. The door switches them off until the machine goes on; every alarm, stop and reset for good.
 """
@@ -67,7 +67,7 @@ class DigitalOutputs(Feature):
             self._put(name, on)
 
     def _motion(self, count):
-        """Return the number of the first block from `count` on that is no wait."""
+        """Return the number of the first block from `count` on that moves."""
         queue = self._queue
         planner = queue.planner
         while count != queue.added() and planner.rows[count % QUEUE_SIZE * planner.scratch[SCRATCH_STRIDE] + ROW_KIND] == WAIT:

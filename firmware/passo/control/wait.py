@@ -2,12 +2,12 @@
 
     M66 P0 L3 Q5        until p0 is active, but 5 s at most
 
-L is what it waits for: 0 nothing, and needs no Q, 1 that the input becomes active, 2 that it becomes inactive, 3 that it is active,
-4 that it is inactive. The axes stand meanwhile, with current, as for G4. Status reports tell what it has found, until the next M66: `In:1` active, `In:0`
-inactive, `In:-1` time-out, as grblHAL does; LinuxCNC has it in #5399. A time-out is no error, as in both.
+L 0 looks at the input once and needs no Q. L 1 waits until the input becomes active, 2 until it becomes inactive, 3 while it is not active,
+4 while it is active. The axes stand meanwhile and keep their current, as for G4. Until the next M66 status reports show the result, as with
+grblHAL: `In:1` active, `In:0` inactive, `In:-1` time-out. LinuxCNC keeps it in #5399. A time-out is no error in either.
 
 The main loop looks once a cycle: a change has to last 20 ms to be seen for sure. In a hold, and while the door is open, neither time nor
-input counts; what has changed when the machine goes on is a change.
+input counts; if the input has changed by the time the machine goes on, L 1 and 2 take that for a change.
 """
 
 from micropython import const

@@ -54,7 +54,8 @@ def read_key(text):
 
 def same(one, other):
     """True if two texts are equal; how long that takes says nothing of where they differ."""
-    one, other = one.encode(), other.encode()  # a letter of a text becomes a name for good, and may want a new table of names: of 1280 bytes
+    # As bytes: MicroPython keeps each letter taken out of a text as a name for good, and its table of names may grow by 1280 bytes.
+    one, other = one.encode(), other.encode()
     if len(one) != len(other):
         return False
     differ = 0

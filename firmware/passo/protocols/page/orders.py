@@ -101,7 +101,7 @@ class Orders:
         """The answer to an order. `proven`: its session has the key."""
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
-            self.machine.lease.number += 1  # every page sees that it came: what one of them does step by step ends
+            self.machine.lease.number += 1  # every page sees the new number, and ends what it does line by line
             return self._answer("stop", self.machine.stop())
         do = (self._orders.get(name) or self.machine.orders.get(name)) if isinstance(name, str) else None
         if do is None:

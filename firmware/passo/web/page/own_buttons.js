@@ -12,7 +12,7 @@ function kept() {
 
 export class OwnButtons {
   // order(name, fields): a promise of the answer; ask(text): of a yes; rest(): a promise, once the machine is at rest;
-  // stops(): what is another thing once a page has pressed STOP, or jogs.
+  // stops(): a value that changes if any page presses STOP or jogs.
   constructor(order, ask, rest, stops) {
     Object.assign(this, { order, ask, rest, stops });
     this.made = kept();

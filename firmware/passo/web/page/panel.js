@@ -74,7 +74,7 @@ async function atRest() {
   return report.state === "Idle";
 }
 
-// What is another thing once a page has pressed STOP, or jogs.
+// A value that changes if any page presses STOP or jogs.
 function stops() { return [link.stops, report.lease].join(); }
 
 // An order; what is refused is said. Returns the answer.
@@ -636,7 +636,7 @@ $("run").onclick = async () => {
   if (shown || await ask(_("Run {name}, which is not shown here yet?", { name }))) run({ name, passes: Number($("passes").value) || 1 });
 };
 $("check").onclick = () => run({ name: $("jobs").value, check: true });
-// The corners of the job's box, one after the other, at the height where the tool is. A STOP of any page ends it, and what keeps the tool from one of them.
+// The corners of the job's box, one after the other, at the height where the tool is. It ends if any page presses STOP, or if the tool does not reach a corner.
 $("round").onclick = async () => {
   const [[left, right], [low, high]] = picture.bounds(), before = stops(), size = { width: (right - left).toFixed(1), height: (high - low).toFixed(1) };
   const height = axes.includes("z") ? _("It stays at the height where it is now.") : "";
