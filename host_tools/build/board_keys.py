@@ -42,7 +42,7 @@ SECTIONS = {
     "drivers.motors": ("drivers.motors", "A list, one entry a driver; an axis without one has a driver that its own pins set up."),
     "tool_change": (
         "tool_change",
-        "M6 at a place of its own, and the new tool's length. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
+        "M6 at a place of its own, and the new tool's length, in the way that `$341` says. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
         "the head stands.",
     ),
     "parking": (
@@ -222,9 +222,9 @@ MEANINGS = {
     "tachometer.spin_up_ms": "If it is not at speed by then, ms: alarm 244.",
     "tool_change.at": "The place where tools are changed: machine coordinates of X and Y, whole mm.",
     "tool_change.sensor": "The place of the tool sensor, which is the input `probe`.",
-    "tool_change.distance_mm": "Search for the sensor down to this distance below the top of Z, mm; then alarm 205.",
-    "tool_change.seek_mm_min": "Speed down to the sensor, mm/min.",
-    "tool_change.locate_mm_min": "Speed up from it, which finds the edge, mm/min.",
+    "tool_change.distance_mm": "Search for the sensor down to this distance below the top of Z, mm, `$342`; then alarm 205.",
+    "tool_change.seek_mm_min": "Speed down to the sensor, mm/min, `$344`.",
+    "tool_change.locate_mm_min": "Speed up from it, which finds the edge, mm/min, `$343`.",
     "weaving.steady_mm_min": "Speed up to which the path has no ramps, as with `$140`: a seam is woven at constant speed, corners included.",
     "registers.clock": "CLK of the 74HC165, SRCLK of the 74HC595.",
     "registers.latch": "SH/LD of the 74HC165, RCLK of the 74HC595.",

@@ -237,6 +237,9 @@ def settings():
     for number in (41, 42, 56, 57, 58, 59, 142):
         name, unit, least, most = rule(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} ([key `parking`](parking.md)) | {unit} | {least:g} … {most:.10g} | – |")
+    for number in (341, 342, 343, 344):
+        name, unit, least, most = rule(number, len(board["axes"]))
+        rows.append(f"| `${number}` | {name} ([key `tool_change`](spindle.md#tool-change)) | {unit} | {least:g} … {most:.10g} | – |")
     return rows
 
 

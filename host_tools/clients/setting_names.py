@@ -45,6 +45,10 @@ NAMES = {
     58: ("parking: target, machine coordinate", "mm", -2000, 2000),
     59: ("parking: speed to the target and back", "mm/min", 0.001, 100_000),
     142: ("parking at a program's end", "", 0, 1),
+    341: ("M6: 0 pause, 1 touch plate, 2 and 3 sensor, 4 nothing", "", 0, 4),
+    342: ("M6: how far down from the top to probe", "mm", 1, 1000),
+    343: ("M6: speed up, to find the edge", "mm/min", 1, 1000),
+    344: ("M6: speed down, to touch", "mm/min", 1, 10_000),
     140: ("speed up to which there is no ramp", "mm/min", *_ANY_OR_0),
     141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
 }

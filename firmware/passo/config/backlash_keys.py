@@ -27,7 +27,7 @@ def check(board):
     if "grbl" not in spoken:
         raise BoardError("backlash: a link that speaks grbl is wanted")
     names = [axis["name"] for axis in board["axes"]]
-    rules = {}
+    rules = dict(board["settings"])
     for name, um in board["backlash"].items():
         if name not in names:
             raise BoardError("backlash: there is no axis %r" % name)

@@ -31,7 +31,7 @@ def check(board):
         raise BoardError("parking: it wants an axis %s that homes" % config["axis"])
     board["features"] = dict(board["features"])
     board["features"]["pauses"] = "parking"
-    board["settings"] = {
+    rules = {
         41: ("parking", 0, 1, 0, 1),
         42: ("parking_axis", 0, names.index(config["axis"]), 0, min(len(names), 3) - 1),
         56: ("parking_pull_out", 3, config["pull_out_mm"] * 1000, 0, 500_000),
@@ -40,3 +40,5 @@ def check(board):
         59: ("parking_speed", 3, config["mm_min"] * 1000, 1, 100_000_000),
         142: ("parking_at_end", 0, 1 if config["at_end"] else 0, 0, 1),
     }
+    rules.update(board["settings"])
+    board["settings"] = rules

@@ -339,13 +339,12 @@ class GCode(Motions):
         line = self._cutting or moves and motion == 0
         change = self._found[TOOL_CHANGE] != NONE
         if change and self.changer:
-            self.changer.append(self, tool, spindle, rpm, coolant)
-            return before
-        if turned and not (self.laser and line and self.commands and spindle == self.spindle):
+            change = self.changer.append(self, before, tool, spindle, rpm, coolant)
+        if change is not None and turned and not (self.laser and line and self.commands and spindle == self.spindle):
             before.append(self._spindle_command(spindle, rpm, motion))
         if change:
             before.append(Command(commands.PAUSE, value=1 + tool))
-        if coolant != self.coolant:
+        if change is not None and coolant != self.coolant:
             before.append(Command(commands.COOLANT, value=coolant))
         before += handed_on
         if dwell is not None:

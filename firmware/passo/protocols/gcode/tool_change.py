@@ -1,14 +1,23 @@
-"""M6 at a position of its own, and the length of the new tool: for boards that have `tool_change`.
+"""M6 in the way that $341 chooses, and the length of the new tool: for boards that have `tool_change`.
 
     changer = ToolChange(board)
-    changer.append(gcode, tool, spindle, rpm, coolant)      # to gcode.commands
+    pauses = changer.append(gcode, made, tool, spindle, rpm, coolant)      # to the list `made`
 
-Spindle and coolant go off, Z to its top, the head to `at`; there the machine waits for `~`. Then it goes to `sensor`, down
-until the sensor answers, and up again, slowly, until it does not any more: that edge is the length. The first tool behind power-up
-is the reference, work offsets are set with it; of each later one the difference becomes the tool length offset, as G43.1
-would set it. At last the head goes back above where it was, at the top, and spindle and coolant come on again.
-As grblHAL's mode 3 ($341=3), but that the places come from the board file.
+The ways are grblHAL's, the place of the sensor, for its G59.3, is the board file's:
+
+    0    a pause where the head stands
+    1    a pause at the top of Z; ~ probes a touch plate right below; a second pause, to take it away
+    2    a pause above the sensor, which ~ probes
+    3    a pause at the top of Z above `at`; ~ goes to the sensor and probes it
+    4    M6 does nothing
+
+In 1 to 3 spindle and coolant are off meanwhile and come on again at the end, the head back above where it was, at the top. A probe goes
+down by $342 at $344 until it touches, and up again at $343 until it does not any more: that edge is the length. The first tool behind
+power-up is the reference, work offsets are set with it; of each later one the difference becomes the tool length offset, as G43.1
+would set it. ~ does what grblHAL's $TPW does, for senders that have not that word; no jog is possible in a pause.
 """
+
+from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
@@ -17,6 +26,10 @@ from passo.protocols.gcode.reader import Refused
 
 _MM = 1_000_000  # nm
 _AWAY = 1  # of a PROBE: until contact is lost
+_WAY = const(341)  # settings: the way, how far down to probe, and the speeds up and down
+_DISTANCE = const(342)
+_LOCATE = const(343)
+_SEEK = const(344)
 
 
 class ToolChange:
@@ -24,39 +37,49 @@ class ToolChange:
         config = board["tool_change"]
         self._at = [mm * _MM for mm in config["at"]]
         self._sensor = [mm * _MM for mm in config["sensor"]]
-        self._down = config["distance_mm"] * _MM
-        self._seek = config["seek_mm_min"] * _MM // 60
-        self._locate = config["locate_mm_min"] * _MM // 60
         z = board["axes"][2]
-        self._top = 0 if "z" in board["homing"]["high_end"] else z["travel_steps"] * 1_000_000_000 // z["steps_per_m"]
+        travel = z["travel_steps"] * 1_000_000_000 // z["steps_per_m"]
+        self._top = 0 if "z" in board["homing"]["high_end"] else travel
+        self._bottom = self._top - travel
 
-    def append(self, gcode, tool, spindle, rpm, coolant):
-        """Raises Refused."""
+    def append(self, gcode, made, tool, spindle, rpm, coolant):
+        """None: M6 is in `made`, spindle and coolant with it; True: a pause is all it is; False: nothing is. Raises Refused."""
+        value = gcode.machine.settings.value
+        way = value(_WAY)
+        if way == 0 or way == 4:
+            return way == 0
         if gcode.commands:
             raise Refused(errors.AXIS_WORDS_UNUSED)
         if not gcode.machine.homed:
             raise Refused(errors.NOT_HOMED)
         here = gcode.position[:2]
-        top = self._top
+        below = here if way == 1 else self._sensor
+        top = [self._top]
+        down = [max(self._top - value(_DISTANCE) * 1000, self._bottom)]
         gcode._prepare(0, 0, 0, 0, 5, 0)
-        made = [Command(commands.SPINDLE, value=5), Command(commands.COOLANT)]
-        made += self._go(gcode, here + [top])
-        made += self._go(gcode, self._at + [top])
+        made += [Command(commands.SPINDLE, value=5), Command(commands.COOLANT)]
+        made += self._go(gcode, here + top)
+        if way != 1:
+            made += self._go(gcode, (self._at if way == 3 else below) + top)
         made.append(Command(commands.PAUSE, value=1 + tool))
-        made += self._go(gcode, self._sensor + [top])
-        made += self._go(gcode, self._sensor + [top - self._down], commands.PROBE, self._seek)
-        made += self._go(gcode, self._sensor + [top], commands.PROBE, self._locate)
+        if way == 3:
+            made += self._go(gcode, below + top)
+        made += self._go(gcode, below + down, commands.PROBE, value(_SEEK) * 1000 // 60)
+        made += self._go(gcode, below + top, commands.PROBE, value(_LOCATE) * 1000 // 60)
         made[-1].value = _AWAY
         made[-1].measures = True
-        made += self._go(gcode, self._sensor + [top])
-        made += self._go(gcode, here + [top])
+        made += self._go(gcode, below + top)
+        if way == 1:
+            made.append(Command(commands.PAUSE))
+        else:
+            made += self._go(gcode, here + top)
         if coolant:
             made.append(Command(commands.COOLANT, value=coolant))
         if spindle != 5:
             made.append(gcode._spindle_command(spindle, rpm, 0))
-        gcode.commands = made
+        gcode.commands = []  # _move() has put the motions there
         gcode._moves = new_moves()
-        gcode.position = here + [top]
+        gcode.position = here + top
         gcode._steps = list(gcode._to_steps(gcode.position))
 
     def _go(self, gcode, target, kind=commands.LINE, feed=0):
