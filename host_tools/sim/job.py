@@ -21,6 +21,7 @@ import ast
 import importlib.util
 import itertools
 import os
+import re
 import struct
 import subprocess
 import sys
@@ -35,6 +36,7 @@ from host_tools.language import _, error_text
 from host_tools.sim import job_runner
 from host_tools.sim.parts import endless
 from host_tools.sim.track import Track
+from passo import errors
 
 BLOCK_LINES = 256
 MOST_NOTES = 1000  # of a kind, that are kept
@@ -148,12 +150,19 @@ class VirtualJob:
             self.error_count += 1
             refused = kind == job_runner.NOTE_REFUSED
             what = _("error {}, {}", code, error_text(code)) if refused else _("alarm {}, {}", code - 200, error_text(code))
+            if code == errors.UNSUPPORTED and (missing := self._missing_axis(text)):
+                what = _("{} (this machine has no axis {})", what, missing)
             found, row = self.errors, (number, text, what)
         else:
             kinds = {job_runner.NOTE_PAUSED: self.pauses, job_runner.NOTE_PROBED: self.probes, job_runner.NOTE_SKIPPED: self.skipped}
             found, row = kinds[kind], (number, text)
         if len(found) < MOST_NOTES:
             found.append(row)
+
+    def _missing_axis(self, line):
+        """The first axis that `line` names and the machine has not, or None."""
+        names = [axis["name"].upper() for axis in self.board["axes"]]
+        return next((name for name in re.findall("([XYZA])[-+.0-9]", line) if name not in names), None)
 
     # --- the firmware in this process
 

@@ -106,7 +106,7 @@ BROKEN = {
     drops_nothing: ("router", "homed, it stands at"),
     needs_no_homing: ("router", "cannot know where it is, and is Idle"),
     tells_no_reset: ("router", "no banner"),
-    remembers_a_line: ("router", "error 116 in line 1"),
+    remembers_a_line: ("router", "Wrong: job: ["),
     believes_any_sum: ("plotter", "Wrong: no answer to LINE"),
     filters_nothing: ("mill", "AssertionError: (220, "),
 }

@@ -36,11 +36,13 @@ SERVES = ("board", "panel", "site", "wifi")  # until they are ended
 INTERRUPTED = {("jobs.md", "stream part.gcode --home"), ("jobs.md", "draw map.svg --center"), ("plotter.md", "draw out/contours.svg")}
 NEEDS_PORT = ("jobs", "resume", "stream", "draw", "torch", "pulses play", "send", "log", "settings", "keys")
 NO_PORT = ("--port", "--dry-run", "--packets", "-o", "--pattern", "--card", "--help")
-PART = "G21 G90 G54 F3000\nM3 S8000\nG0 X0 Y0\nG1 Z-1\n" + "".join(f"G1 X{1 + row % 2}\nG1 X0 Y{row / 20}\n" for row in range(640)) + "G0 Z0\nM5\nM30\n"
+ROWS = "".join(f"G1 Y{row / 2}\n" + "".join(f"G1 X{20 - at if row % 2 else at}\n" for at in range(1, 21)) for row in range(60))  # 26 s
+PART = f"G21 G90 G54 F3000\nM3 S8000\nG0 X0 Y0\nG1 Z-1\n{ROWS}G0 Z0\nM5\nM30\n"
 CONTOURS = SVG.replace("M5 5 L35 5", "M5 5 " + "".join(f"L{5 + row / 50:.2f} {5 + 20 * (row % 2)} " for row in range(1500)))
-ZERO = ("$H", "G53 G0 X100 Y100 Z-20", "G10 L20 P1 X0 Y0 Z0")  # of a router: at the workpiece
+ZERO = ("$H", "G53 G0 X100 Y100 Z-60", "G10 L20 P1 X0 Y0 Z0")  # of a router: at the workpiece
 REFUSED = {"send --port /tmp/plotter LINE 5000 10 STATUS": "error 104", "torch move 1 1 --port /tmp/torch": "error 117",
            "check docs --board router_3axis --workers 2 -o table.csv": "error 340"}  # as their pages show
+TOOLS = 9  # that a program changes at most
 WRITTEN_S = 120  # until a job that homes first is in the journal
 
 
@@ -86,10 +88,8 @@ class Reader:
             return self._interrupt(words)
         if words[:3] == ["resume", "hexagon.txt", "--unverified"]:
             self._interrupt(["pulses", "play", "hexagon.txt", "--stream", "--repeat", "9", "--port", str(self.link)])
-        if words[0] == "resume" or "--from" in words:  # else somebody is asked
+        if words[0] == "resume" or words[0] == "stream" and "--from" in words:  # else somebody is asked
             words += ["--yes"]
-        if "--tools" in words and words[0] == "stream":
-            return self._change_tools(words)
         if words == ["ports"]:  # those of this PC
             refused = "no board is connected"
         return self._run(words, refused)
@@ -99,22 +99,12 @@ class Reader:
         return "--port" in words or text.startswith(NEEDS_PORT) and not any(word in words for word in NO_PORT) and "pulses" not in words[:1]
 
     def _run(self, words, refused=None):
-        done = self._passo(*words)
+        done = self._passo(*words, keys="\n" * TOOLS)  # Enter once each is in
         if refused and done.returncode:
             assert done.returncode == 1 and refused in done.stdout + done.stderr, done
         else:
             assert not done.returncode, f"{self._page}: passo {' '.join(words)}\n{done.stdout}{done.stderr}"
             assert not refused or words == ["ports"], f"{self._page}: passo {' '.join(words)} is not refused"
-
-    def _change_tools(self, words):
-        """Stream; whoever stands at the machine puts each tool in, and presses start: by the board's other link."""
-        process = self._passo(*words, start=True)
-        with serial.Serial(str(self.link) + "2", 115200) as start:
-            while process.poll() is None:
-                start.write(b"~")
-                time.sleep(0.2)
-        said = process.communicate()
-        assert not process.returncode, said
 
     def _zero(self):
         """Of a router, as its pages say before they stream a file."""
@@ -140,10 +130,7 @@ class Reader:
         own.write_text(f'"""A board with a journal and jobs."""\n\nBOARD = {board!r}\n')
         pace = "real" if self._page == "jobs.md" else "fast"  # what is to be interrupted takes its time
         self._flash = self._folder / f"flash_{name}"
-        links = ["--link", str(self.link)]
-        if name == "router_3axis":
-            links = ["--link", f"pc={self.link}", "--link", f"serial={self.link}2"]
-        self._serve(["board", "--board", str(own), *links, "--flash", str(self._flash), "--time", pace])
+        self._serve(["board", "--board", str(own), "--link", str(self.link), "--flash", str(self._flash), "--time", pace])
         self._on = name
         if name == "router_3axis":
             self._zero()
@@ -181,7 +168,7 @@ class Reader:
         time.sleep(4)  # the board gives its host up
 
     def _journal(self):
-        paths = self._flash.glob("journal*") if self._flash else self._passo.folder.glob("out/*.journal")
+        paths = [self._flash / "pages"] if self._flash else self._passo.folder.glob("out/*.journal")
         return tuple((path.name, zlib.crc32(path.read_bytes())) for path in sorted(paths))
 
     def end(self):

@@ -54,7 +54,7 @@ def wheel(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def passo(wheel, tmp_path_factory):
-    """passo(*arguments) runs the installed command in `passo.folder`; with start=True it only starts it."""
+    """passo(*arguments) runs the installed command in `passo.folder`; with start=True it only starts it. `keys`: what a pipe gives it."""
     folder = tmp_path_factory.mktemp("installed")
     environment = folder / "environment"
     venv.create(environment, with_pip=False)
@@ -69,12 +69,12 @@ def passo(wheel, tmp_path_factory):
     elsewhere.mkdir()
     kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
 
-    def run(*arguments, start=False):
+    def run(*arguments, start=False, keys=""):
         words = [environment / "bin" / "passo", *arguments]
-        options = {"cwd": elsewhere, "env": {**kept, "COLUMNS": "200"}, "stdin": subprocess.DEVNULL, "text": True}
+        options = {"cwd": elsewhere, "env": {**kept, "COLUMNS": "200"}, "text": True}
         if start:
-            return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
-        return subprocess.run(words, capture_output=True, timeout=300, **options)
+            return subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+        return subprocess.run(words, input=keys, capture_output=True, timeout=300, **options)
 
     run.folder = elsewhere
     run.site = site

@@ -79,6 +79,29 @@ G90
 G0 X0 Y0
 M2
 """
+CURRENT_POSITION = """; LightBurn 1.1.03
+; GRBL-M3 (1.1e or earlier) device profile, current position
+; Bounds: X-30 Y0 to X0 Y2
+G00 G17 G40 G21 G54
+G91
+; Cut @ 50 mm/sec, 50% power
+M8
+M5
+G0 X0Y2
+; Layer C01
+M3
+G1 X-14.5Y-1S127.5F3000
+M5
+G0 X-1
+M3
+G1 X-14.5Y-1
+M5
+M9
+G1 S0
+; return to starting pos
+G0 X30Y0
+M2
+"""
 UGS = """G17G20G90G94
 F50.00000 ;    Defines feed rate
 S1000.00000 ; Defines speed
@@ -102,8 +125,8 @@ G0 X0 Y0 Z5
 
 @pytest.mark.parametrize("name, board, text, low, high", (
     ("lightburn.gc", "laser_xy", LIGHTBURN, (0, 0), (40, 25)), ("origin.gc", "laser_xy", USER_ORIGIN, (0, 0), (12, 12)),
-    ("ugs.nc", "router_3axis", UGS, (0, 0, -3.175), (25.4, 12.7, 5)),
-), ids=("LightBurn", "LightBurn, user origin", "UGS"))  # fmt: skip
+    ("position.gc", "laser_xy", CURRENT_POSITION, (-30, 0), (0, 2)), ("ugs.nc", "router_3axis", UGS, (0, 0, -3.175), (25.4, 12.7, 5)),
+), ids=("LightBurn", "LightBurn, user origin", "LightBurn, current position", "UGS"))  # fmt: skip
 def test_each_line_is_taken(tmp_path, name, board, text, low, high):
     path = tmp_path / name
     path.write_text(text, newline="\r\n")
@@ -120,3 +143,11 @@ def test_a_word_that_is_wrong_is_found_in_them(tmp_path):
     job = VirtualJob("laser_xy")
     job.run(gcode_file.lines(path))
     assert [line for line, *_ in job.errors] == [12]
+
+
+def test_a_start_script_for_an_axis_that_is_not_there_is_told(tmp_path):
+    path = tmp_path / "script.gc"
+    path.write_text(USER_ORIGIN.replace("M7;\n", "G90 G20\nG0 X0 Y0\nG1 X0 Z0 F100\n").replace("G40", "G43.2"))
+    job = VirtualJob("laser_xy")
+    job.run(gcode_file.lines(path))
+    assert [(line, "no axis Z" in what) for line, _, what in job.errors] == [(8, True), (12, False)]
