@@ -3,6 +3,7 @@
     budget(check(BOARD))        # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
 """
 
+from host_tools.build.tree import digital
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo.config.boardfile import claimed_pins
@@ -31,6 +32,7 @@ KEYS_KB = {
 }  # fmt: skip
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB, STALLS_KB = 6, 10, 7, 2, 4  # a laser's rows of dots, and what burns them
+DIGITAL_KB = 8  # outputs for M62 to M65
 BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
@@ -69,6 +71,7 @@ def heap_kb(board):
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board["network"] or {}).get("broker"))
     taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
+    taken += DIGITAL_KB * bool(digital(board))
     taken += STALLS_KB * any(motor["stall"] for motor in (board.get("drivers") or {}).get("motors", ()))
     return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])
 

@@ -132,6 +132,11 @@ PARKING = (
 MAPPED = (
     Path("passo", "motion", "mapped.py"), Path("passo", "control", "mapped_queue.py"), Path("passo", "config", "kinematics_keys.py"),
 )  # fmt: skip
+# Only boards with outputs for the programme, M62 to M65, have these.
+DIGITAL = (
+    Path("passo", "ports", "switching.py"), Path("passo", "ports", "rp2", "switching.py"),
+    Path("passo", "steps", "switching.py"), Path("passo", "steps", "switching_records.py"), Path("passo", "steps", "switching_viper.py"),
+)  # fmt: skip
 OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
@@ -208,6 +213,11 @@ def spared_features(board):
     return frozenset(name for name, _, rule in machine_builder.FEATURES if rule and not rule(checked))
 
 
+def digital(board):
+    """The board file's outputs for the programme."""
+    return next(rule for name, _, rule in machine_builder.FEATURES if name == "digital")({"outputs": board.get("outputs", ())})
+
+
 def selected(board, firmware=FIRMWARE, spared=None):
     """The modules that `board` needs, without those of the features `spared`; None: of those that it spares. Raises Failure for a chip or
     a protocol that there is not."""
@@ -221,6 +231,8 @@ def selected(board, firmware=FIRMWARE, spared=None):
     stalls = STALLS if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())) else ()
     absent += tuple(set(STALLS) - set(stalls))
     absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING)
+    switching = DIGITAL if digital(board) else ()
+    absent += tuple(set(DIGITAL) - set(switching))
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
@@ -246,7 +258,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     chosen |= {*(OF_BACKLASH if board.get("backlash") else ()), *(OF_DRIVERS if board.get("drivers") else ())}
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
-    chosen |= {*stalls}
+    chosen |= {*stalls, *(path for path in switching if path in files)}
     chosen |= {*(ROTARY if board.get("rotary") else ()), *(PARKING if board.get("parking") else ())}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)

@@ -44,6 +44,9 @@ SEQUENCES = {
     ("passo/ports/rp2/shift_registers.py", ""): "GPIO_IN",
     ("passo/ports/rp2/shift_registers.py", "pins"): "GPIO_IN",
     ("passo/ports/rp2/shift_registers.py", "toggle"): "GPIO_OUT_XOR",
+    ("passo/ports/rp2/switching.py", ""): "a PIO block's INTE",
+    ("passo/ports/rp2/switching.py", "pins"): "GPIO_OUT",
+    ("passo/ports/rp2/switching.py", "toggle"): "GPIO_OUT_XOR",
     ("passo/ports/rp2/timer_player.py", "pins"): "GPIO_OUT",
     ("passo/ports/rp2/timer_player.py", "toggle"): "GPIO_OUT_XOR",
 }
@@ -374,7 +377,7 @@ def test_only_steps_knows_the_feeders_state():
 
 # Modules of constants only: who reads many of them may import all.
 OF_CONSTANTS = ("passo.records", "passo.protocols.gcode.parse_records", "passo.protocols.grbl.report_records", "passo.ports.rp2.fields",
-                "passo.ports.rp2.registers")  # fmt: skip
+                "passo.ports.rp2.registers", "passo.steps.switching_records")  # fmt: skip
 
 
 def star_faults(tree, public):

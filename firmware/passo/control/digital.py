@@ -1,20 +1,19 @@
 """Digital outputs for the programme, M62 to M65: those that the board file names p0 … p9.
 
-M64 and M65 switch at once. M62 and M63 switch as the next motion begins, without a stand: the cycle of the main loop that finds the
-motion before it played to its end does it, so 15 ms behind that at most on a chip. G4, a tool's time and parking
-are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it.
+M64 and M65 switch at once. M62 and M63 switch with the first step of the next motion, without a stand: as marks in the step stream
+(steps/switching.py), which an RP2040's player shows within 3 µs. If the port has no marks (an ESP32, the timer player, shift registers, an
+interlock), the cycle of the main loop does it that finds the motion before it played to its end: up to 15 ms behind that step. G4, a tool's
+time and parking are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it.
 
 A hold leaves them as they are. The door switches them off until the machine goes on; every alarm, stop and reset for good.
 """
-
-from micropython import const
 
 from passo import commands, errors
 from passo.control.feature import ANEW, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
 from passo.motion.block import WAIT
 from passo.records import COUNT_HALF, COUNT_MASK, QUEUE_SIZE, ROW_KIND, SCRATCH_STRIDE
-
-_MOST = const(16)  # changes that wait
+from passo.steps.switching import Switches
+from passo.steps.switching_records import SWITCH_MOST
 
 
 class DigitalOutputs(Feature):
@@ -23,9 +22,11 @@ class DigitalOutputs(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._port = machine.port
-        self._names = [item["name"] for item in board["outputs"]]
+        self._pins = {item["name"]: (item["pin"], item["active"]) for item in board["outputs"]}
         self._on = {}  # by name, of those that have been switched on
         self._waiting = []  # [count of the block that it comes with, name, on]
+        switches = Switches(*queue.lend(), machine)
+        self._marks = switches if machine.port.make("switching", switches) else None
 
     def handlers(self):
         return {commands.CODE + code: self._switch for code in range(62, 66)}
@@ -33,12 +34,12 @@ class DigitalOutputs(Feature):
     def _switch(self, command):
         machine = self._machine
         name = "p%d" % command.value
-        if name not in self._names:
+        if name not in self._pins:
             return errors.NUMBER_RANGE
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
         code = command.kind - commands.CODE
-        if machine.command is not None or len(self._waiting) >= _MOST or code < 64 and self._queue.chords:  # behind the last of them
+        if machine.command is not None or len(self._waiting) >= SWITCH_MOST or code < 64 and self._queue.chords:  # behind the last of them
             return errors.LATER
         if machine.checking:
             return machine.accepted(command)
@@ -46,18 +47,28 @@ class DigitalOutputs(Feature):
         if code >= 64:
             self._put(name, on)
         else:
-            self._waiting.append([self._queue.added(), name, on])
+            block = self._queue.added()
+            self._waiting.append([block, name, on])
+            if self._marks:
+                pin, active = self._pins[name]
+                self._marks.ask(block, pin << 1 | (active if on else 1 - active))
         return machine.accepted(command)
 
     def _put(self, name, on):
+        self._note(name, on)
+        self._port.output(name, on)
+
+    def _note(self, name, on):
         if on:
             self._on[name] = True
         else:
             self._on.pop(name, None)
-        self._port.output(name, on)
 
     def poll(self, now_ms):
         waiting = self._waiting
+        if self._marks:
+            self._count()
+            return
         if self._machine.away:  # the queue's counts are parking's
             return
         for item in waiting:
@@ -82,17 +93,31 @@ class DigitalOutputs(Feature):
 
     # --- stops
 
+    def _count(self):
+        """Take note of what marks have shown."""
+        for _ in range(self._marks.shown()):
+            _, name, on = self._waiting.pop(0)
+            self._note(name, on)
+
+    def _drop(self):
+        if self._marks:
+            self._marks.clear()
+            self._count()
+        self._waiting.clear()
+
     def show_outputs(self, on):
+        if self._marks:
+            self._count()
         for name in self._on:
             self._port.output(name, on)
 
     def heed(self, what):
-        self._waiting.clear()
+        self._drop()
         if what & (SAFE | OFF | ANEW):
             self.halt()
 
     def halt(self):
-        self._waiting.clear()
+        self._drop()
         for name in self._on:
             self._port.output(name, False)
         self._on.clear()

@@ -208,11 +208,13 @@ class ChipPort:
 
     def make(self, kind, config):
         """What few boards have, from a module of this folder: "pulses" counts those of an input, config: its name; "memory_card";
-        "servo", config: (pin, ns)."""
+        "servo", config: (pin, ns); "switching", config: a Switches; False if it cannot."""
         if kind == "pulses":
             from passo.ports.pulses import make
         elif kind == "servo":
             from passo.ports.servo import make
+        elif kind == "switching":
+            from passo.ports.switching import make
         else:
             from passo.ports.memory_card import make
         return make(self, config)

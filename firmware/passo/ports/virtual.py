@@ -74,8 +74,10 @@ class VirtualPort:
             if entry.get("halt", False):
                 self._halting.append(entry["name"])
         self._outputs = {}
+        self._pins = {}
         for entry in board.get("outputs", ()):
             self._outputs[entry["name"]] = entry.get("active", 1)
+            self._pins[entry["name"]] = entry.get("pin")
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.interlock = self._limits = None
         if board.get("interlock"):
@@ -153,7 +155,15 @@ class VirtualPort:
 
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
-        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
+        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo, "switching": VirtualPort._switching}[kind](self, config)
+
+    def _switching(self, switches):
+        """As ports/switching.py."""
+        if self.interlock is not None:
+            return False
+        names = {pin: name for name, pin in self._pins.items()}
+        self._player.mark(switches, lambda tick, value: self.world.output(tick, names[value >> 1], value & 1))
+        return True
 
     def tripped(self):
         """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting

@@ -5,6 +5,7 @@ The world may stop or halt the player from inside that call, as a limit switch w
 """
 
 from passo.records import COUNT_MASK
+from passo.steps.switching_records import SWITCH_NEVER
 
 
 class Player:
@@ -24,12 +25,19 @@ class Player:
         self._edges = port.world.edges
         self._power = getattr(port.world, "power", None)
         self._shown = 0  # power
+        self._switches = self._change = None  # see mark()
         self._levels = 0
         self._played = 0
         self._next = 0  # tick at which the word under way ends
         self._fall = -1  # tick at which its pulses fall; -1 when none is up
         self._playing = False
         port.world.attach(0, layout.pin_names, invert)
+
+    def mark(self, switches, change):
+        """Outputs change with the words that `switches` says, by change(tick, value)."""
+        self._switches = switches
+        self._change = change
+        self.start = switches.start
 
     def start(self):
         """Play words as they come."""
@@ -108,6 +116,7 @@ class Player:
         tick = self._next
         power = self._ring.power
         marked = power.next(played)
+        switched = self._switch(tick) if self._switches else SWITCH_NEVER
         while tick < until and played != head:
             word = words[played & mask]
             at = played
@@ -121,6 +130,8 @@ class Player:
             self.now = tick
             self._played = played
             self._next = end
+            if at == switched:
+                switched = self._switch(tick)
             changed = levels ^ self._levels
             if changed:
                 self._levels = levels
@@ -143,3 +154,7 @@ class Player:
             if not self._playing:
                 break
             tick = end
+
+    def _switch(self, tick):
+        """Change the outputs that are due; the word of the next."""
+        return self._switches.show(self._played, lambda value: self._change(tick, value))

@@ -18,7 +18,7 @@ OUT = 1
 def steps(bits, cycles, halt):
     """Pulses: the pins of `set` fall ISR + 2 ticks after the word begins. Words of at least ISR + 4 ticks."""
     time_bits = 32 - bits
-    settle = cycles - 3  # puts the fall on a whole tick after the rise
+    settle = cycles - 4  # puts the fall on a whole tick after the rise
     rest = cycles - 5  # of the ticks that the three lone decrements stand for
 
     @rp2.asm_pio(out_shiftdir=rp2.PIO.SHIFT_RIGHT, fifo_join=rp2.PIO.JOIN_TX)
@@ -26,6 +26,7 @@ def steps(bits, cycles, halt):
         wrap_target()
         pull(block)  # the next word; wait for it
         out(pins, bits)  # its levels: pulses rise
+        irq(rel(0))  # it has begun: see switching.py
         out(x, time_bits)  # its ticks
         mov(y, isr)[settle]  # how long pulses last
         label("high")
@@ -52,13 +53,14 @@ def steps(bits, cycles, halt):
 def levels(bits, cycles, halt):
     """Levels that hold until the next word: coils. Words of at least 2 ticks."""
     time_bits = 32 - bits
-    rest = cycles - 5
+    rest = cycles - 6
 
     @rp2.asm_pio(out_shiftdir=rp2.PIO.SHIFT_RIGHT, fifo_join=rp2.PIO.JOIN_TX)
     def program():
         wrap_target()
         pull(block)  # the next word; wait for it
         out(pins, bits)  # its levels
+        irq(rel(0))  # it has begun
         out(x, time_bits)[rest]  # its ticks, and the cycles missing to a whole one
         jmp(x_dec, "second")  # these took a tick that x does not know of
         label("second")

@@ -1,0 +1,74 @@
+"""Outputs that change with a step, on a chip: the state machine raises its interrupt as each word begins, and while a change lies ahead
+machine code looks which word that is.
+
+Edges come 1.1 µs behind their step (tests_host/pico/test_pico_outputs.py). Costs nothing while no change lies ahead, else that a word.
+"""
+# Shared with interrupts: switches, state, own
+
+from array import array
+
+import micropython
+import uctypes
+from machine import mem32
+from micropython import const
+
+from passo.ports.rp2 import chip, vectors
+from passo.ports.rp2.fields import *
+from passo.ports.rp2.pio_player import _played
+from passo.ports.rp2.registers import *
+from passo.records import COUNT_HALF, COUNT_MASK
+from passo.steps.switching_records import *
+
+_STATE = const(0)  # addresses: the player's state, the changes, the register that turns pins over, the mask of interrupts
+_SWITCHES = const(1)
+_TOGGLE = const(2)
+_ENABLE = const(3)
+
+
+class PinSwitches:
+    def __init__(self, player, switches):
+        """`player`: a PioPlayer; `switches`: a Switches."""
+        state = player._state
+        enable = state[PIO_BLOCK] + vectors.IRQ1_INTE
+        self._own = array("I", [uctypes.addressof(state), uctypes.addressof(switches.marks), chip.TOGGLE, enable])
+        self._entry = vectors.enter(vectors.PIO_IRQ_1, _begun, self._own)
+        switches.join(self.tell)
+        player.start = switches.start
+        player.close = self.close
+
+    @micropython.native
+    def tell(self):  # ISR: no allocation
+        _listen(self._own)
+
+    def close(self):
+        """The interrupt comes no more."""
+        vectors.leave(vectors.PIO_IRQ_1)
+        mem32[self._own[_ENABLE]] = 0
+
+
+@micropython.viper
+def _listen(own: ptr32):  # ISR: no allocation
+    """From here on the interrupt comes; at once if a word has begun since it came last."""
+    ptr32(own[_ENABLE])[0] = 256 << ptr32(own[_STATE])[PIO_NUMBER]
+
+
+@micropython.viper
+def _begun(own: ptr32):  # ISR: no allocation
+    """A word has begun: show what is due with it."""
+    state = ptr32(own[_STATE])
+    switches = ptr32(own[_SWITCHES])
+    pins = ptr32(0xD0000010)
+    toggle = ptr32(own[_TOGGLE])
+    ptr32(state[PIO_BLOCK])[BLOCK_IRQ] = 1 << state[PIO_NUMBER]  # the next word raises it again
+    begun = int(_played(state)) - 1
+    while switches[SWITCH_SHOWN] != switches[SWITCH_ASKED]:
+        at = SWITCH_FIRST + (switches[SWITCH_SHOWN] & (SWITCH_MOST - 1)) * SWITCH_FIELDS
+        word = switches[at + SWITCH_WORD]
+        if word == SWITCH_NEVER:
+            break
+        if (begun - word) & COUNT_MASK >= COUNT_HALF:
+            return
+        pin = switches[at + SWITCH_VALUE] >> 1
+        toggle[0] = (pins[0] ^ (switches[at + SWITCH_VALUE] & 1) << pin) & 1 << pin
+        switches[SWITCH_SHOWN] = (switches[SWITCH_SHOWN] + 1) & COUNT_MASK
+    ptr32(own[_ENABLE])[0] = 0  # until start() finds another
