@@ -4,8 +4,9 @@ RS274/NGC and LinuxCNC define F this way. If the axis homes at no sensor, it has
 """
 
 from passo.control.stream_queue import StreamQueue
+from passo.motion.block import LINE
 from passo.motion.integers import length_nm
-from passo.records import FARTHEST
+from passo.records import FARTHEST, ROW_KIND, ROW_STEPS, SEEN_MM_S, SEEN_NM_S, SEEN_ROW
 
 
 class Queue(StreamQueue):
@@ -31,6 +32,17 @@ class Queue(StreamQueue):
 
     def fits(self, deltas, nm_s, ticks):
         StreamQueue.fits(self, deltas, self._along(deltas, nm_s), ticks)
+
+    def look(self, played=None):
+        """See Queue.look(); the speed is the one that F counts for."""
+        StreamQueue.look(self, played)
+        seen, rows = self.seen, self._planner.rows
+        at = seen[SEEN_ROW]
+        nm_s = seen[SEEN_MM_S] * 1_000_000 + seen[SEEN_NM_S]
+        if nm_s and rows[at + ROW_KIND] == LINE and rows[at + ROW_STEPS + self._last]:
+            nm_s = nm_s * 1_000_000_000 // (self._along(rows[at + ROW_STEPS : at + ROW_STEPS + self._last + 1], 1_000_000_000) or 1)
+            seen[SEEN_MM_S] = nm_s // 1_000_000
+            seen[SEEN_NM_S] = nm_s % 1_000_000
 
     def _along(self, deltas, nm_s):
         """The speed along all axes at which the linear ones go at `nm_s`; it counts 10⁻⁶ degrees a second where none of them moves."""
