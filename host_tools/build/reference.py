@@ -57,10 +57,10 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import backlash_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, parking_keys, rotary_keys, shift_keys
+    from passo.config import backlash_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, parking_keys, rotary_keys, shift_keys, spi_drivers_keys
     from passo.config.job_keys import JOBS
 
-    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys)}
+    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys, spi_drivers_keys)}
     own = {key: module.RULES[key] for key, module in rare.items()}
     return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 
@@ -87,7 +87,18 @@ def _section(boardfile, name):
     optional = " May be left out."
     if isinstance(rule, list):
         return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)
-    return rule, optional if name in (*boardfile._OPTIONAL, "drivers", "parking") else " Needed."
+    return rule, optional if name in (*boardfile._OPTIONAL, "drivers", "parking", "spi_drivers") else " Needed."
+
+
+def spi_pins(board):
+    """(pin, wire, note) of drivers on SPI."""
+    config = board.get("spi_drivers")
+    if not config:
+        return
+    for key, wire in (("sck", "SCK"), ("tx", "SDI"), ("rx", "SDO")):
+        yield config[key], f"drivers {wire}", ""
+    for cs in dict.fromkeys(motor["cs"] for motor in config["motors"]):
+        yield cs, "drivers CS of " + ", ".join(motor["axis"] for motor in config["motors"] if motor["cs"] == cs), ""
 
 
 def _number(value):
@@ -173,6 +184,7 @@ def _pins(board):
     if board.get("drivers"):
         yield board["drivers"]["tx"], "drivers TX", f", {board['drivers']['baud']} baud, behind 1 kΩ"
         yield board["drivers"]["rx"], "drivers RX", ", the same wire"
+    yield from spi_pins(board)
     if board["inverter"]:
         yield board["inverter"]["tx"], "inverter TX", f", {board['inverter']['baud']} baud"
         yield board["inverter"]["rx"], "inverter RX", ""

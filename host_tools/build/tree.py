@@ -122,6 +122,10 @@ OF_BACKLASH = (
 OF_DRIVERS = (
     Path("passo", "config", "drivers_keys.py"), Path("passo", "control", "drives.py"), Path("passo", "config", "tmc2209.py"),
 )  # fmt: skip
+OF_SPI = (
+    Path("passo", "config", "spi_drivers_keys.py"), Path("passo", "config", "tmc_spi.py"), Path("passo", "control", "spi_drives.py"),
+    Path("passo", "ports", "spi_line.py"),
+)  # fmt: skip
 STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")  # and feel where their axes end
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
@@ -227,7 +231,8 @@ def selected(board, firmware=FIRMWARE, spared=None):
     kinematics = board.get("kinematics", "none")
     mapped = kinematics != "none"
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
-    absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") else OF_DRIVERS)
+    absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") or board.get("spi_drivers") else OF_DRIVERS)
+    absent += () if board.get("spi_drivers") else OF_SPI
     stalls = STALLS if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())) else ()
     absent += tuple(set(STALLS) - set(stalls))
     absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING)
@@ -256,6 +261,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
                 chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
                 chosen |= {BROKER, ERROR_TEXTS} if board["network"].get("broker") else set()
     chosen |= {*(OF_BACKLASH if board.get("backlash") else ()), *(OF_DRIVERS if board.get("drivers") else ())}
+    chosen |= {*OF_SPI} if board.get("spi_drivers") else set()
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
     chosen |= {*stalls, *(path for path in switching if path in files)}

@@ -19,7 +19,7 @@ from host_tools.emulator.cycles import CYCLES_PER_TICK
 from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.homing import HomingWatch
 from host_tools.emulator.inverter import WiredInverter
-from host_tools.emulator.tmc import WiredDrivers
+from host_tools.emulator.tmc import WiredDrivers, WiredSpiDrivers
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.wire import UsbWire
 from host_tools.emulator.wiring import Wiring
@@ -72,6 +72,8 @@ class EmulatedMachine:
         self._usb = UsbWire(self.pico)
         self.inverter = WiredInverter(self.pico, self.board["inverter"]) if self.board["inverter"] else None
         self.drivers = WiredDrivers(self.pico, self.board["drivers"]) if self.board.get("drivers") else None
+        if self.board.get("spi_drivers"):
+            self.drivers = WiredSpiDrivers(self.pico, self.board["spi_drivers"])
         if self.plant.slipping:
             self.plant.slipping.wire(self.drivers.model)
         self._watches = {name: HomingWatch(link["protocol"], self._homed) for name, link in self._links.items()}

@@ -9,6 +9,7 @@ The wire gives back what the Pico sends; replies come behind it at the wire's pa
 from host_tools.emulator import cycles
 from host_tools.emulator.wire import BITS_A_BYTE
 from host_tools.sim.tmc import CLOCKS, SimDrivers
+from host_tools.sim.tmc_spi import SpiDrivers
 
 
 class WiredDrivers:
@@ -25,3 +26,35 @@ class WiredDrivers:
         for reply in self.model.hear(data):
             wait_ns = (CLOCKS + BITS_A_BYTE) * 1_000_000_000 // self._baud
             self._pico.at(self._pico.cycle + wait_ns // cycles.CYCLE_NS, lambda reply=reply: self.wire.feed(reply, self._baud))
+
+
+class WiredSpiDrivers:
+    """TMC2130 or TMC5160 drivers at the pins of an emulated Pico; `model`: a SpiDrivers."""
+
+    def __init__(self, pico, config):
+        self._pads = pico.pads
+        self._config = config
+        self.model = SpiDrivers(config)
+        self._cs = None  # that is low
+        for cs in self.model.chains:
+            pico.pads.listen(cs, lambda _, state, cs=cs: self._select(cs, state))
+        pico.pads.listen(config["sck"], lambda _, state: self._clock(state))
+
+    def _select(self, cs, state):
+        if state == 1 and self._cs == cs:
+            self._cs = None
+            self.model.select(cs, 1)
+            self._pads.drive(self._config["rx"], None)
+        elif state == 0 and self._cs is None:
+            self._cs = cs
+            self.model.select(cs, 0)
+            self._show()
+
+    def _clock(self, state):
+        if self._cs is not None and state == 1:
+            self.model.clock(self._cs, self._pads.state(self._config["tx"]) & 1)
+        elif self._cs is not None:
+            self._show()  # it changes as the clock falls
+
+    def _show(self):
+        self._pads.drive(self._config["rx"], self.model.out(self._cs))

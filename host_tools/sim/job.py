@@ -44,7 +44,7 @@ MOST_NOTES = 1000  # of a kind, that are kept
 
 def bare(board):
     """A board file's dict without what guards a real machine."""
-    kept = {key: value for key, value in board.items() if key not in ("drivers", "encoders", "interlock", "inverter")}
+    kept = {key: value for key, value in board.items() if key not in ("drivers", "encoders", "interlock", "inverter", "spi_drivers")}
     if "inputs" in board:
         kept["inputs"] = [{key: value for key, value in item.items() if key != "filter_us"} for item in board["inputs"]]
     if "outputs" in board:

@@ -17,6 +17,7 @@ from host_tools.sim.pages import Pages
 from host_tools.sim.plant import Plant
 from host_tools.sim.recording import Recording
 from host_tools.sim.tmc import SimDrivers
+from host_tools.sim.tmc_spi import SpiDrivers
 from passo.app import App
 from passo.config.boardfile import check
 from passo.config.journal import FileSlots
@@ -55,6 +56,9 @@ class Machine:
             lines = {**lines, "drivers": self.drivers}
             if self.plant.slipping:
                 self.plant.slipping.wire(self.drivers)
+        if self.board.get("spi_drivers"):
+            self.drivers = SpiDrivers(self.board["spi_drivers"])
+            lines = {**lines, "drivers": self.drivers}
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, radio=radio)
         if self.board["journal"]:
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)

@@ -214,6 +214,17 @@ def _lines(board):
         addresses = ", ".join(f"{motor['axis'].upper()} {motor['address']}" for motor in drivers["motors"])
         notes = [_("1 kΩ from TX to the wire; RX on it"), _("addresses (MS1, MS2): {}", addresses)]
         yield Part("drivers", "serial", _("drivers' UART"), terminals, notes, ("GND",))
+    spi = board.get("spi_drivers")
+    if spi:
+        terminals = [Terminal("SCK", spi["sck"]), Terminal("SDI", spi["tx"]), Terminal("SDO", spi["rx"])]
+        chains = {}
+        for motor in spi["motors"]:
+            chains.setdefault(motor["cs"], []).append(motor["axis"].upper())
+        terminals += [Terminal("CS " + " ".join(axes), cs) for cs, axes in chains.items()]
+        notes = [_("3.3 V at VCC_IO of each driver")]
+        if any(len(axes) > 1 for axes in chains.values()):
+            notes.append(_("of a chain SDO goes to the next SDI"))
+        yield Part("drivers", "serial", _("drivers' SPI"), terminals, notes, ("3V3", "GND"))
     if card:
         terminals = [Terminal(label, card[key]) for label, key in (("CLK", "sck"), ("DI", "mosi"), ("DO", "miso"), ("CS", "cs"))]
         yield Part("card", "serial", _("memory card"), terminals, [_("10 kΩ from DO to 3V3")], ("3V3", "GND"))

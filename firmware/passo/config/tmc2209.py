@@ -30,7 +30,7 @@ SHORTED = const(0x3C)
 OPEN = const(0xC0)
 MASTER = const(0xFF)  # the address in replies
 _SYNC = const(5)
-_WRITES = const(0x80)
+WRITES = const(0x80)
 _FULL_MV = (325, 180)  # across the sense resistors at full scale, without and with vsense
 
 
@@ -47,7 +47,7 @@ def crc(data):
 def telegram(address, register, number=None):
     data = bytearray((_SYNC, address, register))
     if number is not None:
-        data[2] |= _WRITES
+        data[2] |= WRITES
         for shift in (24, 16, 8, 0):
             data.append(number >> shift & 0xFF)
     data.append(crc(data))

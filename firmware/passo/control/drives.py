@@ -21,28 +21,31 @@ from passo.control.feature import Feature
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _WORD = ("drives", "Dr")  # what is remarkable of which axis, in reports
-_ASKS = const(3)
+ASKS = const(3)
 _WAIT_MS = const(20)  # for a reply
-_PERIOD_MS = const(50)  # between two looks at a driver that is set up
+PERIOD_MS = const(50)  # between two looks at a driver that is set up
 _REPLY = const(8)  # bytes
 
 
 class Motors(Feature):
     def __init__(self, board, machine, queue):
-        config = board["drivers"]
+        config = board["drives"]
         Feature.__init__(self, board, machine, queue)
         if _WORD not in STATUS_WORDS:
             STATUS_WORDS.append(_WORD)
-        line = dict(config)
-        line["name"] = "drivers"
-        self._line = machine.port.serial(line)
         self._motors = config["motors"]
-        self._registers = [chip.registers(motor, config["sense_mohm"]) for motor in self._motors]
+        self._open(config)
         self._told = [""] * len(self._motors)  # what is remarkable of each
         self._text = None  # all of it
         self._failed = 0  # the alarm that was raised
         self._due_ms = machine.port.machine_ms()
         self._begin()
+
+    def _open(self, config):
+        line = dict(config)
+        line["name"] = "drivers"
+        self._line = self._machine.port.serial(line)
+        self._registers = [chip.registers(motor, config["sense_mohm"]) for motor in self._motors]
 
     def _begin(self):
         """Set all up anew."""
@@ -66,6 +69,9 @@ class Motors(Feature):
                 return
             self._failed = 0
             self._begin()
+        self._turn(now_ms)
+
+    def _turn(self, now_ms):
         if self._register >= 0:
             self._listen(now_ms)
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
@@ -105,7 +111,7 @@ class Motors(Feature):
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
             self._register = -1
             self._tries += 1
-            if self._tries == _ASKS:
+            if self._tries == ASKS:
                 self._fail(errors.ALARM_DRIVER_SILENT, "no answer")
             elif self._set < len(self._motors) and self._stage == 2:
                 self._stage = 1  # they may have been taken: count anew
@@ -150,7 +156,7 @@ class Motors(Feature):
             self._text = ",".join(texts) or None
         self._stage = 0
         self._number = (self._number + 1) % len(self._motors)
-        self._due_ms = now_ms + _PERIOD_MS // len(self._motors)
+        self._due_ms = now_ms + PERIOD_MS // len(self._motors)
 
     def _fail(self, number, why):
         self._failed = number

@@ -208,13 +208,16 @@ class ChipPort:
 
     def make(self, kind, config):
         """What few boards have, from a module of this folder: "pulses" counts those of an input, config: its name; "memory_card";
-        "servo", config: (pin, ns); "switching", config: a Switches; False if it cannot."""
+        "servo", config: (pin, ns); "switching", config: a Switches; False if it cannot;
+        "spi_line", config: the board file's spi_drivers."""
         if kind == "pulses":
             from passo.ports.pulses import make
         elif kind == "servo":
             from passo.ports.servo import make
         elif kind == "switching":
             from passo.ports.switching import make
+        elif kind == "spi_line":
+            from passo.ports.spi_line import make
         else:
             from passo.ports.memory_card import make
         return make(self, config)

@@ -155,7 +155,7 @@ class VirtualPort:
 
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
-        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo, "switching": VirtualPort._switching}[kind](self, config)
+        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo, "switching": VirtualPort._switching, "spi_line": _spi_line}[kind](self, config)
 
     def _switching(self, switches):
         """As ports/switching.py."""
@@ -262,6 +262,11 @@ class _Pulses:
         count, tick = self._port.world.pulses(self._port.now)
         self.us = tick * 2 // 25 & COUNT_MASK
         return count & COUNT_MASK
+
+
+def _spi_line(port, config):
+    """What the PC put on the line: as ports/spi_line.py."""
+    return port.lines["drivers"]
 
 
 class _Servo:

@@ -1,0 +1,63 @@
+"""The key `spi_drivers`: TMC2130 or TMC5160 drivers that are set up over SPI. Only loaded if the board file has it."""
+
+from passo.config.board_error import BoardError
+from passo.config.boardfile import claimed_pins
+from passo.config.chip_pins import check_pin
+from passo.config.tmc_spi import scale
+
+_DRIVER = {
+    "axis": (str, ..., 1, 1),
+    "cs": (int, ..., 0, 48),  # drivers of one pin are a chain, in this order from `tx` on
+    "current_ma": (int, ..., 50, 6000),  # of a coil, RMS
+    "hold_percent": (int, 50, 0, 100),  # of it, at rest
+    "microsteps": (int, 16, 1, 256),
+    "stealth": (bool, True, 0, 1),  # stealthChop; False: spreadCycle
+}
+RULES = {
+    "spi_drivers": {
+        "chip": ("tmc5160", "tmc2130"),
+        "sck": (int, ..., 0, 48),
+        "tx": (int, ..., 0, 48),  # to SDI
+        "rx": (int, ..., 0, 48),  # from SDO
+        "sense_mohm": (int, ..., 10, 1000),  # the resistors beside each driver
+        "motors": [_DRIVER, 1, 4],
+    },
+    "features": (dict, {}, 0, 4),  # set by check(), as the next: see drivers_keys.py
+    "drives": (str, "", 0, 0),
+}
+
+
+def check(board):
+    config = board["spi_drivers"]
+    if board.get("drivers") or board.get("drives"):
+        raise BoardError("spi_drivers: not beside drivers, which are on a UART")
+    if board["drive"]["kind"] != "step_dir":
+        raise BoardError("drivers: they want a step_dir drive")
+    motors = config["motors"]
+    claims = [("spi_drivers " + key, config[key]) for key in ("sck", "tx", "rx")]
+    for motor in motors:
+        claim = "spi_drivers cs", motor["cs"]
+        if claim not in claims:
+            claims.append(claim)
+    taken = claimed_pins(board)
+    for who, pin in claims:
+        check_pin(board["chip"], pin, who, who != "spi_drivers rx")
+        for other, whose in taken:
+            if other == pin:
+                raise BoardError("pin %d is claimed by %s and by %s" % (pin, whose, who))
+        taken.append((pin, who))
+    names = [axis["name"] for axis in board["axes"]]
+    found = [motor["axis"] for motor in motors]
+    if len(set(found)) != len(found):
+        raise BoardError("drivers.motors: every %s once, not %r" % ("axis", found))
+    for motor in motors:
+        where = "spi_drivers.motors, %s" % motor["axis"]
+        if motor["axis"] not in names:
+            raise BoardError("%s: there is no such axis" % where)
+        if motor["microsteps"] & motor["microsteps"] - 1:
+            raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
+        if scale(motor["current_ma"], config) is None:
+            raise BoardError("%s: %d mA are too much for %d mΩ" % (where, motor["current_ma"], config["sense_mohm"]))
+    board["drives"] = config
+    board["features"] = dict(board["features"])
+    board["features"]["drives"] = "spi_drives"

@@ -1,0 +1,60 @@
+"""TMC2130 and TMC5160: datagrams of their SPI, and the registers that a board file's section becomes (datasheets rev. 1.10 and 1.14, 4 and 5).
+
+    data = datagram(GSTAT)          # asks for a register
+    data = datagram(GSTAT, 7)       # writes it
+
+A datagram is an address and 32 bits, highest bit first. What comes back meanwhile, a status byte and 32 bits, answers the datagram before: of a
+read the register, of a write what was written.
+"""
+
+from micropython import const
+
+from passo.config.tmc2209 import DRV_STATUS, GSTAT, WRITES  # noqa: F401  a TMC2130 clears GSTAT as it is read
+
+IOIN = const(0x04)  # the chip's version in its high byte
+STEPS = const(0x40)  # of it, TMC5160: the pin SD_MODE has the chip take STEP and DIR
+VERSIONS = {"tmc2130": 0x11, "tmc5160": 0x30}
+BYTES = const(5)
+
+
+def datagram(register, number=None):
+    if number is None:
+        return bytes((register, 0, 0, 0, 0))
+    return bytes((register | WRITES, number >> 24 & 255, number >> 16 & 255, number >> 8 & 255, number & 255))
+
+
+def faults(status):
+    """DRV_STATUS as a TMC2209 has it: 1 hot, 2 overheated, 0x3C shorts, 0xC0 open coils."""
+    return status >> 26 & 1 | status >> 24 & 2 | status >> 25 & 0xC | (status >> 12 & 3) << 4 | status >> 23 & 0xC0
+
+
+def scale(current_ma, config):
+    """(CHOPCONF's vsense or GLOBALSCALER, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for the resistors."""
+    mohm = config["sense_mohm"]
+    if config["chip"] == "tmc2130":
+        for vsense, full_mv in ((1, 180), (0, 320)):
+            scaled = current_ma * (mohm + 20) * 45255 // (full_mv * 1_000_000)  # 32·√2
+            if scaled <= 32:
+                return vsense, max(scaled - 1, 0)
+        return None
+    product = current_ma * mohm * 11585 // 325_000  # 256·32·√2: of both scales
+    if product > 8192:
+        return None
+    for scaled in range(31, 0, -1):
+        if product // (scaled + 1) >= (128 if scaled > 15 else 32):  # as the datasheet recommends
+            return min(product // (scaled + 1), 256) & 255, scaled
+    return 32, 0
+
+
+def registers(motor, config):
+    """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
+    first, run = scale(motor["current_ma"], config)
+    hold = run * motor["hold_percent"] // 100
+    halvings = 0
+    while motor["microsteps"] << halvings < 256:
+        halvings += 1
+    stealth = 4 if motor["stealth"] else 0
+    rows = ((0x10, 8 << 16 | run << 8 | hold), (0x11, 20), (0x13, 0))  # IHOLD_IRUN, TPOWERDOWN: 0.4 s, TPWMTHRS
+    if config["chip"] == "tmc2130":
+        return rows + ((0x70, 0x000401C8), (0x00, stealth), (0x6C, 0x100100C3 | halvings << 24 | first << 17))  # PWMCONF, GCONF, CHOPCONF
+    return ((GSTAT, 7), (0x0B, first)) + rows + ((0x70, 0xC40C001E), (0x00, 8 | stealth), (0x6C, 0x104100C3 | halvings << 24))  # GLOBALSCALER

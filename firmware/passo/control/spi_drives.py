@@ -1,0 +1,99 @@
+"""TMC2130 and TMC5160 drivers on SPI, with a CS each or in chains: set up and read back at the start, watched from then on, as drives.py has it.
+
+    "spi_drivers": {"chip": "tmc5160", "sck": 10, "tx": 11, "rx": 12, "sense_mohm": 75, "motors": [{"axis": "x", "cs": 13, "current_ma": 1500}]}
+
+SPI has no checksum: so every read is followed by the chip's version, which a wire that is off does not say, and every write has to come back as it
+was. Alarms are those of drives.py. A cycle of the main loop asks one driver, 1 ms.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.config import tmc_spi as chip
+from passo.control import drives
+from passo.control.drives import ASKS
+from passo.records import COUNT_HALF, COUNT_MASK
+
+_AGAIN_MS = const(20)
+
+
+class Motors(drives.Motors):
+    def _open(self, config):
+        self._config = config
+        self._line = self._machine.port.make("spi_line", config)
+        self._registers = [chip.registers(motor, config) for motor in self._motors]
+        self._chains = {}  # {cs: numbers of its drivers, the last first: that is the order of what is sent}
+        for number in range(len(self._motors)):
+            pin = self._motors[number]["cs"]
+            self._chains[pin] = [number] + self._chains.get(pin, [])
+
+    def _turn(self, now_ms):
+        if (now_ms - self._due_ms) & COUNT_MASK >= COUNT_HALF:
+            return
+        if not (self._see(now_ms) if self.ready() else self._set_up()):
+            self._tries += 1
+            self._due_ms = now_ms + _AGAIN_MS
+            if self._tries == ASKS:
+                self._fail(errors.ALARM_DRIVER_SILENT, "no answer")
+        else:
+            self._tries = 0
+
+    def _send(self, data):
+        """What the driver answers to the datagram before; the others of its chain are asked for their version."""
+        pin = self._motors[self._number]["cs"]
+        sent = b""
+        for number in self._chains[pin]:
+            sent += data if number == self._number else chip.datagram(chip.IOIN)
+        at = chip.BYTES * self._chains[pin].index(self._number) + 1
+        found = self._line.exchange(pin, sent)
+        return found[at] << 24 | found[at + 1] << 16 | found[at + 2] << 8 | found[at + 3]
+
+    def _read(self, register):
+        """The register; None if the chip does not say its version behind it."""
+        self._send(chip.datagram(register))
+        found = self._send(chip.datagram(chip.IOIN))
+        version = self._send(chip.datagram(chip.IOIN)) >> 24
+        return found if version in chip.VERSIONS.values() or register == chip.IOIN and version not in (0, 255) else None
+
+    def _set_up(self):
+        """Set the driver up. True if it has answered."""
+        found = self._read(chip.IOIN)
+        if found is None:
+            return False
+        name = self._config["chip"]
+        rows = self._registers[self._number]
+        if found >> 24 != chip.VERSIONS[name]:
+            self._fail(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
+            return True
+        if name == "tmc5160" and not found & chip.STEPS:
+            self._fail(errors.ALARM_DRIVER_DIFFERS, "SD_MODE is low")
+            return True
+        if self._read(chip.GSTAT) is None:  # a TMC2130 forgets that it was reset
+            return False
+        for register, number in rows:
+            self._send(chip.datagram(register, number))
+            if self._send(chip.datagram(chip.IOIN)) != number:
+                return False
+        for register, number in rows[-2:]:
+            found = self._read(register)
+            if found is None:
+                return False
+            if found != number:
+                self._fail(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (register, found, number))
+                return True
+        self._set += 1
+        self._number = self._set % len(self._motors)
+        return True
+
+    def _see(self, now_ms):
+        """Look at a driver that is set up. True if it has answered."""
+        self._send(chip.datagram(chip.GSTAT))
+        state = self._send(chip.datagram(chip.DRV_STATUS))
+        status = self._send(chip.datagram(chip.IOIN))
+        if self._send(chip.datagram(chip.IOIN)) >> 24 not in chip.VERSIONS.values():
+            return False
+        self._stage = 0
+        self._watch(state, now_ms)
+        if self._stage:
+            self._watch(chip.faults(status), now_ms)
+        return True

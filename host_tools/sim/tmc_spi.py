@@ -1,0 +1,106 @@
+"""TMC2130 or TMC5160 drivers on SPI, bit by bit: shift registers of 40 bits, with a CS each or in chains, and faults.
+
+    drivers = SpiDrivers(board["spi_drivers"])
+    drivers.exchange(cs, data)          # as a board's line sees them
+    drivers["x"].dead = True            # its supply is off: SDO stays low
+    drivers["x"].power_cycle()          # it was gone for a moment
+    drivers["x"].registers[0x6F] |= 1 << 25     # DRV_STATUS: overheated
+
+SPI mode 3: bits are taken as the clock rises. As CS rises, each chip takes the 40 bits that it has last seen; as it falls, the answer to that stands
+in its register: a status byte, and of a read the register, of a write what was written.
+"""
+
+_MASK = (1 << 40) - 1
+_READABLE = {0x00, 0x01, 0x04, 0x12, 0x6A, 0x6B, 0x6C, 0x6F}
+_DEFAULTS = {
+    "tmc2130": {0x00: 0, 0x01: 1, 0x04: 0x11000000, 0x6C: 0x000101D5, 0x6F: 0x80000000},
+    "tmc5160": {0x00: 0, 0x01: 1, 0x04: 0x30000040, 0x6C: 0x10410150, 0x6F: 0x80000000},
+}
+
+
+class SpiDriver:
+    def __init__(self, chip):
+        self.chip = chip
+        self.dead = False
+        self.frozen = ()  # registers that keep their value
+        self.shift = self.answer = 0
+        self.taken = []  # (register, value) of each write
+        self.power_cycle()
+
+    def power_cycle(self):
+        self.registers = dict(_DEFAULTS[self.chip])
+        self.answer = 0
+
+    def select(self):
+        state = self.registers[0x01] & 3 | (self.registers[0x6F] >> 31 & 1) << 3
+        self.shift = state << 32 | self.answer
+
+    def take(self):
+        """CS has risen."""
+        register, value = self.shift >> 32 & 0x7F, self.shift & 0xFFFFFFFF
+        if self.shift >> 39:
+            self.answer = value
+            self.taken.append((register, value))
+            if register == 0x01:
+                value = self.registers[1] & ~value if self.chip == "tmc5160" else self.registers[1]
+            if register not in self.frozen:
+                self.registers[register] = value
+            return
+        self.answer = self.registers.get(register, 0) if register in _READABLE else 0
+        if register == 0x01 and self.chip == "tmc2130":
+            self.registers[1] = 0
+
+    @property
+    def out(self):
+        return 0 if self.dead else self.shift >> 39
+
+    def clock(self, bit):
+        """The bit that leaves as the clock rises."""
+        out = self.out
+        self.shift = (self.shift << 1 | bit) & _MASK
+        return out
+
+
+class SpiDrivers:
+    def __init__(self, config):
+        self._motors = {}
+        self.chains = {}  # {cs: drivers, the one at the board's TX first}
+        for motor in config["motors"]:
+            driver = self._motors[motor["axis"]] = SpiDriver(config["chip"])
+            self.chains.setdefault(motor["cs"], []).append(driver)
+        self.flips = 0  # bits to come that are wrong
+        self.exchanges = 0
+
+    def __getitem__(self, axis):
+        return self._motors[axis]
+
+    def select(self, cs, level):
+        for driver in self.chains.get(cs, ()):
+            if level:
+                if not driver.dead:
+                    driver.take()
+            else:
+                driver.select()
+        self.exchanges += not level
+
+    def out(self, cs):
+        """The line's level, before the clock rises."""
+        chain = self.chains.get(cs)
+        return chain[-1].out if chain else 0
+
+    def clock(self, cs, bit):
+        for driver in self.chains.get(cs, ()):
+            bit = driver.clock(bit)
+
+    def exchange(self, cs, data):
+        self.select(cs, 0)
+        found = 0
+        for each in data:
+            for place in range(7, -1, -1):
+                found = found << 1 | self.out(cs)
+                self.clock(cs, each >> place & 1)
+        self.select(cs, 1)
+        if self.flips:
+            self.flips -= 1
+            found ^= 1 << 9
+        return bytearray(found.to_bytes(len(data), "big"))
