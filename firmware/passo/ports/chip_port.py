@@ -207,20 +207,10 @@ class ChipPort:
         self._aside = False
 
     def make(self, kind, config):
-        """What few boards have, from a module of this folder: "pulses" counts those of an input, config: its name; "memory_card";
-        "servo", config: (pin, ns); "switching", config: a Switches; False if it cannot;
-        "spi_line", config: the board file's spi_drivers."""
-        if kind == "pulses":
-            from passo.ports.pulses import make
-        elif kind == "servo":
-            from passo.ports.servo import make
-        elif kind == "switching":
-            from passo.ports.switching import make
-        elif kind == "spi_line":
-            from passo.ports.spi_line import make
-        else:
-            from passo.ports.memory_card import make
-        return make(self, config)
+        """What few boards have: see make.py."""
+        from passo.ports.make import make
+
+        return make(self, kind, config)
 
     def watch_limit(self, name, filter_us=0):
         """Return the watch of an input's pin: its interrupt stops the player once a limit has been active for `filter_us`, and keeps the
