@@ -159,7 +159,7 @@ MEANINGS = {
     "inputs.filter_us": "Input of the interlock, or a limit without one (0: 50): a shorter change is a glitch, and only counted, µs. A true one "
     "acts that much later.",
     "inputs.active": "Level at which the input counts as active. 1 with a switch that opens when hit: a broken wire reads as a hit.",
-    "inputs.pull": "The chip's own pull resistor.",
+    "inputs.pull": "The chip's own pull resistor. Not `down` on an rp2350: its erratum E9 ([silicon](silicon.md#rp2350)).",
     "inputs.halt": "Becoming active stops the steps in an interrupt, within microseconds (ESP32: milliseconds), and raises "
     "alarm 201. Active at the start: nothing moves.",
     "outputs.name": "Its name.",

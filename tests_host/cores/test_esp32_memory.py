@@ -84,7 +84,7 @@ def test_what_it_wants(core, name, tmp_path, show):
 def test_it_starts_in_pieces_if_it_fits(core, name, tmp_path):
     """The radio's memory is taken before anything is imported, and so is the rest."""
     board = MACHINES[name]
-    fits = needs(check(board))[core.frozen] <= ESP32_KB["esp32"]
+    fits = needs(check(board))[core.frozen] <= ESP32_KB["esp32"][core.frozen]
     counted = core.started(board, tmp_path, PIECES, drivers(board))
     assert (counted.error is None) == fits, counted
 

@@ -169,8 +169,8 @@ def test_every_board_starts(name):
 BUILT = ("mill_2004", "plotter_esp32", "router_pico_w", "plotter_pico_2", "torch_pico_w", "two_motor_kit")
 
 
-TOO_LARGE = ("mks_dlc32",)  # for the module it has
-ONLY_FROZEN = ("laser_pico_w", "router_pico_w")  # stock MicroPython has no room for them: the build says so
+TOO_LARGE = ("mks_dlc32", "plotter_esp32")  # for the modules they have
+ONLY_FROZEN = ("laser_pico_w", "plotter_page", "router_pico_w")  # stock MicroPython has no room for them: the build says so
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in BUILT else pytest.mark.slow) for name in boards.names()])

@@ -331,6 +331,9 @@ def _check_pins(board, shift):
         if outside:
             continue
         check_pin(board["chip"], pin, who, not who.startswith("input") and who[-3:] not in (" rx", "iso"))  # of the card
+    for item in board["inputs"]:
+        if item["pull"] == "down" and board["chip"] == "rp2350" and item["pin"] < REGISTER_BIT:
+            raise BoardError("input %s: an rp2350 may hold a pin up by its own pull-down (erratum E9); 4.7 kΩ to GND, and 'pull': 'none'" % item["name"])
     for link in board["links"]:
         check_link(board["chip"], link, board["network"])
 

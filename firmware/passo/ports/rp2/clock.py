@@ -53,6 +53,8 @@ def set_mhz(mhz):
             pass  # the check below raises with the clock that there is
     said = machine.freq()
     found = counted_khz()
+    if found < 0:
+        raise RuntimeError("clock_mhz: the chip's frequency counter does not answer")
     if said != mhz * 1_000_000 or abs(found - mhz * 1000) > _OFF_KHZ:
         raise RuntimeError("clock_mhz: the clock is %d kHz, not %d MHz" % (found, mhz))
 
