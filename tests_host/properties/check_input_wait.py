@@ -250,7 +250,7 @@ def check_a_stored_job_waits():
         machine.said()
         if ended:
             machine.put(b"\x18")
-            assert machine.cycles(10)[0][:28] == "[MSG:Job CLAMP: error 157 in"
+            assert machine.cycles(10)[0] == "[MSG:Job CLAMP: error 157 in line 2]"
         machine.world.switches["p0"] = 1
         if not ended:
             assert "[MSG:Job CLAMP done]" in run(machine)

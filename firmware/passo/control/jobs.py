@@ -333,6 +333,9 @@ class Jobs(Feature):
             self._reading = None
             self._store.abort()
         if self._file is not None and not self._failed:
+            command = self._machine.command
+            if command is not None and command.link is not None and command.link.name == LINK:  # its line will have no answer
+                self.line.answered += 1
             self._end(errors.JOB_STOPPED)
 
     def _end(self, error):

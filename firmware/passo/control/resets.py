@@ -24,9 +24,9 @@ class Resets(Feature):
             alarm = errors.ALARM_RESET
         elif machine.sleeping or machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED
-        machine.command = None
         machine.checking = machine.sleeping = False
         if alarm:
+            machine.command = None
             machine.raise_alarm(alarm, None, ANEW)
         else:
             machine.abort()
