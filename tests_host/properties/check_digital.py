@@ -160,6 +160,22 @@ def check_each_change_at_its_step(seed):
     assert changes == steps, (lines, changes, steps)
 
 
+def check_the_last_change_before_a_motion_counts():
+    """However many there are, dwells between them too: a link that waits for room would wait for ever."""
+    machine = router()
+    machine.do("G91", "G1X1F3000")
+    for number in range(40):
+        machine.do("M6%dP%d" % (2 + number // 2 % 2, number % 2))
+        if number % 7 == 0:
+            machine.do("G4P0.01")
+    machine.do("M62P1", "G1X1", "M62P0", "M63P1", "G1X1")
+    machine.settle()
+    machine.cycles(20)
+    assert [(name, on, place - 3000) for _, name, on, place in machine.world.changes] == [
+        ("p0", False, 320), ("p1", True, 320), ("p0", True, 640), ("p1", False, 640),
+    ], machine.world.changes
+
+
 def check_refusals():
     machine = router()
     for line, error in (("M62", 28), ("M64 P2", 122), ("M64 P10", 122), ("M62 P0 M63", 21), ("M64 P-1", 4)):

@@ -39,20 +39,37 @@ class DigitalOutputs(Feature):
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
         code = command.kind - commands.CODE
-        if machine.command is not None or len(self._waiting) >= SWITCH_MOST or code < 64 and self._queue.chords:  # behind the last of them
+        if machine.command is not None or code < 64 and self._queue.chords:  # behind the last of them
             return errors.LATER
         if machine.checking:
             return machine.accepted(command)
         on = code in (62, 64)
         if code >= 64:
             self._put(name, on)
-        else:
+        elif not self._replaced(name, on):
+            if len(self._waiting) >= SWITCH_MOST:  # for motions that are queued
+                return errors.LATER
             block = self._queue.added()
             self._waiting.append([block, name, on])
             if self._marks:
-                pin, active = self._pins[name]
-                self._marks.ask(block, pin << 1 | (active if on else 1 - active))
+                self._marks.ask(block, self._value(name, on))
         return machine.accepted(command)
+
+    def _replaced(self, name, on):
+        """True if a change of this output waits for the same motion: then the last one counts. So no more wait for it than there are outputs."""
+        waiting = self._waiting
+        for index in range(len(waiting)):
+            item = waiting[index]
+            if item[1] == name and self._motion(item[0]) == self._queue.added():
+                item[2] = on
+                if self._marks:
+                    self._marks.amend(len(waiting) - index, self._value(name, on))
+                return True
+        return False
+
+    def _value(self, name, on):
+        pin, active = self._pins[name]
+        return pin << 1 | (active if on else 1 - active)
 
     def _put(self, name, on):
         self._note(name, on)

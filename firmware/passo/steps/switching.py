@@ -39,6 +39,10 @@ class Switches:
         marks[at + SWITCH_VALUE] = value
         marks[SWITCH_ASKED] = marks[SWITCH_ASKED] + 1 & COUNT_MASK  # last: from here on an interrupt may find it
 
+    def amend(self, back, value):
+        """The change that was asked for last, `back` 1, or before it, is another one. Only while its block is not queued."""
+        self.marks[SWITCH_FIRST + (self.marks[SWITCH_ASKED] - back & SWITCH_MOST - 1) * SWITCH_FIELDS + SWITCH_VALUE] = value
+
     @micropython.native
     def start(self):  # ISR: no allocation
         """The player's start()."""
