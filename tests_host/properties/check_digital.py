@@ -176,6 +176,16 @@ def check_the_last_change_before_a_motion_counts():
     ], machine.world.changes
 
 
+def check_homing_is_no_motion_of_the_programme():
+    """What waits as it begins is dropped; outputs that are on go off, as before any homing."""
+    machine = router()
+    machine.do("M62P0", "$H")
+    machine.settle()
+    machine.do("G91", "G1X1F3000")
+    machine.settle()
+    assert not any(on for _, _, on, _ in machine.world.changes), machine.world.changes
+
+
 def check_refusals():
     machine = router()
     for line, error in (("M62", 28), ("M64 P2", 122), ("M64 P10", 122), ("M62 P0 M63", 21), ("M64 P-1", 4)):

@@ -3,13 +3,14 @@
 M64 and M65 switch at once. M62 and M63 switch with the first step of the next motion, without a stand: as marks in the step stream
 (steps/switching.py), which an RP2040's player shows within 3 µs. If the port has no marks (an ESP32, the timer player, shift registers, an
 interlock), the cycle of the main loop does it that finds the motion before it played to its end: up to 15 ms behind that step. G4, a tool's
-time and parking are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it.
+time and parking are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it, and so does
+homing, whose motions are not the programme's.
 
 A hold leaves them as they are. The door switches them off until the machine goes on; every alarm, stop and reset for good.
 """
 
 from passo import commands, errors
-from passo.control.feature import ANEW, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
+from passo.control.feature import ANEW, HOMING, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
 from passo.motion.block import WAIT
 from passo.records import COUNT_HALF, COUNT_MASK, QUEUE_SIZE, ROW_KIND, SCRATCH_STRIDE
 from passo.steps.switching import Switches
@@ -17,7 +18,7 @@ from passo.steps.switching_records import SWITCH_MOST
 
 
 class DigitalOutputs(Feature):
-    heeds = QUEUE_GONE | WORK_GONE | SAFE | OFF | ANEW
+    heeds = QUEUE_GONE | WORK_GONE | SAFE | OFF | ANEW | HOMING
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
