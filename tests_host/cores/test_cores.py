@@ -19,7 +19,7 @@ pytestmark = pytest.mark.unmeasured
 MODULES = sorted(path.stem for path in (TESTS / "properties").glob("check_*.py"))
 # Bytes of heap that what a check writes down wants, where it is more than 1.5 MB.
 HEAP = {"check_chords": 8_000_000, "check_feed": 3_000_000, "check_grbl_tool": 8_000_000, "check_hold": 8_000_000}
-HEAP.update({"check_four_axes": 8_000_000, "check_motion": 8_000_000, "check_s_curve": 8_000_000})
+HEAP.update({"check_backlash": 8_000_000, "check_corexy": 8_000_000, "check_four_axes": 8_000_000, "check_motion": 8_000_000, "check_s_curve": 8_000_000})
 WITHOUT = dict.fromkeys(("check_board_jobs", "check_board_page", "check_pages", "check_radio"), "sockets") | {"check_http": "os.urandom"}  # not on the core
 WITHOUT |= {f"check_panel_{name}": "host_tools, which is not on the core" for name in ("keys", "plotter", "torch")}
 FRAMES_MODULE = "from passo.ports.esp32 import frames_viper as kernel\n"
