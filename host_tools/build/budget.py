@@ -22,8 +22,9 @@ PSRAM_PINS = {"esp32": (16, 17)}  # that it takes
 # qemu port: tests_host/cores/test_esp32_memory.py; drivers and Wi-Fi reckoned.
 ESP32_NEEDS = {
     ("plotter", False, False): (180, 64), ("plotter", True, True): (279, 121), ("torch", True, False): (268, 112),
-    ("grbl", False, False): (364, 125), ("grbl", True, False): (437, 175), ("grbl", True, True): (462, 183),
+    ("grbl", False, False): (361, 123), ("grbl", True, False): (437, 175), ("grbl", True, True): (462, 183),
 }  # fmt: skip
+ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
 # The heap of stock MicroPython 1.27 on a Pico, and a Pico W, in kB; what has to stay free of it; and what keys of a board file take of it,
 # machine code and arrays included: measured on the emulated Pico (tests_host/pico/test_pico_budget.py). Stored jobs keep 14, and want JOB_KB
 # in large pieces while one is stored.
@@ -63,7 +64,10 @@ def needs(board):
     languages = {link["protocol"] for link in board["links"]}
     language = next((each for each in ("grbl", "torch", "plotter") if each in languages), None)
     page = any(link["port"] == "page" for link in board["links"])
-    return ESP32_NEEDS.get((language, bool(board["network"]), page))
+    found = ESP32_NEEDS.get((language, bool(board["network"]), page))
+    if found and board["spindle"]["pwm"]:
+        return tuple(kb + more for kb, more in zip(found, ESP32_POWER))
+    return found
 
 
 def heap_kb(board):

@@ -3,7 +3,7 @@
     .venv/bin/python -m host_tools.build.esp32_image build/esp32-image      # and prints what to type
 
 Writes a board's definition: manifest and frozen modules (all languages and features), partition table, settings of ESP-IDF. Frozen code stays
-in flash, machine code too, so a router takes 125 kB of the chip's memory instead of 364. The image has not been built here, nor run on an
+in flash, machine code too, so a router takes 123 kB of the chip's memory instead of 361. The image has not been built here, nor run on an
 ESP32; the same modules and manifest, frozen into MicroPython's qemu port, start and make the same words (tests_host/cores/test_esp32_memory.py).
 """
 
