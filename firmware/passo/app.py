@@ -132,6 +132,7 @@ class App:
     def _prepare(self):
         """Make now what links make when they are used first, as far as memory lasts."""
         for link in self.links:
+            link.serial = self.controller.features["links"].join(link)
             try:
                 getattr(link.protocol, "prepare", int)()
             except MemoryError:
@@ -458,3 +459,4 @@ class App:
     def stop(self):
         """Halt, tool off, motors without current."""
         self.controller.machine.shut_down()
+        getattr(self.controller.features["links"], "close", int)()

@@ -91,6 +91,7 @@ MEANINGS = {
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "
     "an interrupt for each step.",
     "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](backlash.md). Without the key there are no such settings.",
+    "blackbox": "True: keep the last seconds before an alarm, a crash or a reset. See [black box](blackbox.md).",
     "rotary": "The axis that turns, `a`; without the key none does. See [A rotary axis](rotary.md).",
     "parking.axis": "The axis, `$42`. It homes.",
     "parking.target_mm": "Machine coordinate that it goes up to, mm, `$58`.",

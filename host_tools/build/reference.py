@@ -57,10 +57,10 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import backlash_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, parking_keys, rotary_keys, shift_keys, spi_drivers_keys
+    from passo.config import backlash_keys, blackbox_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, parking_keys, rotary_keys, shift_keys, spi_drivers_keys
     from passo.config.job_keys import JOBS
 
-    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys, spi_drivers_keys)}
+    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, blackbox_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys, spi_drivers_keys)}
     own = {key: module.RULES[key] for key, module in rare.items()}
     return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
 

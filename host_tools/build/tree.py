@@ -129,6 +129,10 @@ OF_SPI = (
 STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")  # and feel where their axes end
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
+BLACKBOX = (
+    Path("passo", "config", "blackbox_keys.py"), Path("passo", "control", "blackbox.py"), Path("passo", "protocols", "grbl", "log.py"),
+    Path("passo", "ports", "rp2", "remains.py"), Path("passo", "config", "box_records.py"),
+)  # fmt: skip
 PARKING = (
     Path("passo", "config", "parking_keys.py"), Path("passo", "control", "parking.py"), Path("passo", "steps", "detour.py"),
     Path("passo", "protocols", "gcode", "park.py"),
@@ -235,7 +239,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     absent += () if board.get("spi_drivers") else OF_SPI
     stalls = STALLS if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())) else ()
     absent += tuple(set(STALLS) - set(stalls))
-    absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING)
+    absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING) + (() if board.get("blackbox") else BLACKBOX)
     switching = DIGITAL if digital(board) else ()
     absent += tuple(set(DIGITAL) - set(switching))
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
@@ -265,7 +269,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
     chosen |= {*stalls, *(path for path in switching if path in files)}
-    chosen |= {*(ROTARY if board.get("rotary") else ()), *(PARKING if board.get("parking") else ())}
+    chosen |= {*(ROTARY if board.get("rotary") else ()), *(PARKING if board.get("parking") else ()), *(set(BLACKBOX) & set(files))}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))

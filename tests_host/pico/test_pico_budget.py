@@ -18,6 +18,7 @@ RUN = b"        start.run(app, port)\n"
 MORE = {
     "plotter_2014": {"jobs": {"language": "plotter"}, "journal": {"every_ms": 500}},
     "lpt_router": {"jobs": {"language": "pulses"}},
+    "router_ballscrew": {"blackbox": True},
 }
 NAMES = [name for name in boards.names() if boards.load(name)["chip"] == "rp2040" and not boards.load(name).get("network")]
 

@@ -21,6 +21,10 @@ class Links(Feature):
         Feature.__init__(self, board, machine, queue)
         self._count = len(board["links"])  # stored jobs come by one more, which is given no command
 
+    def join(self, link):
+        """The link's serial line; a black box may look at what comes."""
+        return link.serial
+
     def handlers(self):
         return {commands.HAND_OVER: self._hand_over}
 

@@ -90,6 +90,9 @@ class VirtualPort:
             self.world = self._limits = VirtualLimits(self, world, self._inputs)
         if board.get("journal"):
             self.pages = MemoryPages()
+        if board.get("blackbox"):
+            self.boxes = []  # (why, numbers, text) as written, the newest last
+            self.keep_box = self._keep_box
         self._listen = getattr(world, "listen", None)
         self._watches = {}
         self.encoders = None
@@ -131,6 +134,9 @@ class VirtualPort:
 
     def feed_watchdog(self):
         pass
+
+    def _keep_box(self, why, numbers, text, feed=None):
+        self.boxes.append((why, bytes(numbers), bytes(text)))
 
     def input(self, name):
         """True while the input is in its active state."""

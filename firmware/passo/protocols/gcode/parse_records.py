@@ -49,7 +49,8 @@ PARSE_DOTS = const(58)  # powers that S has: a row of dots; 0: it has one
 PARSE_LAST = const(59)  # the last of them, thousandths
 PARSE_NO_ROOM = const(60)  # 1: parse() has stopped at a row for whose dots there is no room yet
 PARSE_NAMED = const(61)  # axes that plain lines may name, the first
-PARSE_FIELDS = const(62)
+PARSE_KNOWN = const(62)  # counts: odd while all these are filled in and count
+PARSE_FIELDS = const(63)
 
 # Lines.fields: bytes of Lines.text.
 LINES_AT = const(0)  # where the oldest line begins
@@ -60,4 +61,5 @@ LINES_SLOWLY = const(4)  # 1: what comes has to be looked at byte by byte: see L
 LINES_TAKEN = const(5)  # lines that the machine has taken at the last time
 LINES_FILLED = const(6)  # rows filled last
 LINES_WAITS = const(7)  # 1: the oldest line is not for the full parser, but waits for room
-LINES_FIELDS = const(8)
+LINES_SIZE = const(8)  # of Lines.text
+LINES_FIELDS = const(9)

@@ -97,6 +97,7 @@ class GCode(Motions):
         if not self._unknown:
             self._unknown = True
             fields = self.fields
+            fields[PARSE_KNOWN] += 1
             self.feed = fields[PARSE_FEED]
             self.rpm = fields[PARSE_RPM]
             self.number = fields[PARSE_NUMBER]
@@ -193,6 +194,7 @@ class GCode(Motions):
         self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._level = thousandths(self._power)
         self._unknown = False
+        fields[PARSE_KNOWN] += 1
         return True
 
     def _know_axes(self, reach):

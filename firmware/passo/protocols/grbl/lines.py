@@ -38,7 +38,8 @@ _TOO_LONG = b"\xff\n"  # stands for such a line
 @micropython.viper
 def keep(data: ptr8, count: int, text: ptr8, lines: ptr32) -> int:
     """Put `count` bytes behind what is kept, but for `?`. Returns 0, REAL_TIME, SLOWLY or LONG."""
-    if lines[LINES_END] + count > LINES_BYTES and lines[LINES_AT]:
+    size = lines[LINES_SIZE]
+    if lines[LINES_END] + count > size and lines[LINES_AT]:
         move_up(text, lines)
     last = lines[LINES_WHOLE]
     end = lines[LINES_END]
@@ -53,14 +54,14 @@ def keep(data: ptr8, count: int, text: ptr8, lines: ptr32) -> int:
             continue
         if byte > 0x7F or byte == 0x7E or byte == 0x21 or byte == 0x18:
             return REAL_TIME
-        if end < LINES_BYTES:
+        if end < size:
             text[end] = byte
         end += 1
         if byte == 10:
             last = end
         elif byte == 13:
             slowly = 1
-    if slowly or end > LINES_BYTES:
+    if slowly or end > size:
         return SLOWLY
     lines[LINES_ASKED] = asked
     lines[LINES_WHOLE] = last
@@ -90,16 +91,18 @@ class Lines:
     def __init__(self):
         self.text = b""  # until make(), or the first byte: many a link never says anything
         self.fields = array("i", [0] * LINES_FIELDS)
+        self.fields[LINES_SIZE] = LINES_BYTES
         self.clear()
 
     def make(self):
         """Make the buffer. Raises MemoryError."""
         if not self.text:
-            self.text = buffer(LINES_BYTES)
+            self.text = buffer(self.fields[LINES_SIZE])
 
     def clear(self):
         fields = self.fields
-        for field in range(LINES_FIELDS):
+        fields[LINES_AT] = fields[LINES_WHOLE] = fields[LINES_END]  # what has come stays, for a black box
+        for field in range(LINES_ASKED, LINES_SIZE):
             fields[field] = 0
         self.lost = 0  # lines that found no room
         self._spoilt = False  # the one that has not ended yet is too long, or finds none
@@ -126,7 +129,7 @@ class Lines:
 
     def free(self):
         """Bytes that can be kept."""
-        return LINES_BYTES - self.fields[LINES_END] + self.fields[LINES_AT]
+        return self.fields[LINES_SIZE] - self.fields[LINES_END] + self.fields[LINES_AT]
 
     def take(self, data):
         """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
@@ -179,7 +182,7 @@ class Lines:
             return
         fields = self.fields
         end = fields[LINES_END] + len(piece)
-        if end > LINES_BYTES - len(_TOO_LONG):
+        if end > fields[LINES_SIZE] - len(_TOO_LONG):
             self._squeeze(piece)
             return
         self.text[fields[LINES_END] : end] = piece
@@ -197,7 +200,7 @@ class Lines:
         whole = fields[LINES_WHOLE]
         kept = bare(bytes(self.text[whole : fields[LINES_END]]) + piece, True)
         end = whole + len(kept)
-        if len(kept) > LONGEST + 1 or end > LINES_BYTES - len(_TOO_LONG):
+        if len(kept) > LONGEST + 1 or end > fields[LINES_SIZE] - len(_TOO_LONG):
             self._spoil()
             return
         self.text[whole:end] = kept
@@ -212,7 +215,7 @@ class Lines:
         self._spoilt = False
         fields = self.fields
         end = fields[LINES_END] + len(line)
-        if self.lost or end > LINES_BYTES:
+        if self.lost or end > fields[LINES_SIZE]:
             self.lost += 1
             return
         self.text[fields[LINES_END] : end] = line

@@ -93,6 +93,12 @@ class Grbl:
         """Make what the link needs once it is used. Raises MemoryError."""
         self._lines.make()
 
+    def log(self, size):
+        """What a black box wants to know of this link. The line buffer then keeps what has come, too, in `size` bytes. Before prepare()."""
+        from .log import Log  # here: few boards have it; not by its whole name, which each board would have to keep
+
+        return Log(self._lines, self.gcode, size)
+
     def begin_file(self):
         """Modal state as after power-up, offsets stay; of what has come so far nothing is left."""
         self._forget()

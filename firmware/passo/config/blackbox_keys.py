@@ -1,0 +1,45 @@
+"""The key `blackbox`: what leads to an alarm or a crash is kept. Only loaded if the board file has it; the box writes its file by this, too."""
+
+import os
+import sys
+
+from passo.config.box_records import BOX_ADDED, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_TEXT, BOX_WRITTEN
+
+NAME, OLD = "blackbox.bin", "blackbox.old"  # the newest two
+_PART = 1024
+RULES = {
+    "blackbox": (bool, False, 0, 1),
+    "features": (dict, {}, 0, 4),  # set by check(): modules of control, by the name of the feature whose class they have instead
+    # set by check(): the module whose keep() finds at the start what a reset has left, and what that wants. A word that all boards have in memory
+    "keep": (tuple, (), 0, 8),
+}
+
+
+def check(board):
+    if board["blackbox"]:
+        board["features"] = dict(board["features"])
+        board["features"]["links"] = "blackbox"
+        if board["chip"][:2] == "rp":
+            sizes = 4 * BOX_NUMBERS, BOX_TEXT, 4 * BOX_ADDED, 4 * BOX_WRITTEN
+            board["keep"] = ("passo.ports.rp2.remains", keep, BOX_MAGIC_0, BOX_MAGIC_1) + sizes
+
+
+def head(why):
+    """The first line of a box."""
+    return ("passo blackbox 1 %s %s\n" % (sys.platform, why)).encode()
+
+
+def keep(why, numbers, text, feed=None):
+    """Write a box to flash. `feed`: the watchdog's, between what takes long. Raises OSError."""
+    for how in (lambda: os.remove(OLD), lambda: os.rename(NAME, OLD)):
+        try:
+            how()
+        except OSError:
+            pass
+    with open(NAME, "wb") as file:
+        file.write(head(why))
+        for data in (numbers, text):
+            for at in range(0, len(data), _PART):
+                if feed:
+                    feed()
+                file.write(data[at : at + _PART])

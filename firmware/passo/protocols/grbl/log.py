@@ -1,0 +1,65 @@
+"""What a black box (control/blackbox.py) wants to know of a link that speaks grbl: the lines that have come, and what the next one is
+understood by. Only boards that have one load it.
+
+    log = protocol.log(size)                # before the link's first line
+    log.text, log.fields                    # bytes; fields[log.at]: those before it have been taken; fields[log.end]: all
+    log.tell(numbers, index)                # FAST + SLOW numbers, see below
+"""
+
+from passo.protocols.gcode.parse_records import *
+
+FAST = 9  # PARSE_KNOWN, PARSE_MODAL … the last PARSE_POSITION, PARSE_NUMBER, PARSE_RPM
+# Motion, line number, tool, plane, 1 G20 + 2 G90 + 4 G94 + 8 G98, G54 … as 0 …, spindle, coolant; then two numbers each, the low 30 bits
+# first: feed, S, position, cycle, G92 of four axes, tool length.
+SLOW = 8 + 2 * (2 + 4 + 4 + 4 + 1)
+
+
+class Log:
+    at = LINES_AT
+    end = LINES_END
+    orders = True  # real-time bytes are not in the text
+
+    def __init__(self, lines, gcode, size):
+        """`size`: bytes of the text; eight more are behind it."""
+        lines.fields[LINES_SIZE] = size + 8
+        lines.make()
+        self.text = lines.text
+        lines.fields[LINES_SIZE] = size
+        self._gcode = gcode
+        self.fields = lines.fields
+        self._known = 0  # PARSE_KNOWN as `_slow` is of; even: of no time
+        self._slow = self.fields[:0]
+
+    def slide(self, text, by):
+        """Forget the first `by` bytes, which have been taken."""
+        fields = self.fields
+        for field in (LINES_AT, LINES_WHOLE, LINES_END):
+            fields[field] -= by
+        text[: fields[LINES_END]] = memoryview(text)[by : by + fields[LINES_END]]
+
+    def tell(self, numbers, index):
+        fields = self._gcode.fields
+        known = fields[PARSE_KNOWN]
+        numbers[index] = known
+        numbers[index + 1 : index + FAST - 2] = fields[PARSE_MODAL : PARSE_POSITION + 4]
+        numbers[index + FAST - 2] = fields[PARSE_NUMBER]
+        numbers[index + FAST - 1] = fields[PARSE_RPM]
+        if known & 1 == 0 or known != self._known:
+            self._known = known
+            self._write_slow(numbers, index + FAST)
+            self._slow = numbers[index + FAST : index + FAST + SLOW]
+        else:
+            numbers[index + FAST : index + FAST + SLOW] = self._slow
+
+    def _write_slow(self, numbers, index):
+        gcode = self._gcode
+        modes = (1 if gcode.inches else 0) | (2 if gcode.absolute else 0) | (4 if gcode.per_minute else 0) | (8 if gcode.initial else 0)
+        for value in (gcode.motion, gcode.number, gcode.tool, gcode.plane, modes, gcode.system, gcode.spindle, gcode.coolant):
+            numbers[index] = value
+            index += 1
+        more = [0] * (4 - gcode.axes)
+        long = [gcode.feed, gcode.rpm] + list(gcode.position) + more + [value or 0 for value in gcode.cycle]
+        for value in long + list(gcode.offsets.shift) + more + [gcode.offsets.tool]:
+            numbers[index] = value & 0x3FFFFFFF
+            numbers[index + 1] = value >> 30
+            index += 2
