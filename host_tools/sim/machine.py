@@ -22,6 +22,7 @@ from passo.app import App
 from passo.config.boardfile import check
 from passo.config.journal import FileSlots
 from passo.ports.virtual import MemoryLine, VirtualPort
+from passo.ports.virtual_player import Player
 
 STAND_STILL_MS = 600_000
 LAST_TICKS = 12_500_000  # the machine is watched for another second after the board has stopped
@@ -33,16 +34,18 @@ class Machine:
     `radio`: the network of a board file that has one, as host_tools.sim.radio; None: it is off.
     `flash`: the folder that stands for the board's flash: settings and stored jobs; None: they last as long as the machine.
     `slots`, `pages`: what keeps settings and the job's journal, if not that folder.
+    `plant`, `player`: the classes of what is wired to the pins, and of what plays words.
     `inverter`: who plays the spindle's inverter, if the board file has one.
     `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
     same, all else is."""
 
     def __init__(
-        self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, pages=None, slots=None, **plant_options
+        self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, pages=None, slots=None,
+        plant=Plant, player=Player, **plant_options
     ):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
-        self.plant = Plant(self.board, **plant_options)
+        self.plant = plant(self.board, **plant_options)
         self._files = files = Recording(self.board, self.plant, trace, vcd)
         self.trace = files.trace
         self.port = None
@@ -59,7 +62,7 @@ class Machine:
         if self.board.get("spi_drivers"):
             self.drivers = SpiDrivers(self.board["spi_drivers"])
             lines = {**lines, "drivers": self.drivers}
-        self.port = VirtualPort(self.board, files.world, mode, lines, sleep, radio=radio)
+        self.port = VirtualPort(self.board, files.world, mode, lines, sleep, player=player, radio=radio)
         if self.board["journal"]:
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)
         self.port.folder = str(Path(flash) / "jobs") if flash else self._own_folder()

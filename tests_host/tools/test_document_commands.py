@@ -22,6 +22,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("install")]
 # Words of commands, and the tests that run those.
 ELSEWHERE = {
     ("prove", "--port"): "tests_host/pico/test_pico_prove.py",
+    ("blackbox",): "tests_host/tools/test_blackbox_command.py",
     ("machine",): "tests_host/tools/test_machine.py",
     ("link",): "tests_host/tools/test_board_command.py",
     ("wifi", "access"): "tests_host/tools/test_wifi_command.py",

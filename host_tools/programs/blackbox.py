@@ -1,0 +1,195 @@
+"""A board's black box, as firmware/passo/control/blackbox.py keeps it: read, and said as text.
+
+    files = {name: bytes}                   # blackbox.bin, board.py, settings.0, settings.1, crash.txt, as far as the board has them
+    path.write_bytes(packed(files))         # one file
+    box = Box.of(unpacked(path.read_bytes()))
+    box.rows, box.snapshots, box.text       # Row, Snapshot; the bytes of the link from `box.base` on
+    box.start()                             # the snapshot from which it can be replayed
+"""
+
+import ast
+import io
+import struct
+import zipfile
+from dataclasses import dataclass
+from functools import cached_property
+
+from host_tools.failure import Failure
+from passo.config.boardfile import BoardError, check
+from passo.config.box_records import (
+    BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD,
+    BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW, BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT,
+)  # fmt: skip
+from passo.control.blackbox import ALARM, DROPPED, HALTED, HOMED, INPUTS, LOGGED, ORDER, SAMPLE, STATES, STOOD, WAITS
+from passo.config.blackbox_keys import NAME, OLD, head
+
+PLACES = (HALTED, DROPPED, STOOD, SAMPLE)  # rows with a position
+STOPS = (HALTED, DROPPED, STOOD)
+FILE, BOARD_FILE = NAME, "board.py"
+FILES = NAME, OLD, BOARD_FILE, "settings.0", "settings.1", "crash.txt", "last_crash.txt"  # of the board, as far as it has them
+_FIRST_LINE = b"passo blackbox "
+_MOST_BYTES = 1 << 20
+
+
+@dataclass
+class Row:
+    """`ms` since the board's start; `come`, `taken`: bytes of the stream by then."""
+
+    kind: int
+    ms: int
+    come: int
+    taken: int
+    value: int  # blocks played, a number, a command
+    position: list
+    override: int = 100
+    state: str = ""
+    levels: dict = None  # of inputs: {name: active}
+
+
+@dataclass
+class Snapshot:
+    ms: int
+    taken: int
+    rows: int  # of all that were made, those before it
+    added: int
+    flags: int
+    position: list
+    modal: list  # as protocols/grbl/log.py writes it
+
+
+@dataclass
+class Box:
+    why: str  # "alarm", "end" (of the app: crash or REPL), "reset" (watchdog, button)
+    board: dict
+    rows: list
+    samples: list  # rows, too
+    first: int  # number of the oldest row
+    snapshots: list
+    base: int
+    text: bytes
+    taken: int
+    settings: tuple = (b"", b"")
+    crash: str = ""
+
+    @classmethod
+    def of(cls, files, older=False):
+        """The newest box of a board's files, or the one before. Raises Failure if there is none."""
+        if FILE not in files or BOARD_FILE not in files:
+            raise Failure("there is no black box in it: {} and {} are wanted", FILE, BOARD_FILE)
+        if older and OLD not in files:
+            raise Failure("there is no older black box")
+        board = board_of(files[BOARD_FILE])
+        box = read(files[OLD if older else FILE], board)
+        box.settings = files.get("settings.0", b""), files.get("settings.1", b"")
+        box.crash = files.get("crash.txt", b"").decode("utf-8", "replace")
+        return box
+
+    def start(self):
+        """The oldest snapshot that a replay can begin at: behind the last homing, its bytes still there, no line half done; None if
+        there is none."""
+        fit = []
+        for before, snapshot in zip([None, *self.snapshots], self.snapshots):
+            if before and snapshot.flags & HOMED and not before.flags & HOMED:
+                fit = []
+            if snapshot.taken >= self.base and not snapshot.flags & WAITS and snapshot.rows >= self.first:
+                fit.append(snapshot)
+        return next((snapshot for snapshot in fit if self._before_stops(snapshot)), None)
+
+    def _before_stops(self, snapshot):
+        """True if the machine had come to where `snapshot` begins before it stopped next: lines wait in a queue."""
+        stop = next((row for row in self.since(snapshot) if row.kind in PLACES), None)
+        return stop is None or stop.value >= snapshot.added
+
+    def since(self, snapshot):
+        """Rows behind a snapshot, and samples among them, by their time."""
+        rows = self.rows[max(snapshot.rows - self.first, 0) :]
+        samples = [row for row in self.samples if row.ms >= snapshot.ms and (row.taken > snapshot.taken or row.value >= snapshot.added)]
+        return sorted(rows + samples, key=lambda row: (row.ms, row.kind == SAMPLE))
+
+    @cached_property
+    def end_ms(self):
+        return max([row.ms for row in self.rows + self.samples] + [each.ms for each in self.snapshots])
+
+    def bytes_from(self, taken):
+        return self.text[taken - self.base :]
+
+
+def board_of(text):
+    """The checked board of a board file's text, which is data: nothing of it runs. Raises Failure."""
+    try:
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.Assign) and [target.id for target in node.targets if isinstance(target, ast.Name)] == ["BOARD"]:
+                return check(ast.literal_eval(node.value))
+    except (ValueError, SyntaxError, BoardError) as error:
+        raise Failure("the board file beside the black box: {}", error) from error
+    raise Failure("the board file beside the black box: {}", "BOARD = {…}")
+
+
+def written(why, numbers, text):
+    """The bytes of a file blackbox.bin, as a board of this computer writes them."""
+    return head(why) + numbers + text
+
+
+def packed(files):
+    """{name: bytes} as the bytes of one file, a ZIP archive."""
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in sorted(files):
+            archive.writestr(zipfile.ZipInfo(name, (2026, 1, 1, 0, 0, 0)), files[name])
+    return made.getvalue()
+
+
+def unpacked(data):
+    """{name: bytes} of such a file. Raises Failure."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            return {item.filename: archive.read(item) for item in archive.infolist() if item.file_size <= _MOST_BYTES}
+    except zipfile.BadZipFile as error:
+        raise Failure("this is no file that passo blackbox has written: {}", error) from error
+
+
+def read(data, board):
+    """A Box. Raises Failure if `data` is none."""
+    first, _, rest = data.partition(b"\n")
+    numbers = rest[: 4 * BOX_NUMBERS]
+    if not first.startswith(_FIRST_LINE) or len(rest) < 4 * BOX_NUMBERS + BOX_TEXT:
+        raise Failure("this is no black box, or not a whole one")
+    _, _, version, platform, why = first.decode("ascii", "replace").split()
+    numbers = struct.unpack(f"<{BOX_NUMBERS}i", numbers)
+    if version != "1" or numbers[0] & 0xFFFFFF00 != BOX_MAGIC_0 & 0xFFFFFF00 or numbers[1:3] != (BOX_MAGIC_1, BOX_TEXT):
+        raise Failure("this black box is of another version of Passo than these tools")
+    added, taken = numbers[BOX_ADDED], numbers[BOX_TAKEN]
+    oldest = max(added - BOX_ROWS, 0)
+    rows = [_row(numbers, BOX_HEAD + count % BOX_ROWS * BOX_ROW, board, platform) for count in range(oldest, added)]
+    sampled = numbers[BOX_SAMPLED]
+    places = [BOX_ROWS + count % BOX_SAMPLES for count in range(max(sampled - BOX_SAMPLES, 0), sampled)]
+    samples = [_row(numbers, BOX_HEAD + place * BOX_ROW, board, platform) for place in places]
+    snapshots = [_snapshot(numbers, BOX_FIRST + count % BOX_SNAPSHOTS * BOX_SNAPSHOT, board) for count in range(max(taken - BOX_SNAPSHOTS, 0), taken)]
+    text = rest[4 * BOX_NUMBERS :][: numbers[BOX_END]]
+    return Box(why, board, rows, samples, oldest, snapshots, numbers[BOX_BASE], text, numbers[BOX_BASE] + numbers[BOX_AT])
+
+
+def _row(numbers, at, board, platform):
+    fields = numbers[at : at + BOX_ROW]
+    kind = fields[0] & 0xFF
+    row = Row(kind, fields[1], fields[2], fields[3], fields[4], list(fields[5 : 5 + len(board["axes"])]) if kind in PLACES else [])
+    if kind == SAMPLE:
+        row.override, row.state = fields[0] >> 8 & 0xFF, STATES[fields[0] >> 16]
+    if kind == INPUTS:
+        row.levels = _levels(fields[4] | fields[5] << 16, board, platform)
+    return row
+
+
+def _levels(bits, board, platform):
+    """{input: active} of what port.levels() has said there. The bits are pins on an RP2040, inputs in their order elsewhere: of an
+    ESP32 whether they are active."""
+    inputs = board["inputs"]
+    if platform == "rp2":
+        return {item["name"]: bits >> item["pin"] & 1 == item["active"] for item in inputs if item["pin"] < 32}
+    places = range(len(inputs) - 1, -1, -1)
+    return {item["name"]: (bits >> place & 1) == (1 if platform == "esp32" else item["active"]) for item, place in zip(inputs, places)}
+
+
+def _snapshot(numbers, at, board):
+    fields = numbers[at : at + BOX_SNAPSHOT]
+    return Snapshot(*fields[:5], list(fields[5 : 5 + len(board["axes"])]), list(fields[9:]))

@@ -1,0 +1,148 @@
+"""A black box as people read it: what happened, line by line, and a picture of it.
+
+    happened(box)                       # lines of text
+    draw(path, box, replay)             # PNG: lines, states, inputs, position and speed of each axis
+"""
+
+from host_tools.language import _, error_text
+from host_tools.programs.blackbox import DROPPED, HALTED, INPUTS, LOGGED, ORDER, SAMPLE, STOOD
+from passo import commands
+
+_SPEED_MS = 20  # over which a speed is measured
+_INCHES = 12, 10
+_COLORS = {"alarm": "tab:red", "hold": "gold", "door": "gold", "idle": "0.7"}
+_ROWS = 3  # of texts above the bars
+
+
+def mm(board, position):
+    """`X12.500 Y3.000` of steps."""
+    return " ".join(f"{axis['name'].upper()}{1000 * at / axis['steps_per_m']:.3f}" for axis, at in zip(board["axes"], position))
+
+
+def _words():
+    return {
+        HALTED: _("stopped at once at {}"), DROPPED: _("stood at {}, the rest dropped"), STOOD: _("stood at {}, held"), SAMPLE: _("at {}"),
+    }  # fmt: skip
+
+
+def _orders():
+    return {
+        commands.HOLD: _("hold"), commands.RESUME: _("go on"), commands.DOOR: _("door, as an order"), commands.JOG_CANCEL: _("end of a jog"),
+        commands.RESET: _("reset, Ctrl-X"), commands.STOP: _("stop, of another link"),
+    }  # fmt: skip
+
+
+def seconds(box, ms):
+    return (ms - box.end_ms) / 1000
+
+
+def told(box, row, before):
+    """What a row says; `before`: inputs until then, {} at first."""
+    if row.kind == INPUTS:
+        changed = [f"{name} {_('on') if on else _('off')}" for name, on in row.levels.items() if on != before.get(name, False)]
+        return ", ".join(changed) or _("inputs as at rest")
+    if row.kind == LOGGED:
+        return error_text(row.value)
+    if row.kind == ORDER:
+        return _orders().get(row.value, str(row.value))
+    return _words()[row.kind].format(mm(box.board, row.position)) + (f", {row.state}, {row.override} %" if row.kind == SAMPLE else "")
+
+
+def happened(box):
+    """Each row, and the lines that had come before it."""
+    rows = sorted(box.rows + box.samples, key=lambda row: row.ms)
+    come, levels = box.base, {}
+    for row in rows:
+        if row.come > come:
+            text = box.text[come - box.base : row.come - box.base]
+            yield "         > " + (text.decode("ascii", "backslashreplace").strip().replace("\r", "").replace("\n", " | ") if _plain(text) else text.hex(" "))
+            come = row.come
+        yield f"{seconds(box, row.ms):9.3f}  {told(box, row, levels)}"
+        levels = row.levels or levels
+
+
+def _plain(text):
+    return all(byte in b"\r\n\t" or 32 <= byte < 127 for byte in text)
+
+
+def speeds(rows, axis, per_mm):
+    """([ms], [mm/s]) of an axis, of a replay's rows (ms, *position, tool)."""
+    times, values = [], []
+    for first, last in _spans(rows):
+        span = rows[last][0] - rows[first][0]
+        if span > 0:
+            times.append((rows[first][0] + rows[last][0]) / 2)
+            values.append((rows[last][1 + axis] - rows[first][1 + axis]) / per_mm / span * 1000)
+    return times, values
+
+
+def _spans(rows):
+    """Pairs of indices _SPEED_MS apart; a pause is a span of its own."""
+    first = 0
+    for last in range(1, len(rows)):
+        if rows[last][0] - rows[first][0] >= _SPEED_MS:
+            yield first, last
+            first = last
+
+
+def draw(path, box, replay=None):
+    """Write the timeline. Of a board alone: places; with its replay the path and speeds of each axis, too."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    axes = box.board["axes"]
+    count = 1 + len(axes) + (len(axes) if replay else 0)
+    figure, plots = pyplot.subplots(count, 1, sharex=True, figsize=_INCHES, layout="constrained", height_ratios=[3] + [2] * (count - 1))
+    _draw_events(plots[0], box, replay)
+    rows = replay.rows if replay else []
+    for number, axis in enumerate(axes):
+        per_mm = axis["steps_per_m"] / 1000
+        plot = plots[1 + number]
+        if rows:
+            plot.plot([seconds(box, row[0]) for row in rows], [row[1 + number] / per_mm for row in rows], linewidth=1, label=_("virtual board"))
+        seen = [row for row in box.rows + box.samples if row.position]
+        plot.plot([seconds(box, row.ms) for row in seen], [row.position[number] / per_mm for row in seen], "k.", markersize=4, label=_("the board"))
+        plot.set_ylabel(_("{}, mm", axis["name"].upper()))
+        if replay:
+            times, values = speeds(rows, number, per_mm)
+            plots[1 + len(axes) + number].plot([seconds(box, ms) for ms in times], values, linewidth=0.8, drawstyle="steps-mid")
+            plots[1 + len(axes) + number].set_ylabel(_("{}, mm/s", axis["name"].upper()))
+    for plot in plots:
+        for row in box.rows:
+            if row.kind in (HALTED, DROPPED, STOOD):
+                plot.axvline(seconds(box, row.ms), color="tab:red", linewidth=0.7, linestyle="--")
+    plots[1].legend(loc="best", fontsize=8)
+    plots[-1].set_xlabel(_("s before the end of the black box"))
+    figure.suptitle(f"{box.board['name']}: {box.why}")
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)
+
+
+def _draw_events(plot, box, replay):
+    """Inputs and states as bars, lines and orders as ticks, numbers as text."""
+    inputs = [row for row in box.rows if row.kind == INPUTS]
+    names = sorted({name for row in inputs for name, on in row.levels.items() if on})
+    first_ms = min([row.ms for row in box.rows + box.samples], default=0)
+    labels = [_("bytes come"), _("state")] + names
+    come = [(row.ms, row.come) for row in sorted(box.rows + box.samples, key=lambda row: row.ms)]
+    for (ms, before), (until, behind) in zip(come, come[1:]):
+        if behind > before:
+            plot.barh(0, seconds(box, until) - seconds(box, ms), left=seconds(box, ms), height=0.6, color="tab:blue", alpha=0.6)
+    states = [(ms, text) for ms, text in (replay.events if replay else [(row.ms, row.state) for row in box.samples]) if not text.isdigit()]
+    for (ms, text), (until, _state) in zip(states, [*states[1:], (box.end_ms, "")]):
+        plot.barh(1, max(until - ms, 0) / 1000, left=seconds(box, ms), height=0.6, color=_COLORS.get(text, "tab:green"), alpha=0.5)
+        if until - ms > (box.end_ms - first_ms) / 40:
+            plot.text(seconds(box, (ms + until) / 2), 1, text, ha="center", va="center", fontsize=8)
+    for place, name in enumerate(names, 2):
+        for row, until in zip(inputs, [*[row.ms for row in inputs[1:]], box.end_ms + 100]):
+            if row.levels[name]:
+                plot.barh(place, (until - row.ms) / 1000, left=seconds(box, row.ms), height=0.6, color="tab:orange")
+    said = [row for row in box.rows if row.kind in (LOGGED, ORDER)]
+    for count, row in enumerate(said):
+        plot.axvline(seconds(box, row.ms), color="0.5", linewidth=0.6)
+        height = len(labels) + 0.8 * (count % _ROWS)
+        plot.text(seconds(box, row.ms), height, told(box, row, {})[:60] + " ", ha="right", va="center", fontsize=7)
+    plot.set_yticks(range(len(labels)), labels)
+    plot.set_ylim(-0.6, len(labels) + 0.8 * _ROWS)
