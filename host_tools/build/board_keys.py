@@ -93,6 +93,7 @@ MEANINGS = {
     "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](backlash.md). Without the key there are no such settings.",
     "blackbox": "True: keep the last seconds before an alarm, a crash or a reset. See [black box](blackbox.md).",
     "rotary": "The axis that turns, `a`; without the key none does. See [A rotary axis](rotary.md).",
+    "short_way": "An absolute word turns the axis of `rotary` by half a turn at most.",
     "parking.axis": "The axis, `$42`. It homes.",
     "parking.target_mm": "Machine coordinate that it goes up to, mm, `$58`.",
     "parking.mm_min": "Speed to the target and back, mm/min, `$59`.",

@@ -18,8 +18,8 @@ NAME = "router_4axis"
 US_PER_S = 1_000_000
 
 
-def board_of(rotary=True):
-    board = copy.deepcopy(boards.load(NAME))
+def board_of(rotary=True, **more):
+    board = {**copy.deepcopy(boards.load(NAME)), **more}
     board["journal"] = None
     for link in board["links"]:
         link.pop("lost")
@@ -30,8 +30,8 @@ def board_of(rotary=True):
 
 
 class Table(Asked):
-    def __init__(self, start=(2000, 2000, -2000, 0), rotary=True, unlock=True):
-        Asked.__init__(self, board_of(rotary), start=start)
+    def __init__(self, start=(2000, 2000, -2000, 0), rotary=True, unlock=True, **more):
+        Asked.__init__(self, board_of(rotary, **more), start=start)
         if unlock:
             self.do("$X")
 
@@ -84,6 +84,28 @@ def test_other_feeds(table, words, seconds):
     """G93: the time of the line. G20: A in degrees, and degrees a minute where only A moves."""
     assert table.seconds("G91", words) == pytest.approx(seconds, rel=0.01)
     assert table.plant.position[3] == round(90 * 53.333)
+
+
+def test_the_short_way_is_half_a_turn_at_most():
+    table = Table(short_way=True)
+    for words, degrees in (("G90G0A350", -10), ("A0", 0), ("A180", 180), ("A0", 0), ("A-180", -180), ("G91G1A540F21600", 360), ("G90G1X1A10F6000", 370),
+                           ("G53G0A0", 360), ("G10L20P1A90", 360), ("G0A80", 350), ("G53G0A190", 190), ("G0A270", 180)):  # fmt: skip
+        table.do(words)
+        assert abs(table.machine.app.controller.machine.target[3] - degrees * 53.333) <= 1, words
+    random_ = random.Random(3)
+    for _ in range(60):
+        before = table.machine.app.controller.machine.target[3]
+        wanted = random_.randrange(-2_000_000, 2_000_000) / 1000
+        table.do(f"G53G0A{wanted:.3f}")
+        gone = table.machine.app.controller.machine.target[3]
+        assert abs(gone - before) <= 180 * 53.333 + 1 and abs((gone / 53.333 - wanted + 180) % 360 - 180) < 0.02, wanted
+    table.settle()
+
+
+def test_without_the_key_a_turns_as_far_as_its_word_says():
+    table = Table()
+    table.do("G90G0A350")
+    assert table.machine.app.controller.machine.target[3] == round(350 * 53.333)
 
 
 def test_a_linear_fourth_axis_counts_like_the_others():

@@ -10,10 +10,9 @@ from passo.records import FARTHEST, ROW_KIND, ROW_STEPS, SEEN_MM_S, SEEN_NM_S, S
 
 
 class Queue(StreamQueue):
-    turns = True
-
     def __init__(self, board, planner, feeder, player, port):
         StreamQueue.__init__(self, board, planner, feeder, player, port)
+        self.turns = 2 if board["short_way"] else 1
         self._last = len(self._axes) - 1
         homing = board["homing"]
         self._endless = not homing or self._axes[-1]["name"] not in homing["sensors"]
