@@ -45,7 +45,6 @@ class Console:
 
     def start(self, code, limit_us=PROMPT_LIMIT_US):
         """Interrupt what runs, and start `code`."""
-        self._pico.await_main()
         self.text.clear()
         self.send(_INTERRUPT)
         self._pico.run(5000)
@@ -65,7 +64,6 @@ class Console:
 
     def soft_reset(self):
         """As Ctrl-D at the prompt: the interpreter starts anew and runs main.py."""
-        self._pico.await_main()
         self.text.clear()
         self.send(_INTERRUPT)
         self._pico.run(5000)

@@ -25,7 +25,7 @@ from host_tools.emulator.wire import Wire
 
 SLICE_US = 1000
 BOOT_LIMIT_US = 5_000_000
-MAIN_US = 25_000  # from when USB is up until main.py has been compiled
+MAIN_US = 25_000  # from when USB is up until main.py has been compiled: before, MicroPython takes no Ctrl-C
 
 
 class EmulatedPico:
@@ -51,7 +51,6 @@ class EmulatedPico:
         self.chip = self._device.mcu
         self._clock = self.chip.clock
         self._halted = False
-        self._main_at = 0
         patches.apply(self.chip, self._leave_out)
         bus.install(self.chip)
         self.flash_times = FlashTimes(self.chip, self.flash_times.times if self.flash_times else TYPICAL)
@@ -166,12 +165,7 @@ class EmulatedPico:
     def _await_usb(self, before, limit_us, given_up=None):
         if not self.run_until(lambda: self.usb.connections > before or given_up and given_up(), limit_us):
             raise TimeoutError(f"USB did not come up within {limit_us / 1e6:g} s of emulated time")
-        self._main_at = self.cycle + MAIN_US * cycles.CYCLES_PER_US
-
-    def await_main(self):
-        """Run until main.py is compiled: before, MicroPython takes no Ctrl-C."""
-        if self.cycle < self._main_at:
-            self.run((self._main_at - self.cycle) / cycles.CYCLES_PER_US)
+        self.run(MAIN_US)
 
     def hold_bootsel(self, held):
         """The BOOTSEL button: it pulls the flash's chip select down."""

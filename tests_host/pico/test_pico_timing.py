@@ -147,18 +147,16 @@ def test_an_uneven_line_keeps_its_rate(rig):
 
 
 SLOW = """
-fill, slow = feeder.fill, True
-def slowly(played, lead_ticks):
-    global slow
+def slowly(played, lead_ticks, fill=feeder.fill, slow=[True], ticks_us=ticks_us, ticks_diff=ticks_diff):
     amid = fill(played, lead_ticks)
-    if slow and played > 300:
-        slow = False
+    if slow[0] and played > 300:
+        slow[0] = False
         begun = ticks_us()
         while ticks_diff(ticks_us(), begun) < 20_000:
             pass
     return amid
 feeder.fill = slowly
-"""
+"""  # no globals: the interrupt may come while the REPL's program makes one
 
 
 @pytest.mark.xdist_group("rig")
