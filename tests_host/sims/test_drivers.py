@@ -24,8 +24,10 @@ def router(**changes):
 
 
 class Router:
+    board = staticmethod(router)
+
     def __init__(self, prepare=None, run_ms=300, **changes):
-        self.machine = VirtualMachine(router(**changes), start=(3000, 2000, -4000))
+        self.machine = VirtualMachine(self.board(**changes), start=(3000, 2000, -4000))
         self.drivers, self.plant = self.machine.drivers, self.machine.plant
         if prepare:
             prepare(self.drivers)

@@ -3,9 +3,9 @@
 import copy
 
 import pytest
+import test_drivers
 
 from host_tools import boards
-from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.tmc_spi import SpiDriver, SpiDrivers
 from passo import errors
 from passo.config import tmc_spi
@@ -30,35 +30,8 @@ def router(way="a CS each", chip="tmc5160", **changes):
     return {**copy.deepcopy(boards.load("router_3axis")), "idle_release_ms": 0, "journal": None, "spi_drivers": config}
 
 
-class Router:
-    def __init__(self, prepare=None, run_ms=300, **changes):
-        self.machine = VirtualMachine(router(**changes), start=(3000, 2000, -4000))
-        self.drivers, self.plant = self.machine.drivers, self.machine.plant
-        if prepare:
-            prepare(self.drivers)
-        self.machine.run_ms(run_ms)
-
-    @property
-    def alarm(self):
-        return self.machine.app.controller.machine.alarm
-
-    def log(self):
-        return [str(entry) for entry in self.machine.app.controller.machine.log.entries]
-
-    def ask(self, line, limit_ms=60_000):
-        self.machine.take()
-        self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: any(word in self.machine.received() for word in (b"ok", b"error", b"ALARM")), limit_ms)
-        return self.machine.take().decode().strip()
-
-    def reports(self):
-        said = ""
-        for _ in range(25):
-            self.machine.take()
-            self.machine.send(b"?")
-            self.machine.run_until(lambda: b">" in self.machine.received(), 1000)
-            said += self.machine.take().decode()
-        return said
+class Router(test_drivers.Router):
+    board = staticmethod(router)
 
 
 def words(number):

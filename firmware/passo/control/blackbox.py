@@ -279,7 +279,7 @@ class Links(links.Links):
         try:
             self._keep(why, numbers, self._text, port.feed_watchdog)
         except (OSError, MemoryError):
-            pass  # the machine comes first
+            pass  # flash or memory is full: this box is lost, and the machine goes on to be made safe
         port.writing(False)
 
 
