@@ -71,8 +71,8 @@ def _check_stalls(board, feel):
     """`feel`: the drivers that do."""
     homing = board["homing"]
     names = [motor["axis"] for motor in feel]
-    if board.get("kinematics", "none") != "none" and ("x" in names or "y" in names):
-        raise BoardError("drivers.motors: no stall where x and y share two motors: a slip shifts both axes; give x and y switches")
+    if board.get("kinematics", "none") != "none" and ("x" in names) != ("y" in names):
+        raise BoardError("drivers.motors: stall: x and y share two motors: both or none")
     for motor in feel:
         axis = motor["axis"]
         where = "drivers.motors, %s: stall" % axis

@@ -11,7 +11,9 @@ agree by chance less than twice in 100 000 homings: the way to a place is 25 ful
 raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles. A place
 behind which the axis ran on for more than 1.25 full steps does not agree: two full steps behind its field a rotor slips to another pole.
 
-Axes with switches home as elsewhere. X and Y of CoreXY cannot home by stall: if a motor slips while Y homes, X is wrong and nothing tells.
+On CoreXY either motor tells that X or Y has ended, and a rotor that slips moves the other axis, too. So X, Y and X home, and an axis homes
+again behind each time that the other may have slipped: the head ran on for more than a full step behind what its motors told, believed in
+the end or not. `$HX` and `$HY` home both. Axes with switches home as elsewhere.
 """
 
 from micropython import const
@@ -23,18 +25,25 @@ from passo.control.sensor import Sensor
 _MOST = const(20)  # times that an end is located
 _ENOUGH = const(5)
 _LAST = const(4)  # the phase of the last pull-off
+_AXES = const(3)  # mask of X and Y
+_ROUNDS = const(12)  # times that X and Y home at most, taken together
 
 
 class StallSensor(Sensor):
-    """A DIAG pin. What it says before the axis is `blind` steps from `start` does not count."""
+    """A DIAG pin. What it says before the axis is `blind` steps from `start` does not count. `late` once the axis has gone on for more than
+    `full` steps behind a change, believed in the end or not."""
 
-    start = blind = 0
+    start = blind = full = 0
+    late = False
 
     def sample(self, now_ms, position):
         if abs(position - self.start) < self.blind:
             self.restart(now_ms, False)
-        else:
-            Sensor.sample(self, now_ms, position)
+            return
+        edge = self.edge if self.pending else position
+        Sensor.sample(self, now_ms, position)
+        if abs(position - (self.edge if self.pending else edge)) > self.full:
+            self.late = True
 
 
 class Homing(homing.Homing):
@@ -44,22 +53,36 @@ class Homing(homing.Homing):
         for motor in board["drives"]["motors"]:
             if motor["stall"]:
                 self._full[names.index(motor["axis"])] = motor["microsteps"]
-        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, and
-        # how many have to.
+        self._shared = board.get("motion") == "corexy" and 0 in self._full  # both motors move X, and Y
+        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, how
+        # many have to, and whether a rotor may have slipped.
         self._located = self._agree = self._edge = self._enough = 0
+        self._doubt = False
         homing.Homing.__init__(self, board, machine, queue)
 
     def _seeker(self, number):
         seeker = homing.Homing._seeker(self, number)
         if number in self._full:
-            read = self._machine.inputs.read
-            watch = self._machine.port.watch_limit
-            sensor = self._config["sensors"][self._axes[number]["name"]]
-            seeker.sensors = [StallSensor(lambda: read(sensor), self._config["debounce_ms"], watch(sensor), self._queue, number)]
+            motors = (0, 1) if self._shared and number < 2 else (number,)
+            seeker.sensors = [self._feeler(motor, number) for motor in motors]
+            seeker.edges = [seeker.start] * len(motors)
+            seeker.ends = [seeker.pull_off_steps] * len(motors)
         return seeker
 
+    def _feeler(self, motor, axis):
+        read = self._machine.inputs.read
+        sensor = self._config["sensors"][self._axes[motor]["name"]]
+        feeler = StallSensor(lambda: read(sensor), self._config["debounce_ms"], self._machine.port.watch_limit(sensor), self._queue, axis)
+        feeler.full = self._full[axis]
+        return feeler
+
+    def _home(self, command):
+        if self._shared and command.value & _AXES:
+            command.value |= _AXES
+        return homing.Homing._home(self, command)
+
     def _go_on(self, now_ms):
-        if self._located + self._enough - self._agree > _MOST:
+        if self._located + self._enough - self._agree > _MOST or len(self._groups) > _ROUNDS:
             return errors.ALARM_SENSOR_STUCK
         return homing.Homing._go_on(self, now_ms)
 
@@ -68,6 +91,7 @@ class Homing(homing.Homing):
         for sensor in seeker.sensors:
             sensor.start = self._queue.axis(seeker.axis)
             sensor.blind = steps
+            sensor.late = False
             sensor.restart(self._now_ms, False)
 
     def _leave(self, seeker):
@@ -76,6 +100,8 @@ class Homing(homing.Homing):
             return
         self._located = self._agree = 0
         self._enough = _ENOUGH
+        # At first it may back off into the far end, unnoticed.
+        self._doubt = all([group[0].axis != seeker.axis for group in self._groups[: self._stage // len(self._phases)]])
         self.end_of_way()
         self._back(seeker, seeker.pull_off_steps)
 
@@ -96,7 +122,9 @@ class Homing(homing.Homing):
         edge = seeker.edges[seeker.tripped]
         full = self._full[seeker.axis]
         beyond = -self.gone(seeker, seeker.tripped)
-        slipped = 4 * beyond > 5 * full
+        slipped = 4 * beyond > (4 if self._shared else 5) * full
+        for sensor in seeker.sensors:
+            self._doubt = self._doubt or slipped or sensor.late
         if not self._agree:
             self._edge = edge
         if slipped or abs(edge - self._edge) > full:
@@ -105,9 +133,19 @@ class Homing(homing.Homing):
             self._agree = 0
         if not slipped:
             self._agree += 1
-        if self._stage % len(self._phases) == _LAST and self._agree < self._enough:
-            self._stage -= 2
+        if self._stage % len(self._phases) == _LAST:
+            if self._agree < self._enough:
+                self._stage -= 2
+            elif self._shared and self._doubt and seeker.axis < 2:
+                self._then(1 - seeker.axis)
         self._back(seeker, seeker.pull_off_steps + beyond)
+
+    def _then(self, number):
+        """An axis homes once more at the end, unless its turn is still to come."""
+        for group in self._groups[self._stage // len(self._phases) + 1 :]:
+            if group[0].axis == number:
+                return
+        self._groups.append([self._seeker(number)])
 
     def _locate(self, seeker):
         if seeker.axis not in self._full:
