@@ -124,6 +124,8 @@ MEANINGS = {
     "spi_drivers.motors.hold_percent": "Part of it at rest.",
     "spi_drivers.motors.microsteps": "Microsteps a full step: 1, 2, 4 … 256, interpolated to 256.",
     "spi_drivers.motors.stealth": "stealthChop, quiet; `False`: spreadCycle, more torque at speed.",
+    "spi_drivers.motors.stall": "Its axis homes by stall, on DIAG0 or DIAG1: SGT, −64 … 63, the lower the sooner. 64: it does not. See [drivers](drivers.md#homing-by-stall-on-spi).",
+    "spi_drivers.motors.stall_ma": "Current meanwhile. 0: `current_ma`.",
     "kinematics": "How motors move axes: `corexy`, two of them on one belt, see [CoreXY](corexy.md); else each its own.",
     "changeover_by": "If outputs have roles: a command or the first motion takes the motors from the other controller.",
     "changeover_ms": "Between releasing the relays of one controller and closing the other's, ms.",

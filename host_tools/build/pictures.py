@@ -18,7 +18,7 @@ from host_tools.resources import ROOT
 
 DOCS = ROOT / "docs"
 BOARDS = (
-    "plotter_2014", "router_3axis", "router_4axis", "router_ballscrew", "router_tmc2209", "laser_xy", "laser_rotary", "corexy_plotter",
+    "plotter_2014", "router_3axis", "router_4axis", "router_ballscrew", "router_tmc2209", "router_tmc5160", "laser_xy", "laser_rotary", "corexy_plotter",
     "torch_manipulator", "mill_2004", "lpt_router", "two_motor_kit",
 )  # fmt: skip
 FOLDERS = {"en": DOCS / "machines", "pt": DOCS / "pt" / "machines"}

@@ -36,6 +36,7 @@ from host_tools.language import _
 from host_tools.resources import FIRMWARE, MAIN, version
 from passo import machine_builder
 from passo.config.boardfile import check
+from passo.config.spi_drivers_keys import NO_STALL
 
 FILE_LIST = "files.txt"
 PACKAGE = "package.json"
@@ -126,7 +127,9 @@ OF_SPI = (
     Path("passo", "config", "spi_drivers_keys.py"), Path("passo", "config", "tmc_spi.py"), Path("passo", "control", "spi_drives.py"),
     Path("passo", "ports", "spi_line.py"),
 )  # fmt: skip
-STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")  # and feel where their axes end
+# And those that feel where their axes end.
+STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")
+SPI_STALLS = (*STALLS, Path("passo", "control", "stall_spi_drives.py"), Path("passo", "config", "drivers_keys.py"))
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
 BLACKBOX = (
@@ -238,7 +241,9 @@ def selected(board, firmware=FIRMWARE, spared=None):
     absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") or board.get("spi_drivers") else OF_DRIVERS)
     absent += () if board.get("spi_drivers") else OF_SPI
     stalls = STALLS if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())) else ()
-    absent += tuple(set(STALLS) - set(stalls))
+    if any(motor.get("stall", NO_STALL) != NO_STALL for motor in (board.get("spi_drivers") or {}).get("motors", ())):
+        stalls = SPI_STALLS
+    absent += tuple({*STALLS, *SPI_STALLS[:-1]} - set(stalls))
     absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING) + (() if board.get("blackbox") else BLACKBOX)
     switching = DIGITAL if digital(board) else ()
     absent += tuple(set(DIGITAL) - set(switching))

@@ -56,12 +56,12 @@ class Machine:
         self.drivers = None
         if self.board.get("drivers"):
             self.drivers = SimDrivers(self.board["drivers"], self.now_ms)
-            lines = {**lines, "drivers": self.drivers}
-            if self.plant.slipping:
-                self.plant.slipping.wire(self.drivers)
-        if self.board.get("spi_drivers"):
+        elif self.board.get("spi_drivers"):
             self.drivers = SpiDrivers(self.board["spi_drivers"])
+        if self.drivers:
             lines = {**lines, "drivers": self.drivers}
+        if self.plant.slipping:
+            self.plant.slipping.wire(self.drivers)
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, player=player, radio=radio)
         if self.board["journal"]:
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)

@@ -66,7 +66,7 @@ class Plant:
         self._build_carriages(start, play or {})
         self._build_gantry(racked)
         self._build_barriers(bounce_ms, dict(faults or {}))
-        if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())):
+        if board.get("stalls"):
             self._belt = self.slipping = Slipping(self, board, stalls)
         self.encoders = {}  # by motor, in the board file's order
         for item in self._board.get("encoders", ()):
@@ -126,9 +126,8 @@ class Plant:
         self.barriers = {}
         self._watching = [None] * len(names)  # the barrier of each axis
         self._others = {}  # of an axis with more of them
-        felt = {motor["axis"] for motor in (self._board.get("drivers") or {}).get("motors", ()) if motor.get("stall")}
         for axis, sensor in homing.get("sensors", {}).items():
-            if axis in felt:
+            if axis in self._board.get("stalls", ""):
                 continue  # its driver feels the hard end
             high = axis in homing.get("high_end", "")
             edge = pull_off_of(homing, axis)

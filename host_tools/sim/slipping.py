@@ -1,12 +1,12 @@
 """Motors that feel: rotors that lag behind their field where something holds the carriage, and what their drivers' DIAG pins say of it.
 
     plant = Plant(board, stalls=7)          # the seed of all that trembles
-    plant.slipping.wire(drivers)            # a SimDrivers: threshold and the rest are in its registers
-    plant.slipping.spike(0.02)              # so often a free motor seems to stall, a quarter of a full step long
+    plant.slipping.wire(drivers)            # a SimDrivers or SpiDrivers: threshold and the rest are in its registers
+    plant.slipping.spike(0.02)              # so often a free motor seems to stall, until SG_RESULT is measured again
 
 An axis homes where its hard end is, `pull_off_steps` from its origin. Against an end a rotor stands still while its field goes on; two full
 steps behind it slips to the next pole, four full steps back. SG_RESULT falls in proportion to the lag, to 0 at one full step, and trembles
-anew each quarter of a full step. On a belt both motors hold both carriages.
+anew each time that the driver measures it: each quarter of a full step, stallGuard2 each full step. On a belt both motors hold both carriages.
 """
 
 import random
@@ -15,6 +15,7 @@ from host_tools.sim.parts import pull_off_of
 
 FREE = 200  # SG_RESULT of a motor without a load
 TREMBLE = 30  # its standard deviation
+LEAST = -1000  # one that is 0 with any SGT
 
 
 class Slipping:
@@ -29,10 +30,10 @@ class Slipping:
         homing = board["homing"]
         self.sensors = {}  # input, by the number of its motor
         self._full = [16] * len(names)
-        for motor in board["drivers"]["motors"]:
+        for motor in board["drives"]["motors"]:
             number = names.index(motor["axis"])
-            self._full[number] = motor.get("microsteps", 16)
-            if motor.get("stall"):
+            self._full[number] = motor["microsteps"]
+            if motor["axis"] in board["stalls"]:
                 self.sensors[number] = homing["sensors"][motor["axis"]]
                 self._stop(number, names[number] in homing.get("high_end", ""), pull_off_of(homing, names[number]))
         self._names = names
@@ -40,7 +41,7 @@ class Slipping:
         self.motors = range(len(names))
         self._fields = self._turn(plant.position)  # where each motor's field stands
         self._lost = [0] * len(names)  # what it is from where the rotor would be
-        self._told = [None] * len(names)  # the quarter of a full step that SG_RESULT is of
+        self._told = [None] * len(names)  # the part of a full step that SG_RESULT is of
 
     def _stop(self, number, high, pull_off):
         carriage = self._plant.carriages[number]
@@ -53,11 +54,8 @@ class Slipping:
     def wire(self, drivers):
         self._drivers = drivers
         for number in self.sensors:
-            drivers[self._names[number]].written = lambda motor=number: self._feels(motor) or self._say(self._tick, motor, False)
-
-    def _feels(self, motor):
-        registers = self._drivers[self._names[motor]].registers
-        return bool(registers.get(0x14, 0)) and not registers[0x00] & 4
+            driver = drivers[self._names[number]]
+            driver.written = lambda motor=number, driver=driver: driver.feels or self._say(self._tick, motor, False)
 
     def _say(self, tick, motor, stalled):
         if motor in self.sensors:
@@ -110,12 +108,12 @@ class Slipping:
 
     def _feel(self, tick, motor, lag):
         full = self._full[motor]
-        quarter = self._fields[motor] * 4 // full
-        if quarter == self._told[motor]:
+        driver = self._drivers[self._names[motor]]
+        part = self._fields[motor] * driver.measures // full
+        if part == self._told[motor]:
             return
-        self._told[motor] = quarter
-        result = max(0, FREE * (1 - lag / full) + self._random.gauss(0, TREMBLE))
+        self._told[motor] = part
+        result = FREE * (1 - lag / full) + self._random.gauss(0, TREMBLE)
         if self._random.random() < self._often:
-            result = 0
-        threshold = self._drivers[self._names[motor]].registers.get(0x40, 0)
-        self._say(tick, motor, self._feels(motor) and result <= 2 * threshold)
+            result = LEAST
+        self._say(tick, motor, driver.stalled(result))

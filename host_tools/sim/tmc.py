@@ -38,6 +38,16 @@ class SimDriver:
         if self.written:
             self.written()
 
+    measures = 4  # of SG_RESULT in a full step
+
+    @property
+    def feels(self):
+        return bool(self.registers.get(0x14, 0)) and not self.registers[0x00] & 4
+
+    def stalled(self, result):
+        """The level of DIAG with an SG_RESULT."""
+        return self.feels and max(0, result) <= 2 * self.registers.get(0x40, 0)
+
     @property
     def status(self):
         return self.registers[0x6F]

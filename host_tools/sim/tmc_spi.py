@@ -10,6 +10,8 @@ SPI mode 3: bits are taken as the clock rises. As CS rises, each chip takes the 
 in its register: a status byte, and of a read the register, of a write what was written.
 """
 
+A_SGT = 4  # what SG_RESULT rises by with SGT
+AT_ZERO = -100  # and what it is with an SGT of 0 and the load at which slipping.py has it 0
 _MASK = (1 << 40) - 1
 _READABLE = {0x00, 0x01, 0x04, 0x12, 0x6A, 0x6B, 0x6C, 0x6F}
 _DEFAULTS = {
@@ -19,9 +21,13 @@ _DEFAULTS = {
 
 
 class SpiDriver:
+    measures = 1  # of SG_RESULT in a full step: stallGuard2, datasheets 13.2 (TMC5160) and 14.2 (TMC2130)
+
     def __init__(self, chip):
         self.chip = chip
         self.dead = False
+        self.written = None  # called after each register that is
+        self.diag = 1  # which of the two pins is wired
         self.frozen = ()  # registers that keep their value
         self.shift = self.answer = 0
         self.taken = []  # (register, value) of each write
@@ -30,6 +36,21 @@ class SpiDriver:
     def power_cycle(self):
         self.registers = dict(_DEFAULTS[self.chip])
         self.answer = 0
+        if self.written:
+            self.written()
+
+    @property
+    def feels(self):
+        """Whether its DIAG pin may tell: stallGuard2 works in spreadCycle, above the speed of TCOOLTHRS; the pin drives the line if it is a push-pull one."""
+        gconf = self.registers[0x00]
+        return bool(self.registers.get(0x14, 0)) and not gconf & 4 and gconf >> 7 + self.diag & 1 and gconf >> 12 + self.diag & 1
+
+    def stalled(self, result):
+        """The level of its DIAG pin at a load: `result` is that of slipping.py."""
+        sgt = self.registers.get(0x6D, 0) >> 16 & 0x7F
+        result = min(max(round(result) + AT_ZERO + A_SGT * (sgt - 128 if sgt > 63 else sgt), 0), 1023)
+        self.registers[0x6F] = self.registers[0x6F] & ~0x010003FF | (not result) << 24 | result
+        return bool(self.feels and not result)
 
     def select(self):
         state = self.registers[0x01] & 3 | (self.registers[0x6F] >> 31 & 1) << 3
@@ -45,6 +66,8 @@ class SpiDriver:
                 value = self.registers[1] & ~value if self.chip == "tmc5160" else self.registers[1]
             if register not in self.frozen:
                 self.registers[register] = value
+            if self.written:
+                self.written()
             return
         self.answer = self.registers.get(register, 0) if register in _READABLE else 0
         if register == 0x01 and self.chip == "tmc2130":

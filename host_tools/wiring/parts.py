@@ -147,6 +147,8 @@ def _input(board, item):
         return "probe", _("tool and plate")
     if name in ends:
         return "switch", _("limit {}", ends[name].replace("-", "−").upper())
+    if name in homed and homed[name] in board.get("stalls", ""):
+        return "signal", _("DIAG of the {} driver", homed[name].upper())
     if name in homed or name.startswith("limit_"):
         return "switch", _("limit {}", homed.get(name, name[-1]).upper())
     if name.startswith(_BUTTONS):

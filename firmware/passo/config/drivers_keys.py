@@ -25,7 +25,8 @@ RULES = {
         "motors": [_DRIVER, 1, 4],
     },
     "features": (dict, {}, 0, 4),  # set by check(): modules of control, by the name of the feature whose class they have instead
-    "drives": (str, "", 0, 0),  # the same, set by check(): the rest of the firmware reads this key, whose word all boards have in memory
+    "stalls": (str, "", 0, 4),  # set by check(): names of the axes that home by stall
+    "drives": (str, "", 0, 0),  # as `features`, set by check(): the rest of the firmware reads this key, whose word all boards have in memory
 }
 
 
@@ -57,25 +58,28 @@ def check(board):
             raise BoardError("%s: there is no such axis" % where)
         if motor["microsteps"] & motor["microsteps"] - 1:
             raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
-        if scale(motor["current_ma"], config["sense_mohm"]) is None:
-            raise BoardError("%s: %d mA are too much for %d mΩ" % (where, motor["current_ma"], config["sense_mohm"]))
+        for current_ma in (motor["current_ma"], motor["stall_ma"]):
+            if scale(current_ma, config["sense_mohm"]) is None:
+                raise BoardError("%s: %d mA are too much for %d mΩ" % (where, current_ma, config["sense_mohm"]))
     board["drives"] = config
     feel = [motor for motor in config["motors"] if motor["stall"]]
     if feel:
-        _check_stalls(board, feel)
-        board["features"] = dict(board["features"])
-        board["features"].update({"homing": "stall_homing", "drives": "stall_drives"})
+        check_stalls(board, feel, "drivers")
+        board["features"]["drives"] = "stall_drives"
 
 
-def _check_stalls(board, feel):
-    """`feel`: the drivers that do."""
+def check_stalls(board, feel, key):
+    """Have axes home by stall. `feel`: the drivers that do; `key`: that of the board file."""
+    board["stalls"] = "".join([motor["axis"] for motor in feel])
+    board["features"] = dict(board["features"])
+    board["features"]["homing"] = "stall_homing"
     homing = board["homing"]
     names = [motor["axis"] for motor in feel]
     if board.get("kinematics", "none") != "none" and ("x" in names) != ("y" in names):
         raise BoardError("drivers.motors: stall: x and y share two motors: both or none")
     for motor in feel:
         axis = motor["axis"]
-        where = "drivers.motors, %s: stall" % axis
+        where = "%s.motors, %s: stall" % (key, axis)
         if not homing or axis not in homing["sensors"]:
             raise BoardError("%s: homing.sensors must name the input that its DIAG pin goes to" % where)
         if board["interlock"] or board["gantry"] and board["gantry"]["axis"] == axis:

@@ -5,6 +5,7 @@ from passo.config.boardfile import claimed_pins
 from passo.config.chip_pins import check_pin
 from passo.config.tmc_spi import scale
 
+NO_STALL = 64
 _DRIVER = {
     "axis": (str, ..., 1, 1),
     "cs": (int, ..., 0, 48),  # drivers of one pin are a chain, in this order from `tx` on
@@ -12,6 +13,8 @@ _DRIVER = {
     "hold_percent": (int, 50, 0, 100),  # of it, at rest
     "microsteps": (int, 16, 1, 256),
     "stealth": (bool, True, 0, 1),  # stealthChop; False: spreadCycle
+    "stall": (int, NO_STALL, -64, NO_STALL),  # its axis homes by stall: SGT, which 64 is not: it does not
+    "stall_ma": (int, 0, 0, 6000),  # meanwhile; 0: current_ma
 }
 RULES = {
     "spi_drivers": {
@@ -23,6 +26,7 @@ RULES = {
         "motors": [_DRIVER, 1, 4],
     },
     "features": (dict, {}, 0, 4),  # set by check(), as the next: see drivers_keys.py
+    "stalls": (str, "", 0, 4),
     "drives": (str, "", 0, 0),
 }
 
@@ -56,8 +60,15 @@ def check(board):
             raise BoardError("%s: there is no such axis" % where)
         if motor["microsteps"] & motor["microsteps"] - 1:
             raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
-        if scale(motor["current_ma"], config) is None:
-            raise BoardError("%s: %d mA are too much for %d mΩ" % (where, motor["current_ma"], config["sense_mohm"]))
+        for current_ma in (motor["current_ma"], motor["stall_ma"]):
+            if scale(current_ma, config) is None:
+                raise BoardError("%s: %d mA are too much for %d mΩ" % (where, current_ma, config["sense_mohm"]))
     board["drives"] = config
     board["features"] = dict(board["features"])
     board["features"]["drives"] = "spi_drives"
+    feel = [motor for motor in motors if motor["stall"] != NO_STALL]
+    if feel:
+        from passo.config.drivers_keys import check_stalls
+
+        check_stalls(board, feel, "spi_drivers")
+        board["features"]["drives"] = "stall_spi_drives"

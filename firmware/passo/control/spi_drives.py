@@ -18,6 +18,8 @@ _AGAIN_MS = const(20)
 
 
 class Motors(drives.Motors):
+    _kept = False  # whether those that are set up anew have been so all the while
+
     def _open(self, config):
         self._config = config
         self._line = self._machine.port.make("spi_line", config)
@@ -34,6 +36,7 @@ class Motors(drives.Motors):
             self._tries += 1
             self._due_ms = now_ms + _AGAIN_MS
             if self._tries == ASKS:
+                self._number = self._silent()
                 self._fail(errors.ALARM_DRIVER_SILENT, "no answer")
         else:
             self._tries = 0
@@ -45,8 +48,17 @@ class Motors(drives.Motors):
         for number in self._chains[pin]:
             sent += data if number == self._number else chip.datagram(chip.IOIN)
         at = chip.BYTES * self._chains[pin].index(self._number) + 1
-        found = self._line.exchange(pin, sent)
+        self._found = found = self._line.exchange(pin, sent)
         return found[at] << 24 | found[at + 1] << 16 | found[at + 2] << 8 | found[at + 3]
+
+    def _silent(self):
+        """The number of the driver that is silent: of a chain the one nearest to `rx` of which nothing came. Those before it cannot be heard."""
+        chain = self._chains[self._motors[self._number]["cs"]]
+        for place in range(len(chain)):
+            part = self._found[chip.BYTES * place : chip.BYTES * (place + 1)]
+            if min(part) == max(part):
+                return chain[place]
+        return self._number
 
     def _read(self, register):
         """The register; None if the chip does not say its version behind it."""
@@ -68,8 +80,14 @@ class Motors(drives.Motors):
         if name == "tmc5160" and not found & chip.STEPS:
             self._fail(errors.ALARM_DRIVER_DIFFERS, "SD_MODE is low")
             return True
-        if self._read(chip.GSTAT) is None:  # a TMC2130 forgets that it was reset
+        state = self._read(chip.GSTAT)  # a TMC2130 forgets that it was reset
+        if state is None:
             return False
+        if self._kept:
+            self._stage = 0
+            self._watch(state, 0)
+            if not self._stage:
+                return True  # its power has failed
         for register, number in rows:
             self._send(chip.datagram(register, number))
             if self._send(chip.datagram(chip.IOIN)) != number:

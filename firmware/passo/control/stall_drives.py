@@ -2,7 +2,8 @@
 
 All are set up anew, and read back, as homing begins and as it ends, however it does; nothing moves in between. A driver compares
 SG_RESULT, which falls with the load, with twice the threshold, and says on its DIAG pin that it is below. Before it has a threshold the pin
-is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves.
+is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves. That is Stalls, for drivers on SPI, too:
+stall_spi_drives.py.
 """
 
 from micropython import const
@@ -12,27 +13,31 @@ from passo.config import tmc2209 as chip
 from passo.control import drives
 from passo.control.feature import ANEW, HOMING
 
-_TCOOLTHRS = const(0x14)  # clocks a microstep from which on DIAG tells
+TCOOLTHRS = const(0x14)  # clocks a microstep from which on DIAG tells
+SLOWEST = const(0xFFFFF)
 _SGTHRS = const(0x40)
-_SLOWEST = const(0xFFFFF)
 
 
-class Motors(drives.Motors):
+class Stalls:
+    """What stands before a class of drivers, `_usual`, to have them feel, with stealthChop if `_stealth`; _rows(motor, feels) says what a
+    motor gets."""
+
     heeds = HOMING
 
     def __init__(self, board, machine, queue):
-        self._mohm = board["drives"]["sense_mohm"]
+        self._config = board["drives"]
         self._sensors = board["homing"]["sensors"]
+        self._stalls = board["stalls"]
         self._set = 0
         self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
-        drives.Motors.__init__(self, board, machine, queue)
+        self._usual.__init__(self, board, machine, queue)
 
     def heed(self, what):
         """Homing begins."""
         self._asked = True
 
     def ready(self):
-        return self._asked == self._feels and drives.Motors.ready(self)
+        return self._asked == self._feels and self._usual.ready(self)
 
     def look(self, now_ms):
         if self._asked and not self._machine.busy_with(commands.HOME):
@@ -41,14 +46,13 @@ class Motors(drives.Motors):
             self._feels = self._asked
             if not self._feels or not self._stuck():
                 self._begin()
-        drives.Motors.look(self, now_ms)
+        self._usual.look(self, now_ms)
 
     def _stuck(self):
         """Raise an alarm if a driver that feels nothing yet says so."""
         machine = self._machine
-        for motor in self._motors:
-            axis = motor["axis"]
-            if motor["stall"] and machine.inputs.read(self._sensors[axis]):
+        for axis in self._stalls:
+            if machine.inputs.read(self._sensors[axis]):
                 self._asked = self._feels = False
                 machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
                 machine.restarted()
@@ -57,16 +61,23 @@ class Motors(drives.Motors):
 
     def _begin(self):
         # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
-        first = 1 if self._set == len(self._motors) else 0
-        self._registers = [self._rows(motor)[first:] for motor in self._motors]
-        drives.Motors._begin(self)
+        self._kept = self._set == len(self._motors)
+        self._registers = []
+        for motor in self._motors:
+            feels = self._feels and motor["axis"] in self._stalls
+            if feels:
+                motor = dict(motor)
+                motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
+                motor["stealth"] = self._stealth
+            self._registers.append([row for row in self._rows(motor, feels) if not self._kept or row[0] != chip.GSTAT])
+        self._usual._begin(self)
 
-    def _rows(self, motor):
+
+class Motors(Stalls, drives.Motors):
+    _usual = drives.Motors
+    _stealth = True
+
+    def _rows(self, motor, feels):
         """What chip.registers() says, and what a motor feels: those that can be read back are the last."""
-        threshold = motor["stall"] if self._feels else 0
-        if threshold:
-            motor = dict(motor)
-            motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
-            motor["stealth"] = True
-        rows = chip.registers(motor, self._mohm)
-        return rows[:-2] + ((_SGTHRS, threshold), (_TCOOLTHRS, _SLOWEST if threshold else 0)) + rows[-2:]
+        rows = chip.registers(motor, self._config["sense_mohm"])
+        return rows[:-2] + ((_SGTHRS, motor["stall"] if feels else 0), (TCOOLTHRS, SLOWEST if feels else 0)) + rows[-2:]

@@ -9,7 +9,9 @@
 Five places are enough, and one more for each that did not agree with those before it. If false stalls come at random, however often, five
 agree by chance less than twice in 100 000 homings: the way to a place is 25 full steps, half of which count, and a place is two wide. Alarm 8 is
 raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles. A place
-behind which the axis ran on for more than 1.25 full steps does not agree: two full steps behind its field a rotor slips to another pole.
+behind which the axis ran on for more than 1.25 full steps does not agree: two full steps behind its field a rotor slips to another pole. As
+a slip behind the last place would be seen by nobody, that has to lie where the one before it does, within half a full step. Drivers on SPI
+may tell almost two full steps late: the pin's interrupt stops the axis, and it may run on for an eighth of one.
 
 On CoreXY either motor tells that X or Y has ended, and a rotor that slips moves the other axis, too. So X, Y and X home, and an axis homes
 again behind each time that the other may have slipped: the head ran on for more than a full step behind what its motors told, believed in
@@ -18,7 +20,7 @@ the end or not. `$HX` and `$HY` home both. Axes with switches home as elsewhere.
 
 from micropython import const
 
-from passo import errors
+from passo import commands, errors
 from passo.control import homing
 from passo.control.sensor import Sensor
 
@@ -31,19 +33,30 @@ _ROUNDS = const(12)  # times that X and Y home at most, taken together
 
 class StallSensor(Sensor):
     """A DIAG pin. What it says before the axis is `blind` steps from `start` does not count. `late` once the axis has gone on for more than
-    `full` steps behind a change, believed in the end or not."""
+    `full` steps behind a change, believed in the end or not. Its interrupt stops the player if `at_once`."""
 
     start = blind = full = 0
-    late = False
+    late = at_once = False
 
     def sample(self, now_ms, position):
         if abs(position - self.start) < self.blind:
             self.restart(now_ms, False)
             return
         edge = self.edge if self.pending else position
+        self.arm(not self.active)
         Sensor.sample(self, now_ms, position)
         if abs(position - (self.edge if self.pending else edge)) > self.full:
             self.late = True
+
+    def arm(self, on):
+        if self.at_once and self._latch:
+            self._latch.arm(on)
+
+    def stopped(self, queue, axis):
+        """Its interrupt has stopped the player."""
+        edge = queue.axis(axis, self._latch)
+        self.restart(self._last_ms, True)
+        self.edge = edge
 
 
 class Homing(homing.Homing):
@@ -51,13 +64,16 @@ class Homing(homing.Homing):
         names = [axis["name"] for axis in board["axes"]]
         self._full = {}  # steps of a full step, by the number of an axis whose end is felt
         for motor in board["drives"]["motors"]:
-            if motor["stall"]:
+            if motor["axis"] in board["stalls"]:
                 self._full[names.index(motor["axis"])] = motor["microsteps"]
         self._shared = board.get("motion") == "corexy" and 0 in self._full  # both motors move X, and Y
-        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, how
-        # many have to, and whether a rotor may have slipped.
-        self._located = self._agree = self._edge = self._enough = 0
+        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, the last,
+        # how many have to, and whether a rotor may have slipped.
+        self._located = self._agree = self._edge = self._last = self._enough = 0
         self._doubt = False
+        # On SPI SG_RESULT is new each full step: if the first that is low is that of almost two, a rotor slips before the main loop looks.
+        self._at_once = bool(board.get("spi_drivers"))
+        self._beyond = 1 if self._at_once else 8 if self._shared else 10  # eighths of a full step that an axis may run on
         homing.Homing.__init__(self, board, machine, queue)
 
     def _seeker(self, number):
@@ -74,12 +90,37 @@ class Homing(homing.Homing):
         sensor = self._config["sensors"][self._axes[motor]["name"]]
         feeler = StallSensor(lambda: read(sensor), self._config["debounce_ms"], self._machine.port.watch_limit(sensor), self._queue, axis)
         feeler.full = self._full[axis]
+        feeler.at_once = self._at_once
+        feeler.name = sensor
         return feeler
 
     def _home(self, command):
         if self._shared and command.value & _AXES:
             command.value |= _AXES
         return homing.Homing._home(self, command)
+
+    def _feelers(self):
+        """[(axis, sensor)] of the axes that home now and are felt."""
+        found = []
+        if self._machine.busy_with(commands.HOME) and not self._lifting:
+            at = self._stage // len(self._phases)
+            for group in self._groups[at : at + 1]:
+                found += [(seeker.axis, sensor) for seeker in group if seeker.axis in self._full for sensor in seeker.sensors]
+        return found
+
+    def stopped(self, name):
+        """The interrupt of a DIAG pin has stopped the axis that homes."""
+        for axis, sensor in self._feelers():
+            if sensor.name == name:
+                sensor.stopped(self._queue, axis)
+                self._machine.abort()
+                return True
+        return False
+
+    def heed(self, what):
+        homing.Homing.heed(self, what)
+        for _, sensor in self._feelers():
+            sensor.arm(False)
 
     def _go_on(self, now_ms):
         if self._located + self._enough - self._agree > _MOST or len(self._groups) > _ROUNDS:
@@ -93,6 +134,7 @@ class Homing(homing.Homing):
             sensor.blind = steps
             sensor.late = False
             sensor.restart(self._now_ms, False)
+            sensor.arm(False)
 
     def _leave(self, seeker):
         if seeker.axis not in self._full:
@@ -122,7 +164,7 @@ class Homing(homing.Homing):
         edge = seeker.edges[seeker.tripped]
         full = self._full[seeker.axis]
         beyond = -self.gone(seeker, seeker.tripped)
-        slipped = 4 * beyond > (4 if self._shared else 5) * full
+        slipped = 8 * beyond > self._beyond * full
         for sensor in seeker.sensors:
             self._doubt = self._doubt or slipped or sensor.late
         if not self._agree:
@@ -133,6 +175,9 @@ class Homing(homing.Homing):
             self._agree = 0
         if not slipped:
             self._agree += 1
+        if abs(edge - self._last) > full // 2:
+            self._agree = min(self._agree, self._enough - 1)
+        self._last = edge
         if self._stage % len(self._phases) == _LAST:
             if self._agree < self._enough:
                 self._stage -= 2

@@ -1,0 +1,30 @@
+"""TMC2130 and TMC5160 drivers, some of which feel where their axis ends: as stall_drives.py has it, by stallGuard2.
+
+While the machine homes a motor that feels has spreadCycle, less current, and in COOLCONF the SGT at which SG_RESULT is 0 as it stalls; the driver
+says so on DIAG0 and DIAG1, either of which may be wired. They push and pull from the start on, so that a pin that tells nothing is low.
+"""
+
+from micropython import const
+
+from passo.config import tmc_spi as chip
+from passo.control import spi_drives
+from passo.control.stall_drives import SLOWEST, TCOOLTHRS, Stalls
+
+_COOLCONF = const(0x6D)
+_SGT = const(0x7F)  # of it, from bit 16 on; no filter: SG_RESULT is new each full step
+_TELL = const(0x180)  # of GCONF: DIAG0 and DIAG1 say that the motor stalls
+_PUSH = const(0x3000)  # and push and pull, active high
+
+
+class Motors(Stalls, spi_drives.Motors):
+    _usual = spi_drives.Motors
+    _stealth = False
+
+    def _rows(self, motor, feels):
+        rows = chip.registers(motor, self._config)
+        if motor["axis"] not in self._stalls:
+            return rows
+        register, gconf = rows[-2]
+        gconf |= _PUSH | _TELL if feels else _PUSH
+        felt = (_COOLCONF, (motor["stall"] & _SGT) << 16 if feels else 0), (TCOOLTHRS, SLOWEST if feels else 0)
+        return rows[:-2] + felt + ((register, gconf), rows[-1])
