@@ -90,7 +90,7 @@ def test_all_drivers_are_set_up_before_anything_moves(way, chip):
         assert ready or router.plant.position[0] == 3000
     assert router.machine.now_ms() < 400 and router.alarm == 0
     x, y, z = (router.drivers[axis].registers for axis in "xyz")
-    more = 8 if chip == "tmc5160" else 0
+    more = 8 if chip == "tmc5160" else 0x4000
     assert (x[0x00], y[0x00], z[0x00]) == (4 | more, more, 4 | more)
     assert (x[0x6C] >> 24 & 15, y[0x6C] >> 24 & 15) == (4, 5)
     assert (z[0x10] & 31) == (z[0x10] >> 8 & 31) * 80 // 100 and all(each[0x01] == 0 for each in (x, y, z))
@@ -106,16 +106,31 @@ def test_all_drivers_are_set_up_before_anything_moves(way, chip):
     (lambda drivers: drivers["y"].registers.update({0x04: 0x30000000}), errors.ALARM_DRIVER_DIFFERS, "driver of y: SD_MODE is low"),
     (lambda drivers: setattr(drivers["y"], "frozen", (0x6C,)), errors.ALARM_DRIVER_DIFFERS, "driver of y: register 6c is 10410150"),
     (lambda drivers: setattr(drivers, "flips", 100_000), errors.ALARM_DRIVER_SILENT, "driver of x: no answer"),
-    (lambda drivers: [drivers.chains.pop(cs) for cs in list(drivers.chains)], errors.ALARM_DRIVER_SILENT, "driver of x: no answer"),
+    (lambda drivers: [drivers.chains.pop(cs) for cs in list(drivers.chains)], errors.ALARM_DRIVER_SILENT, "no answer"),
     (lambda drivers: [chain.pop() for chain in drivers.chains.values()], errors.ALARM_DRIVER_SILENT, "driver of x: no answer"),
 ])  # fmt: skip
 def test_a_fault_at_the_start_is_an_alarm_that_names_the_axis(way, fault, alarm, said):
-    """Of a chain with a dead driver, or one too few, the first that does not answer. Nothing moves, also if somebody unlocks."""
+    """Of a chain with one too few, the first of the list. Nothing moves, also if somebody unlocks."""
     router = Router(fault, run_ms=600, way=way)
     assert router.alarm == alarm and any(said in entry for entry in router.log()), router.log()
     router.machine.send(b"$X\nG91G1X5F600\n")
     router.machine.run_ms(1000)
     assert router.alarm == alarm and list(router.plant.position) == [3000, 2000, -4000]
+
+
+@pytest.mark.parametrize("chip", ["tmc5160", "tmc2130"])
+@pytest.mark.parametrize("moving", [False, True])
+@pytest.mark.parametrize("axis", "xyz")
+def test_of_a_chain_the_dead_driver_is_named(axis, moving, chip):
+    """Not the first whose answer has to pass it: at the start, and while it moves."""
+    router = Router(None if moving else lambda drivers: setattr(drivers[axis], "dead", True), run_ms=600, way="a chain", chip=chip)
+    if moving:
+        router.ask("$X")
+        for name in "xyz":
+            router.drivers[name].registers[0x6F] &= 0x7FFFFFFF  # no standstill
+        router.drivers[axis].dead = True
+        router.machine.run_until(lambda: router.alarm == errors.ALARM_DRIVER_SILENT, 2000)
+    assert router.alarm == errors.ALARM_DRIVER_SILENT and f"driver of {axis}: no answer" in router.log()[-1], router.log()
 
 
 @pytest.mark.parametrize("level", [0, 1])

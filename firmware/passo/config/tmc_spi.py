@@ -56,5 +56,6 @@ def registers(motor, config):
     stealth = 4 if motor["stealth"] else 0
     rows = ((0x10, 8 << 16 | run << 8 | hold), (0x11, 20), (0x13, 0))  # IHOLD_IRUN, TPOWERDOWN: 0.4 s, TPWMTHRS
     if config["chip"] == "tmc2130":
-        return rows + ((0x70, 0x000401C8), (0x00, stealth), (0x6C, 0x100100C3 | halvings << 24 | first << 17))  # PWMCONF, GCONF, CHOPCONF
+        # PWMCONF, GCONF, CHOPCONF. GCONF's small_hysteresis changes nothing here; so no answer of a driver that only hears zeros is all zeros.
+        return rows + ((0x70, 0x000401C8), (0x00, 0x4000 | stealth), (0x6C, 0x100100C3 | halvings << 24 | first << 17))
     return ((GSTAT, 7), (0x0B, first)) + rows + ((0x70, 0xC40C001E), (0x00, 8 | stealth), (0x6C, 0x104100C3 | halvings << 24))  # GLOBALSCALER
