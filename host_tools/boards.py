@@ -13,6 +13,7 @@ from pathlib import Path
 from host_tools.failure import Failure, reason
 from host_tools.resources import BOARDS
 from passo.config.boardfile import BoardError, check
+from passo.config.spi_drivers_keys import NO_STALL
 
 
 def names():
@@ -49,6 +50,14 @@ def load(name):
     except (TypeError, ValueError) as error:
         raise Failure("board file {} cannot be read: {}", found, error) from error
     return board
+
+
+def stalling(board):
+    """The board file's key, `drivers` or `spi_drivers`, of drivers by whose stall an axis homes; None if no axis does."""
+    for key, none in (("drivers", 0), ("spi_drivers", NO_STALL)):
+        if any(motor.get("stall", none) != none for motor in (board.get(key) or {}).get("motors", ())):
+            return key
+    return None
 
 
 def steps_per_mm(board):

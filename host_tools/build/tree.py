@@ -36,7 +36,6 @@ from host_tools.language import _
 from host_tools.resources import FIRMWARE, MAIN, version
 from passo import machine_builder
 from passo.config.boardfile import check
-from passo.config.spi_drivers_keys import NO_STALL
 
 FILE_LIST = "files.txt"
 PACKAGE = "package.json"
@@ -127,9 +126,8 @@ OF_SPI = (
     Path("passo", "config", "spi_drivers_keys.py"), Path("passo", "config", "tmc_spi.py"), Path("passo", "control", "spi_drives.py"),
     Path("passo", "ports", "spi_line.py"),
 )  # fmt: skip
-# And those that feel where their axes end.
-STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")
-SPI_STALLS = (*STALLS, Path("passo", "control", "stall_spi_drives.py"), Path("passo", "config", "drivers_keys.py"))
+_STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")  # and feel where their axes end
+STALLS = {None: (), "drivers": _STALLS, "spi_drivers": (*_STALLS, Path("passo", "control", "stall_spi_drives.py"), Path("passo", "config", "drivers_keys.py"))}
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
 BLACKBOX = (
@@ -240,10 +238,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
     absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") or board.get("spi_drivers") else OF_DRIVERS)
     absent += () if board.get("spi_drivers") else OF_SPI
-    stalls = STALLS if any(motor.get("stall") for motor in (board.get("drivers") or {}).get("motors", ())) else ()
-    if any(motor.get("stall", NO_STALL) != NO_STALL for motor in (board.get("spi_drivers") or {}).get("motors", ())):
-        stalls = SPI_STALLS
-    absent += tuple({*STALLS, *SPI_STALLS[:-1]} - set(stalls))
+    absent += tuple({*STALLS["spi_drivers"][:-1]} - {*STALLS[boards.stalling(board)]})
     absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING) + (() if board.get("blackbox") else BLACKBOX)
     switching = DIGITAL if digital(board) else ()
     absent += tuple(set(DIGITAL) - set(switching))
@@ -273,7 +268,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     chosen |= {*OF_SPI} if board.get("spi_drivers") else set()
     if mapped:
         chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
-    chosen |= {*stalls, *(path for path in switching if path in files)}
+    chosen |= {*STALLS[boards.stalling(board)], *(path for path in switching if path in files)}
     chosen |= {*(ROTARY if board.get("rotary") else ()), *(PARKING if board.get("parking") else ()), *(set(BLACKBOX) & set(files))}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)

@@ -54,10 +54,10 @@ class Motors(drives.Motors):
     def _silent(self):
         """The number of the driver that is silent: of a chain the one nearest to `rx` of which nothing came. Those before it cannot be heard."""
         chain = self._chains[self._motors[self._number]["cs"]]
-        for place in range(len(chain)):
-            part = self._found[chip.BYTES * place : chip.BYTES * (place + 1)]
+        for index in range(len(chain)):
+            part = self._found[chip.BYTES * index : chip.BYTES * (index + 1)]
             if min(part) == max(part):
-                return chain[place]
+                return chain[index]
         return self._number
 
     def _read(self, register):

@@ -2,8 +2,7 @@
 
 All are set up anew, and read back, as homing begins and as it ends, however it does; nothing moves in between. A driver compares
 SG_RESULT, which falls with the load, with twice the threshold, and says on its DIAG pin that it is below. Before it has a threshold the pin
-is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves. That is Stalls, for drivers on SPI, too:
-stall_spi_drives.py.
+is silent: one that is not, of a short or a driver in trouble, is alarm 8 before anything moves. So with drivers on SPI: stall_spi_drives.py.
 """
 
 from micropython import const
@@ -18,65 +17,65 @@ SLOWEST = const(0xFFFFF)
 _SGTHRS = const(0x40)
 
 
-class Stalls:
-    """What stands before a class of drivers, `_usual`, to have them feel, with stealthChop if `_stealth`; _rows(motor, feels) says what a
-    motor gets."""
+def feeling(usual, stealth):
+    """The class of drivers `usual`, made to feel, with stealthChop or without. What is made of it says by _rows(motor, feels) what a motor gets."""
 
-    heeds = HOMING
+    class Feeling(usual):
+        heeds = HOMING
 
-    def __init__(self, board, machine, queue):
-        self._config = board["drives"]
-        self._sensors = board["homing"]["sensors"]
-        self._stalls = board["stalls"]
-        self._set = 0
-        self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
-        self._usual.__init__(self, board, machine, queue)
+        def __init__(self, board, machine, queue):
+            self._config = board["drives"]
+            self._sensors = board["homing"]["sensors"]
+            self._stalls = board["stalls"]
+            self._set = 0
+            self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
+            usual.__init__(self, board, machine, queue)
 
-    def heed(self, what):
-        """Homing begins."""
-        self._asked = True
+        def heed(self, what):
+            """Homing begins."""
+            self._asked = True
 
-    def ready(self):
-        return self._asked == self._feels and self._usual.ready(self)
+        def ready(self):
+            return self._asked == self._feels and usual.ready(self)
 
-    def look(self, now_ms):
-        if self._asked and not self._machine.busy_with(commands.HOME):
-            self._asked = False
-        if self._asked != self._feels and self._register < 0:
-            self._feels = self._asked
-            if not self._feels or not self._stuck():
-                self._begin()
-        self._usual.look(self, now_ms)
+        def look(self, now_ms):
+            if self._asked and not self._machine.busy_with(commands.HOME):
+                self._asked = False
+            if self._asked != self._feels and self._register < 0:
+                if self._asked and _stuck(self._machine, self._stalls, self._sensors):
+                    self._asked = False
+                else:
+                    self._feels = self._asked
+                    self._begin()
+            usual.look(self, now_ms)
 
-    def _stuck(self):
-        """Raise an alarm if a driver that feels nothing yet says so."""
-        machine = self._machine
-        for axis in self._stalls:
-            if machine.inputs.read(self._sensors[axis]):
-                self._asked = self._feels = False
-                machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
-                machine.restarted()
-                return True
-        return False
+        def _begin(self):
+            # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
+            self._kept = self._set == len(self._motors)
+            self._registers = []
+            for motor in self._motors:
+                feels = self._feels and motor["axis"] in self._stalls
+                if feels:
+                    motor = dict(motor)
+                    motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
+                    motor["stealth"] = stealth
+                self._registers.append([row for row in self._rows(motor, feels) if not self._kept or row[0] != chip.GSTAT])
+            usual._begin(self)
 
-    def _begin(self):
-        # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
-        self._kept = self._set == len(self._motors)
-        self._registers = []
-        for motor in self._motors:
-            feels = self._feels and motor["axis"] in self._stalls
-            if feels:
-                motor = dict(motor)
-                motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
-                motor["stealth"] = self._stealth
-            self._registers.append([row for row in self._rows(motor, feels) if not self._kept or row[0] != chip.GSTAT])
-        self._usual._begin(self)
+    return Feeling
 
 
-class Motors(Stalls, drives.Motors):
-    _usual = drives.Motors
-    _stealth = True
+def _stuck(machine, axes, sensors):
+    """Raise an alarm if a driver that feels nothing yet says so."""
+    for axis in axes:
+        if machine.inputs.read(sensors[axis]):
+            machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
+            machine.restarted()
+            return True
+    return False
 
+
+class Motors(feeling(drives.Motors, True)):
     def _rows(self, motor, feels):
         """What chip.registers() says, and what a motor feels: those that can be read back are the last."""
         rows = chip.registers(motor, self._config["sense_mohm"])

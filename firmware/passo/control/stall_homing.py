@@ -91,7 +91,7 @@ class Homing(homing.Homing):
         feeler = StallSensor(lambda: read(sensor), self._config["debounce_ms"], self._machine.port.watch_limit(sensor), self._queue, axis)
         feeler.full = self._full[axis]
         feeler.at_once = self._at_once
-        feeler.name = sensor
+        feeler.input = sensor
         return feeler
 
     def _home(self, command):
@@ -111,7 +111,7 @@ class Homing(homing.Homing):
     def stopped(self, name):
         """The interrupt of a DIAG pin has stopped the axis that homes."""
         for axis, sensor in self._feelers():
-            if sensor.name == name:
+            if sensor.input == name:
                 sensor.stopped(self._queue, axis)
                 self._machine.abort()
                 return True

@@ -8,7 +8,7 @@ from micropython import const
 
 from passo.config import tmc_spi as chip
 from passo.control import spi_drives
-from passo.control.stall_drives import SLOWEST, TCOOLTHRS, Stalls
+from passo.control.stall_drives import SLOWEST, TCOOLTHRS, feeling
 
 _COOLCONF = const(0x6D)
 _SGT = const(0x7F)  # of it, from bit 16 on; no filter: SG_RESULT is new each full step
@@ -16,10 +16,7 @@ _TELL = const(0x180)  # of GCONF: DIAG0 and DIAG1 say that the motor stalls
 _PUSH = const(0x3000)  # and push and pull, active high
 
 
-class Motors(Stalls, spi_drives.Motors):
-    _usual = spi_drives.Motors
-    _stealth = False
-
+class Motors(feeling(spi_drives.Motors, False)):
     def _rows(self, motor, feels):
         rows = chip.registers(motor, self._config)
         if motor["axis"] not in self._stalls:
