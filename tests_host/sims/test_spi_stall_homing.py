@@ -11,11 +11,13 @@ import test_stall_homing
 from asked import Asked
 from test_stall_homing import FULL, tried
 
+from host_tools import boards
 from host_tools.build import tree
 from host_tools.sim.tmc_spi import SpiDriver
+from host_tools.wiring.parts import parts
 from passo import errors
 from passo.config.board_error import BoardError
-from passo.config.boardfile import check
+from passo.config.boardfile import check, claimed_pins
 
 STALL = -2  # SG_RESULT is 0 half a full step behind the field, about
 WAYS = {"tmc5160": ("a CS each", (21, 22, 28)), "tmc2130": ("a chain", (21, 21, 21))}
@@ -283,3 +285,18 @@ def test_a_board_is_built_with_it_if_it_has_a_threshold(stall, there):
     names = {"/".join(path.parts) for path in tree.selected(router(stall=stall))}
     assert ("passo/control/stall_spi_drives.py" in names) is there and ("passo/control/stall_homing.py" in names) is there
     assert "passo/control/spi_drives.py" in names
+
+
+def test_the_shipped_board_homes():
+    """router_tmc5160, and its picture has DIAG where others have a switch."""
+    machine = ready("router_tmc5160", stalls=2)
+    machine.do("$H")
+    assert all(abs(each) <= 2 * FULL for each in machine.plant.position[:2]) and machine.plant.position[2] == 0
+    titles = {part.name: part.title for part in parts(check(boards.load("router_tmc5160")))}
+    assert titles["in_limit_x"] == "limit_x: DIAG of the X driver" and titles["in_limit_z"] == "limit_z: limit Z"
+
+
+def test_a_pin_of_the_spi_is_no_pin_of_another():
+    """Also where the board is checked again, as it is on its way through the tools."""
+    board = check(router())
+    assert {18, 19, 20, 21, 22, 28} <= {pin for pin, _ in claimed_pins(board)}
