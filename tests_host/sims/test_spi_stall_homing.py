@@ -17,7 +17,7 @@ from host_tools.sim.tmc_spi import SpiDriver
 from host_tools.wiring.parts import parts
 from passo import errors
 from passo.config.board_error import BoardError
-from passo.config.boardfile import check, claimed_pins
+from passo.config.boardfile import check
 
 STALL = -2  # SG_RESULT is 0 half a full step behind the field, about
 WAYS = {"tmc5160": ("a CS each", (21, 22, 28)), "tmc2130": ("a chain", (21, 21, 21))}
@@ -294,9 +294,3 @@ def test_the_shipped_board_homes():
     assert all(abs(each) <= 2 * FULL for each in machine.plant.position[:2]) and machine.plant.position[2] == 0
     titles = {part.name: part.title for part in parts(check(boards.load("router_tmc5160")))}
     assert titles["in_limit_x"] == "limit_x: DIAG of the X driver" and titles["in_limit_z"] == "limit_z: limit Z"
-
-
-def test_a_pin_of_the_spi_is_no_pin_of_another():
-    """Also where the board is checked again, as it is on its way through the tools."""
-    board = check(router())
-    assert {18, 19, 20, 21, 22, 28} <= {pin for pin, _ in claimed_pins(board)}

@@ -94,6 +94,9 @@ def test_what_is_free_is_claimed_by_nobody():
         board = check(boards.load(name))
         rows = dict(budget(board))
         used = {pin for pin, _ in claimed_pins(board)}
+        spi = board.get("spi_drivers")
+        if spi:
+            used |= {spi["sck"], *(motor["cs"] for motor in spi["motors"])}
         if not board["chip"].startswith("rp2"):
             assert "PIO" not in rows and rows["pins"].startswith(f"{len(used)} in use")
             continue

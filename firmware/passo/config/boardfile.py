@@ -305,10 +305,6 @@ def claimed_pins(board):
     for device, keys in (("inverter", ("tx", "rx")), ("drives", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs")), ("servo", ("pin",))):
         for key in keys if board.get(device) else ():
             claims.append((board[device][key], device + " " + key))
-    drives = board.get("drives")
-    if drives and "sck" in drives:
-        claims.append((drives["sck"], "drives sck"))
-        claims += [(cs, "drives cs") for cs in {motor["cs"] for motor in drives["motors"]}]
     for link in board["links"]:
         if link["port"].startswith("uart"):
             claims.append((link["tx"], "link %s tx" % link["name"]))

@@ -75,7 +75,10 @@ def _stuck(machine, axes, sensors):
     return False
 
 
-class Motors(feeling(drives.Motors, True)):
+_Feeling = feeling(drives.Motors, True)
+
+
+class Motors(_Feeling):
     def _rows(self, motor, feels):
         """What chip.registers() says, and what a motor feels: those that can be read back are the last."""
         rows = chip.registers(motor, self._config["sense_mohm"])

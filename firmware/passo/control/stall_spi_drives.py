@@ -16,7 +16,10 @@ _TELL = const(0x180)  # of GCONF: DIAG0 and DIAG1 say that the motor stalls
 _PUSH = const(0x3000)  # and push and pull, active high
 
 
-class Motors(feeling(spi_drives.Motors, False)):
+_Feeling = feeling(spi_drives.Motors, False)
+
+
+class Motors(_Feeling):
     def _rows(self, motor, feels):
         rows = chip.registers(motor, self._config)
         if motor["axis"] not in self._stalls:
