@@ -17,68 +17,58 @@ SLOWEST = const(0xFFFFF)
 _SGTHRS = const(0x40)
 
 
-def feeling(usual, stealth):
-    """The class of drivers `usual`, made to feel, with stealthChop or without. What is made of it says by _rows(motor, feels) what a motor gets."""
+class Motors(drives.Motors):
+    heeds = HOMING
+    _stealth = True  # the chopper in which they feel
 
-    class Feeling(usual):
-        heeds = HOMING
+    def __init__(self, board, machine, queue):
+        self._config = board["drives"]
+        self._sensors = board["homing"]["sensors"]
+        self._stalls = board["stalls"]
+        self._set = 0
+        self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
+        drives.Motors.__init__(self, board, machine, queue)
 
-        def __init__(self, board, machine, queue):
-            self._config = board["drives"]
-            self._sensors = board["homing"]["sensors"]
-            self._stalls = board["stalls"]
-            self._set = 0
-            self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
-            usual.__init__(self, board, machine, queue)
+    def heed(self, what):
+        """Homing begins."""
+        self._asked = True
 
-        def heed(self, what):
-            """Homing begins."""
-            self._asked = True
+    def ready(self):
+        return self._asked == self._feels and drives.Motors.ready(self)
 
-        def ready(self):
-            return self._asked == self._feels and usual.ready(self)
+    def look(self, now_ms):
+        if self._asked and not self._machine.busy_with(commands.HOME):
+            self._asked = False
+        if self._asked != self._feels and self._register < 0:
+            self._feels = self._asked
+            if not self._feels or not self._stuck():
+                self._begin()
+        drives.Motors.look(self, now_ms)
 
-        def look(self, now_ms):
-            if self._asked and not self._machine.busy_with(commands.HOME):
-                self._asked = False
-            if self._asked != self._feels and self._register < 0:
-                if self._asked and _stuck(self._machine, self._stalls, self._sensors):
-                    self._asked = False
-                else:
-                    self._feels = self._asked
-                    self._begin()
-            usual.look(self, now_ms)
+    def _stuck(self):
+        """Raise an alarm if a driver that feels nothing yet says so."""
+        machine = self._machine
+        for axis in self._stalls:
+            if machine.inputs.read(self._sensors[axis]):
+                self._asked = self._feels = False
+                machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
+                machine.restarted()
+                return True
+        return False
 
-        def _begin(self):
-            # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
-            self._kept = self._set == len(self._motors)
-            self._registers = []
-            for motor in self._motors:
-                feels = self._feels and motor["axis"] in self._stalls
-                if feels:
-                    motor = dict(motor)
-                    motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
-                    motor["stealth"] = stealth
-                self._registers.append([row for row in self._rows(motor, feels) if not self._kept or row[0] != chip.GSTAT])
-            usual._begin(self)
+    def _begin(self):
+        # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
+        self._kept = self._set == len(self._motors)
+        self._registers = []
+        for motor in self._motors:
+            feels = self._feels and motor["axis"] in self._stalls
+            if feels:
+                motor = dict(motor)
+                motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
+                motor["stealth"] = self._stealth
+            self._registers.append([row for row in self._rows(motor, feels) if not self._kept or row[0] != chip.GSTAT])
+        drives.Motors._begin(self)
 
-    return Feeling
-
-
-def _stuck(machine, axes, sensors):
-    """Raise an alarm if a driver that feels nothing yet says so."""
-    for axis in axes:
-        if machine.inputs.read(sensors[axis]):
-            machine.raise_alarm(errors.ALARM_SENSOR_STUCK, "driver of %s: DIAG is active" % axis, ANEW)
-            machine.restarted()
-            return True
-    return False
-
-
-_Feeling = feeling(drives.Motors, True)
-
-
-class Motors(_Feeling):
     def _rows(self, motor, feels):
         """What chip.registers() says, and what a motor feels: those that can be read back are the last."""
         rows = chip.registers(motor, self._config["sense_mohm"])

@@ -7,8 +7,8 @@ says so on DIAG0 and DIAG1, either of which may be wired. They push and pull fro
 from micropython import const
 
 from passo.config import tmc_spi as chip
-from passo.control import spi_drives
-from passo.control.stall_drives import SLOWEST, TCOOLTHRS, feeling
+from passo.control import spi_drives, stall_drives
+from passo.control.stall_drives import SLOWEST, TCOOLTHRS
 
 _COOLCONF = const(0x6D)
 _SGT = const(0x7F)  # of it, from bit 16 on; no filter: SG_RESULT is new each full step
@@ -16,10 +16,12 @@ _TELL = const(0x180)  # of GCONF: DIAG0 and DIAG1 say that the motor stalls
 _PUSH = const(0x3000)  # and push and pull, active high
 
 
-_Feeling = feeling(spi_drives.Motors, False)
+class Motors(stall_drives.Motors, spi_drives.Motors):
+    _stealth = False
+    # MicroPython looks for a method in all that the first class is made of, and then in the second.
+    _open = spi_drives.Motors._open
+    _turn = spi_drives.Motors._turn
 
-
-class Motors(_Feeling):
     def _rows(self, motor, feels):
         rows = chip.registers(motor, self._config)
         if motor["axis"] not in self._stalls:
