@@ -114,8 +114,9 @@ def _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
     machines, change = _demos(virtual, line) if virtual else _cable(name, prompt, board, own, line)
     table = boards.load(board or languages.BOARDS[language])
     return Panel(
-        lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines, change
-    )
+        lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines, change,
+        lambda: ["--emulated", virtual.board] if virtual else ["--port", prompt or name],
+    )  # fmt: skip
 
 
 def _speaking(guest):

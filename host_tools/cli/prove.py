@@ -1,7 +1,10 @@
 """`passo prove`: the board measures itself, and says whether it does what the documents promise."""
 
 import ast
+import os
+import signal
 import sys
+import threading
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -23,6 +26,9 @@ def prove(
     json: Annotated[Optional[Path], typer.Option("--json", help="Write the report as JSON.")] = None,
     report: Annotated[Optional[Path], typer.Option("--report", help="Write the report as text, for an issue.")] = None,
     picture: Annotated[Optional[Path], typer.Option("--picture", help="Write a picture of the timings, .png.")] = None,
+    lines: Annotated[
+        bool, typer.Option("--lines", help="For programs: each row as a line of JSON as it is measured. It asks nothing, and ends when its standard input does.")
+    ] = False,
     analyser: Annotated[
         Optional[Path], typer.Option("--analyser", metavar="FILE", help="Be a logic analyser of eight pins instead: write what they do, .vcd or .sr (PulseView).")
     ] = None,
@@ -48,13 +54,15 @@ def prove(
     if (port is None) == (emulated is None):
         raise Failure("which board? Give --port, or --emulated BOARD")
     wanted = Wanted.checked(analyser, first_pin, rate, trigger, play) if analyser else None
+    if lines:
+        end_with_stdin()
     connection, raw = connected(port, emulated, uf2, named=not wanted or play)
     with connection as board:
-        pins = bool(emulated) or (not wanted or play) and (yes_drivers or asked(raw))
+        pins = yes_drivers or not lines and (bool(emulated) or (not wanted or play) and asked(raw))
         if wanted:
             print(wanted.taken(board, raw, pins))
             return
-        worse = proven(board, raw, pins, report, json, picture)
+        worse = proven(board, raw, pins, report, json, picture, lines)
     if worse:
         raise typer.Exit(1)
 
@@ -79,16 +87,19 @@ def connected(port, emulated, uf2, named):
         return connection, {}
 
 
-def proven(board, raw, pins, report, json, picture):
+def proven(board, raw, pins, report, json, picture, lines=False):
     """Measure, show, and write the reports. Whether anything is worse."""
     from host_tools.prove import report as reports
     from host_tools.prove.promises import WORSE
     from host_tools.prove.proof import Proof
 
     proof = Proof(board, raw, pins)
-    rows = list(watched(proof))
     header = _("Passo {}: {} on {}", version(), raw["name"], board.name)
-    reports.show(rows, header)
+    rows = list(reports.as_lines(proof, header) if lines else watched(proof))
+    if lines:
+        print(reports.last_line(rows, header), flush=True)
+    else:
+        reports.show(rows, header)
     if report:
         with open(report, "w", encoding="utf-8") as file:
             reports.show(rows, header, file)
@@ -119,6 +130,18 @@ def asked(raw):
         print(_("no terminal to ask: rows that need pins are left out. --yes-drivers drives them"))
         return False
     return typer.confirm(question)
+
+
+def end_with_stdin():
+    """Be interrupted once standard input ends: who has started this program has no use for it any more, or is gone."""
+
+    def wait():
+        while os.read(0, 4096):
+            pass
+        os.kill(os.getpid(), signal.SIGINT)
+
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores it
+    threading.Thread(target=wait, daemon=True).start()
 
 
 def is_terminal():

@@ -17,16 +17,19 @@ _MOST_PLACED = 100_000  # mm
 
 
 class PanelOrders(Orders):
-    def __init__(self, machine, store, teach=None, choose=None):
+    def __init__(self, machine, store, teach=None, choose=None, proving=None):
         """`store`: the jobs: names(), lines(name), text(name, at), about(name, settings), add(name, at, piece, last), put(name, text), remove(name); what
         fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
-        no choice."""
+        no choice. `proving`: order(order) and end(), what has the board prove itself; None: nothing can."""
         Orders.__init__(self, machine)
         self.store = store
         self.teach = teach
         self._choose = choose
         if choose:
             self._orders["machine"] = self._machine
+        self._proving = proving
+        if proving:
+            self._orders["prove"] = proving.order
         self.makes = ()  # what this server computes for the set-up
         if store and machine.language == "grbl":
             made = SetUp(machine, store).orders()
@@ -47,7 +50,7 @@ class PanelOrders(Orders):
 
     def can(self):
         lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
-        return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else []) + list(self.makes)
+        return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else []) + (["prove"] if self._proving else []) + list(self.makes)
 
     def poll(self):
         """Some hundred times a second."""
@@ -67,6 +70,8 @@ class PanelOrders(Orders):
             self._stops += 1
             if self._queue:
                 self._queue.stopped()
+            if self._proving:
+                self._proving.end()
         error = self.machine.absent() if remote and proven and known and starts(order) else 0
         return self._answer(order["do"], error) if error else Orders.order(self, order, proven)
 

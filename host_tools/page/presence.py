@@ -19,6 +19,8 @@ def starts(order):
         return order.get("what") == "run" and not order.get("check")
     if name == "queue":
         return order.get("what") == "run"
+    if name == "prove":
+        return order.get("what") == "begin" and bool(order.get("pins"))
     if name == "map":
         return order.get("what") == "probe"
     if name == "recover":

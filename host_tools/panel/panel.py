@@ -8,6 +8,7 @@ import sys
 
 from host_tools.failure import Failure
 from host_tools.panel import languages
+from host_tools.panel.proving import Proving
 from host_tools.page.orders import PanelOrders
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
@@ -42,17 +43,19 @@ def names_of(host):
 
 
 class Panel:
-    def __init__(self, make_port, jobs, guest, host, language, board, machines=(), change=None):
+    def __init__(self, make_port, jobs, guest, host, language, board, machines=(), change=None, proved=None):
         """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `language` of the board, and its
         file's table; `machines`: names of board files to choose from, the present one first, "" if it is not known; `change(name)`: port,
-        link and table of another one, or a Failure: it has the port for itself, and may take a minute."""
+        link and table of another one, or a Failure: it has the port for itself, and may take a minute; `proved()`: what names the board to
+        `passo prove`, None: it cannot be proven."""
         self._loop = None
         self._port = make_port(self._changed)
         self._guest = guest
         self._watched = []
         self._asked = False  # the pages have been told that the guest wants to be let in
         self._change = change
-        self._changing = None  # the task of a change of machine
+        self._changing = None  # the task that has the port: a change of machine, or a proof
+        self._proving = Proving(proved, self._lend, self._tell) if proved else None
         self._jobs = jobs
         self._machines = list(machines)
         self.key = session.make_key(os.urandom)
@@ -68,7 +71,7 @@ class Panel:
         folder = self._jobs if language == "grbl" else self._jobs / language
         store = Store(folder, spoken.read, spoken.made, spoken.facts) if spoken.read else None
         spoken.join(store)
-        self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None)
+        self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None, self._proving)
         self._about = {"machines": self._machines, **spoken.about}
 
     def _beside(self, work, then):
@@ -105,10 +108,27 @@ class Panel:
         """Another machine. The answer to the order comes before the change: pages are told how it ends."""
         if not name or name not in self._machines:
             return errors.ORDER_FIELD
+        return self._lend(lambda: self._become(name))
+
+    def _lend(self, use=None):
+        """Begin what uses the port, a proof unless said otherwise. 0, or why not: the board does something."""
         error = errors.BUSY if self._changing else self._unfit()
         if not error:
-            self._changing = asyncio.ensure_future(self._become(name))
+            self._changing = asyncio.ensure_future(use() if use else self._prove())
         return error
+
+    async def _prove(self):
+        """The board measures itself, and goes back to its own work."""
+        try:
+            if await self._settled():
+                self._proving.end()
+            else:
+                self._port.lend()
+                self.machine.lost()
+            await self._proving.run()
+        finally:
+            self._port.take(self._port.name, self._port.baud)
+            self._changing = None
 
     def _unfit(self):
         """0, or why the board may not be stopped and started anew now."""
@@ -116,12 +136,17 @@ class Panel:
             return self.machine.refusal()
         return errors.BUSY if self.machine.still() or self.machine.state["state"] in _HALF_WAY else 0
 
+    async def _settled(self):
+        """0, or why the board may not be stopped after all, which is told: a move that began just before has been reported by now."""
+        await asyncio.sleep(SETTLE_S)
+        error = self._unfit()
+        if error:
+            self.machine.note(error)
+        return error
+
     async def _become(self, name):
         try:
-            await asyncio.sleep(SETTLE_S)
-            error = self._unfit()
-            if error:
-                self.machine.note(error)
+            if await self._settled():
                 return
             self._port.lend()
             self.machine.lost()
@@ -173,6 +198,8 @@ class Panel:
         finally:
             self.machine.end_jog()
             serving.cancel()
+            if self._proving:
+                self._proving.end()
             if self._changing:  # a board whose files are half copied would not start
                 await asyncio.wait([self._changing])
             self._port.close()

@@ -18,6 +18,7 @@ from host_tools.language import _
 EXEC_S = 120
 ASK_S = 30
 _PRESS_S = 30  # for somebody to press the reset button
+_SILENCE_S = 1.2  # behind it a program that serves a link obeys Ctrl-C (passo/ports/usb_line.py)
 
 
 class Silent(Failure):
@@ -33,7 +34,9 @@ class Board:
     def __enter__(self):
         return self
 
-    def __exit__(self, *_error):
+    def __exit__(self, error, *_about):
+        if error is not None:
+            self.wait_s(_SILENCE_S)
         self.close()
 
     def take(self):
@@ -152,7 +155,7 @@ class PortBoard(Board):
                         "no MicroPython board answers on {}: is it the right port (passo ports), and does no other program use it? A running Passo "
                         "lets go for two seconds after a reset", self.name) from None  # fmt: skip
                 if not asked:
-                    print(_("the board is at work, or silent: press its reset button, or unplug it and plug it in again"))
+                    print(_("the board is at work, or silent: press its reset button, or unplug it and plug it in again"), flush=True)
                     asked = True
                 self._drop()
                 self.wait_s(0.2)

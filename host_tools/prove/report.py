@@ -4,6 +4,7 @@
     picture("prove.png", timings)
 """
 
+import io
 import json
 
 from rich.console import Console
@@ -11,6 +12,7 @@ from rich.table import Table
 
 from host_tools.language import _
 from host_tools.prove.promises import BETTER, KEPT, WORSE
+from host_tools.prove.proof import PARTS
 
 COLOURS = {BETTER: "green", KEPT: "", WORSE: "bold red"}
 
@@ -40,6 +42,23 @@ def show(rows, header, file=None):
     console.print(table(rows, header))
     for sentence in summary(rows):
         console.print(sentence, markup=False, highlight=False)
+
+
+def as_lines(proof, header):
+    """The rows; each is printed as JSON once it is measured, and in front of them the part that they belong to."""
+    print(json.dumps({"header": header}), flush=True)
+    for number, (title, rows) in enumerate(proof.parts()):
+        print(json.dumps({"part": title, "number": number, "of": len(PARTS), "said": ""}), flush=True)
+        for row in rows:
+            print(json.dumps(vars(row)), flush=True)
+            yield row
+
+
+def last_line(rows, header):
+    """What follows the rows: the report as text, and the sentences under its table."""
+    told = io.StringIO()
+    show(rows, header, told)
+    return json.dumps({"report": told.getvalue(), "summary": summary(rows)})
 
 
 def as_json(rows, about):

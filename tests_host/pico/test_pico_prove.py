@@ -2,6 +2,7 @@
 it says of a board that is wrong."""
 
 import json
+import os
 from functools import lru_cache
 
 import pytest
@@ -315,6 +316,31 @@ def command(board, link, answer, *words, parts=(facts.facts, pins.edges_of)):
         return result.exit_code, result.output
 
     return on_a_copy(done)
+
+
+@pytest.mark.unmeasured
+def test_who_ends_it_while_the_link_is_measured_gives_the_board_back(board, tmp_path):
+    """The board serves its link then, and takes Ctrl-C for a byte like others."""
+
+    def ended():
+        link = tmp_path / "port"
+        with running(board.pico, link) as made:
+            with pytest.raises(KeyboardInterrupt), PicoPort(made, str(link)) as over:
+                Proof(over, boards.load(BOARD), False).begin("make")
+                over.start("serve(700)")
+                over.expect(b"ready")
+                over.write(b"?")
+                raise KeyboardInterrupt
+            made.until(board.pico.now_us + 3_000_000)
+            port = os.open(link, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+            os.write(port, b"?\n")
+            made.until(board.pico.now_us + 500_000)
+            said = os.read(port, 4096)
+            os.close(port)
+        return said
+
+    said = on_a_copy(ended)
+    assert b"<Alarm" in said or b"<Idle" in said, said
 
 
 @pytest.mark.unmeasured

@@ -50,6 +50,7 @@ const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields })
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 let setup = null;  // once it has been loaded
+let prove = null;  // likewise
 const list = new Settings({ order, ask, say, axes: () => axes, turns: () => turns, rules: () => rules, lines: () => loadSetup().then((made) => made.lines) });
 const tabs = new Tabs(() => { picture.draw(); if (language === "grbl" && !$("pane-setup").hidden) loadSetup(); });
 const typed = new Typed(order, errorText);
@@ -135,7 +136,13 @@ async function useKey() {
     await link.order({ do: "settings" });
     await link.order({ do: "log" });
     shelf.known = false;
+    if (cards.can("prove")) script("card_prove.js").then(lookAtProof);
   }
+}
+
+function lookAtProof() {
+  prove = prove || new window.PassoProve({ order, ask });
+  link.order({ do: "prove", what: "get" });
 }
 
 function told(message) {
@@ -156,6 +163,8 @@ function told(message) {
   } else if (message.t === "stored") {
     shelf.take(message);
     own.onBoard(message.jobs && message.jobs.map(([name]) => name), shelf);
+  } else if (message.t === "prove") {
+    if (prove) prove.told(message);
   } else if (message.t === "changing") {
     say(_("The board becomes {name}: this may take a minute…", { name: message.name }));
   } else if (message.t === "refused") {
@@ -280,7 +289,7 @@ function enable() {
   for (const id of ["run", "check"]) set(id, why.mine || why.idle || why.chosen);
   for (const id of ["zero-all", "teach-begin", "teach-save"]) set(id, why.rest);
   set("remove", why.rest || why.chosen);
-  set("machine", why.mine || (report.link === false && !busy ? "" : why.rest));
+  for (const id of ["machine", "prove"]) if ($(id)) set(id, why.mine || (report.link === false && !busy ? "" : why.rest));
   set("home", why.mine || why.rest);
   set("unlock", why.mine || (locked ? "" : _("The machine is not locked.")));
   set("hold", ["Run", "Jog", "Home"].includes(state) ? "" : _("Nothing moves."));
@@ -711,6 +720,7 @@ async function speak(language) {
   axes = "";
   setAxes(now, turns);
   if (setup) setup.speak();
+  if (prove) prove.speak();
   cards.tellElsewhere();
   facts.tell();
   picture.draw();

@@ -1,0 +1,94 @@
+"""`passo prove` from the page: a process of its own, which has the board's port for itself and measures beside the panel's loop.
+
+    proving = Proving(lambda: ["--port", "/dev/ttyACM0"], lend, tell)
+    PanelOrders(machine, store, teach, choose, proving)     # {"do": "prove", "what": "begin", "pins": true, "language": "pt"}
+    await proving.run()                                     # what lend() begins: to the end of the process
+
+All pages are told how far it is, {"t": "prove", …}; a page that comes later asks by {"do": "prove", "what": "get"}. STOP ends it.
+"""
+
+import asyncio
+import json
+import sys
+
+from host_tools.language import LANGUAGES
+from passo import errors
+from passo.protocols.page.orders import text
+
+_LINE_BYTES = 1 << 20
+_END_S = 20  # for the board to be let go
+RUNS, DONE, ENDED, FAILED = "runs", "done", "ended", "failed"
+
+
+class Proving:
+    def __init__(self, board, lend, tell):
+        """`board()`: the options of `passo prove` that name the board; `lend()`: 0 once run() is about to be called, with the board's port
+        free, or why it is not; `tell(event)`."""
+        self._board = board
+        self._lend = lend
+        self._tell = tell
+        self._process = None
+        self._asked = ()  # pins, language of what is about to run
+        self._given_up = False
+        self._shown = {"t": "prove", "how": ""}
+
+    def order(self, order):
+        what = text(order, "what", 8)
+        if what == "get":
+            return dict(self._shown)
+        if what == "end":
+            self.end()
+            return 0
+        if what != "begin":
+            return errors.UNKNOWN_COMMAND
+        language = text(order, "language", 8)
+        if language not in LANGUAGES:
+            return errors.ORDER_FIELD
+        error = self._lend()
+        if not error:
+            self._asked = bool(order.get("pins")), language
+            self._given_up = False
+            self._show(t="prove", how=RUNS, part="", number=0, of=1, rows=[], header="", said="", summary=[], report="")
+        return error
+
+    def end(self):
+        """End it early: the board goes back to its own work."""
+        self._given_up = True
+        if self._process and self._process.stdin:
+            self._process.stdin.close()
+
+    async def run(self):
+        """From the begin to the end of it, with the port free."""
+        pins, language = self._asked
+        try:
+            if not self._given_up:
+                await self._measured(["--lang", language, "prove", "--lines", *self._board(), *["--yes-drivers"] * pins])
+        finally:
+            self._process = None
+            self._show(how=DONE if self._shown["report"] else ENDED if self._given_up else FAILED)
+
+    async def _measured(self, words):
+        pipe = asyncio.subprocess.PIPE
+        self._process = process = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "host_tools.cli", *words, stdin=pipe, stdout=pipe, stderr=asyncio.subprocess.STDOUT, limit=_LINE_BYTES
+        )  # fmt: skip
+        try:
+            if self._given_up:
+                self.end()
+            async for line in process.stdout:
+                self._hear(line.decode("utf-8", "replace").strip())
+            await asyncio.wait_for(process.wait(), _END_S)
+        finally:
+            if process.returncode is None:
+                process.kill()
+                await process.wait()
+
+    def _hear(self, line):
+        told = json.loads(line) if line[:1] == "{" else {"said": line.removeprefix("passo: ")}
+        if "what" in told:
+            told = {"rows": [*self._shown["rows"], {name: told[name] for name in ("key", "what", "found", "promised", "verdict", "advice")}]}
+        self._show(**told)
+
+    def _show(self, **changes):
+        self._shown = {**self._shown, **changes}
+        self._tell(self._shown)
