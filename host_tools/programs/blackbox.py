@@ -56,6 +56,11 @@ class Snapshot:
     position: list
     modal: list  # as protocols/grbl/log.py writes it
 
+    @property
+    def play(self):
+        """Steps of backlash that were taken up at its position, of each axis."""
+        return [self.flags >> 3 + 7 * axis & 127 for axis in range(len(self.position))]
+
 
 @dataclass
 class Box:
@@ -70,6 +75,7 @@ class Box:
     taken: int
     settings: tuple = (b"", b"")
     crash: str = ""
+    table: dict = None  # the board file's, unchecked
 
     @classmethod
     def of(cls, files, older=False):
@@ -78,8 +84,9 @@ class Box:
             raise Failure("there is no black box in it: {} and {} are wanted", FILE, BOARD_FILE)
         if older and OLD not in files:
             raise Failure("there is no older black box")
-        board = board_of(files[BOARD_FILE])
+        table, board = board_of(files[BOARD_FILE])
         box = read(files[OLD if older else FILE], board)
+        box.table = table
         box.settings = files.get("settings.0", b""), files.get("settings.1", b"")
         box.crash = files.get("crash.txt", b"").decode("utf-8", "replace")
         return box
@@ -115,11 +122,12 @@ class Box:
 
 
 def board_of(text):
-    """The checked board of a board file's text, which is data: nothing of it runs. Raises Failure."""
+    """(table, the same checked) of a board file's text, which is data: nothing of it runs. Raises Failure."""
     try:
         for node in ast.parse(text).body:
             if isinstance(node, ast.Assign) and [target.id for target in node.targets if isinstance(target, ast.Name)] == ["BOARD"]:
-                return check(ast.literal_eval(node.value))
+                table = ast.literal_eval(node.value)
+                return table, check(table)
     except (ValueError, SyntaxError, BoardError) as error:
         raise Failure("the board file beside the black box: {}", error) from error
     raise Failure("the board file beside the black box: {}", "BOARD = {…}")

@@ -31,6 +31,7 @@ _CAUSE_MS = 200  # before a stop, in which an input may have brought it about
 _PATIENCE_MS = 3000  # at a stop, until its alarm is raised by number
 _LONGEST_MS = 60_000  # longer than the box lasts
 _REAL_TIME = {commands.HOLD: b"!", commands.RESUME: b"~", commands.DOOR: b"\x84", commands.JOG_CANCEL: b"\x85", commands.RESET: b"\x18"}
+_STOPPING = commands.RESET, commands.STOP
 _LAST_MS = 300
 _ASK_MS = 250
 _LOST = errors.HOST_LOST, errors.ALARM_HOST_LOST
@@ -88,6 +89,8 @@ class Replay(Machine):
         if snapshot is None:
             raise Failure("the box has no place where a replay may begin: too little is left of what came before")
         self.since = box.since(snapshot)
+        if box.table.get("parking") and any(row.kind == ORDER and row.value == commands.DOOR or row.levels and row.levels.get("door") for row in self.since):
+            raise Failure("the machine has parked: its ways up and back are not replayed")
         self.stops = [row for row in self.since if row.kind in STOPS]
         self.faults, self.events = [], []
         slots = MemorySlots()
@@ -96,7 +99,7 @@ class Replay(Machine):
         levels = (before or [row for row in self.since if row.levels is not None])[-1 if before else 0 :]
         self.lines = {link["name"]: MemoryLine() for link in box.board["links"]}
         self._plant_of = lambda board: Witness(board, levels[0].levels if levels else {})
-        Machine.__init__(self, box.board, self.lines, "stepped", trace=trace, slots=slots, plant=self._plant_of, player=FreezingPlayer)
+        Machine.__init__(self, box.table, self.lines, "stepped", trace=trace, slots=slots, plant=self._plant_of, player=FreezingPlayer)
         self._app, self._record = self.app, self.app.controller.machine
         self._queue, self._feeder = self.app.controller.queue, self.app.feeder
         self._link = self.app.links[self._record.commander]
@@ -109,6 +112,8 @@ class Replay(Machine):
         self._waits_ms = None
         self._clock_ms = 0  # ms of the board − ms here
         self._delivered = snapshot.taken
+        self._plays = getattr(self._feeder.planner, "_plays", None)  # of a machine with backlash, steps; as much is taken up at the beginning
+        self._taken = [0] * len(snapshot.position)
         self._watch()
         self._restore(snapshot)
         self._clock_ms = snapshot.ms - self.now_ms()
@@ -122,6 +127,10 @@ class Replay(Machine):
             return  # the board had just started, as this one
         self.cycle()
         record, queue = self._record, self._queue
+        if self._plays:
+            self._taken = snapshot.play
+            for axis, taken in enumerate(self._taken):
+                self._feeder.planner._taken[axis] = taken
         for axis, there in enumerate(snapshot.position):
             queue._origin[axis] += queue.found()[axis] - there
         queue.lead(snapshot.position)
@@ -284,7 +293,9 @@ class Replay(Machine):
         return self.now_ms() + self._clock_ms
 
     def _stop_by(self, rows, at):
-        """The stop ahead that row `at` may have brought about: an order right before it, an input shortly before it. None if there is none."""
+        """The stop ahead that row `at` may have brought about: an order to stop right before it, an input shortly before it. None if there is none."""
+        if rows[at].kind == ORDER and rows[at].value not in _STOPPING:
+            return None
         for row in rows[at + 1 :]:
             if row.kind in STOPS:
                 near = rows[at].kind == ORDER or row.ms - rows[at].ms <= _CAUSE_MS
@@ -366,10 +377,16 @@ class Replay(Machine):
 
     @property
     def rows(self):
-        """(ms of the board, *position, tool) of each step."""
+        """(ms of the board, *position, tool) of each step; the axes' position, also of motors with backlash."""
         found = []
+        taken, before = list(self._taken), self.snapshot.position
         for tick, *place in self.trace._rows[self._first_row :]:
-            found.append((tick / TICKS_PER_MS + self._clock_ms, *(at - by for at, by in zip(place, self._zero)), place[-1]))
+            motors = [at - by for at, by in zip(place, self._zero)]
+            if self._plays:
+                taken = [max(0, min(play, there + at - was)) for play, there, at, was in zip(self._plays, taken, motors, before)]
+            before = motors
+            axes = [at - there + begun for at, there, begun in zip(motors, taken, self._taken)]
+            found.append((tick / TICKS_PER_MS + self._clock_ms, *axes, place[-1]))
         return found
 
     @property

@@ -249,3 +249,57 @@ CAUSES = {
         door_then_reset, soft_limit, crash, plotter_stop,
     )
 }  # fmt: skip
+
+
+# --- with what else a machine may have
+
+
+def stopped(*named, how="stop", **changes):
+    doomed = Doomed(*named, **changes)
+    flat = (line if b"Z" not in line or len(doomed.board["axes"]) > 2 else line[: line.index(b"Z")] + b"\n" for line in pieces())
+    doomed.stream(flat, amid(doomed, 6000))
+    if how == "stop":
+        doomed.press("stop")
+    else:
+        doomed.machine.send(b"\x18")
+    return doomed.boxed()
+
+
+def long_door():
+    """The door is open for longer than the box has samples; the machine goes on, and is stopped much later."""
+    doomed = Doomed()
+    doomed.stream(pieces(), amid(doomed, 4000))
+    doomed.press("door")
+    doomed.machine.run_ms(9000)
+    doomed.press("door", False)
+    doomed.machine.run_ms(100)
+    doomed.machine.send(b"~")
+    doomed.machine.run_ms(13_000)
+    doomed.press("stop")
+    return doomed.boxed()
+
+
+PARKING = {"target_mm": -1, "mm_min": 500, "pull_out_mm": 1, "pull_out_mm_min": 100, "at_end": True}
+
+
+def parked():
+    """Parked behind an open door, and stopped there."""
+    doomed = Doomed(parking=PARKING)
+    doomed.stream(pieces(), amid(doomed, 4000))
+    doomed.press("door")
+    doomed.machine.run_ms(2500)
+    doomed.press("stop")
+    return doomed.boxed()
+
+
+COMBINED = {
+    "long door": long_door,
+    "corexy": lambda: stopped("corexy_plotter", (9000, 9000), how="reset"),
+    "backlash, stopped": lambda: stopped("router_ballscrew"),
+    "backlash, reset": lambda: stopped("router_ballscrew", how="reset"),
+    "drivers": lambda: stopped("router_tmc2209"),
+    "shift registers": lambda: stopped("router_esp32"),
+    "shift registers, reset": lambda: stopped("router_esp32", how="reset"),
+    "four axes": lambda: stopped("router_4axis", (*START, 0)),
+    "parking, the door closed": lambda: stopped(parking=PARKING),
+}  # fmt: skip

@@ -3,7 +3,7 @@
 import copy
 
 import pytest
-from black_boxes import CAUSES, Doomed, amid, pieces
+from black_boxes import CAUSES, COMBINED, Doomed, amid, parked, pieces
 
 from host_tools import boards
 from host_tools.cli.blackbox import lines
@@ -41,6 +41,40 @@ def test_the_replay_goes_the_same_way_to_the_step(cause):
         assert any(path[at:] == played[: len(path) - at] for at, place in enumerate(path) if place == played[0])
     else:
         assert path[-len(played) :] == played
+
+
+def of_axes(path, plays, end):
+    """Where the axes were, up to `end`, of the way of motors with backlash: an axis stands while its motor crosses the play."""
+    taken, before, found = [0] * len(plays), path[0], []
+    for motors in path:
+        taken = [max(0, min(play, there + at - was)) for play, there, at, was in zip(plays, taken, motors, before)]
+        before = motors
+        axes = [at - there for at, there in zip(motors, taken)]
+        if not found or found[-1] != axes:
+            found.append(axes)
+    by = [at - there for at, there in zip(found[-1], end)]
+    return [[at - shift for at, shift in zip(axes, by)] for axes in found]
+
+
+@pytest.mark.parametrize("what", COMBINED)
+def test_the_replay_of_what_else_a_machine_may_have(what):
+    files, path = COMBINED[what]()
+    box, replay = replayed(files)
+    played = replay.path
+    assert box.why == "alarm" and replay.faults == [] and len(played) > 5000
+    if box.board.get("backlash"):
+        assert any(box.start().play)
+        path = of_axes(path, [round(um * axis["steps_per_m"] / 1e6) for um, axis in zip((40, 50, 20), box.board["axes"])], played[-1])
+    assert path[-len(played) :] == played
+
+
+def test_ways_of_parking_are_not_replayed():
+    """They are shown, and it is said."""
+    files, _ = parked()
+    box = Box.of(files)
+    assert "door on" in "\n".join(happened(box))
+    with pytest.raises(Failure, match="has parked"):
+        Replay(box, box.settings)
 
 
 def test_a_step_more_or_less_is_found(monkeypatch):

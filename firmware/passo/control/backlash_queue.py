@@ -11,6 +11,7 @@ class Queue(StreamQueue):
     def __init__(self, board, planner, feeder, player, port):
         StreamQueue.__init__(self, board, planner, feeder, player, port)
         planner.follow(self._motors)
+        self.taken = planner.taken
 
     def _motors(self):
         return self._feeder.found(self._player.played())

@@ -24,7 +24,8 @@ plays them on the virtual board.
         LOGGED      a number of errors.py there
         ORDER       of a real-time byte or another link, a kind of commands.py there
 
-    BOX_SNAPSHOTS snapshots: ms, bytes that had been taken, rows so far, blocks queued, flags, position behind them, the log's
+    BOX_SNAPSHOTS snapshots: ms, bytes that had been taken, rows so far, blocks queued, flags + 8 · the backlash taken up, position behind
+    them, the log's
 
 It is written to flash behind an alarm, once nothing moves, and as the app ends. Watchdog and reset button leave it in memory; a power cut
 does not.
@@ -67,6 +68,7 @@ class Links(links.Links):
         self._keep = getattr(machine.port, "keep_box", blackbox_keys.keep)
         self._now_ms = machine.port.machine_ms
         self._levels = machine.inputs.levels
+        self._taken = getattr(queue, "taken", None)  # of a machine with backlash
         self._seen = -1  # what they were
         self._link = self._log = self._fields = self._text = None
         self._at = self._end = 0  # of `_fields`
@@ -153,6 +155,8 @@ class Links(links.Links):
         numbers[at + 3] = self._queue.added()
         numbers[at + 4] = flags
         numbers[at + 5 : at + 5 + len(target)] = target
+        if self._taken:
+            numbers[at + 4] |= self._taken() << 3
         self._log.tell(numbers, at + 9)
         numbers[BOX_TAKEN] += 1
 

@@ -70,6 +70,13 @@ class Planner(planner.Planner):
         taken = self._begins[at + self.axes + axis] + motor - self._begins[at + axis]
         return max(0, min(taken, self._plays[axis]))
 
+    def taken(self):
+        """Steps of play taken up at the end of the queue, seven bits an axis: 127 is as many, or more."""
+        found = 0
+        for axis in range(self.axes):
+            found |= min(self._taken[axis], 127) << 7 * axis
+        return found
+
     def stop(self, motors):
         """The motors have been stopped there, perhaps amid a block, and all that is queued is going to be dropped."""
         indices = self.indices
