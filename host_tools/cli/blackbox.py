@@ -110,12 +110,9 @@ def replayed(box):
 
 def lines(box, played):
     """What people read: what happened when, and how the replay went."""
-    from host_tools.programs.timeline import happened, mm
+    from host_tools.programs.timeline import happened, mm, reason
 
-    why = {
-        "alarm": _("an alarm"), "end": _("the firmware ended: a crash, or the prompt was asked for"), "reset": _("a reset: the watchdog, or its button"),
-    }  # fmt: skip
-    yield _("{}, written behind {}. Seconds before its end:", box.board["name"], why.get(box.why, box.why))
+    yield _("{}, written behind {}. Seconds before its end:", box.board["name"], reason(box))
     yield from happened(box)
     if box.crash:
         yield box.crash.rstrip()

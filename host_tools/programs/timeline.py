@@ -9,9 +9,11 @@ from host_tools.programs.blackbox import DROPPED, HALTED, INPUTS, LOGGED, ORDER,
 from passo import commands
 
 _SPEED_MS = 20  # over which a speed is measured
+_PAUSE_MS = 100  # without a step
 _INCHES = 12, 10
-_COLORS = {"alarm": "tab:red", "hold": "gold", "door": "gold", "idle": "0.7"}
+_COLORS = {"alarm": "tab:red", "hold": "gold", "door": "gold", "idle": "0.7", "sleep": "0.7"}
 _ROWS = 3  # of texts above the bars
+_PAPER = {"facecolor": "white", "edgecolor": "none", "pad": 0.5}
 
 
 def mm(board, position):
@@ -30,6 +32,13 @@ def _orders():
         commands.HOLD: _("hold"), commands.RESUME: _("go on"), commands.DOOR: _("door, as an order"), commands.JOG_CANCEL: _("end of a jog"),
         commands.RESET: _("reset, Ctrl-X"), commands.STOP: _("stop, of another link"),
     }  # fmt: skip
+
+
+def reason(box):
+    """Behind what it was written."""
+    return {
+        "alarm": _("an alarm"), "end": _("the firmware ended: a crash, or the prompt was asked for"), "reset": _("a reset: the watchdog, or its button"),
+    }.get(box.why, box.why)  # fmt: skip
 
 
 def seconds(box, ms):
@@ -85,8 +94,37 @@ def _spans(rows):
             first = last
 
 
+def clock(box, replay):
+    """As a function of ms of a replay, in arrays: the board's. The replay begins at the end of a queue that the board still had to play, and waits for
+    no host: samples say when the board was where it is, and between two of them a pause takes what it is ahead."""
+    import numpy
+
+    seen, moves = {}, [row[0] for row in replay.rows]
+    for ms, *place, _tool in replay.rows:
+        seen.setdefault(tuple(place[: len(box.board["axes"])]), []).append(ms)
+    pairs, ahead = [], 0
+    for row in reversed(box.samples):
+        found = seen.get(tuple(row.position))
+        if found:
+            ms = min(found, key=lambda ms: abs(row.ms - ms - ahead))
+            if not pairs or ms < pairs[-1][0]:
+                pairs.append((ms, row.ms))
+                ahead = row.ms - ms
+    if not pairs:
+        return lambda ms: ms
+    played, noted = numpy.array(pairs[::-1]).T
+    pauses = [(at, until) for at, until in zip(moves, moves[1:]) if until - at > _PAUSE_MS]
+    starts, ends = numpy.array(pauses).T if pauses else (numpy.zeros(0), numpy.zeros(0))
+    before, behind = (numpy.clip(numpy.searchsorted(played, starts, "right") + by, 0, len(played) - 1) for by in (-1, 0))
+    times = numpy.concatenate((played, starts, ends))
+    shifts = numpy.concatenate((noted - played, (noted - played)[before], (noted - played)[behind]))
+    order = numpy.argsort(times, kind="stable")
+    times, shifts = times[order], shifts[order]
+    return lambda ms: numpy.asarray(ms, float) + numpy.interp(ms, times, shifts)
+
+
 def draw(path, box, replay=None):
-    """Write the timeline. Of a board alone: places; with its replay the path and speeds of each axis, too."""
+    """Write the timeline. Of a board alone: places; with its replay the path and speeds of each axis, too, at the board's times."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -95,8 +133,12 @@ def draw(path, box, replay=None):
     axes = box.board["axes"]
     count = 1 + len(axes) + (len(axes) if replay else 0)
     figure, plots = pyplot.subplots(count, 1, sharex=True, figsize=_INCHES, layout="constrained", height_ratios=[3] + [2] * (count - 1))
-    _draw_events(plots[0], box, replay)
-    rows = replay.rows if replay else []
+    rows, states = [], [(row.ms, row.state) for row in box.samples]
+    if replay:
+        of = clock(box, replay)
+        rows = [(ms, *row[1:]) for ms, row in zip(of([row[0] for row in replay.rows]).tolist(), replay.rows)]
+        states = [(float(of(ms)), text) for ms, text in replay.events]
+    _draw_events(plots[0], box, states)
     for number, axis in enumerate(axes):
         per_mm = axis["steps_per_m"] / 1000
         plot = plots[1 + number]
@@ -115,12 +157,14 @@ def draw(path, box, replay=None):
                 plot.axvline(seconds(box, row.ms), color="tab:red", linewidth=0.7, linestyle="--")
     plots[1].legend(loc="best", fontsize=8)
     plots[-1].set_xlabel(_("s before the end of the black box"))
-    figure.suptitle(f"{box.board['name']}: {box.why}")
+    first = seconds(box, min([row.ms for row in box.rows + box.samples], default=box.end_ms))
+    plots[0].set_xlim(1.02 * first, max(-0.02 * first, 0.01))
+    figure.suptitle(f"{box.board['name']}: {reason(box)}")
     figure.savefig(path, dpi=110)
     pyplot.close(figure)
 
 
-def _draw_events(plot, box, replay):
+def _draw_events(plot, box, states):
     """Inputs and states as bars, lines and orders as ticks, numbers as text."""
     inputs = [row for row in box.rows if row.kind == INPUTS]
     names = sorted({name for row in inputs for name, on in row.levels.items() if on})
@@ -130,7 +174,7 @@ def _draw_events(plot, box, replay):
     for (ms, before), (until, behind) in zip(come, come[1:]):
         if behind > before:
             plot.barh(0, seconds(box, until) - seconds(box, ms), left=seconds(box, ms), height=0.6, color="tab:blue", alpha=0.6)
-    states = [(ms, text) for ms, text in (replay.events if replay else [(row.ms, row.state) for row in box.samples]) if not text.isdigit()]
+    states = [(ms, text) for ms, text in states if not text.isdigit() and ms < box.end_ms]
     for (ms, text), (until, _state) in zip(states, [*states[1:], (box.end_ms, "")]):
         plot.barh(1, max(until - ms, 0) / 1000, left=seconds(box, ms), height=0.6, color=_COLORS.get(text, "tab:green"), alpha=0.5)
         if until - ms > (box.end_ms - first_ms) / 40:
@@ -143,6 +187,6 @@ def _draw_events(plot, box, replay):
     for count, row in enumerate(said):
         plot.axvline(seconds(box, row.ms), color="0.5", linewidth=0.6)
         height = len(labels) + 0.8 * (count % _ROWS)
-        plot.text(seconds(box, row.ms), height, told(box, row, {})[:60] + " ", ha="right", va="center", fontsize=7)
+        plot.text(seconds(box, row.ms), height, told(box, row, {}).split(":")[0] + " ", ha="right", va="center", fontsize=7, bbox=_PAPER)
     plot.set_yticks(range(len(labels)), labels)
     plot.set_ylim(-0.6, len(labels) + 0.8 * _ROWS)

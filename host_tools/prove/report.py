@@ -19,8 +19,8 @@ COLOURS = {BETTER: "green", KEPT: "", WORSE: "bold red"}
 
 def table(rows, header):
     made = Table(title=header, title_justify="left", box=None, pad_edge=False, title_style="bold")
-    for name in ("row", "found", "promised", ""):
-        made.add_column(_(name) if name else "", overflow="fold")
+    for name in (_("row"), _("found"), _("promised"), ""):
+        made.add_column(name, overflow="fold")
     for row in rows:
         made.add_row(row.what, row.found, row.promised, _(row.verdict) if row.verdict else "", style=COLOURS.get(row.verdict, "dim"))
     return made
@@ -70,7 +70,7 @@ def picture(path, timings):
     import matplotlib
 
     matplotlib.use("Agg")
-    from matplotlib import pyplot
+    from matplotlib import pyplot, ticker
 
     figure, ((lateness, intervals), (stops, asks)) = pyplot.subplots(2, 2, figsize=(11, 7), layout="constrained")
     for name, label in (("own", _("the board's own speeds")), ("fastest", _("three axes at their fastest"))):
@@ -80,12 +80,14 @@ def picture(path, timings):
     lateness.axhspan(-80, 80, alpha=0.15)
     lateness.set(title=_("edges off their words, one tick shaded"), ylabel="ns", xlabel=_("edge"))
     intervals.set(title=_("intervals of the first axis"), ylabel="µs", xlabel=_("step"), yscale="log")
-    stops.bar(range(1, len(timings.get("stops", ())) + 1), timings.get("stops", ()))
-    stops.axhline(25, linestyle="--")
+    intervals.yaxis.set_major_formatter(ticker.ScalarFormatter())
+    intervals.yaxis.set_minor_formatter(ticker.ScalarFormatter())
+    stops.plot(range(1, len(timings.get("stops", ())) + 1), timings.get("stops", ()), "o", markersize=4)
+    stops.axhline(25, linestyle="--", label=_("promised"))
     stops.set(title=_("halting input to the last step"), ylabel="µs", xlabel=_("stop"))
     asks.hist(timings.get("asks", ()), bins=30)
     asks.set(title=_("`?` answered in a stream"), xlabel="ms")
-    for axes in (lateness, intervals):
+    for axes in (lateness, intervals, stops):
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="best", fontsize=8)
     figure.savefig(path, dpi=110)

@@ -9,7 +9,7 @@ from host_tools import boards
 from host_tools.cli.blackbox import lines
 from host_tools.failure import Failure
 from host_tools.programs.blackbox import HALTED, LOGGED, Box, packed, unpacked
-from host_tools.programs.timeline import draw, happened
+from host_tools.programs.timeline import clock, draw, happened
 from host_tools.sim.blackbox import Replay
 from passo import errors
 from passo.config.boardfile import check
@@ -145,6 +145,20 @@ def test_what_people_read(tmp_path):
     draw(tmp_path / "timeline.png", box, replay)
     draw(tmp_path / "alone.png", box)
     assert (tmp_path / "timeline.png").stat().st_size > 20_000
+
+
+@pytest.mark.parametrize("cause", ["soft_limit", "plotter_stop", "starved_link"])
+def test_the_picture_has_the_virtual_board_where_the_board_was(cause):
+    """A replay begins at the end of a queue of up to 15 s, and waits for a host that has died as long as it can: its own times are seconds off."""
+    box, replay = replayed(CAUSES[cause]()[0])
+    of = clock(box, replay)
+    times = of([row[0] for row in replay.rows]).tolist()
+    assert times == sorted(times)
+    for row in box.samples:
+        if row.ms < replay.snapshot.ms:
+            continue
+        near = [list(place[: len(row.position)]) for ms, (_, *place) in zip(times, replay.rows) if abs(ms - row.ms) < 5]
+        assert row.position in near, (row, near[:3])
 
 
 @pytest.mark.parametrize(
