@@ -60,8 +60,9 @@ def test_every_row_on_the_page(tmp_path, driver, axe, look):  # noqa: F811
         browser.until(lambda: run(ROWS) > 3)
         assert "Passo" in run(TOLD) and run(TOLD).endswith("…") and not browser.find("prove").is_displayed()
         browser.shot("prove-runs")
-        with Browser(panel, None, (360, 640), "lang=pt&theme=dark") as other:  # a page that comes later
-            other.until(lambda: other.driver.find_elements("id", "prove") and other.driver.execute_script(ROWS) > 3)
+        later = panel.page()  # a page that comes later asks
+        assert len(later.order("prove", what="get")["rows"]) > 3
+        later.socket.close()
         deadline = time.monotonic() + PROOF_S
         while not browser.find("prove").is_displayed():
             assert time.monotonic() < deadline, run(CARD)
@@ -76,6 +77,14 @@ def test_every_row_on_the_page(tmp_path, driver, axe, look):  # noqa: F811
         browser.until(lambda: run("return window.copied || ''"))
         assert "três eixos" in run("return window.copied") and "copiado" in run(TOLD)
         browser.until(lambda: browser.text("state") in ("Alarme", "Pronta", "Pronto"))
+        with Browser(panel, None, (360, 640), "lang=en&theme=dark") as phone:
+            phone.until(lambda: phone.driver.find_elements("id", "prove") and phone.driver.execute_script(ROWS) > 25)
+            phone.bring(phone.find("card-prove"))
+            phone.tap("#card-prove summary")
+            assert not faults_found(phone, axe)
+            assert phone.driver.execute_script("return document.documentElement.scrollWidth") <= 500
+            phone.bring(phone.find("prove-told"))
+            phone.shot("prove-phone")
         assert not [row for row in browser.driver.get_log("browser") if "Error" in row["message"]]
 
 
