@@ -153,7 +153,7 @@ def _check_here(client, file):
     from host_tools.programs.replay import Replay
     from host_tools.programs.replayed_machine import Machine
 
-    machine = Machine.of_answers(client.command("$$"), client.command("$#"))
+    machine = Machine.of_answers(client.command("$$"), client.command("$#"), client.command("$I"))
     try:
         Replay(machine, gcode_file.read(file)).check()
     except Failure as failure:

@@ -25,14 +25,15 @@ def announce(client, lines, name):
             raise
 
 
-def prepared(client, lines, number, place=None, yes=False, end=None):
+def prepared(client, lines, number, place=None, yes=False, end=None, sure=True):
     """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there.
     Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
+    `sure`: see staged().
     Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
     from host_tools.programs.interrupted import staged
     from host_tools.programs.replayed_machine import Machine
 
-    stages, rest, dot = staged(Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
+    stages, rest, dot = staged(Machine.of_answers(client.command("$$"), client.command("$#"), client.command("$I")), lines, number, place, end, sure)
     if dot:
         print(_("line {}: goes on at dot {} of {}", number, *dot))
     try:

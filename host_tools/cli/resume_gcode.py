@@ -51,7 +51,7 @@ def go_on(client, lines, name, stored, home, unverified, yes):
     state = client.ask_status()["state"]
     if state != "Idle":
         raise Failure("the machine has to be idle, and its state is {}", state)
-    rest = prepared(client, lines, number, place, yes, ended(said))
+    rest = prepared(client, lines, number, place, yes, ended(said), known or unverified)
     with Panel(client, lines) as panel:
         for done in client.stream(rest, True, panel.cycle, panel.numbered):
             panel.done(done)

@@ -34,6 +34,7 @@ class GrblMachine(_Cabled):
         self._waits = b""  # the line that is answered next
         self._wait_ms = self._counted_ms = 0
         self._known = False  # the settings have been asked for
+        self.turns = self.rotary = ""  # the axis that does, and how the board says it
         self.options = None  # letters of [OPT:…]: J, a journal; F, stored jobs; None: not known yet
         self._letters = None
         self._doubts = 0  # how often "ok" came for $I without its lines: an answer to who spoke here before
@@ -45,7 +46,7 @@ class GrblMachine(_Cabled):
     def poll(self, now_ms):
         if self.state["link"] and not self._known and self.stands() and self.wire.room(len(b"$I\n$$")):
             if self.options is None:
-                self.turns = ""
+                self.turns = self.rotary = ""
                 self.wire.say(PAGE, b"$I", self._options_known)
             self._known = self.wire.say(PAGE, b"$$", self._all_known)
         _Cabled.poll(self, now_ms)
@@ -105,7 +106,8 @@ class GrblMachine(_Cabled):
                     self._blocks, self.wire.window = int(sizes[0]), max(RX_ROOM, int(sizes[1]))
         elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
             if line[:8] == "[ROTARY:":
-                self.turns = line[8:-1].lower()
+                self.rotary = line
+                self.turns = line[8:-1].partition(",")[0].lower()
             self._probed(line)
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":

@@ -110,7 +110,7 @@ class RecoverableJobs(StoredJobs):
             except Failure:
                 continue
             left = b"".join(line.upper() for known, line in lines if known >= number)
-            if (name, number) != self._left and number > lines[0][0] and any(letter in left for letter in b"XYZ"):  # else only outputs were left, and are off
+            if (name, number) != self._left and number > lines[0][0] and any(letter in left for letter in b"XYZA"):  # else only outputs were left, and are off
                 return {"name": name, "line": number, "known": known, "next": ""}
             return None
         return self._elsewhere(said)
@@ -212,7 +212,7 @@ class RecoverableJobs(StoredJobs):
         """(Replay, stages, rest) of a line of a job. Raises Failure."""
         lines = self._files.program(name)
         settings = [f"${key}={value}" for key, value in dict(self._machine.settings).items()]
-        found = replay.Replay(Machine.of_answers(settings, said), lines)
+        found = replay.Replay(Machine.of_answers(settings, said, [self._machine.rotary]), lines)
         return (found, *found.from_line(line))
 
     def _told(self, error):
@@ -245,7 +245,7 @@ class RecoverableJobs(StoredJobs):
             lines, crc = program[0]
             number, place, _ = interrupted(said, lines, crc)
             settings = [f"${key}={value}" for key, value in dict(self._machine.settings).items()]
-            stages, rest, _dot = staged(Machine.of_answers(settings, said), lines, number, place, ended(said))
+            stages, rest, _dot = staged(Machine.of_answers(settings, said, [self._machine.rotary]), lines, number, place, ended(said))
         asks = replay.DOWN if any(what == replay.DOWN for what, _ in stages) else replay.GO
         parts, next_ = ([], []), ""
         for what, sent in stages:

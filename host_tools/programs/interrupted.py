@@ -47,11 +47,20 @@ def ended(said):
     return record.place if record.done or not record.line else None
 
 
-def staged(machine, lines, number, place=None, end=None):
+def staged(machine, lines, number, place=None, end=None, sure=True):
     """(stages, rest, dot) as a Replay gives them, of a `machine` as it says it is, for line `number`, or `place` (steps) on its way. `end`: where
-    a program that was interrupted had been before that line, steps. Raises Failure."""
+    a program that was interrupted had been before that line, steps. `sure`: the position is known, also that of an axis without a sensor.
+    Raises Failure."""
     from host_tools.programs import replay
+    from host_tools.programs.replayed_machine import ENDLESS
 
+    left = place or end
+    if left and machine.turns & ENDLESS and not sure:
+        raise Failure(
+            "A homes at no sensor and counts from where it stood when the board was switched on; the program left it at {:.3f} degrees: turn it back by "
+            "as much, switch the board off and on, then give --home --unverified",
+            left[-1] / machine.steps_per_mm[-1],
+        )
     state = replay.Replay(machine, lines)
     row = _row_left(machine, lines, number, end) if end and place is None else None
     if row:

@@ -16,7 +16,7 @@ from functools import partial
 
 from host_tools.clients.grbl import N_WORD, explain, tagged
 from host_tools.failure import Failure
-from host_tools.programs.replayed_machine import NM, Board, Memory, exact
+from host_tools.programs.replayed_machine import AXES, ENDLESS, NM, Board, Memory, exact
 from passo import commands
 from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
@@ -63,7 +63,8 @@ class Replay:
         self._board = Board(machine)
         self._board.target = list(start or self._board.target)
         self._offsets = Offsets(len(machine.steps_per_mm), Memory(machine))
-        self._gcode = GCode("xyz"[: len(machine.steps_per_mm)], self._offsets, self._board)
+        self._gcode = GCode(AXES[: len(machine.steps_per_mm)].lower(), self._offsets, self._board)
+        self._gcode.turns = machine.turns
         self._gcode.laser = machine.laser
         self._gcode.max_rpm = round(machine.max_rpm * 1000)
         self._highest = None
@@ -148,10 +149,10 @@ class Replay:
             if not found or line.startswith(b"$"):
                 continue
             if found[1]:
-                changed["G" + found[1].decode()] = {0, 1, 2}
+                changed["G" + found[1].decode()] = set(range(len(AXES)))
                 continue
-            words = dict(re.findall(rb"([PLXYZ])([-+.\d]+)", line.upper()))
-            axes = {"XYZ".index(letter.decode()) for letter in words if letter in (b"X", b"Y", b"Z")}
+            words = dict(re.findall(rb"([PLXYZA])([-+.\d]+)", line.upper()))
+            axes = {AXES.index(letter.decode()) for letter in words if letter in AXES.encode()}
             system = int(float(words.get(b"P", 0)))
             if float(words.get(b"L", 0)) == 1:
                 changed[f"T{system}"] = {2}
@@ -197,7 +198,7 @@ class Replay:
             raise Failure(
                 "line {}: where {} stood when the program began is not known, and decides where this line is; begin with passo "
                 "stream --from",
-                self._lines[at][0], "XYZ"[unsure[0]],
+                self._lines[at][0], AXES[unsure[0]],
             )
         made = Replay(self._machine, self._lines, start)
         made._loose = loose
@@ -272,8 +273,7 @@ class Replay:
         return steps[axis] / self._machine.steps_per_mm[axis]
 
     def _words(self, steps, axes=None):
-        names = "XYZ"
-        return "".join(f"{names[axis]}{self._mm(steps, axis):.5f}" for axis in (axes if axes is not None else range(len(steps))))
+        return "".join(f"{AXES[axis]}{self._mm(steps, axis):.5f}" for axis in (axes if axes is not None else range(len(steps))))
 
     def _shown(self, place):
         return self._words(place) + " mm"
@@ -300,8 +300,8 @@ class Replay:
         ways = "".join(f"{letters[axis]}{by / self._machine.steps_per_mm[axis]:.5f}"
                        for axis, by in zip((motion.first, motion.second), centre))  # fmt: skip
         ends = "".join(
-            f"{'XYZ'[axis]}{self._mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}"
-            for axis in range(len(place))
+            f"{AXES[axis]}{self._mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}"
+            for axis in range(min(len(place), 3))
         )
         plane = {(0, 1): 17, (2, 0): 18, (1, 2): 19}[motion.first, motion.second]
         return [f"G90G21G{plane}{self._feed(motion)}", f"G{2 if motion.clockwise else 3}{ends}{ways}"]
@@ -335,7 +335,7 @@ class Replay:
         stages = [(OFFSETS, self._places())]
         if depth:
             stages.append((UP, [f"G53G0Z{self._up():.5f}"]))
-        stages.append((OVER, [f"G53G0{exact(self._board, self._gcode.position, place, (0, 1)[: len(place)])}"]))
+        stages.append((OVER, [f"G53G0{exact(self._board, self._gcode.position, place, (0, 1, 3) if len(place) > 3 else (0, 1)[: len(place)])}"]))
         shift = self._shift(place)
         outputs = [] if machine.laser else self._spindle()
         if gcode.tool:
@@ -374,7 +374,7 @@ class Replay:
         for system in range(SYSTEMS):
             kept = [round(place * NM) for place in self._machine.systems.get(f"G{54 + system}", [0] * self._gcode.axes)]
             if kept[: self._gcode.axes] != list(self._offsets.systems[system]):
-                places = "".join(f"{'XYZ'[axis]}{place / NM:.5f}" for axis, place in enumerate(self._offsets.systems[system]))
+                places = "".join(f"{AXES[axis]}{place / NM:.5f}" for axis, place in enumerate(self._offsets.systems[system]))
                 lines.append(f"G10L2P{system + 1}{places}")
         if self._offsets.tool:
             lines.append(f"G43.1Z{self._offsets.tool / NM:.5f}")
@@ -384,7 +384,7 @@ class Replay:
         if not any(self._offsets.shift):
             return []
         words = "".join(
-            f"{'XYZ'[axis]}{self._mm(place, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}" for axis in range(len(place))
+            f"{AXES[axis]}{self._mm(place, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}" for axis in range(len(place))
         )
         return [f"G92{words}"]
 

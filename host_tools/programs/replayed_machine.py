@@ -7,6 +7,8 @@ from host_tools.programs.gcode_time import settings_of
 from passo.control import arcs
 
 NM = 1_000_000  # a millimetre
+AXES = "XYZA"
+ENDLESS = 4  # bit of Machine.turns
 
 
 @dataclass
@@ -20,19 +22,22 @@ class Machine:
     max_rpm: float
     systems: dict = field(default_factory=dict)  # "G54": mm of each axis
     tools: dict = field(default_factory=dict)  # "T1": mm
+    turns: int = 0  # of the fourth axis, as GCode.turns
 
     @classmethod
-    def of_answers(cls, settings, parameters, axes=3):
-        """From the answers to `$$` and `$#`."""
+    def of_answers(cls, settings, parameters, about=()):
+        """From the answers to `$$`, `$#` and `$I`."""
         values = settings_of(settings)
-        axes = len([number for number in range(100, 103) if number in values])
+        axes = len([number for number in range(100, 100 + len(AXES)) if number in values])
+        rotary = next((line for line in about if line.startswith("[ROTARY:")), "")
+        turns = bool(rotary) | (",SHORT" in rotary) << 1 | (ENDLESS if ",ENDLESS" in rotary else 0)
         systems = {name: [float(part) for part in places.split(",")]
                    for name, places in re.findall(r"\[(G5[4-9]|G28|G30):([-\d.,]+)\]", "\n".join(parameters))}  # fmt: skip
         tools = {name: float(length) for name, length in re.findall(r"\[(T\d+):([-\d.]+)\]", "\n".join(parameters))}
         upward = not int(values.get(23, 0)) >> 2 & 1
         top = 0.0 if upward or axes < 3 else values[132]
         return cls(
-            [values[100 + axis] for axis in range(axes)], top, values.get(22, 0) > 0, values.get(32, 0) > 0, values.get(30, 1000), systems, tools
+            [values[100 + axis] for axis in range(axes)], top, values.get(22, 0) > 0, values.get(32, 0) > 0, values.get(30, 1000), systems, tools, turns
         )  # fmt: skip
 
 
@@ -69,5 +74,5 @@ def exact(board, position, steps, axes):
         nm = position[axis]
         if round(nm * board.steps_per_m[axis] / (1000 * NM)) != steps[axis]:
             nm = round(steps[axis] * 1e8 / board.steps_per_m[axis]) * 10
-        found += f"{'XYZ'[axis]}{nm / NM:.{6 if nm % 10 else 5}f}"
+        found += f"{AXES[axis]}{nm / NM:.{6 if nm % 10 else 5}f}"
     return found

@@ -144,7 +144,7 @@ def test_offsets_jogs_and_returns(table):
     assert table.settle()[3] == 0
     said = table.ask("$#")
     assert "[G55:0.000,0.000,0.000,30.000]" in said and "[G28:0.000,0.000,0.000,30.000]" in said
-    assert "[AXS:4:XYZA]\r\n[ROTARY:A]\r\n" in table.ask("$I") and "$103=53.333" in table.ask("$$")
+    assert "[AXS:4:XYZA]\r\n[ROTARY:A,ENDLESS]\r\n" in table.ask("$I") and "$103=53.333" in table.ask("$$")
     table.settle()
     table.do("$13=1")
     assert "A" not in table.status() and ",0.000" in table.status(), "degrees are no inches: $13 counts for nothing here"

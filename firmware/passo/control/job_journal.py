@@ -16,7 +16,8 @@ A job of commands of a step program, or of points of a drawing, is counted inste
 line, flags, lead, position), which become the first record, so that a job that is gone on with may be interrupted before it has moved.
 `lead`: commands or points that come first and are none of the job's, such as the way to the position. What is not announced is not
 written down. A step program's line is how many of its commands are done, and the position is that behind the last: a step is made or it
-is not. A drawing's line is the point under way. The position is known, as homed, as long as it has been counted since the job began.
+is not. A drawing's line is the point under way. The position is known, as homed, as long as it has been counted since the job began. Of a
+machine whose rotary axis homes at no sensor it is not known once the board has started anew.
 """
 
 from array import array
@@ -81,6 +82,7 @@ class JobJournal(Feature):
         self._spot = array("i", [0] * (SPOT_AXES + self._axes))
         self._done = self._lead = self._times = 0  # as announced, of one that is counted
         self._back = False
+        self._astray = 0  # homing does not tell where the machine stands
         self._find(pages)
 
     def _find(self, pages):
@@ -103,6 +105,7 @@ class JobJournal(Feature):
             self._written = newest[1:]
             self._flags, self._job, self._line, self._position = newest[1:]
             self._flags &= ~HOMED  # nothing is known of a rotor that nobody has watched
+            self._astray = self._job and getattr(self._queue, "turns", 0) & 4
         self._next_free()
 
     def _next_free(self):
@@ -131,7 +134,7 @@ class JobJournal(Feature):
             return errors.BUSY
         if not command.target:
             if self._counted is None:
-                self._job = self._line = 0
+                self._job = self._line = self._astray = 0
                 self._flags = DONE | self._homed()
                 self._sample_position()
                 self._write()
@@ -151,7 +154,7 @@ class JobJournal(Feature):
     def _begin(self, job):
         number, line, flags, lead, position = job if isinstance(job, tuple) else (job, 0, DONE, 0, None)
         self._job = number
-        self._flags = 0
+        self._flags = self._astray = 0
         counted = self._counted
         if counted is None:
             return
@@ -169,7 +172,7 @@ class JobJournal(Feature):
         counted.counting = False
 
     def _homed(self):
-        return HOMED if self._machine.homed or self._counted and self._counted.kept else 0
+        return HOMED if not self._astray and self._machine.homed or self._counted and self._counted.kept else 0
 
     # --- what is known: of lines of the job alone, which are those with a number
 

@@ -12,10 +12,10 @@ from passo.records import FARTHEST, ROW_KIND, ROW_STEPS, SEEN_MM_S, SEEN_NM_S, S
 class Queue(StreamQueue):
     def __init__(self, board, planner, feeder, player, port):
         StreamQueue.__init__(self, board, planner, feeder, player, port)
-        self.turns = 2 if board["short_way"] else 1
         self._last = len(self._axes) - 1
         homing = board["homing"]
         self._endless = not homing or self._axes[-1]["name"] not in homing["sensors"]
+        self.turns = 1 | (2 if board["short_way"] else 0) | (4 if self._endless else 0)
 
     def reach(self, axis):
         if axis == self._last and self._endless:

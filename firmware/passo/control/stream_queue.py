@@ -12,7 +12,7 @@ _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 
 
 class StreamQueue(Queue):
-    turns = 0  # 1: the last axis does, in degrees; 2: and takes the short way
+    turns = 0  # of the last axis: see GCode.turns
 
     def __init__(self, board, planner, feeder, player, port):
         Queue.__init__(self, board, planner, feeder, player, port)

@@ -69,7 +69,7 @@ class Motions(Reader):
                     target[axis] = value + self.offsets.of(self._system, axis)
                 else:
                     target[axis] += value
-                if self.turns > 1 and axis == 3 and (self._absolute or machine_coordinates):
+                if self.turns & 2 and axis == 3 and (self._absolute or machine_coordinates):
                     back = self.position[axis] - target[axis]
                     if abs(back) > _DEGREES // 2:
                         target[axis] += (back + _DEGREES // 2) // _DEGREES * _DEGREES

@@ -19,7 +19,7 @@ class Refused(Exception):
 
 class Reader:
     _length_before = None  # while a line is read that changes it
-    turns = 0  # 1: the fourth axis, A, counts degrees; 2: and an absolute word leads it by half a turn at most
+    turns = 0  # bits: 1 the fourth axis, A, counts degrees; 2 an absolute word leads it by half a turn at most; 4 it homes at no sensor
 
     def __init__(self, axes, offsets):
         self.axes = axes

@@ -174,8 +174,9 @@ class System:
         rows = "[CLUSTER:%d]\r\n[PACKED:%d]\r\n" % (_CLUSTER, _PACKED) if self._rows else ""
         if self._gcode.axes > 3:
             rows += "[AXS:4:XYZA]\r\n"
-        if self._gcode.turns:
-            rows += "[ROTARY:A]\r\n"
+        turns = self._gcode.turns
+        if turns:
+            rows += "[ROTARY:A%s%s]\r\n" % (",SHORT" if turns & 2 else "", ",ENDLESS" if turns & 4 else "")
         return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
