@@ -18,7 +18,7 @@ def compile_(
     picture: Optional[Path] = typer.Option(None, help="A picture (.png, .svg) of the path, with the lines of the program."),
     tools: Optional[Path] = typer.Option(None, help="The tool table, a tool a line: T1 P1 D6.0 Z42.5 (diameter, length in mm)."),
     start: Optional[str] = typer.Option(
-        None, metavar="X,Y,Z", help="Where the machine stands at first, mm of the program: for programs that begin with G91."
+        None, metavar="X,Y,Z[,A]", help="Where the machine stands at first, mm (A: degrees) of the program: for programs that begin with G91."
     ),
     skip: bool = typer.Option(False, "--skip", help="Leave out lines that begin with /."),
     bound: int = typer.Option(1_000_000, min=1, help="Stop a program that carries out, or makes, more lines than this."),
@@ -59,10 +59,12 @@ def _place(text):
     if text is None:
         return None
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        x, y, z, *a = (float(part) for part in text.split(","))
+        if len(a) > 1:
+            raise ValueError
     except ValueError:
-        raise Failure("--start {}: three numbers are wanted, mm of X, Y and Z: --start 0,0,5", text) from None
-    return x, y, z
+        raise Failure("--start {}: three numbers are wanted, mm of X, Y and Z, or four, with the degrees of A: --start 0,0,5", text) from None
+    return x, y, z, *a
 
 
 def save_picture(path, program):

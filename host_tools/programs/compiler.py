@@ -115,8 +115,8 @@ def detect(path):
 
 
 def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False):
-    """A compiled Program. `dialect`: one of DIALECTS, or None: by the file; `tools`: a table's path; `start`: where X, Y and Z
-    stand at first, mm of the program; `bound`: the most lines to carry out, and to make; `skip`: leave out lines that begin with
+    """A compiled Program. `dialect`: one of DIALECTS, or None: by the file; `tools`: a table's path; `start`: where X, Y, Z
+    and A stand at first, mm and degrees of the program; `bound`: the most lines to carry out, and to make; `skip`: leave out lines that begin with
     /. Raises Failure."""
     path = Path(path)
     if dialect is None:
@@ -143,7 +143,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
         return None
 
     try:
-        texts = compile_program(path.name, text, listing, table, start or (None, None, None), bound, find, skip)
+        texts = compile_program(path.name, text, listing, table, start or (), bound, find, skip)
     finally:
         if listing.progress:
             listing.progress.end()

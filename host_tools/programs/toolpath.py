@@ -8,7 +8,7 @@
     path.word("M8")
 
 An axis is not known (None) until a program moves it in its own coordinates: who wrote the program does not know where the machine
-stands. The listing says each axis that changes, absolute, in mm to five decimals.
+stands. The listing says each axis that changes, absolute, in mm to five decimals; A, the fourth, in degrees, or in mm where it is linear.
 """
 
 import cmath
@@ -16,39 +16,43 @@ import math
 
 from host_tools.programs.contour import Contour
 from host_tools.programs.listing import Stroke
-from host_tools.programs.program_errors import ARC, PLANE, RANGE, UNKNOWN_PLACE, ProgramError
+from host_tools.programs.program_errors import ARC, COMPENSATED, NO_FEED, PLANE, RANGE, UNKNOWN_PLACE, ProgramError
 from passo.control.arcs import over_half
 
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
-AXES = "XYZ"
+AXES = "XYZA"
 _CENTRES = "IJK"
 _FARTHEST_MM = 1_000_000
 _SHORTEST_ARC_MM = 0.005
 _FASTEST = 1_000_000  # mm/min
+_HALF_TURN = 18_000_000  # of A, in units of the listing
 _RADIUS_MM = 0.005  # an arc's ends may differ so much from its radius, or by a thousandth of it, but never
 _MOST_RADIUS_MM = 0.5
 
 
 class Toolpath:
-    def __init__(self, listing, start=(None, None, None)):
+    def __init__(self, listing, start=()):
+        """`start`: where the axes stand, of the program; those that it leaves out, or are None, are not known."""
+        start = _four(start)
         self.listing = listing
         self.source = None  # the program's line under way
-        self.place = list(start)  # of the program
+        self.place = start  # of the program
         self.contour = None  # while the radius is compensated
         self._there = [_rounded(value) for value in start]  # of the machine, as the listing has it
         self._feed = None
+        self._inverse = False  # the listing is in G93
         self._turned = None  # of the work coordinates in XY, as a unit vector; None: they are not
         self._beside = None  # behind G40: the contour that the tool is still beside
 
     # --- what programs ask for
 
     def known(self, axis):
-        """Where an axis stands, in mm. Raises ProgramError if that is not known."""
+        """Where an axis stands, in mm, A in degrees. Raises ProgramError if that is not known."""
         if self.place[axis] is None:
             raise ProgramError(UNKNOWN_PLACE, "{}", AXES[axis])
         return self.place[axis]
 
-    def forget(self, axes=(0, 1, 2)):
+    def forget(self, axes=(0, 1, 2, 3)):
         """These axes have been moved to where the program cannot know."""
         for axis in axes:
             self.place[axis] = self._there[axis] = None
@@ -75,42 +79,61 @@ class Toolpath:
         if self._turned is None:
             return place[:]
         if None in place[:2]:
-            return [None, None, place[2]]
+            return [None, None, *place[2:]]
         moved = complex(*place[:2]) * self._turned
-        return [moved.real, moved.imag, place[2]]
+        return [moved.real, moved.imag, *place[2:]]
 
     def _program(self, place):
         """The other way round."""
         if self._turned is None or None in place[:2]:
-            return place[:] if self._turned is None else [None, None, place[2]]
+            return place[:] if self._turned is None else [None, None, *place[2:]]
         moved = complex(*place[:2]) / self._turned
-        return [moved.real, moved.imag, place[2]]
+        return [moved.real, moved.imag, *place[2:]]
 
     def word(self, code):
         """A line that moves nothing."""
         if self.contour:
             self.contour.word(code, self.source)
-        else:
-            self.listing.add(code, self.source)
+            return
+        if not code.startswith(("S", "G4 ")):
+            self.end_inverse()
+        self.listing.add(code, self.source)
 
-    def move(self, target, rapid, feed=0.0):
-        """A straight line; axes that are None stay."""
+    def end_inverse(self):
+        """The listing goes back to G94, if it is not in it."""
+        if self._inverse:
+            self._inverse, self._feed = False, None
+            self.listing.add("G94", self.source)
+
+    def changes(self, target):
+        """The axes that a straight line to `target` moves, as far as the listing tells places apart."""
+        return [axis for axis, value in enumerate(target) if value is not None and (self.place[axis] is None or _rounded(value) != _rounded(self.place[axis]))]
+
+    def move(self, target, rapid, feed=0.0, inverse=False, relative=False):
+        """A straight line; axes that are None or left out stay. `inverse`: the feed is that of G93, 1/min; `relative`: the program has G91,
+        in which A turns by more than half a turn on every board."""
+        target = _four(target)
+        if target[3] is not None and self.contour and 3 in self.changes(target):
+            raise ProgramError(COMPENSATED, "A")
         before = self.place[:]
         self.place = [old if new is None else new for old, new in zip(self.place, target)]
         if self._turned is not None and (target[0] is not None or target[1] is not None):
             self.known(0), self.known(1)
-            target = [*self._board(self.place)[:2], target[2]]
+            target = [*self._board(self.place)[:2], *target[2:]]
         if self.contour:
             self.contour.line(self._board(before), self._board(self.place), target, rapid, feed, self.source)
             return
         if self._beside and self._beside.moves(target):
+            if inverse:
+                raise ProgramError(NO_FEED, "G93 and A in the first motion behind G40")
             self._leave(rapid, feed)
-        self.put_line(target, rapid, feed)
+        self.put_line(target, rapid, feed, None, inverse, relative)
 
     def arc(self, plane, clockwise, target, centre, feed, turns=1, sweep=None, slack=0.0):
         """An arc to `target` around `centre`, (first, second axis of the plane) in mm from its start, as a helix if the third axis
         changes. `sweep`: sweep_of() it; `slack`: of circle_through(). Raises ProgramError if the ends do not lie on one circle."""
         first, second, _ = PLANES[plane]
+        target = _four(target)
         begin = [self.known(first), self.known(second)]
         end = [old if new is None else new for old, new in zip(self.place, target)]
         centre = circle_through(begin, (end[first], end[second]), centre, slack)
@@ -158,18 +181,42 @@ class Toolpath:
 
     # --- to the listing
 
-    def put_line(self, target, rapid, feed, source=None):
-        """Append a line to `target`; axes that are None stay."""
+    def put_line(self, target, rapid, feed, source=None, inverse=False, relative=False):
+        """Append a line to `target`; axes that are None stay. `inverse`, `relative`: of move()."""
         begin = self._there[:]
         words = []
+        if relative and target[3] is not None and abs(_rounded(target[3]) - begin[3]) > _HALF_TURN:
+            self._put_relative(target, rapid, feed, source, inverse)
+            return
         for axis, value in enumerate(target):
             if value is not None and _rounded(value) != self._there[axis]:
                 self._there[axis] = _rounded(value)
                 words.append(AXES[axis] + number(self._there[axis] / 1e5))
         if words:
-            code = f"G{0 if rapid else 1} {' '.join(words)}" + ("" if rapid else self._feed_word(feed))
-            points = [_shown(begin, self._there), _shown(self._there, self._there)]
-            self._add(code, source, rapid, points)
+            self._put_words(words, begin, rapid, feed, source, inverse)
+
+    def _put_relative(self, target, rapid, feed, source, inverse):
+        begin = self._there[:]
+        words = ["G91"]
+        for axis, value in enumerate(target):
+            if value is not None and _rounded(value) != begin[axis]:
+                self._there[axis] = _rounded(value)
+                words.append(AXES[axis] + number((self._there[axis] - begin[axis]) / 1e5))
+        self._put_words(words, begin, rapid, feed, source, inverse)
+        self.listing.add("G90", source or self.source)
+
+    def _put_words(self, words, begin, rapid, feed, source, inverse):
+        """Append a line of these words; it has no stroke if A alone moves."""
+        if not rapid and inverse != self._inverse:
+            words.insert(0, "G93" if inverse else "G94")
+            self._inverse, self._feed = inverse, None
+        code = f"G{0 if rapid else 1} {' '.join(words)}"
+        if not rapid:
+            code += f" F{number(min(feed, _FASTEST), 3)}" if inverse else self._feed_word(feed)
+        if begin[:3] == self._there[:3]:
+            self.listing.add(code, source or self.source)
+        else:
+            self._add(code, source, rapid, [_shown(begin, self._there), _shown(self._there, self._there)])
 
     def put_arc(self, plane, clockwise, end, centre, feed, sweep, turns=1, source=None):
         """Append an arc of `sweep` radians, and `turns` - 1 whole ones; a line in place of one that is so short that its rounded ends
@@ -199,6 +246,9 @@ class Toolpath:
         if plane != self.listing.plane:
             self.listing.plane = plane
             words.insert(0, f"G{plane}")
+        if self._inverse:
+            self._inverse, self._feed = False, None
+            words.insert(0, "G94")
         code = f"G{2 if clockwise else 3} {' '.join(words)}" + self._feed_word(feed)
         points = arc_points(_shown(begin, self._there), _shown(self._there, self._there), plane, clockwise,
                             [each / 1e5 for each in middle], sweep + math.tau * (turns - 1))  # fmt: skip
@@ -311,7 +361,12 @@ def _rounded(value):
     return round(value * 1e5)
 
 
+def _four(target):
+    """A place of all axes: those left out are None."""
+    return [*target, None, None, None, None][:4]
+
+
 def _shown(place, otherwise):
-    """In mm; axes that are not known do not change in a picture."""
+    """X, Y and Z in mm; axes that are not known do not change in a picture."""
     return tuple((next_ if here is None else here) / 1e5 if (here, next_) != (None, None) else 0.0
-                 for here, next_ in zip(place, otherwise))  # fmt: skip
+                 for here, next_ in zip(place[:3], otherwise))  # fmt: skip

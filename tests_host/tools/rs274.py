@@ -4,7 +4,8 @@
     path = of_board(listing.codes)
     differs(path, other)        # "", or what differs
 
-A path is [(rapid, points)]: one row for each motion, points in mm of the machine.
+A path is [(rapid, points, minutes)]: one row for each motion, points in mm of the machine, A, their fourth entry, in degrees; `minutes`
+that F wants of a line, None for others.
 """
 
 import math
@@ -42,43 +43,55 @@ def chords(begin, end, centre, plane, clockwise, turns=1):
     share = np.linspace(0, 1, count + 1)[1:]
     angle = start + (-1 if clockwise else 1) * sweep * share
     radius = radii[0] + (radii[1] - radii[0]) * share
-    points = np.empty((count, 3))
+    points = np.empty((count, 4))
+    points[:, 3] = begin[3]
     points[:, first], points[:, second] = centre[0] + radius * np.cos(angle), centre[1] + radius * np.sin(angle)
     points[:, third] = begin[third] + (end[third] - begin[third]) * share
     points[-1] = end
     return points
 
 
+def minutes(begin, end, feed, turning):
+    """What a line takes: `feed`, mm/min, counts for X, Y and Z; `turning`, degrees/min, if A alone moves by more than rounding. None: no feed."""
+    length, angle = np.linalg.norm(end[:3] - begin[:3]), abs(end[3] - begin[3])
+    far, fast = (length, feed) if length > 0.01 else (angle, turning)
+    return far / fast if fast else None
+
+
 class _Canon:
     """What rs274 prints, carried out."""
 
     def __init__(self):
-        self.scale, self.plane = 1.0, (0, 1, 2)
-        self.system, self.shift, self.tool, self.turned = np.zeros(3), np.zeros(3), np.zeros(3), 0.0
-        self.here = np.zeros(3)
+        self.scale, self.plane = np.ones(4), (0, 1, 2)
+        self.system, self.shift, self.tool, self.turned = np.zeros(4), np.zeros(4), np.zeros(4), 0.0
+        self.here = np.zeros(4)
+        self.feeds = 0.0, 0.0  # mm/min, degrees/min
         self.path = []
 
     def machine(self, place):
-        x, y, z = np.array(place) + self.shift
+        x, y, *others = np.array(place) + self.shift
         cos, sin = math.cos(self.turned), math.sin(self.turned)
-        return np.array([x * cos - y * sin, x * sin + y * cos, z]) + self.system + self.tool
+        return np.array([x * cos - y * sin, x * sin + y * cos, *others]) + self.system + self.tool
 
     def call(self, name, values):
         if name == "USE_LENGTH_UNITS":
-            self.scale = 25.4 if "INCHES" in values else 1.0
+            self.scale = np.array([*[25.4 if "INCHES" in values else 1.0] * 3, 1.0])
+        elif name == "SET_FEED_RATE":
+            self.feeds = float(values) * self.scale[0], float(values)
         elif name == "SELECT_PLANE":
             self.plane = {"XY": (0, 1, 2), "XZ": (2, 0, 1), "YZ": (1, 2, 0)}[values[-2:]]
         elif name == "SET_G5X_OFFSET":
-            self._move_origin("system", values.split(",")[1:4])
+            self._move_origin("system", values.split(",")[1:5])
         elif name == "SET_G92_OFFSET":
-            self._move_origin("shift", values.split(",")[:3])
+            self._move_origin("shift", values.split(",")[:4])
         elif name == "USE_TOOL_LENGTH_OFFSET":
-            self._move_origin("tool", values.split(",")[0].split())
+            self._move_origin("tool", [*values.split(",")[0].split(), 0])
         elif name == "SET_XY_ROTATION":
             self.turned = math.radians(float(values))
         elif name in ("STRAIGHT_TRAVERSE", "STRAIGHT_FEED", "STRAIGHT_PROBE"):
-            numbers = [float(each) for each in values.split(",")[:3]]
-            self._go(name == "STRAIGHT_TRAVERSE", self.machine(np.array(numbers) * self.scale)[None])
+            numbers = [float(each) for each in values.split(",")[:4]]
+            rapid, to = name == "STRAIGHT_TRAVERSE", self.machine(np.array(numbers) * self.scale)
+            self._go(rapid, to[None], None if rapid else minutes(self.here, to, *self.feeds))
         elif name == "ARC_FEED":
             self._arc([float(each) for each in values.split(",")])
         elif name == "NURBS_FEED":
@@ -90,15 +103,16 @@ class _Canon:
     def _arc(self, values):
         end, centre, turns, height = values[:2], values[2:4], int(values[4]), values[5]
         first, second, third = self.plane
-        places = np.zeros((2, 3))  # in the program's coordinates: only XY arcs may be turned
+        places = np.zeros((2, 4))  # in the program's coordinates: only XY arcs may be turned
         places[0, [first, second, third]] = [*end, height]
         places[1, [first, second, third]] = [*centre, height]
+        places[:, 3] = values[6]
         to, middle = (self.machine(place * self.scale) for place in places)
         points = chords(self.here, to, (middle[first], middle[second]), self.plane, turns < 0, abs(turns))
         self._go(False, points)
 
-    def _go(self, rapid, points):
-        self.path.append((rapid, np.vstack([self.here[None], points])))
+    def _go(self, rapid, points, time=None):
+        self.path.append((rapid, np.vstack([self.here[None], points]), time))
         self.here = points[-1]
 
 
@@ -120,13 +134,15 @@ def of_linuxcnc(program, table=None, skip=False, cwd=None):
     return canon.path
 
 
-def of_board(codes):
-    """The path of lines of plain G-code, as the firmware's parser understands them. Raises ValueError if it refuses one."""
-    machine = Machine([STEPS_PER_MM] * 3, 0.0, True, False, 1e6)
+def of_board(codes, short_way=False):
+    """The path of lines of plain G-code, as the firmware's parser understands them; `short_way`: the board file's. Raises ValueError if it
+    refuses one."""
+    machine = Machine([STEPS_PER_MM] * 4, 0.0, True, False, 1e6)
     board = Board(machine)
-    board.target = [0, 0, 0]
-    gcode = GCode("xyz", Offsets(3, Memory(machine)), board)
-    path, here = [], np.zeros(3)
+    board.target = [0, 0, 0, 0]
+    gcode = GCode("xyza", Offsets(4, Memory(machine)), board)
+    gcode.turns = 2 if short_way else 1
+    path, here = [], np.zeros(4)
     for code in codes:
         error = gcode.interpret(code.replace(" ", "").encode())
         if error:
@@ -142,15 +158,18 @@ def of_board(codes):
                 centre = [here[axis] + by / STEPS_PER_MM for axis, by in zip(plane, command.centre)]
                 points = chords(here, to, centre, plane, command.clockwise, command.turns)
             rapid = command.kind == commands.LINE and not command.feed and not command.per_min
-            path.append((rapid, np.vstack([here[None], points])))
+            time = None
+            if command.kind != commands.ARC and not rapid:
+                time = 1000 / command.per_min if command.per_min else minutes(here, to, *[command.feed * 60 / 1e6] * 2)
+            path.append((rapid, np.vstack([here[None], points]), time))
             here = to
     return path
 
 
 def _flat(path):
     """(points, lengths up to each, rapid or not of each step) without motions of no length."""
-    points = [path[0][1][:1]] + [rows[1:] for _, rows in path] if path else [np.zeros((1, 3))]
-    rapid = np.concatenate([[each] * (len(rows) - 1) for each, rows in path] or [[]])
+    points = [path[0][1][:1]] + [rows[1:] for _, rows, _ in path] if path else [np.zeros((1, 4))]
+    rapid = np.concatenate([[each] * (len(rows) - 1) for each, rows, _ in path] or [[]])
     points = np.vstack(points)
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     keep = steps > 1e-6
@@ -165,7 +184,7 @@ def differs(path, other, within=WITHIN_MM):
     if not gone[-1] or not went[-1]:
         return ""
     at, along = 0, np.linspace(0, 1, 20001)
-    places = [np.stack([np.interp(along * far[-1], far, rows[:, axis]) for axis in range(3)], 1) for rows, far in ((one, gone), (two, went))]
+    places = [np.stack([np.interp(along * far[-1], far, rows[:, axis]) for axis in range(4)], 1) for rows, far in ((one, gone), (two, went))]
     # Lengths that differ a little shift the two along the path: a point counts as the same if the other path passes it nearby.
     apart = np.linalg.norm(places[0] - places[1], axis=1)
     if apart.max() > within + 2 * abs(gone[-1] - went[-1]) + 1e-4 * gone[-1]:

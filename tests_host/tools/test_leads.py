@@ -80,7 +80,7 @@ def test_what_linuxcnc_accepts_without_a_gouge(tmp_path):
         program.write_text(case.text)
         table.write_text(f"T1 P1 D{2 * case.radius / 25.4:.8f}\n")
         other = rs274.of_linuxcnc(program, table)
-        if other is None or case.gouge(np.vstack([rows for rapid, rows in other if not rapid])[:, :2]) > _DEEPEST_MM:
+        if other is None or case.gouge(np.vstack([rows for rapid, rows, _ in other if not rapid])[:, :2]) > _DEEPEST_MM:
             continue
         compared += 1
         assert error is None, (str(error), case.text)

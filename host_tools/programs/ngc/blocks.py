@@ -9,8 +9,8 @@ from host_tools.programs.program_errors import (
     BRACKETS, NOT_IN_DIALECT, RANGE, REPEATED, SYNTAX, WHOLE, ProgramError,
 )  # fmt: skip
 
-LETTERS = "defhijklpqrstxyz@^"
-ELSEWHERE = "abcuvw$"  # axes and words that LinuxCNC has, and no Passo machine
+LETTERS = "adefhijklpqrstxyz@^"
+ELSEWHERE = "bcuvw$"  # axes and words that LinuxCNC has, and no Passo machine
 
 
 class Block:
@@ -63,7 +63,7 @@ def read(text, values):
                 raise ProgramError(REPEATED, "{}", letter.upper())
             block.words[letter] = cursor.value()
         elif letter in ELSEWHERE:
-            raise ProgramError(NOT_IN_DIALECT, "{}: machines have X, Y and Z", letter.upper())
+            raise ProgramError(NOT_IN_DIALECT, "{}: machines have X, Y, Z and A", letter.upper())
         else:
             raise ProgramError(SYNTAX, "{}{}", letter, cursor.rest())
     return block

@@ -2,7 +2,7 @@
 
     compile_program("part.ngc", text, listing, tools={})
 
-Lengths are mm inside. G20 and G21 hold for their whole line, its F too.
+Lengths are mm inside, A is degrees in G20 and G21 alike. G20 and G21 hold for their whole line, its F too.
 """
 
 from host_tools.language import _
@@ -25,7 +25,7 @@ INCH_MM = 25.4
 _NO_STATE = ("path", "values", "saved", "flow", "words", "listing", "source", "_told", "_modes")  # parts of the interpreter, and of a line
 
 
-def compile_program(name, text, listing, tools=None, start=(None, None, None), bound=1_000_000, find=None, skip=False):
+def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, find=None, skip=False):
     """Carry out a program into `listing`. Returns {file: its lines}. `tools`: {number: tool_table.Tool}; `start`: where the
     machine stands, mm of the program; `bound`: the most lines that are carried out; `find`: see Flow. Raises ProgramError with
     file and line."""
@@ -43,6 +43,7 @@ def compile_program(name, text, listing, tools=None, start=(None, None, None), b
             raise error.at(line.source) from None
     try:
         path.uncompensate()
+        path.end_inverse()
     except ProgramError as error:
         raise error.at(path.source) from None
     return flow.texts
@@ -64,8 +65,8 @@ class Interpreter(Motions):
         """Parameters by which the program can ask for its state."""
         told = {5220: lambda: self.system, 5400: lambda: self.tool, 5403: lambda: self.length[0] or 0.0}
         told[5410] = lambda: self.tools[self.tool].diameter / self.scale if self.tool in self.tools else 0.0
-        for axis, name in enumerate("xyz"):
-            told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.known(axis) / self.scale
+        for axis, name in enumerate("xyza"):
+            told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.known(axis) / self.unit(axis)
         told.update(
             _feed=lambda: self.feed / self.scale,
             _rpm=lambda: self.rpm,
@@ -95,7 +96,7 @@ class Interpreter(Motions):
         motion = self._motion_of(g, non_modal)
         if FEED_MODE in g:
             if g[FEED_MODE] != self.feed_mode:
-                self.feed = 0.0
+                self.feed = self.typed = 0.0
             self.feed_mode = g[FEED_MODE]
         self.set_feed(motion)
         self.set_spindle(m.get(TURNING))
@@ -160,7 +161,7 @@ class Interpreter(Motions):
                 self.level = None
             self.motion = g[MOTION]
         other = commands and commands[0] not in MOTIONS_WITH_AXES
-        axes = any(letter in self.words for letter in "xyz@^")
+        axes = any(letter in self.words for letter in "xyza@^")
         if other or self.motion == 800 or MOTION not in g and not axes:
             if axes and not other and non_modal != 40 and self.motion == 800:
                 raise ProgramError(UNUSED, "axis words, and no motion holds")
@@ -173,6 +174,7 @@ class Interpreter(Motions):
             value = self.words.pop("f")
             if value < 0:
                 raise ProgramError(NO_FEED, "F{:g}", value)
+            self.typed = value
             self.feed = value if self.feed_mode == 930 else value * self.scale
         elif self.feed_mode == 930 and motion in (10, 20, 30):
             raise ProgramError(NO_FEED, "with G93 each line has an F")

@@ -25,6 +25,7 @@ class Modes:
         self.arc_absolute = False
         self.feed_mode = 940
         self.feed = 0.0  # mm/min; mm a turn with G95
+        self.typed = 0.0  # F as it stands: degrees, where A alone moves
         self.rpm = 0.0
         self.spindle = ""
         self.tool = self.chosen = 0
@@ -164,9 +165,13 @@ class Modes:
             self.path.word("G92.1")
             self.path.forget()
 
+    def unit(self, axis):
+        """mm, of A degrees, that a word's number counts."""
+        return 1.0 if axis == 3 else self.scale
+
     def _axes(self):
-        """{axis: mm} of the axis words."""
-        found = {axis: self.words.pop(name.lower()) * self.scale for axis, name in enumerate(AXES) if name.lower() in self.words}
+        """{axis: mm, of A degrees} of the axis words."""
+        found = {axis: self.words.pop(name.lower()) * self.unit(axis) for axis, name in enumerate(AXES) if name.lower() in self.words}
         if not found:
             self.take("x")
         return found
@@ -176,12 +181,12 @@ class Modes:
         return " ".join(AXES[axis] + number(value) for axis, value in positions.items())
 
     def _go_home(self, code):
-        if not any(letter in self.words for letter in "xyz"):
+        if not any(letter in self.words for letter in "xyza"):
             self.path.word(f"G{code}")
             self.path.forget()
             return
         between = self.target()
-        self.path.move(between, True)
+        self.path.move(between, True, relative=not self.absolute)
         axes = [axis for axis, value in enumerate(between) if value is not None]
         self.path.word(f"G91 G{code} " + " ".join(AXES[axis] + "0" for axis in axes))
         self.path.word("G90")
@@ -197,7 +202,7 @@ class Modes:
         system = self.whole("p", 0, 6)
         self._turn(system or self.system, table)
         degrees = self.turned.get(system or self.system, 0.0)
-        if table == 2 and not any(letter in self.words for letter in "xyz"):
+        if table == 2 and not any(letter in self.words for letter in "xyza"):
             return
         positions = self._axes()
         if table == 20 and degrees and (0 in positions or 1 in positions):

@@ -20,12 +20,12 @@ class Motions(Modes):
     """The part of Interpreter that moves."""
 
     def target(self):
-        """The position that the axis words name: mm of X, Y, Z; None where there is no word. Takes the words."""
+        """The position that the axis words name: mm of X, Y, Z, degrees of A; None where there is no word. Takes the words."""
         position = []
-        for axis, name in enumerate("xyz"):
+        for axis, name in enumerate("xyza"):
             value = self.words.pop(name, None)
             if value is not None:
-                value *= self.scale
+                value *= self.unit(axis)
                 if not self.absolute:
                     value += self.path.known(axis)
             position.append(value)
@@ -54,6 +54,8 @@ class Motions(Modes):
         """One line's motion; `of_machine`: G53."""
         if self.nurbs and motion not in (52, 53):
             raise ProgramError(MISSING, "G5.3")
+        if "a" in self.words and motion not in (0, 10, *PROBES):
+            raise ProgramError(NOT_ON_BOARD, "A with G{}: lines alone move it", number(motion / 10, 1))
         leaving, self.leaving = self.leaving, None
         if of_machine:
             self._move_machine(motion)
@@ -66,20 +68,30 @@ class Motions(Modes):
         elif motion in PROBES:
             self._probe(motion)
         else:
-            before = self.path.place[:]
-            target = self.target()
-            if target != [None] * 3:
-                self.path.move(target, motion == 0, 0.0 if motion == 0 else self._feed_of(self._distance(before, target)))
+            self._line(self.target(), motion == 0)
+
+    def _line(self, target, rapid):
+        if target == [None] * 4:
+            return
+        if rapid:
+            self.path.move(target, True, relative=not self.absolute)
+            return
+        moved = self.path.changes(target)
+        turns = moved == [3]
+        length = self._distance(self.path.place, target, moved)
+        # F counts otherwise where A turns and where it is linear, and a feed of next to nothing says badly how long A takes: G93 stays.
+        inverse = self.feed_mode == 930 and 3 in moved and (length is None or not turns)
+        self.path.move(target, False, self._feed_of(1.0 if inverse else length, turns), inverse, not self.absolute)
 
     @staticmethod
-    def _distance(before, target):
-        """Length of a straight line in mm; None if a start is not known."""
-        ways = [(old, new) for old, new in zip(before, target) if new is not None]
-        return None if any(old is None for old, _ in ways) else math.hypot(*(new - old for old, new in ways))
+    def _distance(before, target, moved):
+        """Length of a straight line that moves these axes: of X, Y and Z in mm; in degrees if A alone moves. None if a start is not known."""
+        counted = [axis for axis in moved if axis < 3] or moved
+        return None if any(before[axis] is None for axis in counted) else math.hypot(*(target[axis] - before[axis] for axis in counted))
 
-    def _feed_of(self, length):
-        """mm/min of a motion of this length, in mm."""
-        feed = self.feed
+    def _feed_of(self, length, turns=False):
+        """mm/min of a motion of this length, in mm; degrees of both if A alone `turns`."""
+        feed = self.typed if turns else self.feed
         if self.feed_mode == 930:
             if length is None:
                 raise ProgramError(NO_FEED, "G93, and where the line begins is not known")
@@ -101,7 +113,7 @@ class Motions(Modes):
         positions = self._axes()
         if motion == 10 and self.feed_mode != 940:
             raise ProgramError(NO_FEED, "G53 G1 wants G94")
-        feed = "" if motion == 0 else f" F{number(self._feed_of(None), 3)}"
+        feed = "" if motion == 0 else f" F{number(self._feed_of(None, list(positions) == [3]), 3)}"
         self.path.word(f"G53 G{motion // 10} {self._text(positions)}{feed}")
         self.path.forget(positions)
 
@@ -112,9 +124,14 @@ class Motions(Modes):
         target = self.target()
         axes = [axis for axis, value in enumerate(target) if value is not None]
         if not axes:
-            raise ProgramError(MISSING, "X, Y or Z")
-        positions = " ".join(AXES[axis] + number(target[axis]) for axis in axes)
-        self.path.word(f"G{code / 10:g} {positions} F{number(self._feed_of(None), 3)}")
+            raise ProgramError(MISSING, "X, Y, Z or A")
+        here = self.path.place
+        relative = not self.absolute and target[3] is not None
+        positions = " ".join(AXES[axis] + number(target[axis] - (here[axis] if relative else 0.0)) for axis in axes)
+        feed = number(self._feed_of(None, self.path.changes(target) == [3]), 3)
+        self.path.word(f"{'G91 ' * relative}G{code / 10:g} {positions} F{feed}")
+        if relative:
+            self.path.word("G90")
         self.path.forget(axes)
 
     # --- splines

@@ -12,7 +12,7 @@ from host_tools.language import _
 from host_tools.programs.program_errors import NOT_KEPT, NOT_ON_BOARD, ProgramError
 
 SAVE, FORGET, RESTORE, SAVE_FOR_CALL = 700, 710, 720, 730
-_FIELDS = ("scale", "plane", "absolute", "arc_absolute", "feed_mode", "feed", "initial")
+_FIELDS = ("scale", "plane", "absolute", "arc_absolute", "feed_mode", "feed", "typed", "initial")
 
 
 class SavedModes:

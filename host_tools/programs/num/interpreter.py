@@ -17,16 +17,17 @@ from host_tools.programs.num.pocket import Pocket
 from host_tools.programs.program_errors import (
     ARC, COMPENSATED, MISSING, NO_FEED, NOT_IN_DIALECT, PLANE, POCKET, RANGE, SAME_GROUP, TOOL, TWO_COMMANDS, UNUSED, WHOLE, ProgramError,
 )  # fmt: skip
-from host_tools.programs.toolpath import AXES, PLANES, Toolpath, centre_of, number, sweep_of
+from host_tools.programs.toolpath import PLANES, Toolpath, centre_of, number, sweep_of
 
 _INCH_MM = 25.4
+_AXES = "XYZ"
 _GROUPS = (
     (0, 1, 2, 3), (17, 18, 19), (40, 41, 42), (45, 80, 81), (70, 71), (90, 91), (4, 59, 77, 79), (9,), (94,), (97,),
 )  # fmt: skip
 _M = ((0, 1, 2), (3, 4, 5), (6,), (7, 8, 9))
 
 
-def compile_program(name, text, listing, tools=None, start=(None, None, None), bound=1_000_000, find=None, skip=False):
+def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, find=None, skip=False):
     """Carry out a program into `listing`. Returns {file: its lines}. As that of ngc.interpreter; subprograms are in the file."""
     flow = Flow(name, text, bound, skip)
     path = Toolpath(listing, start)
@@ -207,7 +208,7 @@ class Interpreter:
     def _set_offset(self):
         """G59: with G90 in place of the offset before, with G91 in addition to it."""
         self._not_compensated("G59")
-        found = [(axis, name) for axis, name in enumerate(AXES) if name in self._words]
+        found = [(axis, name) for axis, name in enumerate(_AXES) if name in self._words]
         if not found:
             raise ProgramError(MISSING, "X, Y or Z")
         for axis, name in found:
@@ -218,7 +219,7 @@ class Interpreter:
 
     def _move(self, g):
         words = self._words
-        positions = any(name in words for name in AXES)
+        positions = any(name in words for name in _AXES)
         if g & {45, 81}:
             self._not_compensated(_("a cycle"))
             self._cycle = (min(g & {45, 81}), {})
@@ -234,7 +235,7 @@ class Interpreter:
     def _target(self):
         """The position that the axis words name, mm; None where there is no word. Takes the words."""
         position = []
-        for axis, name in enumerate(AXES):
+        for axis, name in enumerate(_AXES):
             value = self._words.pop(name, None)
             if value is not None:
                 value = value * self._scale + (self._offset[axis] if self._absolute else self.path.known(axis))
