@@ -141,7 +141,7 @@ def of_board(codes, short_way=False):
     board = Board(machine)
     board.target = [0, 0, 0, 0]
     gcode = GCode("xyza", Offsets(4, Memory(machine)), board)
-    gcode.turns = 2 if short_way else 1
+    gcode.turns = 3 if short_way else 1
     path, here = [], np.zeros(4)
     for code in codes:
         error = gcode.interpret(code.replace(" ", "").encode())

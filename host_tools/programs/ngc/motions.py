@@ -85,9 +85,8 @@ class Motions(Modes):
 
     @staticmethod
     def _distance(before, target, moved):
-        """Length of a straight line that moves these axes: of X, Y and Z in mm; in degrees if A alone moves. None if a start is not known."""
-        counted = [axis for axis in moved if axis < 3] or moved
-        return None if any(before[axis] is None for axis in counted) else math.hypot(*(target[axis] - before[axis] for axis in counted))
+        """Length of a straight line that moves these axes, in mm, of A alone in degrees; None if a start is not known."""
+        return None if any(before[axis] is None for axis in moved) else math.hypot(*(target[axis] - before[axis] for axis in moved))
 
     def _feed_of(self, length, turns=False):
         """mm/min of a motion of this length, in mm; degrees of both if A alone `turns`."""
