@@ -97,6 +97,8 @@ class Toolpath:
             return
         if not code.startswith(("S", "G4 ")):
             self.end_inverse()
+        if " F" in code:  # of G53 and G38: it holds on the board
+            self._feed = None
         self.listing.add(code, self.source)
 
     def end_inverse(self):

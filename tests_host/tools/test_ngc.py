@@ -58,6 +58,8 @@ EXAMPLES = (
     ("g43 h1\ng43.2 h2", "G43.1 Z40\nG43.1 Z95.5"),
     ("g53 g0 z0\ng0 x1 z2", "G53 G0 Z0\nG0 X1 Z2"),
     ("g53 g1 x2 f90", "G53 G1 X2 F90"),
+    ("f100 g1 x1\nf50 g53 g1 x2\nf100 g1 x3", "G1 X1 F100\nG53 G1 X2 F50\nG1 X3 F100"),
+    ("f100 g1 x1\nf50 g38.2 x2\nf100 g1 x3", "G1 X1 F100\nG38.2 X2 F50\nG1 X3 F100"),
     ("g55\ng0 x1 y1", "G55\nG0 X1 Y1"),
     ("g54 g0 x1\ng56\ng57\ng58\ng59", "G54\nG0 X1\nG56\nG57\nG58\nG59"),
     ("g61 g0 x1\ng61.1\ng64 p0.05 q0.01 x2\ng64", "G0 X1\nX2"),
