@@ -294,3 +294,9 @@ def test_the_shipped_board_homes():
     assert all(abs(each) <= 2 * FULL for each in machine.plant.position[:2]) and machine.plant.position[2] == 0
     titles = {part.name: part.title for part in parts(check(boards.load("router_tmc5160")))}
     assert titles["in_limit_x"] == "limit_x: DIAG of the X driver" and titles["in_limit_z"] == "limit_z: limit Z"
+
+
+def test_nor_may_a_driver_on_a_uart_feel_with_more_than_its_resistors_bear():
+    board = test_stall_homing.router(stall_ma=1900)
+    with pytest.raises(BoardError, match="drivers.motors, x: 1900 mA are too much for 110 mΩ"):
+        check(board)
