@@ -151,10 +151,10 @@ def draw(path, box, replay=None):
             times, values = speeds(rows, number, per_mm)
             plots[1 + len(axes) + number].plot([seconds(box, ms) for ms in times], values, linewidth=0.8, drawstyle="steps-mid")
             plots[1 + len(axes) + number].set_ylabel(_("{}, mm/s", axis["name"].upper()))
+    stops = [seconds(box, row.ms) for row in box.rows if row.kind in (HALTED, DROPPED, STOOD)]
     for plot in plots:
-        for row in box.rows:
-            if row.kind in (HALTED, DROPPED, STOOD):
-                plot.axvline(seconds(box, row.ms), color="tab:red", linewidth=0.7, linestyle="--")
+        for number, at in enumerate(stops):
+            plot.axvline(at, color="tab:red", linewidth=0.7, linestyle="--", label="" if number else _("stopped"))
     plots[1].legend(loc="best", fontsize=8)
     plots[-1].set_xlabel(_("s before the end of the black box"))
     first = seconds(box, min([row.ms for row in box.rows + box.samples], default=box.end_ms))

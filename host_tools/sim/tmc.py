@@ -38,8 +38,6 @@ class SimDriver:
         if self.written:
             self.written()
 
-    measures = 4  # of SG_RESULT in a full step
-
     @property
     def feels(self):
         return bool(self.registers.get(0x14, 0)) and not self.registers[0x00] & 4

@@ -21,8 +21,6 @@ _DEFAULTS = {
 
 
 class SpiDriver:
-    measures = 1  # of SG_RESULT in a full step: stallGuard2, datasheets 13.2 (TMC5160) and 14.2 (TMC2130)
-
     def __init__(self, chip):
         self.chip = chip
         self.dead = False

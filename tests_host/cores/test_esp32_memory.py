@@ -22,6 +22,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, pytest.mark.xdist_group(
 PIECES = 112_000, 24_500, 15_000, 10_800
 I2S, OF_TIMERS, RADIO = 17_000, 2_000, 40_000
 SLACK_KB = 4  # between what was counted when the table was made and now
+LEAST = 20_000  # bytes that have to be left, as on a Pico
 NETWORK = {"network": {"host": "passo"}}
 
 
@@ -82,11 +83,12 @@ def test_what_it_wants(core, name, tmp_path, show):
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_it_starts_in_pieces_if_it_fits(core, name, tmp_path):
-    """The radio's memory is taken before anything is imported, and so is the rest."""
+    """The radio's memory is taken before anything is imported, and so is the rest. What is refused starts not at all, or with too little left."""
     board = MACHINES[name]
     fits = needs(check(board))[core.frozen] <= ESP32_KB["esp32"][core.frozen]
     counted = core.started(board, tmp_path, PIECES, drivers(board))
-    assert (counted.error is None) == fits, counted
+    starts = counted.error is None and counted.left >= LEAST
+    assert starts == fits, counted
 
 
 @pytest.fixture

@@ -13,7 +13,7 @@ def test_it_repeats_within_two_full_steps(which, make_machine, show):  # noqa: F
     for axis in board["axes"][:2]:
         axis["travel_steps"] = 4000
     machine = make_machine(board, start=(900, 700, -1200)[: len(board["axes"])], stalls=3)
-    machine.plant.slipping.spike(0.01)
+    machine.plant.slipping.spike(0.001)
     drivers = machine.drivers.model
     machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
     places = []

@@ -12,33 +12,33 @@ from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 
 FULL = 16  # steps of a full step
-STALL = 40  # of SG_RESULT 200 in the plant
+STALL = 45  # of SG_RESULT 200 in the plant
 
 
-def router(**changes):
-    """X and Y feel their ends, Z has a switch."""
+def router(phase=0, **changes):
+    """X and Y feel their ends, which stand `phase` steps from a full step, where their drivers measure; Z has a switch."""
     board = {**copy.deepcopy(boards.load("router_tmc2209")), "idle_release_ms": 0, "journal": None}
     for motor in board["drivers"]["motors"][:2]:
         motor.update({"stall": STALL, "stall_ma": 400, **changes})
     board["drivers"]["motors"][1]["stealth"] = False
     for item in board["inputs"][:2]:
         item.update(active=1, pull="down", pin=item["pin"])
-    board["homing"] = {**board["homing"], "debounce_ms": 2, "each": {axis: {"seek_steps_s": 2000, "pull_off_steps": 400} for axis in "xy"}}
+    board["homing"] = {**board["homing"], "debounce_ms": 2, "each": {axis: {"seek_steps_s": 2000, "pull_off_steps": 400 + phase} for axis in "xy"}}
     return board
 
 
-def plotter():
+def plotter(phase=0):
     """CoreXY: two motors that both move X and Y, and both feel."""
     board = {**copy.deepcopy(boards.load("corexy_plotter")), "idle_release_ms": 0}
     for axis in board["axes"]:
         axis["travel_steps"] = 6000
     motors = [{"axis": axis, "address": number, "current_ma": 700, "stall": STALL, "stall_ma": 400} for number, axis in enumerate("xy")]
     board["drivers"] = {"port": "uart1", "tx": 20, "rx": 21, "motors": motors}
-    board["homing"] = {**board["homing"], "debounce_ms": 5, "seek_steps_s": 1000, "pull_off_steps": 400}
+    board["homing"] = {**board["homing"], "debounce_ms": 5, "seek_steps_s": 1000, "pull_off_steps": 400 + phase}
     return board
 
 
-MACHINES = {"router": (router, 25), "corexy": (plotter, 10)}  # and how often each homes in a quick test
+MACHINES = {"router": (router, 6), "corexy": (plotter, 3)}  # and how often each homes in a quick test, at each phase
 
 
 def homed(make, count, often=0.0, seed=1):
@@ -58,13 +58,22 @@ def homed(make, count, often=0.0, seed=1):
     return places, machine
 
 
-@pytest.mark.parametrize("often", (0.0, 0.01), ids=("trembling", "with false stalls"))
+@pytest.mark.parametrize("often", (0.0, 0.001), ids=("trembling", "with false stalls"))
 @pytest.mark.parametrize("which", MACHINES)
 def test_homing_repeats_within_two_full_steps(which, often, show):
     make, count = MACHINES[which]
-    places, machine = homed(make, count, often)
+    repeats(which, make, (0, 5, 11), count, often, show)
+
+
+def repeats(which, make, phases, count, often, show):
+    """`count` homings at each phase lie within two full steps, all taken together."""
+    places, slips = [], 0
+    for phase in phases:
+        found, machine = homed(lambda: make(phase), count, often, seed=phase + 1)
+        places += found
+        slips += machine.plant.slipping.slips
     ranges = [max(each) - min(each) for each in zip(*places)]
-    show(f"homing by stall, {which}", f"range of {len(places)} homings: {ranges} steps of 1/{FULL}; poles slipped: {machine.plant.slipping.slips}")
+    show(f"homing by stall, {which}", f"range of {len(places)} homings: {ranges} steps of 1/{FULL}; poles slipped: {slips}")
     assert max(ranges) <= 2 * FULL, places
     assert all(abs(each) <= 2 * FULL for place in places for each in place), places
 
@@ -133,31 +142,43 @@ def count_silent(often, count, show):
     machine.do("$X")
     machine.plant.slipping.spike(often)
     places, alarms = tried(machine, "x", count)
-    show(f"homing by stall, {often:.0%} of quarter steps seem to stall", f"{len(places)} of {count} homings right, {len(alarms)} alarms")
+    show(f"homing by stall, {often:.0%} of full steps seem to stall", f"{len(places)} of {count} homings right, {len(alarms)} alarms")
     assert all(abs(place) <= 2 * FULL for place in places), places
     assert all("ALARM:8" in said for said in alarms), alarms
 
 
-@pytest.mark.parametrize("often", (0.1, 0.2))
+@pytest.mark.parametrize("often", (0.01, 0.1))
 def test_false_stalls_never_make_a_wrong_origin(often, show):
     count_silent(often, 25, show)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("often", (0.03, 0.06, 0.1, 0.15, 0.2, 0.3))
+@pytest.mark.parametrize("often", (0.003, 0.01, 0.03, 0.06, 0.1, 0.2))
 def test_false_stalls_never_make_a_wrong_origin_in_hundreds(often, show):
     count_silent(often, 100, show)
 
 
-def test_a_slow_main_loop_never_makes_a_wrong_origin(show):
-    """It stands still for 20 ms now and then, as the collector does: the rotor slips before the axis has stopped."""
-    machine = Asked(router(), stalls=5, seed=5)
+def test_homing_that_failed_does_not_spoil_the_next():
+    """Z, which has a switch, homes first."""
+    machine = Asked(router(), stalls=11, seed=11)
+    machine.do("$X")
+    machine.plant.slipping.spike(0.3)
+    assert "ALARM:8" in machine.ask("$H", 600_000)
+    machine.plant.slipping.spike(0)
+    machine.machine.run_ms(300)
+    machine.do("$X", "$H")
+    assert all(abs(place) <= 2 * FULL for place in machine.plant.position[:2])
+
+
+def test_a_slow_main_loop_makes_no_rotor_slip(show):
+    """It stands still for 20 ms now and then, as the collector does: two and a half full steps. The pin's interrupt stops the axis."""
+    machine = Asked(router(7), stalls=5, seed=5)
     machine.do("$X")
     rng = random.Random(5)
     places, alarms = tried(machine, "x", 25, lambda: rng.random() < 0.01 and machine.machine.port.advance(20 * 12_500))
-    show("homing by stall, a slow main loop", f"{len(places)} of 25 homings right, poles slipped: {machine.plant.slipping.slips}")
-    assert machine.plant.slipping.slips and len(places) >= 15
-    assert all(abs(place) <= 2 * FULL for place in places), places
+    slips = machine.plant.slipping.slips
+    show("homing by stall, a slow main loop", f"{len(places)} of 25 homings right, poles slipped: {slips}")
+    assert not alarms and slips <= 2 and all(abs(place) <= 2 * FULL for place in places), places
 
 
 def fails(machine, alarm, words=""):
@@ -317,21 +338,26 @@ def test_on_corexy_backing_off_into_the_far_end_does_not_shift_x():
 
 
 def test_on_corexy_a_slip_while_y_homes_has_x_home_again(show):
-    """A main loop that stands still makes rotors slip: without the rule 1 of 30 homings ended three full steps off, and said ok."""
-    machine = Asked(plotter(), stalls=2, seed=2)
-    machine.plant.slipping.spike(0.01)
+    """Interrupts that come 25 ms late now and then, a full step and a half: rotors slip, and shift the other axis. Without the rule
+    one of these homings says ok more than two full steps off."""
+    machine = Asked(plotter(), stalls=7, seed=7)
     machine.do("$X")
-    rng = random.Random(2)
+    watches = machine.machine.port._limits._watches.values()
+    usual = [watch.filter_ticks for watch in watches]
+    assert len(usual) == 2
+    rng = random.Random(7)
     begun = machine.machine.cycle
 
-    def slow():
+    def late():
         begun()
         if rng.random() < 0.01:
-            machine.machine.port.advance(20 * 12_500)
+            slow = rng.random() < 0.12
+            for watch, ticks in zip(watches, usual):
+                watch.filter_ticks = 25 * 12_500 if slow else ticks
 
     places = []
     for _ in range(8):
-        machine.machine.cycle = slow
+        machine.machine.cycle = late
         said = machine.ask("$H", 900_000)
         machine.machine.cycle = begun
         if said.endswith("ok"):
@@ -342,8 +368,8 @@ def test_on_corexy_a_slip_while_y_homes_has_x_home_again(show):
             machine.machine.run_ms(300)
             machine.do("$X")
         machine.machine.settle()
-    show("homing by stall on CoreXY, a slow main loop", f"{len(places)} of 8 right, poles slipped: {machine.plant.slipping.slips}")
-    assert machine.plant.slipping.slips >= 5 and len(places) >= 4
+    show("homing by stall on CoreXY, late interrupts", f"{len(places)} of 8 right, poles slipped: {machine.plant.slipping.slips}")
+    assert machine.plant.slipping.slips >= 5 and len(places) >= 2
     assert all(abs(each) <= 2 * FULL for place in places for each in place), places
 
 
@@ -357,11 +383,7 @@ def test_backlash_and_stall():
 @pytest.mark.slow
 @pytest.mark.parametrize("which", MACHINES)
 def test_a_hundred_homings(which, show):
-    make, _ = MACHINES[which]
-    places, machine = homed(make, 100, 0.01, seed=7)
-    ranges = [max(each) - min(each) for each in zip(*places)]
-    show(f"homing by stall, {which}", f"range of 100 homings: {ranges} steps of 1/{FULL}; poles slipped: {machine.plant.slipping.slips}")
-    assert max(ranges) <= 2 * FULL and all(abs(each) <= 2 * FULL for place in places for each in place), places
+    repeats(which, MACHINES[which][0], range(16), 7, 0.0, show)
 
 
 def test_a_board_with_an_enable_for_each_driver_homes():

@@ -8,14 +8,15 @@
 
 Five places are enough, and one more for each that did not agree with those before it. If false stalls come at random, however often, five
 agree by chance less than twice in 100 000 homings: the way to a place is 25 full steps, half of which count, and a place is two wide. Alarm 8 is
-raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles. A place
-behind which the axis ran on for more than 1.25 full steps does not agree: two full steps behind its field a rotor slips to another pole. As
-a slip behind the last place would be seen by nobody, that has to lie where the one before it does, within half a full step. Drivers on SPI
-may tell almost two full steps late: the pin's interrupt stops the axis, and it may run on for an eighth of one.
+raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles.
+
+Drivers measure once a full step, so a motor may be almost two of them behind its field when its driver tells, and at two its rotor slips to
+another pole. So the pin's interrupt stops the axis, and a place behind which it ran on for more than an eighth of a full step does not
+agree. As a slip behind the last place would be seen by nobody, that has to lie where the one before it does, within half a full step.
 
 On CoreXY either motor tells that X or Y has ended, and a rotor that slips moves the other axis, too. So X, Y and X home, and an axis homes
-again behind each time that the other may have slipped: the head ran on for more than a full step behind what its motors told, believed in
-the end or not. `$HX` and `$HY` home both. Axes with switches home as elsewhere.
+again behind each time that the other may have slipped: the head ran on for longer than that, or for a full step behind a change that was
+not believed. `$HX` and `$HY` home both. Axes with switches home as elsewhere.
 """
 
 from micropython import const
@@ -33,10 +34,10 @@ _ROUNDS = const(12)  # times that X and Y home at most, taken together
 
 class StallSensor(Sensor):
     """A DIAG pin. What it says before the axis is `blind` steps from `start` does not count. `late` once the axis has gone on for more than
-    `full` steps behind a change, believed in the end or not. Its interrupt stops the player if `at_once`."""
+    `full` steps behind a change, believed in the end or not. Its interrupt stops the player."""
 
     start = blind = full = 0
-    late = at_once = False
+    late = False
 
     def sample(self, now_ms, position):
         if abs(position - self.start) < self.blind:
@@ -49,7 +50,7 @@ class StallSensor(Sensor):
             self.late = True
 
     def arm(self, on):
-        if self.at_once and self._latch:
+        if self._latch:
             self._latch.arm(on)
 
     def stopped(self, queue, axis):
@@ -71,9 +72,6 @@ class Homing(homing.Homing):
         # how many have to, and whether a rotor may have slipped.
         self._located = self._agree = self._edge = self._last = self._enough = 0
         self._doubt = False
-        # On SPI SG_RESULT is new each full step: if the first that is low is that of almost two, a rotor slips before the main loop looks.
-        self._at_once = bool(board.get("spi_drivers"))
-        self._beyond = 1 if self._at_once else 8 if self._shared else 10  # eighths of a full step that an axis may run on
         homing.Homing.__init__(self, board, machine, queue)
 
     def _seeker(self, number):
@@ -90,7 +88,6 @@ class Homing(homing.Homing):
         sensor = self._config["sensors"][self._axes[motor]["name"]]
         feeler = StallSensor(lambda: read(sensor), self._config["debounce_ms"], self._machine.port.watch_limit(sensor), self._queue, axis)
         feeler.full = self._full[axis]
-        feeler.at_once = self._at_once
         feeler.input = sensor
         return feeler
 
@@ -98,6 +95,10 @@ class Homing(homing.Homing):
         if self._shared and command.value & _AXES:
             command.value |= _AXES
         return homing.Homing._home(self, command)
+
+    def _begin(self, now_ms):
+        self._located = self._agree = 0  # of a homing that failed
+        homing.Homing._begin(self, now_ms)
 
     def _feelers(self):
         """[(axis, sensor)] of the axes that home now and are felt."""
@@ -164,7 +165,7 @@ class Homing(homing.Homing):
         edge = seeker.edges[seeker.tripped]
         full = self._full[seeker.axis]
         beyond = -self.gone(seeker, seeker.tripped)
-        slipped = 8 * beyond > self._beyond * full
+        slipped = 8 * beyond > full
         for sensor in seeker.sensors:
             self._doubt = self._doubt or slipped or sensor.late
         if not self._agree:
