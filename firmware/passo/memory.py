@@ -68,6 +68,13 @@ def forget(name, empty=False):
 class FileRoom:
     """Keeps memory for a file that is opened later, at a stand: a board that has run for a while may have no such piece."""
 
+    none = False
+
+    @classmethod
+    def spare(cls):
+        """No piece is kept from here on: so much memory stays free that there is one at any time."""
+        cls.none = True
+
     def __init__(self):
         self._kept = None  # until keep() is called first
         self._name = None
@@ -82,6 +89,8 @@ class FileRoom:
         """The file has been closed, and nothing points to it any more."""
         self._kept = self._name = None
         gc.collect()
+        if self.none:
+            return
         try:
             self._name = bytearray(_NAME_BYTES)  # made first, it lies lower: so will the copy of the name, not where the file is to be
             self._kept = buffer(FILE_BYTES)

@@ -39,6 +39,10 @@ class Start(start.Start):
     def keep(self, board):
         """Make the largest arrays, and what links and stored jobs keep."""
         if start.FROZEN:
+            if not board["network"]:  # 90 kB and more stay free
+                from passo.memory import FileRoom
+
+                FileRoom.spare()
             return
         from passo.steps.ring import arrays
 
