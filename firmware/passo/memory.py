@@ -68,7 +68,7 @@ def forget(name, empty=False):
 class FileRoom:
     """Keeps memory for a file that is opened later, at a stand: a board that has run for a while may have no such piece."""
 
-    none = False
+    none = False  # see spare()
 
     @classmethod
     def spare(cls):

@@ -27,7 +27,7 @@ def prove(
     report: Annotated[Optional[Path], typer.Option("--report", help="Write the report as text, for an issue.")] = None,
     picture: Annotated[Optional[Path], typer.Option("--picture", help="Write a picture of the timings, .png.")] = None,
     lines: Annotated[
-        bool, typer.Option("--lines", help="For programs: each row as a line of JSON as it is measured. It asks nothing, and ends when its standard input does.")
+        bool, typer.Option("--lines", help="For programs: print each row as a line of JSON once it is measured, ask nothing, and end when standard input ends.")
     ] = False,
     analyser: Annotated[
         Optional[Path], typer.Option("--analyser", metavar="FILE", help="Be a logic analyser of eight pins instead: write what they do, .vcd or .sr (PulseView).")
@@ -133,7 +133,7 @@ def asked(raw):
 
 
 def end_with_stdin():
-    """Be interrupted once standard input ends: who has started this program has no use for it any more, or is gone."""
+    """Interrupt this program once standard input ends: the program that started it has closed the pipe, or has died."""
 
     def wait():
         while os.read(0, 4096):

@@ -20,7 +20,7 @@ class PanelOrders(Orders):
     def __init__(self, machine, store, teach=None, choose=None, proving=None):
         """`store`: the jobs: names(), lines(name), text(name, at), about(name, settings), add(name, at, piece, last), put(name, text), remove(name); what
         fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
-        no choice. `proving`: order(order) and end(), what has the board prove itself; None: nothing can."""
+        no choice. `proving`: its order(order) and end() begin and end a proof of the board; None: there is no proof here."""
         Orders.__init__(self, machine)
         self.store = store
         self.teach = teach

@@ -1,7 +1,7 @@
 """TMC2130 and TMC5160 drivers, some of which feel where their axis ends: as stall_drives.py has it, by stallGuard2.
 
 While the machine homes a motor that feels has spreadCycle, less current, and in COOLCONF the SGT at which SG_RESULT is 0 as it stalls; the driver
-says so on DIAG0 and DIAG1, either of which may be wired. They push and pull from the start on, so that a pin that tells nothing is low.
+says so on DIAG0 and DIAG1, either of which may be wired. Both are push-pull from the start, so that the pin is low without a stall.
 """
 
 from micropython import const
