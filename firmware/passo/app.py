@@ -311,14 +311,9 @@ class App:
         if link.batch and (link.keeps or data and not link.waiting):
             data = self._in_batches(link, data)
         commands = link.protocol.feed(data, self._now_ms)
-        return self._one_by_one(commands, link) if commands and not data else commands
-
-    def _one_by_one(self, commands, link):
-        """`commands`, and before each the real-time bytes that have come: a generator reads a line as its command is asked for, which
-        takes a chip milliseconds. A tuple is there already."""
-        if not self.interrupt or not link.heed or isinstance(commands, tuple):
+        if data or not self.interrupt or not link.heed or isinstance(commands, tuple):
             return commands
-        return self._between(commands, link)
+        return self._between(commands, link)  # a generator reads a line as its command is asked for, which takes a chip milliseconds
 
     def _between(self, commands, link):
         """Carry out the real-time bytes of `link` before, between and behind `commands`."""

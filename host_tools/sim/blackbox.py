@@ -105,7 +105,7 @@ class Replay(Machine):
         self._link = self.app.links[self._record.commander]
         self._name = box.board["links"][self._record.commander]["name"]
         self._player = self.port._player
-        self._held = self._aborts = self._drops = False
+        self._held = self._aborts = False
         self._log = hasattr(self._link.protocol, "log")  # its text are lines
         self._asks = self._log and any(row.value in _LOST for row in self.since if row.kind == LOGGED)  # the host did
         self._asked_ms = 0
@@ -177,9 +177,8 @@ class Replay(Machine):
             halt()
 
         def dropped():
-            self._drops = True
             drop()
-            self._drops = False
+            self._held = False
             self._passed(HALTED if self._aborts else DROPPED)
             self._aborts = False
 
@@ -188,7 +187,7 @@ class Replay(Machine):
                 self._held = True
                 return
             hold(on)
-            if not on and not self._drops and self._held and self.stops and self.stops[0].kind == STOOD and self._player.frozen:
+            if not on and self._held and self.stops and self.stops[0].kind == STOOD and self._player.frozen:
                 self._passed(STOOD)
             self._held = False
 

@@ -183,8 +183,7 @@ class LineBatches(Feature):
         machine = self._machine
         queue = self._queue
         planner = self._planner
-        reach = self.reach()
-        if machine.weave is not None or not room(planner.indices) or reach is not None and not self._reachable(command):
+        if machine.weave is not None or not room(planner.indices) or batch.reach is not None and not self._reachable(command):
             return False
         if planner.power != power or planner.dynamic != command.dynamic:
             planner.set_power(power, command.dynamic)

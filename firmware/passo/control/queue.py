@@ -257,10 +257,8 @@ class Queue:
         self.chords = None
         if self._walker is not None:
             self._walker.clear()
-        self._planner.set_power(0, self._planner.dynamic)
         self.power(0)
         self.tool = self.waiting = False
-        self._feeder.set_hold(False)
         for axis in range(len(position)):
             self.target[axis] = position[axis] - self._origin[axis]
 

@@ -43,7 +43,7 @@ RAPID_PERCENT = (1, 100)
 class Planner:
     def __init__(self, axes):
         self.axes = axes
-        self.power, self.dynamic = 0, False  # see set_power()
+        self.dynamic = False  # see set_power()
         self._stride = ROW_STEPS + axes
         self.rows = zeros(QUEUE_SIZE * self._stride)  # of Block, one after the other
         self._walkers = [None] * QUEUE_SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
@@ -103,7 +103,8 @@ class Planner:
         self._arcs = Plans()
 
     def clear(self):
-        """Forget every block. Only while the feeder is stopped."""
+        """Forget every block; the power is 0. Only while the feeder is stopped."""
+        self.power = 0
         for which in range(len(self.indices)):
             self.indices[which] = 0
         self.indices[QUEUE_ARC] = -1

@@ -188,10 +188,11 @@ class Feeder(Position):
     # --- stopping: main loop only; asking is in position.py
 
     def cancel(self, played):
-        """After the player has halted, and with `open` cleared: drop all words not played, take where they led to as truth. Returns
-        that position. The planner keeps its blocks."""
+        """After the player has halted, and with `open` cleared: drop all words not played, take where they led to as truth; a hold
+        ends. Returns that position. The planner keeps its blocks."""
         self.retire(played)
-        position = list(self.found(played))
+        self._walk(played)
+        position = list(self._found)
         self.ring.head = played
         self.ring.power.clear()
         for axis in range(self.layout.axes):
@@ -205,4 +206,5 @@ class Feeder(Position):
                 levels = self.drive.directions(levels)
         self.state[FEED_LEVELS] = levels & self.layout.levels_mask & ~(self.layout.step_mask | self.layout.tool_mask)
         self._reset(played)
+        self.hold = False
         return position

@@ -122,8 +122,10 @@ class Grbl:
                     return None
                 if kept:
                     lines.kept(kept, data)
-                if fields[LINES_ASKED] or fields[LINES_AT] == fields[LINES_WHOLE]:
-                    return self._took(0, data)  # the answer comes first, or no line has ended: to open the batch takes 0.7 ms
+                if fields[LINES_ASKED]:
+                    return False  # the answer comes first
+                if fields[LINES_AT] == fields[LINES_WHOLE]:
+                    return b""  # no line has ended: to open the batch takes 0.7 ms
                 data = b""
             if not self._open():
                 return b""
@@ -184,14 +186,17 @@ class Grbl:
     def heed(self, data):
         """Keep `data`; commands of the real-time bytes among it, as feed(). Lines wait for take() and feed()."""
         if not self._lines.take(data):
-            return self._commands(data)
+            return self._peel(data)
         asked = self._lines.fields[LINES_ASKED]
         self._lines.fields[LINES_ASKED] = 0
         return self._asked if asked else ()
 
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
-        if not data:
+        if data:
+            if not self._lines.take(data):
+                return self._peel(data)  # the lines come with the next cycle, in a batch or not
+        else:
             fields = self._lines.fields
             if fields[LINES_ASKED]:
                 fields[LINES_ASKED] = 0
@@ -200,7 +205,7 @@ class Grbl:
                 return ()
             if fields[LINES_AT] == fields[LINES_WHOLE] and not (self._rest or self._start_lines or self._lines.lost):
                 return ()
-        return self._commands(data)
+        return self._commands()
 
     def pending(self):
         """True if feed() has something to say without new bytes. A line that found no room waits until several have some."""
@@ -225,11 +230,7 @@ class Grbl:
         """Bytes that feed() and take() can keep."""
         return self._lines.free()
 
-    def _commands(self, data):
-        if not self._lines.take(data):
-            for command in self._peel(data):
-                yield command
-            return  # the lines come with the next cycle, in a batch or not
+    def _commands(self):
         if self._lines.fields[LINES_ASKED]:
             self._lines.fields[LINES_ASKED] = 0
             yield self._asked[0]
@@ -309,7 +310,8 @@ class Grbl:
         """The bytes that tell the sender of `event`."""
         command = event.command
         if command.kind == commands.STATUS:
-            return self._report(event.value)
+            fields = self._lines.fields
+            return self._status.text(event.value, max(0, RX_BYTES - fields[LINES_END] + fields[LINES_AT]))
         if command is not self._under_way or command.kind in (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE):
             self._status.overrides = 0  # a report shows it at once
         if command is not self._under_way:
@@ -349,10 +351,6 @@ class Grbl:
                 text += grbl_report.message(grbl_report.PROGRAMME_END)
             text += self._answer("ok")
         return text.encode()
-
-    def _report(self, report):
-        fields = self._lines.fields
-        return self._status.text(report, max(0, RX_BYTES - fields[LINES_END] + fields[LINES_AT]))
 
     def _failed_homing(self, event):
         """True for homing that an alarm has ended. grbl answers ok then, behind the alarm and before its banner."""
