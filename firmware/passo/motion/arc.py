@@ -101,7 +101,8 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
         return _straight(into, plane, deltas)
     inside = isqrt(square >> 1)
     across = nearest(square, inside)
-    region, u, w = region_of(x, y, False)
+    start = region_of(x, y, False)
+    region, u, w = start
     last, end_u, _ = region_of(end_x, end_y, True)
     end_u = max(min(end_u, inside), -across)
     quarters = (last - region) & 3
@@ -114,11 +115,9 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
     if quarters and end_u == -across:  # where a region begins the one before it ends
         quarters -= 1
         end_u = inside
-    steps, end = _steps(square, inside, across, u, w, end_u, quarters)
-    tail = _tail((region + quarters) & 3 if steps else region, end, end_x, end_y)
+    steps, end, tail = _steps(square, inside, across, start, end_u, quarters, end_x, end_y)
     if steps > 1 and end_u - 1 >= (1 - across if quarters else u) and (tail[0] or tail[1]):
-        less, before = _steps(square, inside, across, u, w, end_u - 1, quarters)
-        other = _tail((region + quarters) & 3, before, end_x, end_y)
+        less, before, other = _steps(square, inside, across, start, end_u - 1, quarters, end_x, end_y)
         if less + max(abs(other[0]), abs(other[1])) < steps + max(abs(tail[0]), abs(tail[1])):
             steps, end, tail = less, before, other
     into[ARC_REGION], into[ARC_U], into[ARC_W] = region, u, w
@@ -174,19 +173,15 @@ def _measure(into, square, end, quarters, z):
     return whole << 10 | into[ARC_PATH_FINE] >> 10, swept
 
 
-def _steps(square, inside, across, u, w, end_u, quarters):
-    """(steps of the circle to the end's region and `end_u`, (u, w) there)."""
+def _steps(square, inside, across, start, end_u, quarters, end_x, end_y):
+    """(steps of the circle from `start`, as of region_of(), to the end's region and `end_u`; (u, w) there; from there to the end)."""
+    region, u, w = start
     if quarters:
         steps = inside - u + (quarters - 1) * (inside + across) + end_u + across
     else:
         steps = end_u - u
-    if not steps:
-        return 0, (u, w)
-    return steps, (end_u, inside if end_u == -across else nearest(square, end_u))
-
-
-def _tail(region, end, end_x, end_y):
-    """From `end`, (u, w) in a region as of region_of(), to the end."""
-    u, w = end
+    if steps:
+        region = (region + quarters) & 3
+        u, w = end_u, inside if end_u == -across else nearest(square, end_u)
     x, y = ((w, u), (-u, w), (-w, -u), (u, -w))[region]
-    return end_x - x, end_y - y
+    return steps, (u, w), (end_x - x, end_y - y)
