@@ -6,6 +6,7 @@ from host_tools.emulator import rows
 from host_tools.emulator.copies import on_a_copy
 
 THINK_US = 1000
+TIMES = 4  # as long as a test's streams: some 200 `?` and more
 MUST = {"lines": (1400, 2000), "dots": (1600, 2500), "clusters": (3500, 5000), "packed": (7000, 10_000)}  # at 125 MHz, at 200
 WHAT = {
     "lines": "lines of 0.2 mm, three axes",
@@ -23,7 +24,7 @@ def streams():
             machine = router if kind == "lines" else laser
             for share, port in ((1, "usb"), (2, "uart0")):
                 link = next(link["name"] for link in machine.board["links"] if link["port"] == port)
-                run = on_a_copy(lambda: rows.measured(machine, link, kind, THINK_US))
+                run = on_a_copy(lambda: rows.measured(machine, link, kind, THINK_US, TIMES))
                 name = "USB" if port == "usb" else f"a UART of {rows.BAUD // 1000} {rows.BAUD % 1000} baud"
                 figures = round(run["rate"]), run["late"], run["stands"], len(run["asked_ms"]), f"{_p99(run['asked_ms']):.1f}"
                 table.append((WHAT[kind], name, mhz, MUST[kind][at] // share, *figures))

@@ -52,8 +52,8 @@ def _booted(board):
     return machine
 
 
-def dots(kind):
-    """(head, lines, dots) of rows there and back, of powers that all differ."""
+def dots(kind, times=1):
+    """(head, lines, dots) of rows there and back, of powers that all differ; `times` as many."""
     dot_mm, mm_s, each = KINDS[kind]
     count = round(ROW_MM / dot_mm / each) * each
     powers = [0 if dot % 7 == 6 else dot * 397 % 999 + 1 for dot in range(count)]
@@ -64,7 +64,7 @@ def dots(kind):
             part = powers[first : first + each]
             row = "=" + "".join(packed(power / 1000) for power in part) if kind == "packed" else ":".join(map(str, part))
             lines.append(f"{'' if first else 'G1'}X{sign * dot_mm * each:.2f}S{row}")
-    rows = -(-DOTS[kind] // count)
+    rows = -(-DOTS[kind] * times // count)
     return ["$X", "G21G91G94", f"M4S0F{60 * mm_s}", "G0"], (lines * rows)[: rows * (len(lines) // 2)], rows * count
 
 
@@ -72,15 +72,16 @@ def _oks(asking):
     return asking.said.count(b"ok\r\n")
 
 
-def measured(machine, link, kind, think_us):
-    """The figures of one stream, its first quarter left out of the rate."""
+def measured(machine, link, kind, think_us, times=1):
+    """The figures of one stream, its first quarter left out of the rate; `times` as long."""
     if kind == "lines":
         start, text = gcode.chords(LINE_MM)
         lines = [line.decode().strip() for line in text.splitlines()]
-        lines, count = (lines * (LINES // len(lines) + 1))[:LINES], LINES
+        count = LINES * times
+        lines = (lines * (count // len(lines) + 1))[:count]
         head = ["$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * LINE_MM_S}"]
     else:
-        head, lines, count = dots(kind)
+        head, lines, count = dots(kind, times)
     if link != machine.board["links"][0]["name"]:
         head = ["$LINK=0", *head]
     asking = Asking(machine, link, think_us, WINDOW)

@@ -172,7 +172,7 @@ class ChipPort:
         return trip.name
 
     @micropython.native
-    def wait(self, busy, fine=False):
+    def wait(self, busy, fine=False, at_once=False):
         """End a cycle of the main loop: sleep a while, no longer than until a byte comes. Raises what an interrupt could not
         deal with: it has halted the player."""
         if self._failed is not None:
@@ -182,7 +182,7 @@ class ChipPort:
             self._feeder.brake = False
         if self._watchdog is not None:
             self._watchdog.feed()
-        while True:
+        while not at_once:
             for line in self._lines:
                 if line.any():
                     return

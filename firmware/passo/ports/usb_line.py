@@ -15,10 +15,6 @@ _ESCAPE = b"\r\x03"  # what mpremote begins with
 _SILENCE_MS = const(1000)
 
 
-def _unknown(data, most):
-    return 0
-
-
 class UsbLine:
     """The console's USB port. Ctrl-C is a byte like any other, except as the Enter and Ctrl-C with which tools ask for
     the REPL: these two bytes first after a second's silence end the program by KeyboardInterrupt."""
@@ -26,7 +22,7 @@ class UsbLine:
     def __init__(self, console=None):
         """`console`: takes all that has come in one go, as ports/rp2/console.py; None: nothing does."""
         self._console = console
-        self._take_all = console.take if console else _unknown
+        self._whole = None  # the console, once it is proven
         self._poll = poll()
         self._poll.register(sys.stdin, POLLIN)
         # What reading takes is made once: as methods and bytes it would be garbage of each read.
@@ -40,6 +36,8 @@ class UsbLine:
         micropython.kbd_intr(-1)
 
     def any(self):
+        if self._whole:
+            return self._whole.any(self._ready)
         for _ in self._ready(0):
             return True
         return False
@@ -48,16 +46,11 @@ class UsbLine:
     def read(self):
         """Bytes that have come, at most 512, good until the next read; b"" if none. Raises KeyboardInterrupt when the REPL
         is asked for."""
-        for _ in self._ready(0):
-            break
-        else:
+        count = self._whole.take(self._data, _PACKETS, self._ready) if self._whole else self._read_each()
+        if not count:
             return b""
-        count = self._take_all(self._data, _PACKETS)
-        if count:
-            if count != len(self._said):
-                self._said = self._view[:count]
-        else:
-            self._read_each()
+        if count != len(self._said):
+            self._said = self._view[:count]
         now_ms = ticks_ms()
         silent_ms = ticks_diff(now_ms, self._heard_ms)
         self._heard_ms = now_ms
@@ -78,17 +71,19 @@ class UsbLine:
             for _ in ready(0):
                 take(byte)
                 data[count] = byte[0]
-                if console:
-                    console.taken(byte[0])
                 count += 1
                 break
             else:
                 break
-        if count != len(self._said):
-            self._said = self._view[:count]
+            if console and console.taken(byte[0]):
+                self._whole = console
+                break
+        return count
 
     def write(self, data):
         self._out.write(data)
 
     def close(self):
+        if self._console:
+            self._console.close()
         micropython.kbd_intr(_INTERRUPT)

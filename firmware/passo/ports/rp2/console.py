@@ -1,19 +1,26 @@
 """Takes what the USB console has received in one go: MicroPython gives single bytes, and never says how many there are.
 
     console = Console()
-    console.take(data, 128)     # how many bytes it has put there; 0 until it is proven
-    console.taken(value)        # of each byte read, until it is
+    console.taken(value)                # of each byte read, until it says True: proven
+    console.any(ready)                  # from then on
+    console.take(data, 512, ready)      # how many bytes it has put there; `ready`: asks the interpreter whether bytes are there
+    console.close()                     # give the interpreter its console back
 
-They lie in a ring buffer of the interpreter, whose record (address, size, where the next byte is read, and written) is found
-in memory by its look. It counts only after _PROOFS bytes have been read at that address, one after the other; after the first that
-was not it never counts. The address where the next byte is read is then moved on here, as the interpreter does; what writes there moves
-the other.
+Bytes pass two buffers: TinyUSB's, 256 bytes, from which the interpreter moves them one by one into a ring of its own, 500 to 700 cycles
+each. Both records are found in memory by their look. They count only after _PROOFS bytes have been seen to pass both; after the first
+that did not they never count.
+
+From then on the ring looks full, so that the interpreter leaves the bytes in TinyUSB's buffer, and take() has them from there: all but the
+last. That one passes through the ring, because TinyUSB asks the PC for more only when the interpreter reads. A full ring holds zeros, which the
+REPL passes over, should the program end without close().
 """
+
+from time import sleep_ms
 
 import micropython
 from micropython import const
 
-_SIZE = const(512)  # bytes of the buffer: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp2
+_SIZE = const(512)  # bytes of the ring: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp2
 _WORDS = const(8192)  # of memory that are looked through: its variables come first
 _PROOFS = const(12)
 # ringbuf_t of py/ringbuf.h: words, and halfwords.
@@ -22,6 +29,12 @@ _EXTENT = const(1)  # the size, and above it where the next byte is read
 _WRITTEN = const(2)
 _NEXT_READ = const(3)
 _NEXT_WRITTEN = const(4)
+# tu_fifo_t of TinyUSB's common/tusb_fifo.h, that of received bytes in cdc_device.c: words, and halfwords. Its indices count to twice its depth.
+_DEPTH = const(256)  # CFG_TUD_CDC_RX_BUFSIZE
+_KIND = const(0x10100)  # the depth, and above it the bytes of an item
+_AHEAD = const(40)  # bytes from the record to its buffer: it and that of sent bytes
+_FIFO_WRITTEN = const(4)
+_FIFO_READ = const(5)
 
 
 @micropython.viper
@@ -43,48 +56,111 @@ def find() -> int:
     return found
 
 
+@micropython.viper
+def find_fifo() -> int:
+    """The record of TinyUSB's buffer, in the same way."""
+    words = ptr32(0x20000000)
+    found = 0
+    at = 1
+    while at < _WORDS:
+        if words[at + 1] == _KIND and words[at] == 0x20000000 + 4 * at + _AHEAD:
+            if found:
+                return 0
+            found = 4 * at
+        at += 1
+    return found
+
+
 class Console:
     def __init__(self):
         self._at = find()
+        self._fifo = find_fifo()
         self._next = 0  # where the next byte is to be read
-        self._left = _PROOFS if self._at else -1  # proofs that are missing; -1: it has failed
+        self._left = _PROOFS if self._at and self._fifo else -1  # proofs that are missing; -1: it has failed
+        self._empty = True  # no byte has been read, so it is not known where the next one will be
 
     @micropython.viper
-    def take(self, data, most: int) -> int:
-        """Take at most so many of the bytes that have come. Returns how many; 0 also if that is not known."""
-        left = int(self._left)
-        if left < 0:
-            return 0
-        at = 0x20000000 + int(self._at)
-        record = ptr16(at)
-        here = int(record[_NEXT_READ])
-        if left:
-            self._next = here
-            return 0
-        count = (int(record[_NEXT_WRITTEN]) - here) & _SIZE - 1
-        if count > most:
-            count = most
-        ring = ptr8(ptr32(at)[_ADDRESS])
-        out = ptr8(data)
-        done = 0
-        while done < count:
-            out[done] = ring[here]
-            here = (here + 1) & _SIZE - 1
-            done += 1
-        record[_NEXT_READ] = here
-        return count
-
-    @micropython.viper
-    def taken(self, value: int):
-        """A byte has been read."""
+    def taken(self, value: int) -> bool:
+        """A byte has been read. Returns True when that has proven what is needed; from then on the ring is full."""
         left = int(self._left)
         if left < 1:
-            return  # bytes beyond the last proof
+            return False
         at = 0x20000000 + int(self._at)
-        here = int(self._next)
-        there = int(ptr16(at)[_NEXT_READ])
-        if there == (here + 1) & _SIZE - 1 and int(ptr8(ptr32(at)[_ADDRESS])[here]) == value:
-            self._next = there
-            self._left = left - 1
-        else:
+        record = ptr16(at)
+        ring = ptr8(ptr32(at)[_ADDRESS])
+        there = int(record[_NEXT_READ])
+        behind = (int(record[_NEXT_WRITTEN]) - there) & _SIZE - 1  # bytes that wait there
+        fifo = 0x20000000 + int(self._fifo)
+        read = int(ptr16(fifo)[_FIFO_READ])
+        passed = ptr8(ptr32(fifo)[_ADDRESS])
+        if self._empty:
+            self._empty = False
+        elif there != (int(self._next) + 1) & _SIZE - 1:
+            left = -1
+        self._next = there
+        if int(ring[(there - 1) & _SIZE - 1]) != value:
+            left = -1
+        elif behind < _DEPTH and left > 0:  # it has not been written over there
+            left = left - 1 if int(passed[(read - 1 - behind) & _DEPTH - 1]) == value else -1
+        if left == 0 and behind:  # what waits in the ring has to be read first
+            left = 1
+        self._left = left
+        if left:
+            return False
+        while left < _SIZE:
+            ring[left] = 0
+            left += 1
+        record[_NEXT_READ] = 0
+        record[_NEXT_WRITTEN] = _SIZE - 1
+        return True
+
+    @micropython.viper
+    def any(self, ready) -> bool:
+        fifo = ptr16(0x20000000 + int(self._fifo))
+        if fifo[_FIFO_WRITTEN] == fifo[_FIFO_READ]:
+            sleep_ms(0)
+        return fifo[_FIFO_WRITTEN] != fifo[_FIFO_READ]
+
+    @micropython.viper
+    def take(self, data, most: int, ready) -> int:
+        """Take at most so many of the bytes that have come. Returns how many."""
+        sleep_ms(0)
+        at = 0x20000000 + int(self._fifo)
+        fifo = ptr16(at)
+        here = int(fifo[_FIFO_READ])
+        count = (int(fifo[_FIFO_WRITTEN]) - here) & 2 * _DEPTH - 1
+        if count == 0:
+            return 0
+        passed = ptr8(ptr32(at)[_ADDRESS])
+        out = ptr8(data)
+        done = 0
+        while done < count - 1 and done < most - 1:
+            out[done] = passed[here & _DEPTH - 1]
+            here += 1
+            done += 1
+        fifo[_FIFO_READ] = here & 2 * _DEPTH - 1
+        at = 0x20000000 + int(self._at)
+        record = ptr16(at)
+        ring = ptr8(ptr32(at)[_ADDRESS])
+        record[_NEXT_WRITTEN] = 0  # empty
+        ready(0)
+        count = int(record[_NEXT_WRITTEN])
+        if count == 0:  # it was not asked to move any
+            out[done] = passed[here & _DEPTH - 1]
+            done += 1
+            fifo[_FIFO_READ] = here + 1 & 2 * _DEPTH - 1
+        here = 0
+        while here < count and done < most:
+            out[done] = ring[here]
+            ring[here] = 0
+            here += 1
+            done += 1
+        record[_NEXT_WRITTEN] = _SIZE - 1
+        sleep_ms(0)  # now TinyUSB takes the next packet
+        return done
+
+    @micropython.viper
+    def close(self):
+        if int(self._left) == 0:
+            ptr16(0x20000000 + int(self._at))[_NEXT_WRITTEN] = 0
             self._left = -1
