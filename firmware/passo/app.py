@@ -102,7 +102,7 @@ class App:
         self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES
         self._answered_ms = -1  # lines of a batch were answered while the machine moved, and it has not been polled since; −1: none
         self._now_ms = port.link_ms()
-        self._kept = False  # lines that have come at the end of this cycle
+        self._kept = False  # lines were, in this cycle, and wait for the next
         self._speaking = None  # the link whose bytes are being understood
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
         self.links = []
@@ -192,8 +192,7 @@ class App:
         self.controller.poll()
         if machine.events:
             self._answer()
-        if self.interrupt:  # so that `?` waits half as long
-            self._kept = self._heed() or heeded
+        self._kept = self.interrupt and (self._heed() or heeded)  # so that `?` waits half as long
         if machine.awake or self.feeder.open:
             self._feed()
         return True
@@ -294,7 +293,6 @@ class App:
         controller = self.controller
         machine = controller.machine
         self.port.wait(machine.awake and controller.busy(), machine.command is not None and machine.fine(), self._kept)
-        self._kept = False
         self._looked_ms = self.port.machine_ms()
 
     def _go_on(self, link):
@@ -379,7 +377,7 @@ class App:
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
                     break
-            elif more and (answers is False or answers is not None and len(data) >= _FULL):  # see Grbl.take()
+            elif more and (answers is False and self.interrupt or answers == b"" and len(data) >= _FULL):  # see Grbl.take()
                 more -= 1  # the wire may bring more than the machine takes: what is left there would be lost
                 if answers is False:
                     self._carry_out(link.protocol.feed(b"", now_ms), link)

@@ -55,8 +55,8 @@ class Chip(VirtualPort):
         if self._player.played() == self._feeder.ring.head:
             self._feed()
 
-    def wait(self, busy, fine=False):
-        if not self.lines["pc"].any():
+    def wait(self, busy, fine=False, at_once=False):
+        if not at_once and not self.lines["pc"].any():
             self.work(TICKS_PER_MS)
 
     def work(self, ticks):

@@ -146,7 +146,7 @@ class Sink:
 
     link_ms = machine_ms
 
-    def wait(self, busy, fine):
+    def wait(self, busy, fine, at_once):
         self._ms = (self._ms + 1) & COUNT_MASK
 
 

@@ -52,7 +52,7 @@ class Port(Sink):
     def power(self, level):
         pass
 
-    def wait(self, busy, fine):
+    def wait(self, busy, fine, at_once):
         self._ms = (self._ms + TURN_MS) & 0x1FFFFFFF
 
 

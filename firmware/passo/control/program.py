@@ -18,6 +18,7 @@ from passo.records import DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK,
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
+_DWELL_MS = const(3_600_000)  # that are queued in one go: the queue has room for 7680 s
 _PROBE_AWAY = const(1)
 _PROBE_MAY_MISS = const(2)
 
@@ -32,6 +33,7 @@ class Program(LineBatches):
 
     def __init__(self, board, machine, queue):
         self._limits_of = None  # the settings' version whose limits the planner knows
+        self._dwell_ms = 0  # of the dwell under way, that are not queued yet
         self._touch = None  # where the probe changed, kept by its pin's interrupt:
         self._latch = machine.port.watch_limit("probe") if machine.inputs.has_probe else None
         LineBatches.__init__(self, board, machine, queue)
@@ -303,11 +305,18 @@ class Program(LineBatches):
             return result
         if machine.checking or not command.value:
             return machine.accepted(command)
-        self._queue.wait((command.value + 999) // 1000, 0)
-        self._queue.flush()
+        self._dwell_ms = (command.value + 999) // 1000
+        self._go_on_dwelling()
         machine.active = True
         machine.command = command
         return 0
+
+    def _go_on_dwelling(self):
+        """Queue what is left of a dwell, as much of it as the queue has room for."""
+        ms = min(self._dwell_ms, _DWELL_MS)
+        self._dwell_ms -= ms
+        self._queue.wait(ms, 0)
+        self._queue.flush()
 
     # --- what goes on over many cycles
 
@@ -319,6 +328,8 @@ class Program(LineBatches):
         if machine.command is not None:
             if machine.busy_with(commands.PROBE):
                 self._poll_probe(still)
+            elif still and self._dwell_ms and machine.busy_with(commands.DWELL):
+                self._go_on_dwelling()
             elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.at_speed):
                 machine.finish()
         if queue.streams or machine.fresh:

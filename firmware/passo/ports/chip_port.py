@@ -173,7 +173,7 @@ class ChipPort:
 
     @micropython.native
     def wait(self, busy, fine=False, at_once=False):
-        """End a cycle of the main loop: sleep a while, no longer than until a byte comes. Raises what an interrupt could not
+        """End a cycle of the main loop: sleep a while, no longer than until a byte comes; `at_once`: not at all. Raises what an interrupt could not
         deal with: it has halted the player."""
         if self._failed is not None:
             raise self._failed

@@ -206,8 +206,8 @@ class VirtualPort:
     def link_ms(self):
         return (wall_ns() // 1000000) & COUNT_MASK
 
-    def wait(self, busy, fine=False):
-        """End a cycle of the main loop. `busy`: motion, dwell or homing is pending; `fine`: a short cycle."""
+    def wait(self, busy, fine=False, at_once=False):
+        """End a cycle of the main loop. `busy`: motion, dwell or homing is pending; `fine`: a short cycle; `at_once`: no sleep, where an interrupt feeds."""
         quantum = FINE_TICKS if fine else COARSE_TICKS
         pending = busy or self.pending()
         if self.mode == "stepped":

@@ -63,7 +63,7 @@ def find_fifo() -> int:
     found = 0
     at = 1
     while at < _WORDS:
-        if words[at + 1] == _KIND and words[at] == 0x20000000 + 4 * at + _AHEAD:
+        if words[at + _EXTENT] == _KIND and words[at + _ADDRESS] == 0x20000000 + 4 * at + _AHEAD:
             if found:
                 return 0
             found = 4 * at
