@@ -2,7 +2,7 @@
 
     console = Console()
     console.taken(value)                # of each byte read, until it says True: proven
-    console.any(ready)                  # from then on
+    console.any()                       # from then on
     console.take(data, 512, ready)      # how many bytes it has put there; `ready`: asks the interpreter whether bytes are there
     console.close()                     # give the interpreter its console back
 
@@ -115,7 +115,7 @@ class Console:
         return True
 
     @micropython.viper
-    def any(self, ready) -> bool:
+    def any(self) -> bool:
         fifo = ptr16(0x20000000 + int(self._fifo))
         if fifo[_FIFO_WRITTEN] == fifo[_FIFO_READ]:
             sleep_ms(0)
