@@ -18,7 +18,10 @@ import hashlib
 from time import ticks_us
 from passo.ports.usb_line import UsbLine
 from passo.ports.rp2.console import Console
-line = UsbLine(Console())
+console = Console()
+if {ring}:
+    console._fifo = 0
+line = UsbLine(console)
 heard = hashlib.sha256()
 print("ready")
 count = turn = longest = 0
@@ -57,12 +60,13 @@ def send(board, data, random, pause_us):
         board.run(random.randint(1, pause_us))
 
 
+@pytest.mark.parametrize("ring", [False, True])
 @pytest.mark.parametrize("pause, pause_us", [(20, 400), (300, 3000), (1000, 1000)])
-def test_bytes_come_as_they_were_sent(board, show, pause, pause_us):
-    """The first ones by the interpreter's own way, the rest by Console's."""
+def test_bytes_come_as_they_were_sent(board, show, pause, pause_us, ring):
+    """The first ones by the interpreter's own way, the rest by Console's: from TinyUSB's buffer, or, as if that had not been found, from the ring."""
     random = Random(pause)
     data = random.randbytes(12_000)
-    board.console.start(READ.format(count=len(data), pause=pause, end="line.close()"))
+    board.console.start(READ.format(count=len(data), pause=pause, ring=ring, end="line.close()"))
     board.console.expect(b"ready\r\n")
     send(board, data[:FIRST], random, pause_us)
     board.run(20_000)  # proven only once all have been read
@@ -77,7 +81,7 @@ def test_bytes_come_as_they_were_sent(board, show, pause, pause_us):
 
 
 def test_a_program_that_ends_without_close_leaves_a_console_that_works(board):
-    board.console.start(READ.format(count=600, pause=20, end="raise ValueError('amid')"))
+    board.console.start(READ.format(count=600, pause=20, ring=False, end="raise ValueError('amid')"))
     board.console.expect(b"ready\r\n")
     send(board, bytes(range(32, 126)) * 7, Random(1), 400)
     board.console.expect(b"ValueError: amid", LIMIT_US)
@@ -87,7 +91,7 @@ def test_a_program_that_ends_without_close_leaves_a_console_that_works(board):
 
 def test_the_keys_that_ask_for_the_repl_are_heard_behind_silence(board):
     """As mpremote sends them, while Console has the bytes."""
-    board.console.start(READ.format(count=10_000, pause=20, end=""))
+    board.console.start(READ.format(count=10_000, pause=20, ring=False, end=""))
     board.console.expect(b"ready\r\n")
     send(board, b"G1X1\r\x03" * 20, Random(2), 400)  # amid a stream they are bytes like any others
     board.run(1_500_000)

@@ -37,7 +37,7 @@ class UsbLine:
 
     def any(self):
         if self._whole:
-            return self._whole.any()
+            return self._whole.any(self._ready)
         for _ in self._ready(0):
             return True
         return False

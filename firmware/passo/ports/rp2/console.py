@@ -2,13 +2,14 @@
 
     console = Console()
     console.taken(value)                # of each byte read, until it says True: proven
-    console.any()                       # from then on
+    console.any(ready)                  # from then on
     console.take(data, 512, ready)      # how many bytes it has put there; `ready`: asks the interpreter whether bytes are there
     console.close()                     # give the interpreter its console back
 
 Bytes pass two buffers: TinyUSB's, 256 bytes, from which the interpreter moves them one by one into a ring of its own, 500 to 700 cycles
 each. Both records are found in memory by their look. They count only after _PROOFS bytes have been seen to pass both; after the first
-that did not they never count.
+that did not they never count. Where there is no such buffer of TinyUSB's, as in MicroPython of other years, only the ring has to be proven, and bytes
+are taken from there.
 
 From then on the ring looks full, so that the interpreter leaves the bytes in TinyUSB's buffer, and take() has them from there: all but the
 last. That one passes through the ring, because TinyUSB asks the PC for more only when the interpreter reads. A full ring holds zeros, which the
@@ -74,14 +75,14 @@ def find_fifo() -> int:
 class Console:
     def __init__(self):
         self._at = find()
-        self._fifo = find_fifo()
+        self._fifo = find_fifo()  # 0: bytes are taken from the ring
         self._next = 0  # where the next byte is to be read
-        self._left = _PROOFS if self._at and self._fifo else -1  # proofs that are missing; -1: it has failed
+        self._left = _PROOFS if self._at else -1  # proofs that are missing; -1: it has failed
         self._empty = True  # no byte has been read, so it is not known where the next one will be
 
     @micropython.viper
     def taken(self, value: int) -> bool:
-        """A byte has been read. Returns True when that has proven what is needed; from then on the ring is full."""
+        """A byte has been read. Returns True when that has proven what is needed; from then on the ring is full, or take() empties it."""
         left = int(self._left)
         if left < 1:
             return False
@@ -90,9 +91,7 @@ class Console:
         ring = ptr8(ptr32(at)[_ADDRESS])
         there = int(record[_NEXT_READ])
         behind = (int(record[_NEXT_WRITTEN]) - there) & _SIZE - 1  # bytes that wait there
-        fifo = 0x20000000 + int(self._fifo)
-        read = int(ptr16(fifo)[_FIFO_READ])
-        passed = ptr8(ptr32(fifo)[_ADDRESS])
+        fifo = int(self._fifo)
         if self._empty:
             self._empty = False
         elif there != (int(self._next) + 1) & _SIZE - 1:
@@ -100,13 +99,17 @@ class Console:
         self._next = there
         if int(ring[(there - 1) & _SIZE - 1]) != value:
             left = -1
-        elif behind < _DEPTH and left > 0:  # it has not been written over there
-            left = left - 1 if int(passed[(read - 1 - behind) & _DEPTH - 1]) == value else -1
-        if left == 0 and behind:  # what waits in the ring has to be read first
+        elif left > 0 and fifo == 0:
+            left -= 1
+        elif left > 0 and behind < _DEPTH:  # it has not been written over there
+            fifo += 0x20000000
+            passed = ptr8(ptr32(fifo)[_ADDRESS])
+            left = left - 1 if int(passed[(int(ptr16(fifo)[_FIFO_READ]) - 1 - behind) & _DEPTH - 1]) == value else -1
+        if left == 0 and fifo and behind:  # what waits in the ring has to be read first
             left = 1
         self._left = left
-        if left:
-            return False
+        if left or fifo == 0:
+            return left == 0
         while left < _SIZE:
             ring[left] = 0
             left += 1
@@ -115,20 +118,36 @@ class Console:
         return True
 
     @micropython.viper
-    def any(self) -> bool:
-        fifo = ptr16(0x20000000 + int(self._fifo))
-        if fifo[_FIFO_WRITTEN] == fifo[_FIFO_READ]:
-            sleep_ms(0)
-        return fifo[_FIFO_WRITTEN] != fifo[_FIFO_READ]
+    def any(self, ready) -> bool:
+        if int(self._come()) == 0:
+            if self._fifo:
+                sleep_ms(0)  # TinyUSB takes what has come
+            else:
+                ready(0)  # and the interpreter
+        return int(self._come()) != 0
+
+    @micropython.viper
+    def _come(self) -> int:
+        """How many bytes wait."""
+        at = int(self._fifo)
+        if at:
+            record = ptr16(0x20000000 + at)
+            return (int(record[_FIFO_WRITTEN]) - int(record[_FIFO_READ])) & 2 * _DEPTH - 1
+        record = ptr16(0x20000000 + int(self._at))
+        return (int(record[_NEXT_WRITTEN]) - int(record[_NEXT_READ])) & _SIZE - 1
 
     @micropython.viper
     def take(self, data, most: int, ready) -> int:
         """Take at most so many of the bytes that have come. Returns how many."""
         sleep_ms(0)
-        at = 0x20000000 + int(self._fifo)
+        at = int(self._fifo)
+        if at == 0:
+            ready(0)
+            return int(self._take_ring(data, most))
+        at += 0x20000000
         fifo = ptr16(at)
         here = int(fifo[_FIFO_READ])
-        count = (int(fifo[_FIFO_WRITTEN]) - here) & 2 * _DEPTH - 1
+        count = int(self._come())
         if count == 0:
             return 0
         passed = ptr8(ptr32(at)[_ADDRESS])
@@ -160,7 +179,25 @@ class Console:
         return done
 
     @micropython.viper
+    def _take_ring(self, data, most: int) -> int:
+        at = 0x20000000 + int(self._at)
+        record = ptr16(at)
+        ring = ptr8(ptr32(at)[_ADDRESS])
+        out = ptr8(data)
+        here = int(record[_NEXT_READ])
+        count = int(self._come())
+        if count > most:
+            count = most
+        done = 0
+        while done < count:
+            out[done] = ring[here]
+            here = (here + 1) & _SIZE - 1
+            done += 1
+        record[_NEXT_READ] = here
+        return count
+
+    @micropython.viper
     def close(self):
-        if int(self._left) == 0:
+        if int(self._left) == 0 and int(self._fifo):
             ptr16(0x20000000 + int(self._at))[_NEXT_WRITTEN] = 0
             self._left = -1
