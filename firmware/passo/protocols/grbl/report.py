@@ -202,7 +202,11 @@ class Status:
         power = report["power"]
         if power != self._power:
             self._power = power
-            self._fields[REPORT_RPM + NUMBER_WHOLE] = self._rpm(power)
+            if power % 1000 or self._max_rpm % 1000:
+                rpm = rounded(power * self._max_rpm, 1_000_000_000)
+            else:  # as a laser's dots have it: without long integers in half the time
+                rpm = (power // 1000 * (self._max_rpm // 1000) + 500) // 1000
+            self._fields[REPORT_RPM + NUMBER_WHOLE] = rpm
         state = report["state"]
         substate = report["substate"] if state == "hold" or state == "door" else -1
         if state == "alarm" and report["slows"]:  # on its way to the alarm's stand
@@ -213,13 +217,6 @@ class Status:
             self._substate = substate
             self._numbered = numbered
             self._form = self._make_form()
-
-    def _rpm(self, power):
-        """Of a power in millionths, rounded. That of a laser's dots, which differ, is in whole thousandths: without long integers it takes half
-        the time."""
-        if power % 1000 or self._max_rpm % 1000:
-            return rounded(power * self._max_rpm, 1_000_000_000)
-        return (power // 1000 * (self._max_rpm // 1000) + 500) // 1000
 
     def _make_form(self):
         """A report up to FS, for tell()."""
