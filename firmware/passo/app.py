@@ -102,7 +102,7 @@ class App:
         self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES
         self._answered_ms = -1  # lines of a batch were answered while the machine moved, and it has not been polled since; −1: none
         self._now_ms = port.link_ms()
-        self._kept = False  # lines were, in this cycle, and wait for the next
+        self._kept = False  # _heed() has kept lines in this cycle: the next one begins without a sleep
         self._speaking = None  # the link whose bytes are being understood
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
         self.links = []
@@ -313,7 +313,7 @@ class App:
         commands = link.protocol.feed(data, self._now_ms)
         if data or not self.interrupt or not link.heed or isinstance(commands, tuple):
             return commands
-        return self._between(commands, link)  # a generator reads a line as its command is asked for, which takes a chip milliseconds
+        return self._between(commands, link)  # a chip takes milliseconds to read each line
 
     def _between(self, commands, link):
         """Carry out the real-time bytes of `link` before, between and behind `commands`."""
@@ -378,7 +378,7 @@ class App:
                     data = b""
                     break
             elif more and (answers is False and self.interrupt or answers == b"" and len(data) >= _FULL):  # see Grbl.take()
-                more -= 1  # the wire may bring more than the machine takes: what is left there would be lost
+                more -= 1  # so many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
                 if answers is False:
                     self._carry_out(link.protocol.feed(b"", now_ms), link)
             else:

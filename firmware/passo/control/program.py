@@ -18,7 +18,7 @@ from passo.records import DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK,
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
-_DWELL_MS = const(3_600_000)  # that are queued in one go: the queue has room for 7680 s
+_DWELL_MS = const(3_600_000)  # of a dwell are queued at a time: the whole queue holds 7680 s
 _PROBE_AWAY = const(1)
 _PROBE_MAY_MISS = const(2)
 
@@ -33,7 +33,7 @@ class Program(LineBatches):
 
     def __init__(self, board, machine, queue):
         self._limits_of = None  # the settings' version whose limits the planner knows
-        self._dwell_ms = 0  # of the dwell under way, that are not queued yet
+        self._dwell_ms = 0  # the part of the dwell under way that is not queued yet
         self._touch = None  # where the probe changed, kept by its pin's interrupt:
         self._latch = machine.port.watch_limit("probe") if machine.inputs.has_probe else None
         LineBatches.__init__(self, board, machine, queue)
@@ -312,7 +312,7 @@ class Program(LineBatches):
         return 0
 
     def _go_on_dwelling(self):
-        """Queue what is left of a dwell, as much of it as the queue has room for."""
+        """Queue the next hour of a dwell, or the rest of it if that is less."""
         ms = min(self._dwell_ms, _DWELL_MS)
         self._dwell_ms -= ms
         self._queue.wait(ms, 0)

@@ -1,19 +1,19 @@
 """Takes what the USB console has received in one go: MicroPython gives single bytes, and never says how many there are.
 
     console = Console()
-    console.taken(value)                # of each byte read, until it says True: proven
+    console.taken(value)                # of each byte read, until it returns True
     console.any(ready)                  # from then on
     console.take(data, 512, ready)      # how many bytes it has put there; `ready`: asks the interpreter whether bytes are there
     console.close()                     # give the interpreter its console back
 
 Bytes pass two buffers: TinyUSB's, 256 bytes, from which the interpreter moves them one by one into a ring of its own, 500 to 700 cycles
-each. Both records are found in memory by their look. They count only after _PROOFS bytes have been seen to pass both; after the first
-that did not they never count. Where there is no such buffer of TinyUSB's, as in MicroPython of other years, only the ring has to be proven, and bytes
-are taken from there.
+each. Console finds the records of both in memory by their values. Before it uses them, the first _PROOFS bytes that are read must lie in both buffers
+at the expected index. If one does not, bytes are read singly until the board restarts. If find_fifo() finds no buffer of TinyUSB's, because this
+MicroPython has another version of it, Console checks and reads the ring alone.
 
-From then on the ring looks full, so that the interpreter leaves the bytes in TinyUSB's buffer, and take() has them from there: all but the
-last. That one passes through the ring, because TinyUSB asks the PC for more only when the interpreter reads. A full ring holds zeros, which the
-REPL passes over, should the program end without close().
+Once both are checked, Console marks the ring as full. The interpreter then leaves the bytes in TinyUSB's buffer, and take() copies all but the last
+from there. The last one passes through the ring, because TinyUSB asks the PC for more only when the interpreter reads. The ring is filled with zeros:
+if the program ends without close(), the REPL ignores them.
 """
 
 from time import sleep_ms
@@ -82,7 +82,7 @@ class Console:
 
     @micropython.viper
     def taken(self, value: int) -> bool:
-        """A byte has been read. Returns True when that has proven what is needed; from then on the ring is full, or take() empties it."""
+        """Check where a byte that has been read lay. Returns True with the last byte that had to be checked: then call take(), and no longer the interpreter's read."""
         left = int(self._left)
         if left < 1:
             return False
@@ -101,11 +101,11 @@ class Console:
             left = -1
         elif left > 0 and fifo == 0:
             left -= 1
-        elif left > 0 and behind < _DEPTH:  # it has not been written over there
+        elif left > 0 and behind < _DEPTH:  # else newer bytes have been written over it
             fifo += 0x20000000
             passed = ptr8(ptr32(fifo)[_ADDRESS])
             left = left - 1 if int(passed[(int(ptr16(fifo)[_FIFO_READ]) - 1 - behind) & _DEPTH - 1]) == value else -1
-        if left == 0 and fifo and behind:  # what waits in the ring has to be read first
+        if left == 0 and fifo and behind:  # the ring can be marked as full only when it is empty
             left = 1
         self._left = left
         if left or fifo == 0:
@@ -121,9 +121,9 @@ class Console:
     def any(self, ready) -> bool:
         if int(self._come()) == 0:
             if self._fifo:
-                sleep_ms(0)  # TinyUSB takes what has come
+                sleep_ms(0)  # run TinyUSB's task, which takes in the next packet
             else:
-                ready(0)  # and the interpreter
+                ready(0)  # this also moves bytes to the ring
         return int(self._come()) != 0
 
     @micropython.viper
@@ -164,7 +164,7 @@ class Console:
         record[_NEXT_WRITTEN] = 0  # empty
         ready(0)
         count = int(record[_NEXT_WRITTEN])
-        if count == 0:  # it was not asked to move any
+        if count == 0:  # the interpreter has moved none
             out[done] = passed[here & _DEPTH - 1]
             done += 1
             fifo[_FIFO_READ] = here + 1 & 2 * _DEPTH - 1
@@ -175,7 +175,7 @@ class Console:
             here += 1
             done += 1
         record[_NEXT_WRITTEN] = _SIZE - 1
-        sleep_ms(0)  # now TinyUSB takes the next packet
+        sleep_ms(0)  # run TinyUSB's task again
         return done
 
     @micropython.viper
