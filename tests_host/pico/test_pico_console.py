@@ -37,7 +37,7 @@ while count < {count}:
     heard.update(data)
     count += len(data)
     longest = max(longest, len(data))
-    if longest > 512:
+    if longest > 640:
         break
 {end}
 print("[%s,%d,%d]" % (heard.digest().hex(), longest, line._whole is not None))
@@ -75,7 +75,7 @@ def test_bytes_come_as_they_were_sent(board, show, pause, pause_us, ring):
     digest, longest, proven = said.strip("[]\r\n ").split(",")
     assert digest == hashlib.sha256(data).hexdigest()
     assert proven == "1"
-    assert 64 < int(longest) <= 512
+    assert 64 < int(longest) <= 640
     show("console", f"at most {longest} bytes in one go")
     assert board.exec("print(6 * 7)").strip() == "42"
 

@@ -8,7 +8,7 @@ from time import ticks_diff, ticks_ms
 import micropython
 from micropython import const
 
-_PACKETS = const(512)  # bytes read in one go: what a sender may have under way, so that `?` is seen behind it
+_PACKETS = const(640)  # bytes read in one go: more than a sender may have under way, so that `?` is seen behind it
 _FEW = const(64)  # the same where they come one by one
 _INTERRUPT = const(3)  # Ctrl-C
 _ESCAPE = b"\r\x03"  # what mpremote begins with
@@ -44,7 +44,7 @@ class UsbLine:
 
     @micropython.native
     def read(self):
-        """Bytes that have come, at most 512, good until the next read; b"" if none. Raises KeyboardInterrupt when the REPL
+        """Bytes that have come, at most 640, good until the next read; b"" if none. Raises KeyboardInterrupt when the REPL
         is asked for."""
         count = self._whole.take(self._data, _PACKETS, self._ready) if self._whole else self._read_each()
         if not count:

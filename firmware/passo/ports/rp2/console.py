@@ -3,7 +3,7 @@
     console = Console()
     console.taken(value)                # of each byte read, until it returns True
     console.any(ready)                  # from then on
-    console.take(data, 512, ready)      # how many bytes it has put there; `ready`: asks the interpreter whether bytes are there
+    console.take(data, 640, ready)      # how many bytes it has put there; `ready`: asks the interpreter whether bytes are there
     console.close()                     # give the interpreter its console back
 
 Bytes pass two buffers: TinyUSB's, 256 bytes, from which the interpreter moves them one by one into a ring of its own, 500 to 700 cycles
@@ -11,12 +11,14 @@ each. Console finds the records of both in memory by their values. Before it use
 at the expected index. If one does not, bytes are read singly until the board restarts. If find_fifo() finds no buffer of TinyUSB's, because this
 MicroPython has another version of it, Console checks and reads the ring alone.
 
-Once both are checked, Console marks the ring as full. The interpreter then leaves the bytes in TinyUSB's buffer, and take() copies all but the last
-from there. The last one passes through the ring, because TinyUSB asks the PC for more only when the interpreter reads. The ring is filled with zeros:
-if the program ends without close(), the REPL ignores them.
+Once both are checked, Console marks the ring as full. The interpreter then leaves the bytes in TinyUSB's buffer, and take() copies them
+from there. If TinyUSB's buffer has no room for another packet, the last byte passes through the ring, because TinyUSB then asks the PC for more only
+when the interpreter reads. The ring is filled with zeros: if the program ends without close(), the REPL ignores them.
+
+A packet is 64 bytes. Behind a full one take() waits for the next, so that `?` is seen behind the lines that a sender has under way.
 """
 
-from time import sleep_ms
+from time import sleep_ms, sleep_us
 
 import micropython
 from micropython import const
@@ -24,6 +26,8 @@ from micropython import const
 _SIZE = const(512)  # bytes of the ring: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp2
 _WORDS = const(8192)  # of memory that are looked through: its variables come first
 _PROOFS = const(12)
+_PACKET = const(64)  # bytes, of a full-speed bus
+_PACKET_US = const(60)  # until the next one has come
 # ringbuf_t of py/ringbuf.h: words, and halfwords.
 _ADDRESS = const(0)
 _EXTENT = const(1)  # the size, and above it where the next byte is read
@@ -138,45 +142,69 @@ class Console:
 
     @micropython.viper
     def take(self, data, most: int, ready) -> int:
-        """Take at most so many of the bytes that have come. Returns how many."""
+        """Take the bytes that have come, and those that come meanwhile, at most so many. Returns how many bytes."""
         sleep_ms(0)
-        at = int(self._fifo)
-        if at == 0:
+        if int(self._fifo) == 0:
             ready(0)
             return int(self._take_ring(data, most))
-        at += 0x20000000
+        done = 0
+        while done + _DEPTH + _PACKET <= most:
+            count = int(self._take_fifo(data, done, ready))
+            done += count
+            if count < _PACKET:  # the PC has sent no more
+                break
+            sleep_us(_PACKET_US)
+            sleep_ms(0)  # run TinyUSB's task, which takes in the next packet
+        return done
+
+    @micropython.viper
+    def _take_fifo(self, data, begin: int, ready) -> int:
+        """Take what lies in TinyUSB's buffer, and put it behind the first `begin` bytes of `data`. Returns how many bytes."""
+        count = int(self._come())
+        at = 0x20000000 + int(self._fifo)
         fifo = ptr16(at)
         here = int(fifo[_FIFO_READ])
-        count = int(self._come())
-        if count == 0:
-            return 0
         passed = ptr8(ptr32(at)[_ADDRESS])
         out = ptr8(data)
-        done = 0
-        while done < count - 1 and done < most - 1:
-            out[done] = passed[here & _DEPTH - 1]
+        end = begin + count
+        full = count > _DEPTH // 2  # there was no room for another packet, or little more
+        if full:
+            end -= 1
+        while begin < end:
+            out[begin] = passed[here & _DEPTH - 1]
             here += 1
-            done += 1
+            begin += 1
         fifo[_FIFO_READ] = here & 2 * _DEPTH - 1
+        if full:
+            count += int(self._pass(data, begin, ready)) - 1
+        return count
+
+    @micropython.viper
+    def _pass(self, data: ptr8, begin: int, ready) -> int:
+        """Have the interpreter read the only byte in TinyUSB's buffer, so that TinyUSB has the PC send more. Put it, and what has come
+        meanwhile, behind the first `begin` bytes of `data`. Returns how many bytes."""
         at = 0x20000000 + int(self._at)
         record = ptr16(at)
         ring = ptr8(ptr32(at)[_ADDRESS])
         record[_NEXT_WRITTEN] = 0  # empty
         ready(0)
         count = int(record[_NEXT_WRITTEN])
-        if count == 0:  # the interpreter has moved none
-            out[done] = passed[here & _DEPTH - 1]
-            done += 1
-            fifo[_FIFO_READ] = here + 1 & 2 * _DEPTH - 1
-        here = 0
-        while here < count and done < most:
-            out[done] = ring[here]
-            ring[here] = 0
-            here += 1
-            done += 1
         record[_NEXT_WRITTEN] = _SIZE - 1
-        sleep_ms(0)  # run TinyUSB's task again
-        return done
+        if count == 0:  # the interpreter has moved none
+            at = 0x20000000 + int(self._fifo)
+            fifo = ptr16(at)
+            at = int(ptr32(at)[_ADDRESS])
+            data[begin] = ptr8(at)[fifo[_FIFO_READ] & _DEPTH - 1]
+            fifo[_FIFO_READ] = int(fifo[_FIFO_READ]) + 1 & 2 * _DEPTH - 1
+            return 1
+        at = 0
+        while at < count:
+            data[begin] = ring[at]
+            begin += 1
+            ring[at] = 0
+            at += 1
+        sleep_ms(0)
+        return count
 
     @micropython.viper
     def _take_ring(self, data, most: int) -> int:
