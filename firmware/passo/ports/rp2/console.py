@@ -26,7 +26,7 @@ from micropython import const
 _SIZE = const(512)  # bytes of the ring: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp2
 _WORDS = const(8192)  # of memory that are looked through: its variables come first
 _PROOFS = const(12)
-_PACKET = const(64)  # bytes, of a full-speed bus
+_ENDPOINT = const(64)  # bytes of a packet on a full-speed bus
 _PACKET_US = const(60)  # until the next one has come
 # ringbuf_t of py/ringbuf.h: words, and halfwords.
 _ADDRESS = const(0)
@@ -148,10 +148,10 @@ class Console:
             ready(0)
             return int(self._take_ring(data, most))
         done = 0
-        while done + _DEPTH + _PACKET <= most:
+        while done + _DEPTH + _ENDPOINT <= most:
             count = int(self._take_fifo(data, done, ready))
             done += count
-            if count < _PACKET:  # the PC has sent no more
+            if count < _ENDPOINT:  # the PC has sent no more
                 break
             sleep_us(_PACKET_US)
             sleep_ms(0)  # run TinyUSB's task, which takes in the next packet
