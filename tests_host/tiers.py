@@ -21,7 +21,7 @@ from contextlib import contextmanager
 TIERS = ("check", "test", "all")
 FEW = 3
 SOME, PART = 5, 16  # CPython has tried more of them
-MEASURED_S = 0.15  # with 0.05 a PC of half the speed covered 89 %, not 90
+MEASURED_S = 0.15  # so much that a PC of half the speed still covers 90 %
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"
 

@@ -176,7 +176,7 @@ def test_portuguese_agrees_and_a_bound_has_its_unit(tmp_path, driver):
 
 
 CORNERS = (4, 0), (4, 3), (0, 3), (0, 0)
-# A corner is shown for a moment: the page itself keeps what it shows, as a slow PC's test would come too late.
+# The page shows a corner for a moment only, and a test on a slow PC may look too late. So this script records every position that the page shows.
 WATCH = """
 window.shown = [];
 const shown = (axis) => parseFloat(document.getElementById("w-" + axis).textContent);

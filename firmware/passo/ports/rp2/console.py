@@ -181,8 +181,8 @@ class Console:
 
     @micropython.viper
     def _pass(self, data: ptr8, begin: int, ready) -> int:
-        """Have the interpreter read the only byte in TinyUSB's buffer, so that TinyUSB has the PC send more. Put it, and what has come
-        meanwhile, behind the first `begin` bytes of `data`. Returns how many bytes."""
+        """Read the last byte of TinyUSB's buffer through the interpreter's ring: TinyUSB then asks the PC for the next packet. Put this byte, and
+        bytes that arrive in the meantime, into `data` from index `begin` on. Returns how many bytes."""
         at = 0x20000000 + int(self._at)
         record = ptr16(at)
         ring = ptr8(ptr32(at)[_ADDRESS])
