@@ -36,8 +36,8 @@ PIO_PLAYED = const(22)  # words played, while not playing, modulo 2²⁹
 PIO_HELD = const(23)  # 1: start() does nothing
 PIO_STUCK = const(24)  # 1: a register that was waited for never came to its value
 PIO_CYCLES = const(25)  # of the processor, that a pulse lasts
-PIO_FIELDS = const(26)
-PIO_RUNS = const(64)  # entries of each table; 64 words, so aligned to 256 bytes for the DMA's address ring
+PIO_LAST = const(26)  # entries of each table of runs − 1
+PIO_FIELDS = const(27)
 
 # The state of the RP2040's timer player, an array('I'). First what does not change.
 TIMER_BLOCK = const(0)  # addresses: PIO block, state machine

@@ -27,8 +27,9 @@ from passo.ports.rp2.registers import CHANNEL_READ
 from passo.records import *
 from passo.steps.power_viper import scaled
 
-_TABLE = const(256)  # bytes: one number for each run
-_TABLE_RING = const(8)
+_RUN_BITS = const(7)  # 12 000 dots a second are 126 runs in 10.5 ms
+_TABLE = const(512)  # bytes: one number for each run
+_TABLE_RING = const(9)
 _CC = const(12)  # registers of a PWM slice
 _TOP = const(16)
 _SLICE = const(20)
@@ -44,6 +45,8 @@ _PARTS = const(16_000)  # POWER_MOST << POWER_FINE: of a mark's full power
 
 class LaserPlayer(PioPlayer):
     """`pin`: that of the PWM, which has been set up; the rest as PioPlayer's."""
+
+    run_bits = _RUN_BITS
 
     def __init__(self, pin, ring, *rest):
         compare = chip.PWM + _SLICE * (pin >> 1 & 7) + _CC
@@ -123,12 +126,12 @@ def first_mark(state: ptr32, laser: ptr32, power: ptr32, level: int) -> int:
         mark = tail
     if mark == tail:
         laser[_DUTY] = (level * laser[_FULL] + (_PARTS >> 1)) // _PARTS
-        _show(state, laser, laser[_DUTY], PIO_RUNS)
+        _show(state, laser, laser[_DUTY], state[PIO_LAST] + 1)
     if state[PIO_PLAYING] != 1 and mark != power[POWER_HEAD]:
         marked = power[POWER_MARKS + (mark & power[POWER_MASK])]
         if ((marked >> POWER_WORD) - state[PIO_PLAYED]) & POWER_WORDS < 2:  # behind a word that only turns: so few words may be there
             laser[_DUTY] = (int(scaled(power, marked & POWER_LEVEL)) * laser[_FULL] + (_PARTS >> 1)) // _PARTS
-            _show(state, laser, laser[_DUTY], PIO_RUNS)
+            _show(state, laser, laser[_DUTY], state[PIO_LAST] + 1)
             mark = (mark + 1) & COUNT_MASK
     return mark
 
@@ -166,6 +169,6 @@ def _tell(state: ptr32, laser: ptr32, word: int, before: int, duty: int) -> bool
         return False
     if count > state[PIO_MASK] + 1 - (armed & state[PIO_MASK]):
         duties[slot] = before << 16 | before
-        slot = (slot + 1) & (PIO_RUNS - 1)
+        slot = (slot + 1) & state[PIO_LAST]
     duties[slot] = duty << 16 | duty
     return True

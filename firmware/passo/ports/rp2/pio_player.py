@@ -27,7 +27,7 @@ from passo.ports.rp2.fields import *
 from passo.ports.rp2.registers import *
 from passo.records import COUNT_MASK
 
-_RUNS_RING = const(8)
+_ENTRY = const(2)  # bits that count the bytes of a table's entry
 _SPARE = const(3)  # entries left free: two for the next append, one for the end mark
 
 # Looks at a register that should be right after a microsecond; as many take 50 µs at least, by viper 200.
@@ -39,6 +39,8 @@ class PioPlayer:
     """`base`: pin of the lowest bit; `invert`: mask of bits whose electrical level is the opposite of the word's;
     `pulse_ticks`: 0 for coils; `halt_pin`: a Pin that stops everything while it is high, or None."""
 
+    run_bits = 5  # a call of start() takes one or two runs, and seldom are four calls ahead
+
     def __init__(self, ring, layout, base, pulse_ticks, min_word_ticks, invert, halt_pin=None, machine_id=0):
         self.min_word_ticks = min_word_ticks
         self._ring = ring
@@ -48,8 +50,9 @@ class PioPlayer:
         self._machine = rp2.StateMachine(machine_id, program, jmp_pin=halt_pin)
         block, number = divmod(machine_id, 4)
         pio = 0x50200000 + 0x100000 * block
-        self._tables = bytearray(3 * 4 * PIO_RUNS)
-        counts = (uctypes.addressof(self._tables) + 4 * PIO_RUNS - 1) & ~(4 * PIO_RUNS - 1)
+        size = 1 << self.run_bits + _ENTRY  # of a table, which is aligned to it for the DMA's address ring
+        self._tables = bytearray(3 * size)
+        counts = (uctypes.addressof(self._tables) + size - 1) & ~(size - 1)
         self._dma = [rp2.DMA() for _ in range(3)]
         channels = [0x50000000 + 0x40 * dma.channel for dma in self._dma]
         out = base | layout.bits << 20
@@ -58,12 +61,12 @@ class PioPlayer:
             (PIO_BLOCK, pio), (PIO_MACHINE, pio + 0xC8 + 0x18 * number), (PIO_A, channels[0]),
             (PIO_B, channels[1]), (PIO_C, channels[2]),
             (PIO_D, channels[0]), (PIO_ABORT, chip.ABORT),
-            (PIO_COUNTS, counts), (PIO_ADDRESSES, counts + 4 * PIO_RUNS), (PIO_WORDS, uctypes.addressof(ring.words)),
+            (PIO_COUNTS, counts), (PIO_ADDRESSES, counts + size), (PIO_WORDS, uctypes.addressof(ring.words)),
             (PIO_MASK, ring.mask), (PIO_NUMBER, number), (PIO_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
             (PIO_PINS, out | (base << 5 | layout.motors << 26 if pulse_ticks else 0)),
             (PIO_TOOL, out | base + layout.bits - 1 << 5 | 1 << 26), (PIO_BITS, layout.bits),
             (PIO_CHANNELS, 1 << self._dma[0].channel | 1 << self._dma[1].channel | 1 << self._dma[2].channel),
-            (PIO_BUSY, chip.BUSY), (PIO_CYCLES, pulse_ticks * cycles),
+            (PIO_BUSY, chip.BUSY), (PIO_CYCLES, pulse_ticks * cycles), (PIO_LAST, (1 << self.run_bits) - 1),
         ):  # fmt: skip
             self._state[index] = value
         self._set_up_dma(channels[0], 8 * block + number)
@@ -86,7 +89,7 @@ class PioPlayer:
             (c, state[PIO_COUNTS], 0x1C, c.channel),  # A's length, which does, unless it is 0
         ):
             ctrl = dma.pack_ctrl(
-                size=2, inc_write=False, high_pri=True, ring_size=_RUNS_RING, ring_sel=False, chain_to=after
+                size=2, inc_write=False, high_pri=True, ring_size=self.run_bits + _ENTRY, ring_sel=False, chain_to=after
             )
             dma.config(read=table, write=channel_a + register, count=1, ctrl=ctrl)
 
@@ -308,7 +311,7 @@ def _resume(state: ptr32):
 @micropython.viper
 def _next_run(state: ptr32) -> int:  # ISR: no allocation
     """The run that the chain reads next."""
-    return ((ptr32(state[PIO_C])[CHANNEL_READ] - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1)
+    return ((ptr32(state[PIO_C])[CHANNEL_READ] - state[PIO_COUNTS]) >> 2) & state[PIO_LAST]
 
 
 @micropython.viper
@@ -318,7 +321,7 @@ def _rests(state: ptr32, after: int) -> int:  # ISR: no allocation
     address = c[CHANNEL_READ]
     active = ptr32(state[PIO_A])[CHANNEL_CTRL_TRIG] | ptr32(state[PIO_D])[CHANNEL_CTRL_TRIG]
     active = (active | ptr32(state[PIO_B])[CHANNEL_CTRL_TRIG] | c[CHANNEL_CTRL_TRIG]) & state[PIO_BUSY]
-    return 1 if ((address - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after and active == 0 and c[CHANNEL_READ] == address else 0
+    return 1 if ((address - state[PIO_COUNTS]) >> 2) & state[PIO_LAST] == after and active == 0 and c[CHANNEL_READ] == address else 0
 
 
 @micropython.viper
@@ -334,20 +337,20 @@ def append(state: ptr32, head: int) -> bool:
     addresses = ptr32(state[PIO_ADDRESSES])
     mask = state[PIO_MASK]
     first = state[PIO_SLOT]
-    after = (first + 1) & (PIO_RUNS - 1)
+    after = (first + 1) & state[PIO_LAST]
     # 1 once the chain has read the end mark in `first`: it has to be set going again
     ended = 1 if int(_next_run(state)) == after else 0
     count = (head - state[PIO_ARMED]) & COUNT_MASK
     while count:
         slot = state[PIO_SLOT]
-        waiting = (slot - int(_next_run(state))) & (PIO_RUNS - 1)
-        if waiting >= PIO_RUNS - _SPARE and ended == 0:
+        waiting = (slot - int(_next_run(state))) & state[PIO_LAST]
+        if waiting > state[PIO_LAST] - _SPARE and ended == 0:
             break
         run = mask + 1 - (state[PIO_ARMED] & mask)
         if run > count:
             run = count
         armed = (state[PIO_ARMED] + run) & COUNT_MASK
-        following = (slot + 1) & (PIO_RUNS - 1)
+        following = (slot + 1) & state[PIO_LAST]
         addresses[following] = state[PIO_WORDS] + ((armed & mask) << 2)
         counts[following] = 0
         state[PIO_ARMED] = armed
