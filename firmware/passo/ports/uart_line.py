@@ -30,6 +30,7 @@ class UartLine:
         )
         if "parity" in link:
             self._uart.init(parity=_PARITIES[link["parity"]], stop=link["stop_bits"])
+        self.write = self._uart.write  # itself, see usb_line.py
         self.count = self._uart.any  # returns how many bytes have come; rp2/port.py wraps it at high rates
         self._data = bytearray(_MOST)
         self._view = self._said = memoryview(self._data)
@@ -86,9 +87,6 @@ class UartLine:
         if self._given == self._kept:
             self._kept = self._given = 0
         return data
-
-    def write(self, data):
-        self._uart.write(data)
 
     def close(self):
         self._uart.deinit()

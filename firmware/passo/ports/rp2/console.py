@@ -15,7 +15,8 @@ Once both are checked, Console marks the ring as full. The interpreter then leav
 from there. If TinyUSB's buffer has no room for another packet, the last byte passes through the ring, because TinyUSB then asks the PC for more only
 when the interpreter reads. The ring is filled with zeros: if the program ends without close(), the REPL ignores them.
 
-A packet is 64 bytes. Behind a full one take() waits for the next, so that `?` is seen behind the lines that a sender has under way.
+A packet is 64 bytes. Behind the first one and behind each full one take() waits for the next, so that `?` is seen behind the lines that a
+sender has under way. The first may have lain here for long while the rest waited in the PC.
 """
 
 from time import sleep_ms, sleep_us
@@ -144,40 +145,35 @@ class Console:
     def take(self, data, most: int, ready) -> int:
         """Take the bytes that have come, and those that come meanwhile, at most so many. Returns how many bytes."""
         sleep_ms(0)
-        if int(self._fifo) == 0:
+        at = 0x20000000 + int(self._fifo)
+        if at == 0x20000000:
             ready(0)
             return int(self._take_ring(data, most))
-        done = 0
-        while done + _DEPTH + _ENDPOINT <= most:
-            count = int(self._take_fifo(data, done, ready))
-            done += count
-            if count < _ENDPOINT:  # the PC has sent no more
-                break
-            sleep_us(_PACKET_US)
-            sleep_ms(0)  # run TinyUSB's task, which takes in the next packet
-        return done
-
-    @micropython.viper
-    def _take_fifo(self, data, begin: int, ready) -> int:
-        """Take what lies in TinyUSB's buffer, and put it behind the first `begin` bytes of `data`. Returns how many bytes."""
-        count = int(self._come())
-        at = 0x20000000 + int(self._fifo)
         fifo = ptr16(at)
-        here = int(fifo[_FIFO_READ])
         passed = ptr8(ptr32(at)[_ADDRESS])
         out = ptr8(data)
-        end = begin + count
-        full = count > _DEPTH // 2  # there was no room for another packet, or little more
-        if full:
-            end -= 1
-        while begin < end:
-            out[begin] = passed[here & _DEPTH - 1]
-            here += 1
-            begin += 1
-        fifo[_FIFO_READ] = here & 2 * _DEPTH - 1
-        if full:
-            count += int(self._pass(data, begin, ready)) - 1
-        return count
+        done = 0
+        while True:
+            here = int(fifo[_FIFO_READ])
+            count = (int(fifo[_FIFO_WRITTEN]) - here) & 2 * _DEPTH - 1
+            if count == 0 or done + count + 2 * _ENDPOINT > most:
+                return done
+            end = done + count
+            full = count > _DEPTH // 2  # there was no room for another packet, or little more
+            if full:
+                end -= 1
+            first = done == 0
+            while done < end:
+                out[done] = passed[here & _DEPTH - 1]
+                here += 1
+                done += 1
+            fifo[_FIFO_READ] = here & 2 * _DEPTH - 1
+            if full:
+                done += int(self._pass(data, done, ready))
+            elif count < _ENDPOINT and not first:  # the PC has sent no more
+                return done
+            sleep_us(_PACKET_US)
+            sleep_ms(0)  # run TinyUSB's task, which takes in the next packet
 
     @micropython.viper
     def _pass(self, data: ptr8, begin: int, ready) -> int:

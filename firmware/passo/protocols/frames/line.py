@@ -105,7 +105,11 @@ class FramedLine:
     def read(self):
         """Bytes for the language, good until the next read; b"" if none."""
         if self._state == _PLAIN:
-            return self._plain()
+            data = self._serial.read()
+            if not data or self._late or self._held or zeros(data, len(data)):
+                return self._plain(data)
+            self._heard = True
+            return data
         begin = self._at
         end = self._buffer.find(b"\0", begin, self._end) if begin < self._end else -1
         while end < 0 and self._fill():
@@ -141,8 +145,7 @@ class FramedLine:
 
     # --- until a host asks for frames
 
-    def _plain(self):
-        data = self._serial.read()
+    def _plain(self, data):
         if self._late:
             return self._plain_again(data)
         if not data:
@@ -152,8 +155,6 @@ class FramedLine:
                 return data
             return b""
         self._heard = True
-        if not self._held and not zeros(data, len(data)):
-            return data
         text = self._held + bytes(data)
         self._held = b""
         at = text.find(HELLO_WIRE)
