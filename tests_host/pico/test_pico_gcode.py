@@ -13,7 +13,7 @@ from host_tools.emulator import gcode
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.pico import EmulatedPico
 from passo import records
-from passo.protocols.gcode import parse_records, parse_viper
+from passo.protocols.gcode import parse_records, parse_viper, row_dots_viper
 from test_pico_digest import compiled
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
@@ -74,7 +74,9 @@ def test_far_lines_are_read_as_on_a_pc(uf2):
     here = io.StringIO()
     with contextlib.redirect_stdout(here):
         exec(code, {"parse": parse_viper.parse})
-    modules = {"passo/records.py": records, "passo/protocols/gcode/parse_records.py": parse_records, "parse_viper.py": parse_viper}
+    modules = {"passo/records.py": records, "parse_viper.py": parse_viper}
+    for module in (parse_records, row_dots_viper):
+        modules[module.__name__.replace(".", "/") + ".py"] = module
     files = compiled({path: Path(module.__file__) for path, module in modules.items()})
     files["passo/__init__.py"] = b""
     code = "from parse_viper import parse\n" + code

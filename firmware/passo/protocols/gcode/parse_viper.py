@@ -19,6 +19,7 @@ Python; see motion/block_viper.py for what that asks of integers.
 import micropython
 
 from passo.protocols.gcode.parse_records import *
+from passo.protocols.gcode.row_dots_viper import add_row, put_dot, row_waits
 from passo.records import *
 
 
@@ -29,6 +30,9 @@ def parse(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots:
     fields[PARSE_ARC] = 0
     fields[PARSE_NO_ROOM] = 0
     while lines < most and begin < count:
+        if int(row_waits(text, begin, count, dots)):
+            fields[PARSE_NO_ROOM] = 1
+            break
         after = int(read_line(text, begin, count, fields, dots))
         row = fields[PARSE_DOTS]
         longest = 81  # bytes, its end among them
@@ -145,29 +149,6 @@ def read_packed(text: ptr8, at: int, count: int, fields: ptr32, dots: ptr32) -> 
     fields[PARSE_DOTS] = row
     fields[PARSE_LAST] = level
     return at + 1
-
-
-@micropython.viper
-def put_dot(dots: ptr32, row: int, level: int):
-    """Dot number `row` of a row that is not counted yet, if there is room for it."""
-    dot = (dots[DOTS_HEAD] + row) & dots[DOTS_MASK]
-    if row < (dots[DOTS_TAIL] - dots[DOTS_HEAD] - 1) & dots[DOTS_MASK]:
-        at = dots[DOTS_AT] + dot // 3
-        by = dot % 3 * DOTS_COUNT
-        dots[at] = dots[at] & ~(DOTS_POWER << by) | level << by
-
-
-@micropython.viper
-def add_row(fields: ptr32, dots: ptr32) -> int:
-    """The dots of the row that has been read are queued with it; 0 if there is no room for them now."""
-    row = fields[PARSE_DOTS]
-    head = dots[DOTS_HEAD]
-    if row > (dots[DOTS_TAIL] - head - 1) & dots[DOTS_MASK]:
-        fields[PARSE_NO_ROOM] = 1
-        return 0
-    fields[PARSE_POWER] = fields[PARSE_LAST] | row << DOTS_COUNT | head << DOTS_FIRST
-    dots[DOTS_HEAD] = (head + row) & dots[DOTS_MASK]
-    return 1
 
 
 @micropython.viper

@@ -9,11 +9,14 @@ One text for all interpreters; see motion/block_viper.py.
 # `queue_lines` is usually passo.control.line_batches.queue_lines
 
 import micropython
+from micropython import const
 
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.parse_viper import parse
 from passo.protocols.grbl.lines import ARC, LEFT, keep
 from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
+
+_LINE_BYTES = const(24)  # of a short line: longer ones take longer, so a call takes fewer of them
 
 
 @micropython.viper
@@ -32,6 +35,7 @@ def take_lines(
         if kept:
             return kept
     while lines[LINES_ASKED] == 0 and lines[LINES_AT] < lines[LINES_WHOLE]:
+        until = int(end_of(text, lines, most))
         part = most - taken
         if part > machine[TRACE_ROOM]:
             part = machine[TRACE_ROOM]
@@ -40,7 +44,7 @@ def take_lines(
         lines[LINES_WAITS] = 1
         if part <= 0:
             break
-        filled = int(parse(text, lines[LINES_AT], lines[LINES_WHOLE], fields, ptr32(rows), dots, part))
+        filled = int(parse(text, lines[LINES_AT], until, fields, ptr32(rows), dots, part))
         if filled:
             lines[LINES_AT] = fields[PARSE_AFTER]
             lines[LINES_FILLED] = filled
@@ -50,9 +54,21 @@ def take_lines(
             if machine[TRACE_TAKEN] < filled:
                 return LEFT
         if filled < part:
-            if lines[LINES_AT] < lines[LINES_WHOLE] and fields[PARSE_NO_ROOM] == 0:
+            if lines[LINES_AT] < until and fields[PARSE_NO_ROOM] == 0:
                 lines[LINES_WAITS] = 0
                 if fields[PARSE_ARC]:
                     return ARC
             break
     return taken
+
+
+@micropython.viper
+def end_of(text: ptr8, lines: ptr32, most: int) -> int:
+    """Where the lines end that one call may take, if it takes `most` short ones."""
+    whole = lines[LINES_WHOLE]
+    if most > BATCH_ROWS:
+        return whole
+    last = lines[LINES_AT] + _LINE_BYTES * most - 1
+    while last < whole and text[last] != 10:
+        last += 1
+    return last + 1 if last < whole else whole
