@@ -165,7 +165,9 @@ class Tools(Feature):
         lit = self._queue.seen[SEEN_LIT]
         if lit:
             power = self._queue.analogue.value * 1000 if self._lasing else machine.power
-            power = min(power * machine.overrides[2] // 100, 1_000_000)
+            percent = machine.overrides[2]
+            if percent != 100:
+                power = min(power * percent // 100, 1_000_000)
         report["power"] = power
         report["spindle"] = machine.spindle if lit else SPINDLE_OFF
         report["coolant"] = self._cools

@@ -9,6 +9,7 @@ The dots of rows lie in a ring behind the marks: who queues a row puts them, and
 of the row's last step.
 """
 
+import micropython
 from micropython import const
 
 from passo.memory import zeros
@@ -45,21 +46,22 @@ class Power:
             return -1
         return played + ((marks[POWER_MARKS + (tail & marks[POWER_MASK])] >> POWER_WORD) - played & POWER_WORDS) & COUNT_MASK
 
+    @micropython.native
     def play(self, played):  # ISR: no allocation
-        """`played` words have begun: take up the marks among them."""
-        value = passed(self.marks, played)
+        """`played` words have begun: take up the marks among them. The feeder's interrupt calls it each time: hence all in one function."""
+        marks = self.marks
+        value = passed(marks, played)
         if value >= 0:
-            self._take(value)
+            self.value = value >> POWER_FINE
+            self._dark = False
+            self.fine = value = scaled(marks, value)
+            self.level = value >> POWER_FINE
 
     def set(self, value):  # ISR: no allocation
         """The power is `value`, whatever the last mark said."""
-        self._take(value << POWER_FINE)
-
-    def _take(self, value):  # ISR: no allocation
-        self.value = value >> POWER_FINE
+        self.value = value
         self._dark = False
-        self.fine = value = scaled(self.marks, value)
-        self.level = value >> POWER_FINE
+        self._show()
 
     def show(self, played, on):
         """At a stand, `played` words having begun: the value counts, or the output is off until the next mark."""

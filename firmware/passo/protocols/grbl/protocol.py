@@ -311,7 +311,8 @@ class Grbl:
         command = event.command
         if command.kind == commands.STATUS:
             fields = self._lines.fields
-            return self._status.text(event.value, max(0, RX_BYTES - fields[LINES_END] + fields[LINES_AT]))
+            room = RX_BYTES - fields[LINES_END] + fields[LINES_AT]
+            return self._status.text(event.value, room if room > 0 else 0)
         if command is not self._under_way or command.kind in (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE):
             self._status.overrides = 0  # a report shows it at once
         if command is not self._under_way:

@@ -7,7 +7,7 @@ from micropython import const
 from passo.commands import STATUS_WORDS
 from passo.protocols.gcode.reader import MAX_TOOL
 from passo.protocols.gcode.words import rounded
-from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, tell, tell_report
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, end_report, tell, tell_report
 from passo.protocols.grbl.report_records import *
 from passo.records import SEEN_LINE, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT
 
@@ -39,7 +39,6 @@ _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
-_END = const(3)  # bytes of what ends a report
 
 
 def message(text):
@@ -142,16 +141,18 @@ class Status:
         gcode = self._gcode
         settings = self._settings
         if self._out is None:
-            self._out = bytearray(REPORT_LONGEST + _END)
+            self._out = bytearray(REPORT_LONGEST + REPORT_END)
             self._view = self._said = memoryview(self._out)
             self._fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * gcode.axes))
         self._settings_of = settings.version
         self._offsets_of = gcode.offsets.version
         self._system = gcode.system
         self._mask = settings.value(SETTING_REPORT)
-        self._max_rpm = settings.value(SETTING_MAX_RPM)
+        self._max_rpm = most = settings.value(SETTING_MAX_RPM)
+        self._rpm = 0 if most % 1000 else most // 1000  # 0: it is no whole number
         self._inches = settings.value(SETTING_INCHES) and not gcode.turns
         self._pins = self._power = self._state = self._percents = None  # that `_pressed`, the rpm, `_form` and `_overridden` are of
+        self._words = None  # those of STATUS_WORDS that this machine's reports have
         self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         self._fields[REPORT_SPEED + NUMBER_FIRST] = 1 if self._inches else 0
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
@@ -187,8 +188,7 @@ class Status:
             self.overrides -= 1
         else:
             at = self._now_and_then(report, at)
-        self._out[at : at + _END] = b">\r\n"
-        at += _END
+        at = end_report(self._out, at)
         if len(self._said) != at:
             self._said = self._view[:at]
         return self._said
@@ -202,10 +202,11 @@ class Status:
         power = report["power"]
         if power != self._power:
             self._power = power
-            if power % 1000 or self._max_rpm % 1000:
+            rpm = self._rpm
+            if rpm and not power % 1000:  # as a laser's dots have it: without long integers in half the time
+                rpm = (power // 1000 * rpm + 500) // 1000
+            else:
                 rpm = rounded(power * self._max_rpm, 1_000_000_000)
-            else:  # as a laser's dots have it: without long integers in half the time
-                rpm = (power // 1000 * (self._max_rpm // 1000) + 500) // 1000
             self._fields[REPORT_RPM + NUMBER_WHOLE] = rpm
         state = report["state"]
         substate = report["substate"] if state == "hold" or state == "door" else -1
@@ -245,12 +246,19 @@ class Status:
         self.overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
         if self._percents != report["overrides"]:
             self._percents = list(report["overrides"])
-            self._overridden = ("|Ov:%d,%d,%d\0" % tuple(self._percents)).encode()
-        at = tell(self._out, at, self._overridden, self._fields)
-        accessories = _SPINDLES[report["spindle"]] + _COOLANTS[report["coolant"]]
-        if accessories:
-            at = tell(self._out, at, ("|A:%s\0" % accessories).encode(), self._fields)
-        for key, word in STATUS_WORDS:
-            if key in report and report[key] is not None:
+            self._overridden = {}
+        number = report["spindle"] << 2 | report["coolant"]
+        if number not in self._overridden:
+            self._overridden[number] = self._override(number >> 2, number & 3)
+        at = tell(self._out, at, self._overridden[number], self._fields)
+        if self._words is None:
+            self._words = [word for word in STATUS_WORDS if word[0] in report]
+        for key, word in self._words:
+            if report[key] is not None:
                 at = tell(self._out, at, ("|%s:%s\0" % (word, report[key])).encode(), self._fields)
         return at
+
+    def _override(self, spindle, coolant):
+        """Overrides and accessories, for tell()."""
+        accessories = _SPINDLES[spindle] + _COOLANTS[coolant]
+        return ("|Ov:%d,%d,%d" % tuple(self._percents) + ("|A:%s\0" % accessories if accessories else "\0")).encode()
