@@ -37,6 +37,7 @@ _USB_BAUD = const(1_000_000)  # at least
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 _LINES = const(4)  # of a batch
+_KEPT = const(8)  # lines that _heed() has kept: the next cycle begins without a sleep
 _REPLY_MS = const(3)  # a PC takes so long, most of them one, to send more when lines have been answered
 
 
@@ -99,10 +100,9 @@ class App:
         kinds = machine_builder.load(names, board)
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
-        self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES
+        self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES, _KEPT
         self._answered_ms = -1  # lines of a batch were answered while the machine moved, and it has not been polled since; −1: none
         self._now_ms = port.link_ms()
-        self._kept = False  # _heed() has kept lines in this cycle: the next one begins without a sleep
         self._speaking = None  # the link whose bytes are being understood
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
         self.links = []
@@ -144,8 +144,7 @@ class App:
         board = self.board
         jobs = self.controller.features["jobs"]
         index = [link["protocol"] for link in board["links"]].index(board["jobs"]["language"])
-        config = dict(board["links"][index])
-        config["name"] = self.controller.machine.links[-1]
+        config = dict(board["links"][index], name=self.controller.machine.links[-1])
         number = len(self.links)
         protocol = languages[index].create(config, number, board, self.controller, shared, most)
         self.links.append(Link(number, config, jobs.join(number, protocol, languages[index].stored), protocol, self.controller))
@@ -184,7 +183,8 @@ class App:
         if self.interrupt and (heard or self._answered_ms >= 0) and self._overtaken(heard):
             return False
         self._answered_ms = -1
-        heeded = self.interrupt and self._heed()
+        if self.interrupt:
+            self._heed()
         tripped = self.port.tripped()
         if tripped and not self.controller.machine.alarm:
             self.controller.stopped_by(tripped)
@@ -192,7 +192,8 @@ class App:
         self.controller.poll()
         if machine.events:
             self._answer()
-        self._kept = self.interrupt and (self._heed() or heeded)  # so that `?` waits half as long
+        if self.interrupt:
+            self._heed()  # so that `?` waits half as long
         if machine.awake or self.feeder.open:
             self._feed()
         return True
@@ -219,21 +220,19 @@ class App:
 
     def _heed(self):
         """Read the links before the controller's turn, so that `?` does not wait for it. While the machine moves, carry out real-time
-        bytes and keep lines, and return True if bytes came. At a stand carry out all, as _hear(), so that a line sets out sooner."""
-        heeded = False
+        bytes and keep lines. At a stand carry out all, as _hear(), so that a line sets out sooner."""
         for link in self.links:
             if link.heed and link.serial.any():
                 if not self.feeder.open:
                     self._hear()
                     break
-                heeded = True
                 self._overruled = 0
                 self._listen(link)
-        return heeded
 
     def _listen(self, link):
         """Carry out the real-time bytes that `link` has brought, and keep its lines."""
         link.heard = True
+        self._heard |= _KEPT
         speaking = self._speaking
         self._speaking = link
         self._carry_out(link.heed(link.serial.read()), link)
@@ -290,9 +289,8 @@ class App:
 
     def rest(self):
         """The end of a cycle."""
-        controller = self.controller
-        machine = controller.machine
-        self.port.wait(machine.awake and controller.busy(), machine.command is not None and machine.fine(), self._kept)
+        machine = self.controller.machine
+        self.port.wait(machine.awake and self.controller.busy(), machine.command is not None and machine.fine(), self._heard & _KEPT > 0)
         self._looked_ms = self.port.machine_ms()
 
     def _go_on(self, link):
@@ -335,11 +333,13 @@ class App:
     def _tell_status(self, command):
         """Answer a question for the status directly: as an event the answer would take three calls more."""
         link = command.link
+        self.port.put_off()
         answer = command.accepted or Event(ACCEPTED, command)
         answer.value = self.controller.machine.report(True)
         answer = link.protocol.reply(answer)
         if answer:
             link.serial.write(answer)
+        self.port.catch_up()
         for asked in self.controller.asks:
             asked(link)
 
@@ -375,10 +375,11 @@ class App:
                     self._set_off(link)
                 serial.write(answers)
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
-                    data = b""
+                    if self.interrupt and link.heed and serial.any():  # `?` would wait for the batch's end and the other links
+                        self._listen(link)
                     break
-            elif more and (answers is False and self.interrupt or answers == b"" and len(data) >= _FULL):  # see Grbl.take()
-                more -= 1  # so many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
+            elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or self.interrupt and serial.any())):
+                more -= 1  # see Grbl.take(); so many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
                 if answers is False:
                     self._carry_out(link.protocol.feed(b"", now_ms), link)
             else:

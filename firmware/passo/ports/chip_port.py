@@ -16,6 +16,10 @@ from passo.records import COUNT_MASK, REGISTER_BIT, TICKS_PER_MS
 _HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)
 _IDLE_MS = const(10)  # the longest cycle while nothing is under way
+# What a call of the feeder's interrupt does:
+FEED_NOW = const(0)
+_LEAVE_ALONE = const(1)  # nothing: the main loop makes words
+FEED_LATER = const(2)  # nothing, once: see put_off()
 _FIRST_TICKS = 2 * TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
 
@@ -77,8 +81,9 @@ class ChipPort:
         self._follows = False  # registers or encoders want to be looked at in each call of the feeder
         self._timer = None
         self._watchdog = None
-        self._aside = False  # the main loop makes words: the interrupt leaves the feeder alone
-        self._behind = False  # it has left out a call
+        self._aside = FEED_NOW
+        self._behind = False  # the interrupt has left out a call while the main loop made words
+        self._left_out = False  # the call that was to come later has been left out
         self._trip = None  # the halting input that has stopped the player, until the main loop has been told
         self._failed = None  # what an interrupt raised
         self._beat_ms = ticks_ms()
@@ -198,13 +203,19 @@ class ChipPort:
         ring = self._feeder.ring
         if self._player.played() != ring.head:
             return  # the interrupt is left alone while words play: a main loop in step with it would starve them
-        self._aside = True
+        self._aside = _LEAVE_ALONE
         played = self._player.played()
         if self._trip is None and played == ring.head:
             self._set_out(played)
             if self._trip is not None:
                 self.power(0)
-        self._aside = False
+        self._aside = FEED_NOW
+
+    def put_off(self):
+        """The answer to `?` takes up to 2 ms: if the feeder's next call comes before catch_up(), it is left out, and catch_up() makes up
+        for it. A port that cannot do so calls the feeder in time."""
+
+    catch_up = put_off
 
     def make(self, kind, config):
         """What few boards have: see make.py."""
@@ -274,13 +285,19 @@ class ChipPort:
 
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation
+        """A call of the feeder; `timer`: self where the main loop makes up for one."""
         feeder = self._feeder
-        if self._follows:
+        if self._follows and timer is not self:
             self._follow()
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:
             feeder.brake = True
-        if self._aside:
-            self._behind = True
+        aside = self._aside
+        if aside:
+            if aside == FEED_LATER:
+                self._aside = FEED_NOW
+                self._left_out = True
+            else:
+                self._behind = True
         elif self._trip is None and feeder.open:
             try:
                 player = self._player

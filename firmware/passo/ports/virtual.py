@@ -135,6 +135,8 @@ class VirtualPort:
     def feed_watchdog(self):
         pass
 
+    put_off = catch_up = feed_watchdog  # there is no interrupt
+
     def _keep_box(self, why, numbers, text, feed=None):
         self.boxes.append((why, bytes(numbers), bytes(text)))
 

@@ -13,7 +13,7 @@ import micropython
 from machine import Pin, Timer, mem32
 from micropython import const
 
-from passo.ports.chip_port import ChipPort
+from passo.ports.chip_port import FEED_NOW, FEED_LATER, ChipPort
 from passo.ports.rp2 import chip
 from passo.ports.rp2.fields import LEAD_TICKS
 from passo.ports.rp2.registers import BLOCK_CTRL
@@ -132,6 +132,17 @@ class Port(ChipPort):
 
             line.keep(Capture(int(link["port"][4:])))
         return line
+
+    def put_off(self):
+        self._aside = FEED_LATER
+
+    def catch_up(self):
+        self._aside = FEED_NOW
+        if self._left_out:
+            self._left_out = False
+            mem32[_TIMERS_OFF] = _TIMERS
+            self._feed(self)
+            mem32[_TIMERS_ON] = _TIMERS
 
     def feed_watchdog(self):
         """Something takes longer than a cycle may: three sectors of flash that are erased in one call may take 1.2 s. Only at a stand."""
