@@ -141,12 +141,11 @@ class App:
 
     def _add_jobs(self, languages, shared, most):
         """The link that stored jobs come by: it speaks as the first one of their language."""
-        board = self.board
         jobs = self.controller.features["jobs"]
-        index = [link["protocol"] for link in board["links"]].index(board["jobs"]["language"])
-        config = dict(board["links"][index], name=self.controller.machine.links[-1])
+        index = [link["protocol"] for link in self.board["links"]].index(self.board["jobs"]["language"])
+        config = dict(self.board["links"][index], name=self.controller.machine.links[-1])
         number = len(self.links)
-        protocol = languages[index].create(config, number, board, self.controller, shared, most)
+        protocol = languages[index].create(config, number, self.board, self.controller, shared, most)
         self.links.append(Link(number, config, jobs.join(number, protocol, languages[index].stored), protocol, self.controller))
 
     def _make_queue(self, builder, settings, streamed):
@@ -161,7 +160,6 @@ class App:
         burn = None
         if self.ring.power.marks[DOTS_MASK]:
             from passo.steps.dots_viper import burn
-
         setup = us_to_ticks(board["drive"]["setup_us"]) if self.layout.kind == "step_dir" else 0
         short = 2 * TICKS_PER_MS if hasattr(self.port, "lead_ticks") else 0  # on a chip, whose interrupt makes words in time
         self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least, burn, short)
@@ -333,13 +331,15 @@ class App:
     def _tell_status(self, command):
         """Answer a question for the status directly: as an event the answer would take three calls more."""
         link = command.link
-        self.port.put_off()
+        if self.interrupt:
+            self.port.put_off()
         answer = command.accepted or Event(ACCEPTED, command)
         answer.value = self.controller.machine.report(True)
         answer = link.protocol.reply(answer)
         if answer:
             link.serial.write(answer)
-        self.port.catch_up()
+        if self.interrupt:
+            self.port.catch_up()
         for asked in self.controller.asks:
             asked(link)
 

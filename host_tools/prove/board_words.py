@@ -97,11 +97,6 @@ class Words:
 
     link_ms = machine_ms
 
-    def put_off(self):
-        pass
-
-    catch_up = put_off
-
     def wait(self, busy, fine, at_once):
         self._ms = (self._ms + 1) & COUNT_MASK
 

@@ -7,7 +7,7 @@ from micropython import const
 from passo.commands import STATUS_WORDS
 from passo.protocols.gcode.reader import MAX_TOOL
 from passo.protocols.gcode.words import rounded
-from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, end_report, tell, tell_report
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, tell, tell_report
 from passo.protocols.grbl.report_records import *
 from passo.records import SEEN_LINE, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT
 
@@ -39,6 +39,7 @@ _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
+_END = const(3)  # bytes of what ends a report
 
 
 def message(text):
@@ -141,7 +142,7 @@ class Status:
         gcode = self._gcode
         settings = self._settings
         if self._out is None:
-            self._out = bytearray(REPORT_LONGEST + REPORT_END)
+            self._out = bytearray(REPORT_LONGEST + _END)
             self._view = self._said = memoryview(self._out)
             self._fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * gcode.axes))
         self._settings_of = settings.version
@@ -188,7 +189,10 @@ class Status:
             self.overrides -= 1
         else:
             at = self._now_and_then(report, at)
-        at = end_report(self._out, at)
+        self._out[at] = 62  # one by one: a slice takes longer
+        self._out[at + 1] = 13
+        self._out[at + 2] = 10
+        at += _END
         if len(self._said) != at:
             self._said = self._view[:at]
         return self._said

@@ -14,7 +14,6 @@ REPORT_DECIMAL = const(28)  # nanometres of the last decimal
 REPORT_FIRST = const(29)  # worth of the first decimal: 100 or 1000
 REPORT_AXIS = const(30)
 REPORT_LONGEST = const(336)  # bytes of a report without its end: what goes beyond is left out, field by field
-REPORT_END = const(3)  # bytes of that
 NUMBER_WHOLE = const(0)
 NUMBER_DECIMALS = const(1)
 NUMBER_FIRST = const(2)  # worth of the first decimal, 0: none; plus NUMBER_NEGATIVE

@@ -90,17 +90,6 @@ def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
 
 
 @micropython.viper
-def end_report(out: ptr8, at: int) -> int:
-    """Write what ends a report, REPORT_END bytes. Returns where that ends."""
-    out[at] = 62
-    at += 1
-    out[at] = 13
-    at += 1
-    out[at] = 10
-    return at + 1
-
-
-@micropython.viper
 def lengths(fields: ptr32, steps: ptr32, axes: int):
     """Where the axes are, less the offsets, as numbers in the report's unit: of whole nanometres, which are rounded as
     they are, halves away from zero."""
