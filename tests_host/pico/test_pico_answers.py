@@ -7,8 +7,8 @@ from host_tools.bench.moving import _p99
 from host_tools.emulator import rows
 
 LINES = [((9000, 7000, -5000), 100_000), ((-4000, 2000, 3000), 50_000)]
-LATER = {
-    "made up for": "port.put_off(); sleep_ms(4); head = feeder.ring.head; port.catch_up(); made += feeder.ring.head != head",
+LATER = {  # 3.1 ms: one call of the interrupt falls into it, seldom two
+    "made up for": "port.put_off(); sleep_us(3100); head = feeder.ring.head; port.catch_up(); made += feeder.ring.head != head",
     "never made up for": "port.put_off(); sleep_ms(6)",  # as where a PC does not take the answer: the interrupt comes again
     "nothing left out": "port.put_off(); port.catch_up()",
 }
@@ -20,12 +20,12 @@ LEAST_S = 7000
 @pytest.mark.xdist_group("rig")
 @pytest.mark.parametrize("case", LATER)
 def test_a_call_that_was_put_off_delays_no_step(rig, case):  # noqa: F811
-    rig.pico.exec("made = 0")
+    rig.pico.exec("made = 0\nfrom time import sleep_us")
     run = rig.play(LINES, loop=LATER[case])
     assert (run.late, run.off) == (0, 0)
     assert run.steps and run.turns > 10
     made = int(rig.pico.exec("print(made)"))
-    assert made > run.turns // 3 if case == "made up for" else made == 0
+    assert made > run.turns // 2 if case == "made up for" else made == 0, (made, run.turns)
 
 
 @pytest.mark.slow
