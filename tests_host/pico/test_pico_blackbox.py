@@ -6,7 +6,7 @@ import copy
 import pytest
 from emulated import uf2  # noqa: F401
 from pico_on_a_port import on_a_port
-from test_pico_firmware import with_fault
+from test_pico_firmware import TURN, with_fault
 
 from host_tools import boards
 from host_tools.cli.blackbox import files_of
@@ -17,7 +17,6 @@ from host_tools.sim.blackbox import Replay
 
 START = 1500, 1200, -900
 BOARD = {**copy.deepcopy(boards.load("router_3axis")), "blackbox": True}
-TURN = "        controller = self.controller\n"
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +133,7 @@ def test_the_virtual_board_goes_the_same_way(router, cause, numbers, show):
 @pytest.mark.slow
 def test_a_hang_ends_in_the_watchdog_and_leaves_the_box(uf2, show):
     """The main loop hangs amid a job: interrupts bring the machine to a stand, the watchdog resets the chip."""
-    fault = "        if controller.machine.log.added and controller.machine.log.newest()[1] == 33:\n            while True:\n                pass\n"
+    fault = "        if self.controller.machine.log.added and self.controller.machine.log.newest()[1] == 33:\n            while True:\n                pass\n"
     machine = EmulatedMachine(BOARD, with_fault("passo/app.py", TURN, fault, BOARD), uf2=uf2, start=START).boot()
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(2300)  # the watchdog begins after the time of grace

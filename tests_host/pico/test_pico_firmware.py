@@ -174,13 +174,13 @@ def with_fault(module, after, inserted, board=BOARD):
     return files
 
 
-TURN = "        controller = self.controller\n"
+TURN = '        """The end of a cycle."""\n'  # of App.rest()
 JOG = packet(COMMANDS["RIGHT"])
 
 
 @pytest.mark.slow
 def test_a_crash_while_it_moves_leaves_safe_outputs_and_a_report(make_machine):
-    fault = "        if controller.state == 'jog':\n            raise ValueError('on purpose')\n"
+    fault = "        if self.controller.state == 'jog':\n            raise ValueError('on purpose')\n"
     machine = make_machine(BOARD, with_fault("passo/app.py", TURN, fault), start=START)
     until_up(machine)
     machine.send(JOG)
@@ -195,7 +195,7 @@ def test_a_crash_while_it_moves_leaves_safe_outputs_and_a_report(make_machine):
 
 @pytest.mark.slow
 def test_a_hang_ends_in_the_watchdog(make_machine):
-    fault = "        while controller.state == 'jog':\n            pass\n"
+    fault = "        while self.controller.state == 'jog':\n            pass\n"
     machine = make_machine(BOARD, with_fault("passo/app.py", TURN, fault), start=START)
     until_up(machine)
     machine.run_ms(2200)

@@ -363,7 +363,7 @@ def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
 
 @pytest.mark.slow
 def test_it_does_not_burn_on_where_a_hang_has_brought_it_to_a_stand(uf2):
-    fault = "        while controller.machine.overrides[1] == 50:\n            pass\n"
+    fault = "        while self.controller.machine.overrides[1] == 50:\n            pass\n"
     laser = burning(uf2, "passo/app.py", TURN, fault)
     laser.machine.run_ms(280)
     made = len(laser.steps)
