@@ -378,7 +378,7 @@ class App:
                     if self.interrupt and link.heed and serial.any():  # `?` would wait for the batch's end and the other links
                         self._listen(link)
                     break
-            elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or self.interrupt and serial.any())):
+            elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or link.heed and self.interrupt and serial.any())):
                 more -= 1  # see Grbl.take(); so many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
                 if answers is False:
                     self._carry_out(link.protocol.feed(b"", now_ms), link)

@@ -28,7 +28,7 @@ _SIZE = const(512)  # bytes of the ring: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp
 _WORDS = const(8192)  # of memory that are looked through: its variables come first
 _PROOFS = const(12)
 _ENDPOINT = const(64)  # bytes of a packet on a full-speed bus
-_PACKET_US = const(60)  # until the next one has come
+_PACKET_US = const(20)  # behind what has been done since the last one, until the next has come: a packet takes 53 µs
 # ringbuf_t of py/ringbuf.h: words, and halfwords.
 _ADDRESS = const(0)
 _EXTENT = const(1)  # the size, and above it where the next byte is read
@@ -143,37 +143,45 @@ class Console:
 
     @micropython.viper
     def take(self, data, most: int, ready) -> int:
-        """Take the bytes that have come, and those that come meanwhile, at most so many. Returns how many bytes."""
+        """Take the bytes that have come, and those that come meanwhile, at most so many. Returns how many bytes. In small pieces: the variables
+        of a longer function lie on the heap."""
         sleep_ms(0)
-        at = 0x20000000 + int(self._fifo)
-        if at == 0x20000000:
+        if int(self._fifo) == 0:
             ready(0)
             return int(self._take_ring(data, most))
-        fifo = ptr16(at)
-        passed = ptr8(ptr32(at)[_ADDRESS])
-        out = ptr8(data)
         done = 0
         while True:
-            here = int(fifo[_FIFO_READ])
-            count = (int(fifo[_FIFO_WRITTEN]) - here) & 2 * _DEPTH - 1
-            if count == 0 or done + count + 2 * _ENDPOINT > most:
-                return done
-            end = done + count
-            full = count > _DEPTH // 2  # there was no room for another packet, or little more
-            if full:
-                end -= 1
-            first = done == 0
-            while done < end:
-                out[done] = passed[here & _DEPTH - 1]
-                here += 1
-                done += 1
-            fifo[_FIFO_READ] = here & 2 * _DEPTH - 1
-            if full:
-                done += int(self._pass(data, done, ready))
-            elif count < _ENDPOINT and not first:  # the PC has sent no more
-                return done
+            count = int(self._take_fifo(data, done, most, ready))
+            if count == 0 or count < _ENDPOINT and done:  # the PC has sent no more
+                return done + count
+            done += count
             sleep_us(_PACKET_US)
             sleep_ms(0)  # run TinyUSB's task, which takes in the next packet
+
+    @micropython.viper
+    def _take_fifo(self, data, begin: int, most: int, ready) -> int:
+        """Take what lies in TinyUSB's buffer, and put it behind the first `begin` bytes of `data`, which has room for `most`. Returns how many
+        bytes; 0 if there might be no room for those that come meanwhile."""
+        at = 0x20000000 + int(self._fifo)
+        fifo = ptr16(at)
+        here = int(fifo[_FIFO_READ])
+        count = (int(fifo[_FIFO_WRITTEN]) - here) & 2 * _DEPTH - 1
+        if begin + count + 2 * _ENDPOINT > most:
+            return 0
+        passed = ptr8(ptr32(at)[_ADDRESS])
+        out = ptr8(data)
+        end = begin + count
+        full = count > _DEPTH // 2  # there was no room for another packet, or little more
+        if full:
+            end -= 1
+        while begin < end:
+            out[begin] = passed[here & _DEPTH - 1]
+            here += 1
+            begin += 1
+        fifo[_FIFO_READ] = here & 2 * _DEPTH - 1
+        if full:
+            count += int(self._pass(data, begin, ready)) - 1
+        return count
 
     @micropython.viper
     def _pass(self, data: ptr8, begin: int, ready) -> int:

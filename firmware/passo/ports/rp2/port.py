@@ -27,15 +27,6 @@ _TIMERS = const(8)  # TIMER_IRQ_3
 _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for LaserPlayer
 
 
-def _undisturbed(count):
-    """Call count() with the feeder's interrupt switched off, and return its result. MicroPython locks the UART's FIFO while it empties it
-    to count bytes. If the feeder interrupted that, the UART's own interrupt would find the lock taken, and the FIFO would run over."""
-    mem32[_TIMERS_OFF] = _TIMERS
-    found = count()
-    mem32[_TIMERS_ON] = _TIMERS
-    return found
-
-
 def load(board):
     """Import what a Port of this board will ask for; returns it."""
     from passo.ports.rp2 import programs  # noqa: F401  each by itself: a module that imports others wants memory for all of them
@@ -125,13 +116,22 @@ class Port(ChipPort):
         line = ChipPort.serial(self, link)
         if link["port"] != "usb" and link["baud"] > _FAST_BAUD:
             count = line.count
-            line.count = lambda: _undisturbed(count)
+            line.count = lambda: self._undisturbed(count)
         # Frames are sent again; an inverter's answer fits into the FIFO.
         if link["port"] != "usb" and not link.get("frames") and "parity" not in link:
             from passo.ports.rp2.uart_capture import Capture
 
             line.keep(Capture(int(link["port"][4:])))
         return line
+
+    @micropython.viper
+    def _undisturbed(self, count) -> int:
+        """Call count() with the feeder's interrupt switched off, and return its result. MicroPython locks the UART's FIFO while it empties it
+        to count bytes. If the feeder interrupted that, the UART's own interrupt would find the lock taken, and the FIFO would run over."""
+        ptr32(0xE000E180)[0] = _TIMERS
+        found = int(count())
+        ptr32(0xE000E100)[0] = _TIMERS
+        return found
 
     def put_off(self):
         self._aside = FEED_LATER
