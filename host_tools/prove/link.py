@@ -28,7 +28,7 @@ def link(proof):
     link.update({key: first[key] for key in ("idle_gap_ms",) if key in first})
     proof.begin("make", {"links": [link], "axes": axes})
     yield from bytes_through(proof)
-    proof.begin("make", {"links": [link], "axes": axes})  # the REPL has read from the console since, which the line has to check anew
+    proof.begin("make", {"links": [link], "axes": axes})  # make the line anew: it must check the console again, because the REPL has read from it
     if language == "grbl":
         yield from grbl_link(proof)
         if first.get("frames") or proof.frozen:

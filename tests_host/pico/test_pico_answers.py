@@ -7,9 +7,9 @@ from host_tools.bench.moving import _p99
 from host_tools.emulator import rows
 
 LINES = [((9000, 7000, -5000), 100_000), ((-4000, 2000, 3000), 50_000)]
-LATER = {  # 3.1 ms: one call of the interrupt falls into it, seldom two
+LATER = {  # the interrupt comes once in 3.1 ms, seldom twice
     "made up for": "port.put_off(); sleep_us(3100); head = feeder.ring.head; port.catch_up(); made += feeder.ring.head != head",
-    "never made up for": "port.put_off(); sleep_ms(6)",  # as where a PC does not take the answer: the interrupt comes again
+    "never made up for": "port.put_off(); sleep_ms(6)",  # the second call of the interrupt makes words again, for example if the PC does not take the answer
     "nothing left out": "port.put_off(); port.catch_up()",
 }
 WITHIN_MS = 6  # 5 is what `make bench ARGS=streams` has to show; this is a stream of another length

@@ -474,7 +474,7 @@ def check_rows_are_dealt_with():
     assert shop.machine.follow(shop.gcode, lines, 9) == 0 and waits(lines)
     ring[DOTS_TAIL] = ring[DOTS_HEAD]
     assert shop.machine.take_of(shop.gcode, lines, 9)[0][-1] == [4, 5]
-    for line in (b"$100=1", b"$J=X1F600", b"X1M8", b"G1 X2 F300", b"G0Y1"):  # what is no row does not wait for dots
+    for line in (b"$100=1", b"$J=X1F600", b"X1M8", b"G1 X2 F300", b"G0Y1"):  # lines without a row do not wait for room for dots
         ring[DOTS_TAIL] = ring[DOTS_HEAD] + 1 & ring[DOTS_MASK]
         lines = Lines()
         lines.take(line + b"\n")

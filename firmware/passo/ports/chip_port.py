@@ -212,8 +212,8 @@ class ChipPort:
         self._aside = FEED_NOW
 
     def put_off(self):
-        """The answer to `?` takes up to 2 ms: if the feeder's next call comes before catch_up(), it is left out, and catch_up() makes up
-        for it. A port that cannot do so calls the feeder in time."""
+        """Leave out the feeder's next call if it comes before catch_up(), which then makes it. App brackets the answer to `?` by the two: it
+        takes up to 2 ms, and the call would add one. Default: do nothing, as on an ESP32, whose soft timer cannot be held off."""
 
     catch_up = put_off
 

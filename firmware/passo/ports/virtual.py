@@ -135,7 +135,7 @@ class VirtualPort:
     def feed_watchdog(self):
         pass
 
-    put_off = catch_up = feed_watchdog  # there is no interrupt
+    put_off = catch_up = feed_watchdog  # do nothing: no interrupt calls the feeder here
 
     def _keep_box(self, why, numbers, text, feed=None):
         self.boxes.append((why, bytes(numbers), bytes(text)))

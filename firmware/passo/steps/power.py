@@ -48,7 +48,7 @@ class Power:
 
     @micropython.native
     def play(self, played):  # ISR: no allocation
-        """`played` words have begun: take up the marks among them. The feeder's interrupt calls it each time: hence all in one function."""
+        """`played` words have begun: take up the marks among them. One function, because the feeder's interrupt calls it."""
         marks = self.marks
         value = passed(marks, played)
         if value >= 0:

@@ -25,8 +25,8 @@ def put_dot(dots: ptr32, row: int, level: int):
 
 @micropython.viper
 def row_waits(text: ptr8, at: int, count: int, dots: ptr32) -> int:
-    """1 if the line at text[at], no `$`, is a row for which there may be no room now: a dot is two characters at least. To read a row takes a
-    Pico up to a millisecond, this 20 µs."""
+    """Return 1 if the line at text[at] is a row and the ring may have no room for its dots: each has two characters at least. Takes a Pico
+    20 µs; to read the row in vain would take up to a millisecond. `$` lines never wait."""
     room = int(dots_room(dots))
     if dots[DOTS_MASK] == 0 or room >= DOTS_MOST or text[at] == 36:
         return 0
@@ -40,13 +40,13 @@ def row_waits(text: ptr8, at: int, count: int, dots: ptr32) -> int:
 
 @micropython.viper
 def dots_room(dots: ptr32) -> int:
-    """For so many more dots."""
+    """How many more dots the ring has room for."""
     return (dots[DOTS_TAIL] - dots[DOTS_HEAD] - 1) & dots[DOTS_MASK]
 
 
 @micropython.viper
 def add_row(fields: ptr32, dots: ptr32) -> int:
-    """The dots of the row that has been read are queued with it; 0 if there is no room for them now."""
+    """Count the dots of the row just read as queued. Returns 1; 0 and PARSE_NO_ROOM if the ring has no room for them now."""
     row = fields[PARSE_DOTS]
     head = dots[DOTS_HEAD]
     if row > int(dots_room(dots)):

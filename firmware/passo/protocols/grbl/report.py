@@ -150,10 +150,10 @@ class Status:
         self._system = gcode.system
         self._mask = settings.value(SETTING_REPORT)
         self._max_rpm = most = settings.value(SETTING_MAX_RPM)
-        self._rpm = 0 if most % 1000 else most // 1000  # 0: it is no whole number
+        self._rpm = 0 if most % 1000 else most // 1000  # the same in whole rpm; 0: it has a fraction
         self._inches = settings.value(SETTING_INCHES) and not gcode.turns
         self._pins = self._power = self._state = self._percents = None  # that `_pressed`, the rpm, `_form` and `_overridden` are of
-        self._words = None  # those of STATUS_WORDS that this machine's reports have
+        self._words = None  # items of STATUS_WORDS whose key this machine's reports have; None: not looked up yet
         self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         self._fields[REPORT_SPEED + NUMBER_FIRST] = 1 if self._inches else 0
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]

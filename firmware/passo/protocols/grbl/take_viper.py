@@ -16,7 +16,7 @@ from passo.protocols.gcode.parse_viper import parse
 from passo.protocols.grbl.lines import ARC, LEFT, keep
 from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
 
-_LINE_BYTES = const(24)  # of a short line: longer ones take longer, so a call takes fewer of them
+_LINE_BYTES = const(24)  # of a short line. A call takes fewer lines if they are longer, because `?` waits until it ends
 
 
 @micropython.viper
@@ -64,7 +64,7 @@ def take_lines(
 
 @micropython.viper
 def end_of(text: ptr8, lines: ptr32, most: int) -> int:
-    """Where the lines end that one call may take, if it takes `most` short ones."""
+    """Return where the lines of one call end: behind the line that reaches the bytes of `most` short ones. Above BATCH_ROWS, on a PC, all."""
     whole = lines[LINES_WHOLE]
     if most > BATCH_ROWS:
         return whole
