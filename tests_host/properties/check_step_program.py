@@ -174,7 +174,7 @@ def check_turned_round_anywhere(seed):
 
 
 def check_halted_anywhere(seed):
-    """After a halt inside the words, the place is that of the steps which have appeared, and seek() goes there."""
+    """After a halt inside the words, the place is that of the steps which have appeared: from there come all that have not."""
     random = Random(seed)
     items = random_items(random, 30)
     steps = moves_of(items)
@@ -183,7 +183,7 @@ def check_halted_anywhere(seed):
     for backward in (False, True):
         walker.rewind()
         if backward:
-            walker.seek(program.total)
+            Ride(program, walker).go()
         ride = Ride(program, walker)
         rig = ride.rig
         walker.begin(backward)
@@ -207,7 +207,10 @@ def check_halted_anywhere(seed):
             assert shown in (None, walker.index)
             continue
         place = shown
-        walker.seek(place)
+        walker.rewind()
+        if place:
+            Ride(program, walker).go(most=place)
+        assert walker.index == place
         done = opposite(steps)[: len(ride.steps)] if backward else steps[: len(ride.steps)]
         ride.check(done)
         gone = len(ride.steps)

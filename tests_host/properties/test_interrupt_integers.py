@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passo.drives import unipolar
-from passo.motion import independent, line, planner, step_program, step_program_walker, step_program_words
+from passo.motion import independent, line, planner, step_program, step_program_walker
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
 from passo.records import COUNT_MASK, ENDLESS, FEED_OLDEST, FEED_POSITION, FEED_TICKS, MARK_FIELDS, MARK_TICKS
@@ -54,7 +54,7 @@ def narrow():
         "numbers": lambda count: SmallList("I", range(count)),
     }
     with pytest.MonkeyPatch.context() as patch:
-        for module in (line, planner, position, power, ring, independent, step_program, step_program_words):
+        for module in (line, planner, position, power, ring, independent, step_program, step_program_walker):
             found = [name for name in stands_in if name in vars(module)]
             assert found, module
             for name in found:

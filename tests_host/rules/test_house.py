@@ -54,7 +54,7 @@ SEQUENCES = {
 LONG_FILES = set()
 HALF_CLASSES = set()
 LONG_FUNCTIONS = {
-    "passo/motion/step_program_words.py:_steps",
+    "passo/motion/step_program_walker.py:_steps",
 }  # fmt: skip
 
 # {kernel: why it is longer}
