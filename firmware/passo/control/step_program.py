@@ -1,8 +1,8 @@
 """Playing a step program: forward, backward, step by step, again and again, with manual moves in between and the way back.
 
-What a step program is: motion/step_program.py. How it comes: step_program_intake.py. What may be asked of it:
-step_program_orders.py. The machine stops only at a step, and every start goes on from there: a pause takes the walk off the
-queue, so that a turn-round, a manual move or a single step may follow.
+What a step program is: motion/step_program.py. How it comes, and what may be asked of it: step_program_orders.py. The machine stops only at
+a step, and every start goes on from there: a pause takes the walk off the queue, so that a turn-round, a manual move or a single step may
+follow.
 
 Manual moves at a pause are a step program of their own, which the automatic return walks backward.
 """
@@ -13,8 +13,7 @@ from passo import commands
 from passo.commands import FINISHED, Event
 from passo.control.counted_job import CountedJob
 from passo.control.feature import QUEUE_GONE, WORK_GONE
-from passo.control.step_program_intake import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN
-from passo.control.step_program_orders import StepProgramOrders
+from passo.control.step_program_orders import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, StepProgramOrders
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
 from passo.steps.word import us_to_ticks
 
@@ -32,30 +31,11 @@ class StepProgramPlayer(StepProgramOrders):
         machine.job = CountedJob()
         machine.job.progress = self.progress
         self._dropped = False  # at its stand, and not yet cleared
-        self._reset()
-
-    def _reset(self):
-        self.program.clear(self._clamp(self._default))
-        self._walker.rewind()
-        self._stand()
-        self._loading = self._streaming = self._powers = False
 
     def _stand(self):
-        """Nothing is under way, and there are no manual moves to go back."""
-        self._mode = IDLE
-        self._start_ms = None
-        self._midway = self._asked = self._hand_tool = self._backward = False
+        StepProgramOrders._stand(self)
         self._held = IDLE  # the mode that the machine's hold has interrupted
-        self._left_at = self._origin
-        self._next = None
-        self._most = ENDLESS
         self._from = 0  # where the walk under way began
-        self._pass = self._passes = 1
-        self._forget_moves()
-
-    def _forget_moves(self):
-        self._manual.clear(self._clamp(self._default))
-        self._hand.rewind()
 
     def handlers(self):
         return {commands.STEP_PROGRAM: self._do, commands.STEP_PROGRAM_ADD: self._add}

@@ -1,34 +1,222 @@
-"""What STEP_PROGRAM asks of a step program: each order is checked here, and refused or begun.
+"""How a step program comes to the machine, stored whole or played as it comes, and what STEP_PROGRAM asks of it.
 
-step_program.py carries it out.
+Its items are those of passo/commands.py. Each order is checked here, and refused or begun; step_program.py carries it out.
 """
+
+from array import array
 
 from micropython import const
 
 from passo import commands, errors
+from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_INDEX, SPOT_TIMES
 from passo.config import setting_numbers as table
-from passo.control.step_program_intake import HAND, IDLE, RETURN, RUN, StepProgramIntake
-from passo.motion.step_program import StepProgram, run
+from passo.control.feature import Feature
+from passo.errors import LATER
+from passo.motion import step_program as marks
+from passo.motion.integers import isqrt
+from passo.motion.step_program import StepProgram
 from passo.motion.step_program_walker import StepProgramWalker
-from passo.records import ENDLESS
+from passo.records import COUNT_MASK, ENDLESS
 
 MOST_PASSES = const(100)
 _MANUAL_CELLS = const(256)
+_GATHER_MS = const(50)  # how long a stream is waited for, so that it sets out with some of it in hand
+
+# STATION's values.
+DRIVES_OFF = const(0)
+DRIVES_ON = const(1)
+ASK = const(2)  # the operator sets the speed
+
+# What is walked.
+IDLE = const(0)
+RUN = const(1)
+HAND = const(2)  # manual moves
+RETURN = const(3)  # the way back of the manual moves
+
+_KINDS = {
+    commands.STEPS_WAIT: marks.DWELL,
+    commands.STEPS_TOOL: marks.TOOL,
+    commands.STEPS_SPEED: marks.SPEED,
+}
 
 
-class StepProgramOrders(StepProgramIntake):
-    """The part of the feature that takes orders."""
+def lengths_of(axes):
+    """For each mask of `axes` (of the board file) how far a step of them goes, nm × 60."""
+    lengths = array("i", [0] * (1 << len(axes)))
+    for mask in range(1, len(lengths)):
+        total = 0
+        for axis in range(len(axes)):
+            if mask >> axis & 1:
+                total += (60_000_000_000 * 1024 // axes[axis]["steps_per_m"]) ** 2
+        lengths[mask] = (isqrt(total) + 512) >> 10
+    return lengths
+
+
+class StepProgramOrders(Feature):
+    """The part of the feature that takes a step program in, and orders."""
 
     def __init__(self, board, machine, queue):
-        StepProgramIntake.__init__(self, board, machine, queue)
+        Feature.__init__(self, board, machine, queue)
+        config = board["step_program"]
         axes = len(board["axes"])
+        self._dry_run = config["dry_run"]
+        self._default = config["default_mm_min"]
+        self._lengths = lengths = lengths_of(board["axes"])
+        self.fastest = min([lengths[1 << axis] for axis in range(axes)]) // config["interval_us"] or 1
+        tool_ticks = array("i", [queue.tool_ticks(False), queue.tool_ticks(True)])
+        self.program = StepProgram(axes, config["cells"])
+        self._walker = StepProgramWalker(self.program, lengths, tool_ticks)
         self._manual = StepProgram(axes, _MANUAL_CELLS)
-        self._hand = StepProgramWalker(self._manual, self._lengths, self._tool_ticks)
+        self._hand = StepProgramWalker(self._manual, lengths, tool_ticks)
+        self._origin = [0] * axes  # where the program begins
+        self._command = None  # to be told when the program's end, or its start, is reached
         self._barred = False  # the operator wants no current: no move by hand switches the drives on
-        self._hand_tool = False
+        self._reset()
+
+    def _reset(self, ring=False):
+        self.program.clear(self._clamp(self._default), ring)
+        self._walker.rewind()
+        self._stand()
+        self._loading = self._streaming = False
+        self._powers = False  # the program switches the drives on somewhere
+
+    def _stand(self):
+        """Nothing is under way, and there are no manual moves to go back."""
+        self._mode = IDLE
+        self._start_ms = None  # when what is streamed is to set out at the latest
+        self._midway = False  # has set out, and has not come to an end
         self._asked = False  # waits for the operator's speed
-        self._most = ENDLESS
+        self._hand_tool = self._backward = False
+        self._left_at = self._origin  # where it left the program, for moves by hand
         self._next = None  # what to do at the stand: a function without arguments
+        self._most = ENDLESS
+        self._pass = self._passes = 1
+        self._forget_moves()
+
+    def _forget_moves(self):
+        self._manual.clear(self._clamp(self._default))
+        self._hand.rewind()
+
+    def _clamp(self, mm_min):
+        return min(mm_min or self._default, self.fastest)
+
+    def _add(self, command):
+        """STEP_PROGRAM_ADD."""
+        return (self._open, self._items, self._close, self._abort)[command.value](command)
+
+    def _open(self, command):
+        machine = self._machine
+        if self._streaming and self.active() and not self.program.open:
+            return LATER
+        refusal = machine.unready()
+        if refusal:
+            return refusal
+        if machine.state != "idle" or not self._queue.still():
+            return errors.BUSY
+        job = machine.job
+        job.counting = job.announced  # else it is not the program that the journal knows
+        job.announced = False
+        self._reset(command.tool)
+        self._streaming = command.tool
+        self._loading = not command.tool
+        self.program.expect(True)
+        self._origin = self._queue.target[:]
+        self._command = command
+        return machine.accepted(command)
+
+    def _items(self, command):
+        program = self.program
+        if not program.open:
+            return errors.NO_STEP_PROGRAM
+        if self._streaming and self._room() < 2 * len(command.target) + 2:
+            return LATER
+        items = command.target
+        at = program.extend(items, 0)
+        while at < len(items):
+            if not self._append(items[at]):
+                self._reset()
+                return errors.STEP_PROGRAM_FULL
+            at = program.extend(items, at + 1)
+        if self._streaming:
+            if not self._reachable():
+                self._fail()
+                return errors.TRAVEL
+            if not self.active():
+                self._start_ms = self._machine.port.machine_ms() + _GATHER_MS
+        return self._machine.accepted(command)
+
+    def _append(self, item):
+        """Add an item of the shared vocabulary (commands.STEPS_…) to the program; of runs only where there is no room."""
+        if item & 15:
+            return False
+        kind = item >> 4 & 15
+        value = item >> 8
+        if kind in _KINDS:
+            if kind == commands.STEPS_TOOL and self._dry_run:
+                value = 0
+            if kind == commands.STEPS_SPEED:
+                value = min(value, self.fastest)
+            return self.program.append(marks.mark(_KINDS[kind], value))
+        if kind == commands.STEPS_FASTEST:
+            return self.program.append(marks.mark(marks.SPEED, self.fastest))
+        if kind == commands.STEPS_DEFAULT:
+            return self.program.append(marks.mark(marks.SPEED, self._clamp(self._default)))
+        station = ASK if kind == commands.STEPS_ASK else value
+        self._powers = self._powers or station == DRIVES_ON
+        return self.program.append(marks.mark(marks.STATION, station))
+
+    def progress(self, spot):
+        """For the journal: see job_journal.py. False if nothing of the program has been played."""
+        walker = self._walker
+        index = walker.index
+        at = self._left_at
+        if self._mode == RUN:
+            found, at = self._queue.spot()
+            if found is not None:
+                index = found
+        elif not self._midway and not (index and walker.at_end()):
+            return False
+        spot[SPOT_INDEX] = index
+        spot[SPOT_TIMES] = self._passes - self._pass + 1
+        spot[SPOT_BACK] = self._backward
+        for axis in range(len(at)):
+            spot[SPOT_AXES + axis] = at[axis]
+        return True
+
+    def _room(self):
+        """Cells that may be filled: the other half of the window is kept for the way back."""
+        ahead = (self.program.end - self._walker.cell) & COUNT_MASK
+        return self.program.size // 2 - ahead
+
+    def _reachable(self):
+        machine = self._machine
+        if not machine.homed or not machine.settings.value(table.SOFT_LIMITS):
+            return True
+        program = self.program
+        again = self._passes - 1
+        for reach in (program.low, program.high):
+            for times in (0, again):
+                position = [self._origin[axis] + times * program.at[axis] + reach[axis] for axis in range(program.axes)]
+                if not self._queue.inside(position):
+                    return False
+        return True
+
+    def _close(self, command):
+        if not self.program.open:
+            return errors.NO_STEP_PROGRAM
+        self.program.expect(False)
+        self._loading = False
+        if self._streaming and not self.active():
+            self._streaming = False
+            self._tell("end")
+        return self._machine.accepted(command, self.program.total)
+
+    def _abort(self, command):
+        """The rest makes no sense: what was stored is forgotten, what was played as it came stops."""
+        self._fail()
+        return command.error
+
+    # --- orders
 
     def _do(self, command):
         """STEP_PROGRAM."""
@@ -50,9 +238,8 @@ class StepProgramOrders(StepProgramIntake):
             return errors.NO_STEP_PROGRAM
         if verb == commands.STEPS_RETURN:
             return self._return(command)
-        if verb == commands.STEPS_CONTINUE:
-            if self._mode in (RUN, RETURN):
-                return errors.BUSY
+        if verb == commands.STEPS_CONTINUE and self._mode == RUN:
+            return errors.BUSY
         return self._go(command)
 
     def _go(self, command):
@@ -122,16 +309,14 @@ class StepProgramOrders(StepProgramIntake):
 
     def _jog(self, command):
         """`target`: steps of each axis, one axis after the other."""
-        if self._mode not in (IDLE, HAND) or self._pausing() and self._mode == HAND:
-            return errors.BUSY
-        if self._machine.state not in ("idle", "run", "hold"):
+        machine = self._machine
+        if self._mode not in (IDLE, HAND) or self._pausing() and self._mode == HAND or machine.state not in ("idle", "run", "hold"):
             return errors.BUSY
         if self._barred:
             return errors.DRIVES_OFF
         if self._mode == IDLE and not self._midway:
             self._forget_moves()
         queue = self._queue
-        machine = self._machine
         position = [at + by for at, by in zip(queue.target, command.target)]
         if machine.homed and machine.settings.value(table.SOFT_LIMITS) and not queue.inside(position):
             return errors.JOG_TRAVEL
@@ -140,7 +325,7 @@ class StepProgramOrders(StepProgramIntake):
             return refusal
         for axis in range(len(command.target)):
             steps = command.target[axis]
-            if steps and not self._manual.append(run(1 << axis, (steps < 0) << axis, abs(steps))):
+            if steps and not self._manual.append(marks.run(1 << axis, (steps < 0) << axis, abs(steps))):
                 return errors.STEP_PROGRAM_FULL
         queue.lead(position)
         if self._mode == IDLE:
@@ -154,7 +339,7 @@ class StepProgramOrders(StepProgramIntake):
 
     def _switch(self, command):
         """The tool or the drives by hand, at a stand."""
-        if self._mode != IDLE or not self._queue.still():
+        if self._mode != IDLE:
             return errors.BUSY
         if command.value == commands.STEPS_HAND_DRIVES:
             self._set_drives(command.tool)
