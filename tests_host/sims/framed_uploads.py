@@ -70,9 +70,8 @@ class Round:
     def check(self):
         """The file on the board is the job, whole."""
         store = job_store.JobStore(self.machine.port.folder)
-        assert store.names() == ["PART"], store.names()
+        assert [entry[0] for entry in store.entries()] == ["PART"], store.entries()
         job = store.open("PART")
-        store.begin_reading(job)
         view, found = memoryview(bytearray(512)), b""
         while count := job.readinto(view):
             found += bytes(view[:count])
@@ -91,7 +90,7 @@ def round_of(language, folder, seed):
     made.machine.settle()
     with made.pc():
         jobs.delete("PART", **made.at)
-    assert not job_store.JobStore(made.machine.port.folder).names()
+    assert not job_store.JobStore(made.machine.port.folder).entries()
     with made.pc():
         try:
             jobs.run("PART", home=False, wait=True, **made.at)

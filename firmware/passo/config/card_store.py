@@ -15,7 +15,6 @@ from micropython import const
 
 from passo.config.job_store import HEAD_BYTES, JobStore, parse_first_line
 
-_ENDS = ".job", ".alt"
 END_MARK = b"\n"
 _TORN = const(1)  # an upload that was cut off
 _DAMAGED = const(2)  # its first line is wrong: it stays, and is told
@@ -38,22 +37,15 @@ def _state(path):
 
 class CardStore(JobStore):
     _is_flash = False
+    _ends = (".job", ".alt")
 
-    def names(self):
-        return [name for name in self._names(_ENDS) if self._best(name, True)[1] != _TORN]
-
-    def entries(self):
-        found = []
-        for name in self._names(_ENDS):
-            _, state, head = self._best(name, True)
-            if state != _TORN:  # a folder is told as damaged, too
-                language, size, crc, stored = head or ("", 0, 0, 0)
-                found.append((name, language, size, stored, crc))
-        return found
+    def _known(self, name):
+        _, state, head = self._best(name, True)
+        return state != _TORN, head  # a folder is told as damaged, too
 
     def _best(self, name, tidy=False):
         """(path, state, first line) of the file that counts for a job; `tidy`: remove an upload that was cut off."""
-        path = self._folder + name + _ENDS[1]
+        path = self._folder + name + self._ends[1]
         other = self._other(path)
         state, head = _state(path)
         there, first = _state(other)
@@ -65,11 +57,11 @@ class CardStore(JobStore):
     def _path(self, name):
         return self._best(name)[0]
 
-    def open(self, name):
+    def open(self, name, language=None):
         path, state, _ = self._best(name)
         if state == _TORN:
             raise OSError(2)
-        return self._opened(path)
+        return self._opened(path, language)
 
     def delete(self, name):
         path = self._path(name)
@@ -77,7 +69,7 @@ class CardStore(JobStore):
         self._remove(self._other(path))
 
     def _other(self, path):
-        return path[:-4] + _ENDS[path.endswith(_ENDS[0])]
+        return path[:-4] + self._ends[path.endswith(self._ends[0])]
 
     def _target(self, name):
         path, state, _ = self._best(name)
@@ -89,7 +81,3 @@ class CardStore(JobStore):
             file.write(END_MARK)
         self._upload = ""
         self._remove(self._other(path))
-
-    def abort(self):
-        JobStore.abort(self)
-        self._upload = ""

@@ -4,10 +4,9 @@
     store.mount()
     store.begin("PART.NC", "grbl", size, crc, stored)       # an upload
     store.add(data)                                         # until it has `stored` bytes
-    job = store.uploaded()                                  # read it to its end: job.whole() says whether it is right
+    job = store.uploaded()                                  # read it to its end: it raises Damaged if it is not right
     store.keep()                                            # now it is there, in place of an older one of that name
     job = store.open("PART.NC")
-    store.begin_reading(job)
     job.readinto(view)
     store.close(job)
 
@@ -30,12 +29,12 @@ from micropython import const
 
 from passo import errors
 from passo.config.job_keys import name_fits
+from passo.config.journal import sealed
 from passo.memory import WINDOW_BITS, FileRoom, stream
 
 _MAGIC = b"job "
 HEAD_BYTES = const(96)  # at most, of a file's first line
 _UPLOAD = "upload.new"
-_END = ".job"
 _DIRECTORY = const(0x4000)  # os.ilistdir's
 _SPARE = const(2)  # blocks that an upload leaves free
 _EINVAL = const(22)  # deflate's, of a stream that is wrong
@@ -47,20 +46,15 @@ class Damaged(Exception):
     """A file is not whole. `args`: the number of the error."""
 
 
-def _check(text):
-    return b" %08x\n" % (crc32(text) & 0xFFFFFFFF)
-
-
 def first_line(language, size, crc, stored):
     """The first line of a file: of a job of `size` bytes with that CRC-32, in `stored` bytes."""
-    text = _MAGIC + ("%s %d %08x %d" % (language, size, crc, stored)).encode()
-    return text + _check(text)
+    return sealed(_MAGIC + ("%s %d %08x %d" % (language, size, crc, stored)).encode())
 
 
 def parse_first_line(line):
     """(language, bytes, CRC-32, bytes stored), or None: it is not such a line, or a byte of it is wrong."""
     fields = line[len(_MAGIC) :].split()
-    if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line[-10:] != _check(line[:-10]):
+    if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line != sealed(line[:-10]):
         return None
     try:
         head = fields[0].decode(), int(fields[1]), int(fields[2], 16), int(fields[3])
@@ -69,30 +63,18 @@ def parse_first_line(line):
     return head if min(head[1:]) >= 0 else None
 
 
-def files(folder):
-    """The names of a folder's files, one after the other: a card may have more of them than memory holds."""
-    if not hasattr(os, "ilistdir"):  # of a PC
-        return sorted(os.listdir(folder))
-    return (entry[0] for entry in os.ilistdir(folder))
-
-
-def listed():
-    """How many jobs are listed at most."""
-    return min(_LISTED, gc.mem_free() // _LISTED_BYTES) if hasattr(gc, "mem_free") else _LISTED
-
-
 class JobFile:
-    """A job, read from the start of a file. Raises Damaged if its first line is wrong.
+    """A job, read from the start of a file. Raises Damaged if its first line is wrong, or says another `language` than the one wanted.
 
     `lost`: the error if the memory that it lies in does not answer any more."""
 
-    def __init__(self, file, lost):
+    def __init__(self, file, lost, language):
         self._file = file
         self._lost = lost
         head = parse_first_line(self._file.readline(HEAD_BYTES))
-        if head is None:
+        if head is None or language and language != head[0]:
             self.close()
-            raise Damaged(errors.JOB_DAMAGED)
+            raise Damaged(errors.JOB_LANGUAGE if head else errors.JOB_DAMAGED)
         self.language, self.size, self.crc, self.stored = head
         self.done = 0  # bytes read
         self._sum = 0  # their CRC-32
@@ -107,7 +89,8 @@ class JobFile:
         self._first = first
 
     def readinto(self, view):
-        """How many bytes of the job have been put into `view`, a memoryview of two or more; 0 at the end. Raises Damaged."""
+        """How many bytes of the job have been put into `view`, a memoryview of two or more; 0 at the end. Raises Damaged, also with the
+        last bytes if all that has been read is not right."""
         try:
             if self._first:
                 view[:1] = self._first
@@ -119,8 +102,9 @@ class JobFile:
             raise self.damaged(error)
         self.done += count
         self._sum = crc32(view[:count], self._sum)
-        if self.done > self.size or not count and not self.whole():
-            raise Damaged(errors.JOB_DAMAGED)
+        if self.done >= self.size or not count:
+            if self.done != self.size or self._sum & 0xFFFFFFFF != self.crc:
+                raise Damaged(errors.JOB_DAMAGED)
         return count
 
     def damaged(self, error):
@@ -128,15 +112,12 @@ class JobFile:
         wrong = not error.args or error.args[0] == _EINVAL
         return Damaged(errors.JOB_DAMAGED if wrong else self._lost)
 
-    def whole(self):
-        """True if all has been read and was right."""
-        return self.done == self.size and self._sum & 0xFFFFFFFF == self.crc
-
     def close(self):
         self._file.close()
 
     def drop(self):
-        """Let go of the file. Returns the stream, which keeps its memory."""
+        """Close the file and let go of it. Returns the stream, which keeps its memory."""
+        self.close()
         made = self._stream
         made.close()
         self._file = self._stream = None
@@ -154,6 +135,7 @@ def folders(path):
 
 class JobStore:
     _is_flash = True
+    _ends = (".job",)
     root = "/"  # of its file system
 
     def __init__(self, folder):
@@ -171,9 +153,8 @@ class JobStore:
         self._stream = stream()  # the last one: the next takes its memory
         self._room.keep()
 
-    def begin_reading(self, job):
-        """Make the job's window, in the memory that has been kept. At a stand: it takes 30 ms. Raises MemoryError, Damaged; then
-        the job is closed."""
+    def _begin_reading(self, job):
+        """Make the job's window, in the memory that has been kept. Raises MemoryError, Damaged; then the job is closed."""
         first = bytearray(1)
         read = job.reader()
         self._stream = None
@@ -189,10 +170,10 @@ class JobStore:
             raise job.damaged(error)
         if count:
             job.began(first)
+        return job
 
     def close(self, job):
         """Close a job, and keep room for the next."""
-        job.close()
         made = job.drop()
         if self._stream is None:
             self._stream = made
@@ -209,54 +190,55 @@ class JobStore:
         self.abort()
 
     def _path(self, name):
-        return self._folder + name + _END
+        return self._folder + name + self._ends[0]
 
-    def names(self):
-        return self._names((_END,))
-
-    def _names(self, ends):
+    def _names(self):
         """Those of files that can be asked for, as many as are listed; a card may have others."""
         found = []
         self.more = 0
-        most = listed()
-        for name in files(self._folder[:-1]):
-            if name[-4:] in ends and name_fits(name[:-4]) and name[:-4] not in found:
+        most = min(_LISTED, gc.mem_free() // _LISTED_BYTES) if hasattr(gc, "mem_free") else _LISTED
+        folder = self._folder[:-1]
+        # One after the other: a card may have more of them than memory holds. A PC has no ilistdir().
+        for name in (entry[0] for entry in os.ilistdir(folder)) if hasattr(os, "ilistdir") else sorted(os.listdir(folder)):
+            if name[-4:] in self._ends and name_fits(name[:-4]) and name[:-4] not in found:
                 if len(found) < most:
                     found.append(name[:-4])
                 else:
                     self.more += 1
         return sorted(found)
 
-    def open(self, name):
-        return self._opened(self._path(name))
+    def open(self, name, language=None):
+        """A JobFile, at its start; Damaged if its language is not the one wanted. At a stand: it takes 30 ms. Raises MemoryError, too."""
+        return self._opened(self._path(name), language)
 
-    def _opened(self, path):
+    def _opened(self, path, language=None):
         try:
-            return JobFile(self._room.open(path, "rb"), errors.JOB_DAMAGED if self._is_flash else errors.NO_CARD)
+            job = JobFile(self._room.open(path, "rb"), errors.JOB_DAMAGED if self._is_flash else errors.NO_CARD, language)
         except (OSError, MemoryError, Damaged):
             self._room.keep()
             raise
+        return self._begin_reading(job)
 
     def entries(self):
         """[(name, language, bytes, bytes stored, CRC-32)], and how many more there are in `more`; of one that is damaged the language is ""."""
         found = []
-        names = self.names()
         try:
-            for name in names:
-                found.append((name,) + self._told(name))
+            for name in self._names():
+                there, head = self._known(name)
+                if there:
+                    language, size, crc, stored = head or ("", 0, 0, 0)
+                    found.append((name, language, size, stored, crc))
         finally:
             self._room.keep()
         return found
 
-    def _told(self, name):
-        """What a job's first line says: language, bytes, bytes stored, CRC-32."""
+    def _known(self, name):
+        """(False if this is no job, its parsed first line)."""
         try:
             with self._room.open(self._path(name), "rb") as file:
-                head = parse_first_line(file.readline(HEAD_BYTES))
+                return True, parse_first_line(file.readline(HEAD_BYTES))
         except OSError:
-            head = None
-        language, size, crc, stored = head or ("", 0, 0, 0)
-        return language, size, stored, crc
+            return True, None
 
     def delete(self, name):
         os.remove(self._path(name))
@@ -306,9 +288,7 @@ class JobStore:
             return None
         self._file.close()
         self._file = None
-        job = self._opened(self._upload)
-        self.begin_reading(job)
-        return job
+        return self._opened(self._upload)
 
     def keep(self):
         """The upload is right: keep it, at once and in place of an older one."""
@@ -326,7 +306,9 @@ class JobStore:
             except OSError:
                 pass  # a card that has gone: what was written last is lost
             self._room.keep()
-        self._remove(self._upload)
+        if self._upload:
+            self._remove(self._upload)
+            self._upload = ""
 
     def _remove(self, path):
         try:

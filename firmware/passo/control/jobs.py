@@ -18,9 +18,73 @@ from passo.commands import DROPPED, Event
 from passo.config.job_keys import LINK, name_fits
 from passo.config.job_store import Damaged, JobStore
 from passo.control.feature import OFF, WORK_GONE, Feature
-from passo.control.job_line import JobLine
+from passo.memory import buffer
 
+_PIECE = const(512)  # bytes that are read at once while a job is proven
 _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
+
+
+class JobLine:
+    """The serial line of a stored job: reads its file, and counts what is answered. No more is read than the language may have unanswered."""
+
+    def __init__(self, protocol, stored, look, damaged):
+        """`look()` is called when something has been answered, `damaged(error)` if the file is damaged."""
+        self._protocol = protocol
+        self._stored = stored  # the language's module: how its answers are counted
+        self._most, piece = stored.LIMITS  # units that may be unanswered: lines, packets, codes
+        self.piece = memoryview(buffer(max(piece, _PIECE)))  # what a job is proven with
+        self._view = self.piece[:piece]  # on the bytes read last
+        self._look = look
+        self._damaged = damaged
+        self._first = self._last = b""  # what is still to be given before the file, and behind it
+        self._file = None
+        self.given = self.answered = 0  # units
+
+    def begin(self, file):
+        self._file = file
+        self.given = self.answered = 0
+        self._first, self._last = self._stored.FRAME
+        self._stored.begin(self._protocol)
+
+    def leave(self):
+        """Give nothing more of the file. Returns it, or None if there is none."""
+        file = self._file
+        self._file = None
+        return file
+
+    def any(self):
+        file = self._file
+        return file is not None and (file.done < file.size or self._last) and self.given - self.answered < self._most
+
+    def read(self):
+        """Bytes of the job, good until the next read; b"" if there are none, or too many are not answered."""
+        if not self.any():
+            return b""
+        data = self._first
+        if data:
+            self._first = b""
+        elif self._file.done == self._file.size:
+            data = self._last
+            self._last = b""
+        else:
+            try:
+                count = self._file.readinto(self._view)
+            except Damaged as damaged:
+                self._damaged(damaged.args[0])
+                return b""
+            data = self._view[:count]
+        self.given += self._stored.units(data)
+        return data
+
+    def write(self, data):
+        if self._file is not None:
+            self.answered = self._stored.answers(bytes(data), self.answered, self.given)
+            self._look()
+
+    def done(self):
+        """True if all of the file has been given and answered."""
+        file = self._file
+        return file.done == file.size and not self._last and self.given == self.answered
 
 
 class Jobs(Feature):
@@ -41,7 +105,7 @@ class Jobs(Feature):
             self._store = JobStore(folder)
             self._store.mount()
         self._start = config["start"]
-        self.line = JobLine()
+        self.line = None
         self._number = 0  # of the link
         self._name = ""  # of the job under way
         self._file = None
@@ -56,7 +120,7 @@ class Jobs(Feature):
     def join(self, number, protocol, stored):
         """`number` and `protocol` of the link; `stored`: what its language says of stored jobs. Returns the serial line."""
         self._number = number
-        self.line.join(protocol, stored, self._look, self._refused)
+        self.line = JobLine(protocol, stored, self._look, self._refused)
         self._store.prepare()
         return self.line
 
@@ -111,34 +175,28 @@ class Jobs(Feature):
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         machine.port.feed_watchdog()
-        if what in (commands.JOB_LIST, commands.JOB_DELETE, commands.JOB_OPEN):
-            error = self._mount()
-            if error:
-                return error
+        error = self._mount() if what in (commands.JOB_LIST, commands.JOB_DELETE, commands.JOB_OPEN) else 0
+        if error:
+            return error
         if what == commands.JOB_LIST:
             return machine.accepted(command, (self._store.entries(), (self._store.free(), self._store.more)))
-        if what == commands.JOB_DELETE:
-            if not name_fits(command.target):
-                return errors.NO_JOB
-            self._store.delete(command.target)
-        elif what == commands.JOB_OPEN:
-            error = self._open(command)
-            if error:
-                return error
-        elif what == commands.JOB_DATA:
-            error = self._store.add(command.target)
-            if error:
-                return error
-        else:
+        if what == commands.JOB_CLOSE:
             self._reading = self._store.uploaded()
             if self._reading is None:
                 return errors.JOB_UPLOAD
             machine.command = command
             return 0
-        return machine.accepted(command)
+        if what == commands.JOB_DATA:
+            error = self._store.add(command.target)
+        elif what == commands.JOB_OPEN:
+            error = self._open(*command.target)
+        elif name_fits(command.target):
+            self._store.delete(command.target)
+        else:
+            return errors.NO_JOB
+        return error or machine.accepted(command)
 
-    def _open(self, command):
-        name, language, size, crc, stored = command.target
+    def _open(self, name, language, size, crc, stored):
         if not name_fits(name):
             return errors.STORED_NAME
         if language != self._config["language"]:
@@ -163,38 +221,44 @@ class Jobs(Feature):
         error = self._mount()
         if error:
             return error
-        file = self._store.open(name)
-        if file.language != self._config["language"]:
-            self._store.close(file)
-            return errors.JOB_LANGUAGE
-        self._store.begin_reading(file)
-        self._file = file
+        self._file = self._store.open(name, self._config["language"])
         self._name = name
         self._failed = 0
         self._proving = True
         machine.lender = machine.commander
         machine.commander = self._number
-        if command.link is not None:
-            return machine.accepted(command)
-        return 0
+        return 0 if command.link is None else machine.accepted(command)
 
     def _per_cent(self):
         """How much of the file has been read."""
         return self._file.done * 100 // max(self._file.size, 1)
 
+    def _read(self, file):
+        """Read on. Returns None if there is more, 0 at the end of a file that is right, or the number of an error."""
+        try:
+            for _ in range(_CHECKED):
+                if not file.readinto(self.line.piece):
+                    return 0
+        except Damaged as damaged:
+            return damaged.args[0]
+        return None
+
     def _prove(self):
         """Read on; at the end, if the job is right, begin it."""
         try:
-            for _ in range(_CHECKED):
-                if not self._file.readinto(self.line.piece):
-                    self._begin()
-                    return
+            error = self._read(self._file)
+            if error == 0:
+                self._begin()
         except Damaged as damaged:
-            self._fail(damaged.args[0])
+            error = damaged.args[0]
         except OSError:
-            self._fail(errors.NO_CARD if self._card else errors.JOB_DAMAGED)
+            error = errors.NO_CARD if self._card else errors.JOB_DAMAGED
         except MemoryError:
-            self._fail(errors.JOB_MEMORY)
+            error = errors.JOB_MEMORY
+        if error:
+            self._machine.note(error, self._name)
+            self.line.answered = 0
+            self._end(error)
 
     def _begin(self):
         machine = self._machine
@@ -202,8 +266,7 @@ class Jobs(Feature):
         self._proving = False
         self._store.close(proven)
         self._file = self._store.open(self._name)
-        self._store.begin_reading(self._file)
-        self.line.begin(self._file, self._store)
+        self.line.begin(self._file)
         if self._file.crc != proven.crc:
             raise Damaged(errors.JOB_DAMAGED)
         self._announce(self._file.crc or 1)
@@ -214,12 +277,6 @@ class Jobs(Feature):
         journal = self._machine.handlers.get(commands.JOURNAL)
         if journal and not self._machine.checking:
             journal(commands.Command(commands.JOURNAL, number))
-
-    def _fail(self, error):
-        """The job does not begin."""
-        self._machine.note(error, self._name)
-        self.line.answered = 0
-        self._end(error)
 
     def poll(self, now_ms):
         if self._start:
@@ -260,41 +317,31 @@ class Jobs(Feature):
 
     def _read_rest(self):
         """A file that has changed since it was proven, or a card that has gone, is why a line was refused."""
-        try:
-            for _ in range(_CHECKED):
-                if not self._rest.readinto(self.line.piece):
-                    self._close_rest()
-                    return
-        except Damaged as damaged:
-            self._unread(damaged.args[0])
+        error = self._read(self._rest)
+        if error:
+            self._unread(error)
+        elif error == 0:
+            self._rest = self._close(self._rest)
 
     def _unread(self, error):
         self._failed = error
         self._machine.note(error, self._name)
-        self._close_rest()
+        self._rest = self._close(self._rest)
 
-    def _close_rest(self):
-        if self._rest is not None:
-            self._store.close(self._rest)
-            self._rest = None
+    def _close(self, file):
+        """Close a job, if there is one. Returns None."""
+        if file is not None:
+            self._store.close(file)
 
     def poll_command(self, now_ms):
-        if self._reading is None or not self._machine.busy_with(commands.JOB):
-            return
-        view = self.line.piece
-        try:
-            for _ in range(_CHECKED):
-                if not self._reading.readinto(view):
-                    self._read_back(0)
-                    return
-        except Damaged as damaged:
-            self._read_back(damaged.args[0])
-
-    def _read_back(self, error):
-        """The upload has been read to its end, or is not right."""
+        """Read an upload back, and keep it if it is right."""
         machine = self._machine
-        self._store.close(self._reading)
-        self._reading = None
+        if self._reading is None or not machine.busy_with(commands.JOB):
+            return
+        error = self._read(self._reading)
+        if error is None:
+            return
+        self._reading = self._close(self._reading)
         if not error:
             machine.port.feed_watchdog()
             try:
@@ -327,10 +374,9 @@ class Jobs(Feature):
 
     def heed(self, _):
         """All work is dropped, by a stop, a reset, an alarm."""
-        self._close_rest()
+        self._rest = self._close(self._rest)
         if self._reading is not None:
-            self._store.close(self._reading)
-            self._reading = None
+            self._reading = self._close(self._reading)
             self._store.abort()
         if self._file is not None and not self._failed:
             command = self._machine.command
@@ -340,11 +386,9 @@ class Jobs(Feature):
 
     def _end(self, error):
         machine = self._machine
-        if self._proving:
-            self._proving = False
-            self._store.close(self._file)
-        self.line.end()
-        self._file = None
+        rest = self.line.leave()
+        self._file = self._close(self._file if self._proving else rest)
+        self._proving = False
         machine.commander = machine.lender
         machine.lender = -1
         self._ended = self._name, error, self.line.answered
