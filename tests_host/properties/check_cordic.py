@@ -1,8 +1,9 @@
-"""CORDIC: an end point within one step of the true one for radii to 2²⁰ and any angle; angles and lengths of vectors."""
+"""CORDIC: a point turned within one step of the true one for radii to 2²⁰ and any angle; angles and lengths of vectors."""
 
 from math import atan2, cos, pi, sin, sqrt
 
-from passo.motion.cordic import PI_64, QUARTER, TURN, arc_length, end_point, rotate, vector
+from passo.motion import cordic
+from passo.motion.cordic import PI_64, QUARTER, TURN, arc_length, rotate, vector
 
 CASES = {
     "check_end_point": (("x", -(1 << 20), 1 << 20), ("y", -(1 << 20), 1 << 20), ("sweep", -4 * TURN, 4 * TURN)),
@@ -15,10 +16,10 @@ RUNS = {"check_end_point": 300, "check_small_radii": 300, "check_vector": 200}
 
 
 def distance(x, y, sweep):
-    """From the end point to the true one, in steps."""
+    """From the point turned to the true one, in steps."""
     angle = (sweep % TURN) * 2 * pi / TURN
-    got = end_point((7, -9), (x, y), sweep)
-    return sqrt((got[0] - 7 - x * cos(angle) + y * sin(angle)) ** 2 + (got[1] + 9 - x * sin(angle) - y * cos(angle)) ** 2)
+    got = rotate(x, y, sweep)
+    return sqrt((got[0] - x * cos(angle) + y * sin(angle)) ** 2 + (got[1] - x * sin(angle) - y * cos(angle)) ** 2)
 
 
 def check_end_point(x, y, sweep):
@@ -61,3 +62,26 @@ def check_there_and_back(x, y, sweep):
 def check_pi():
     assert abs(PI_64 / (1 << 64) - pi) < 1e-15
     assert arc_length(1 << 20, TURN) == int(2 * pi * (1 << 20) + 0.5)
+
+
+def atan_of_inverse(n):
+    """atan(1/n), n ≥ 2, in 2⁻⁶⁴, by Gregory's series."""
+    total = power = (1 << 64) // n
+    k = 3
+    while power:
+        power //= n * n
+        total += power // k if k & 2 == 0 else -(power // k)
+        k += 2
+    return total
+
+
+def check_constants():
+    """They are what their definitions say: π by Machin's formula, each angle to its last bit."""
+    assert PI_64 == 4 * (4 * atan_of_inverse(5) - atan_of_inverse(239))
+    count = len(cordic._ANGLES)
+    angles = [((atan_of_inverse(1 << i) << 40) + PI_64) // (2 * PI_64) for i in range(1, count)]
+    assert cordic._ANGLES == tuple([1 << 37] + angles) and count == 36
+    square = 1 << 80
+    for i in range(count):
+        square = (square << 2 * i) // ((1 << 2 * i) + 1)
+    assert cordic._INVERSE_GAIN ** 2 <= square < (cordic._INVERSE_GAIN + 1) ** 2

@@ -6,7 +6,7 @@ What RS274/NGC (NIST IR 6556, 3.5.3) asks of both kinds of centre.
 from micropython import const
 
 from passo import errors
-from passo.motion.cordic import TURN, end_point
+from passo.motion.cordic import TURN, rotate
 from passo.motion.integers import isqrt
 
 _CLOSE_NM = const(5_000)  # start and end radius may differ by this, or by a thousandth, but not by _FAR_NM
@@ -57,4 +57,5 @@ def over_half(x, y, i, j, clockwise):
 def end_of(i, j, sweep_udeg, clockwise):
     """(x, y): where the arc about (i, j) from (0, 0) ends that sweeps `sweep_udeg` ≥ 0 millionths of a degree."""
     sweep = (sweep_udeg * TURN + 180_000_000) // 360_000_000
-    return end_point((i, j), (-i, -j), -sweep if clockwise else sweep)
+    x, y = rotate(-i, -j, -sweep if clockwise else sweep)
+    return i + x, j + y

@@ -25,8 +25,8 @@ Runs follow from the geometry alone: speed, hold and resume never change the pat
     while circle.left:
         circle.walk(out, 0, min(circle.left, MAX_RUN))
 
-`left` counts words to the end of the run, 0 only at the arc's end. All but seek() and offset() may run in an interrupt: no
-allocation, no integer of 2³⁰. The kernels are in circle_viper.py.
+`left` counts words to the end of the run, 0 only at the arc's end. All may run in an interrupt: no allocation, no integer
+of 2³⁰. The kernels are in circle_viper.py.
 """
 
 from array import array
@@ -66,38 +66,13 @@ class Circle:
         self.made = self._line[LINE_RISE + 2 * axes :]
         self._tail = array("i", [0] * axes)
         self._ending = False  # the tail is being walked
-        self._plans = None
-        self._first = 0
 
     @micropython.native
     def load(self, plans, first=0):  # ISR: no allocation
         """Stand at the beginning of the arc whose plan is plans[first : first + ARC_FIELDS]."""
-        self._plans = plans
-        self._first = first
         self._ending = False
         load(plans, first, self.state)
         self._run()
-
-    def seek(self, index):
-        """Stand before word `index`, as if that many had been walked. Walks them: main loop only."""
-        self.load(self._plans, self._first)
-        self._skip(index)
-        for axis in range(self.axes):
-            self.made[axis] = 0
-
-    def offset(self, axis, index):
-        """Signed steps of `axis` after `index` words. Walks them, on a walker of its own: main loop only."""
-        other = Circle(self.axes)
-        other.load(self._plans, self._first)
-        other._skip(index)
-        return other.made[axis]
-
-    def _skip(self, index):
-        scratch = array("I", [0] * MAX_RUN)
-        while index > 0 and self.left:
-            count = min(index, self.left, MAX_RUN)
-            self.walk(scratch, 0, count)
-            index -= count
 
     @micropython.native
     def walk(self, out, at, count):  # ISR: no allocation

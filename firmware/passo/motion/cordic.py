@@ -2,7 +2,6 @@
 
     angle, radius = vector(x, y)              # polar form
     x, y = rotate(x, y, angle)                # about 0;0, counter-clockwise
-    x, y = end_point((cx, cy), (rx, ry), sweep)
 
 An angle is an integer of 2⁻³² turn; a negative one is clockwise and several turns are allowed. One iteration more
 halves what is left of the angle, so coordinates of b bits take b + 4 of them, and the vector carries GUARD bits below
@@ -21,39 +20,13 @@ GUARD = const(16)  # bits below one step: rounding of up to 50 shifts stays unde
 _FINE = const(8)  # angles are kept in 2⁻⁴⁰ turn inside
 _FINEST = const(36)
 
-# The constants below are computed from the definition at import: atan(2⁻ⁱ) by Gregory's series, π by Machin's formula.
-_SCALE = 1 << 64
-
-
-def _atan_of_inverse(n):
-    """atan(1/n), n ≥ 2, in units of 2⁻⁶⁴."""
-    total = power = _SCALE // n
-    k = 3
-    while power:
-        power //= n * n
-        total += power // k if k & 2 == 0 else -(power // k)
-        k += 2
-    return total
-
-
-PI_64 = 4 * (4 * _atan_of_inverse(5) - _atan_of_inverse(239))
-
-
-def _table():
-    """atan(2⁻ⁱ) in 2⁻⁴⁰ turn, and the inverse of the product of √(1 + 2⁻²ⁱ) in 2⁻⁴⁰."""
-    angles = [1 << 37]
-    for i in range(1, _FINEST):
-        angles.append(((_atan_of_inverse(1 << i) << 40) + PI_64) // (2 * PI_64))
-    square = 1 << 80
-    for i in range(_FINEST):
-        square = (square << 2 * i) // ((1 << 2 * i) + 1)
-    root = 1 << 40
-    while root * root > square:  # Newton's iteration from above
-        root = (root + square // root) >> 1
-    return tuple(angles), root
-
-
-_ANGLES, _INVERSE_GAIN = _table()
+PI_64 = 0x3243F6A8885A308D8  # π · 2⁶⁴
+_ANGLES = (
+    137438953472, 81134951838, 42869480287, 21761217566, 10922836750, 5466743129, 2734038620, 1367102738, 683561799,
+    341782203, 170891265, 85445653, 42722829, 21361415, 10680707, 5340354, 2670177, 1335088, 667544, 333772, 166886, 83443,
+    41722, 20861, 10430, 5215, 2608, 1304, 652, 326, 163, 81, 41, 20, 10, 5,
+)  # atan(2⁻ⁱ) in 2⁻⁴⁰ turn  # fmt: skip
+_INVERSE_GAIN = 667681663043  # of the product of √(1 + 2⁻²ⁱ), in 2⁻⁴⁰
 
 
 def _bits(value):
@@ -108,12 +81,6 @@ def vector(x, y):
     angle = (angle + (1 << (_FINE - 1))) >> _FINE
     length = (x * _INVERSE_GAIN + (1 << (39 + raise_bits))) >> (40 + raise_bits)
     return (angle + quarters * QUARTER) & (TURN - 1), length
-
-
-def end_point(center, radius, sweep):
-    """Where an arc ends that starts at center + radius and sweeps `sweep`: (x, y) within one step of the true point."""
-    x, y = rotate(radius[0], radius[1], sweep)
-    return center[0] + x, center[1] + y
 
 
 def arc_length(radius, angle):
