@@ -64,7 +64,6 @@ COLD = (
     "passo/control/queue.py",
     "passo/drives/gantry.py",
     "passo/drives/gantry_viper.py",
-    "passo/motion/block.py",
     "passo/motion/circle.py",
     "passo/motion/circle_viper.py",
     "passo/motion/integers.py",
