@@ -140,7 +140,7 @@ MAPPED = (
 # Only boards with outputs for the programme, M62 to M65, have these.
 DIGITAL = (
     Path("passo", "ports", "switching.py"), Path("passo", "ports", "rp2", "switching.py"),
-    Path("passo", "steps", "switching.py"), Path("passo", "steps", "switching_records.py"), Path("passo", "steps", "switching_viper.py"),
+    Path("passo", "steps", "switching.py"),
 )  # fmt: skip
 OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
