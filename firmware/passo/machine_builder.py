@@ -75,7 +75,6 @@ def load_all(board):
     forget("passo.config.motor_keys")
     if board["gantry"]:
         from passo.drives import gantry
-        from passo.steps import gantry_wiring
     forget("passo.config.device_keys")
     if board["shift"]:
         forget("passo.config.shift_keys")

@@ -202,16 +202,15 @@ S_CURVE_AIM = const(40)  # q last tried to end with
 S_CURVE_SPEED = const(41)  # its root; -1: not known
 S_CURVE_ABOVE = const(42)  # how much speed is above the one wanted then
 S_CURVE_LEAVE = const(43)  # the block's planned exit, q
-S_CURVE_WAY = const(44)  # how its end is found: STAY … REST_TO_REST of s_curve.py
-S_CURVE_GROW = const(45)  # what b may change by
-S_CURVE_GUESS = const(46)  # speed at its end if b stays
-S_CURVE_BRAKES = const(47)  # 1: it has to slow down for what lies ahead
+S_CURVE_GROW = const(44)  # what b may change by
+S_CURVE_GUESS = const(45)  # speed at its end if b stays
+S_CURVE_BRAKES = const(46)  # 1: it has to slow down for what lies ahead
 # Of the machine: √(jerk / 2) a tick, in fastest / 2²⁸: S_CURVE_ROOT / 2 ** S_CURVE_SHIFT; the planner's rows.
-S_CURVE_ROOT = const(48)
-S_CURVE_SHIFT = const(49)
-S_CURVE_STRIDE = const(50)
-S_CURVE_ROWS = const(51)  # integers of all rows
-S_CURVE_FIELDS = const(52)
+S_CURVE_ROOT = const(47)
+S_CURVE_SHIFT = const(48)
+S_CURVE_STRIDE = const(49)
+S_CURVE_ROWS = const(50)  # integers of all rows
+S_CURVE_FIELDS = const(51)
 
 # Line.state: a walker along a line.
 LINE_AXES = const(0)

@@ -64,7 +64,6 @@ COLD = (
     "passo/control/queue.py",
     "passo/drives/gantry.py",
     "passo/drives/gantry_viper.py",
-    "passo/motion/block.py",
     "passo/motion/circle.py",
     "passo/motion/circle_viper.py",
     "passo/motion/integers.py",
@@ -73,9 +72,6 @@ COLD = (
     "passo/motion/ramp.py",
     "passo/motion/s_curve.py",
     "passo/motion/s_curve_block.py",
-    "passo/motion/s_curve_end.py",
-    "passo/motion/s_curve_ticks.py",
-    "passo/motion/s_curve_way.py",
     "passo/motion/steady.py",
     "passo/ports/chip_port.py",
     "passo/ports/encoders.py",
@@ -144,7 +140,7 @@ MAPPED = (
 # Only boards with outputs for the programme, M62 to M65, have these.
 DIGITAL = (
     Path("passo", "ports", "switching.py"), Path("passo", "ports", "rp2", "switching.py"),
-    Path("passo", "steps", "switching.py"), Path("passo", "steps", "switching_records.py"), Path("passo", "steps", "switching_viper.py"),
+    Path("passo", "steps", "switching.py"),
 )  # fmt: skip
 OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say

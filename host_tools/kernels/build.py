@@ -20,7 +20,7 @@ RUNTIME = (Path(__file__).parent / "runtime.c").read_text(encoding="utf-8")
 STEPS = (
     "passo.steps.segments_viper", "passo.steps.pace_viper", "passo.steps.position_viper", "passo.motion.line_viper", "passo.motion.row_viper",
     "passo.motion.block", "passo.motion.integers", "passo.ports.rp2.pio_player",
-    "passo.steps.dots_viper", "passo.steps.power_viper",
+    "passo.steps.dots_viper", "passo.steps.power",
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
 LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's
@@ -28,7 +28,7 @@ LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_b
 HOT = (
     "passo.motion.block_viper.plan_block", "passo.motion.look_ahead_viper.plan_lines", "passo.motion.ramp_viper.begin", "passo.motion.ramp_viper.cut",
     "passo.protocols.grbl.lines.keep", "passo.protocols.grbl.take_viper.take_lines", "passo.steps.pace_viper.repay",
-    "passo.steps.power_viper.passed", "passo.steps.segments_viper.make",
+    "passo.steps.power.passed", "passo.steps.segments_viper.make",
 )  # fmt: skip
 LASER = "passo.steps.dots_viper", "passo.ports.rp2.laser_player"
 STAYING = "calm", "laser"  # modules that run from flash

@@ -3,6 +3,7 @@ code, nothing is compared."""
 
 from array import array
 
+from check_line import seek
 from draws import Random
 from passo.drives import coils_viper
 from passo.motion import line, line_viper, speed_viper
@@ -53,7 +54,7 @@ def check_walk(seed, axes):
         walk = twin["walk"]
         one.begin(deltas)
         assert twin["begin"](array("i", [7] + deltas), 1, one.state) == most
-        one.seek(begin)
+        seek(one, begin)
         walk(out, at, count, one.state)
         walk(out, at, 1, one.state)
     assert outs[0] == outs[1]

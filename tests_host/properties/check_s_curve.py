@@ -10,8 +10,7 @@ from check_hold import LEAD_TICKS, hold_at_random, override_at_random
 from draws import Random
 from passo.motion.block import ARC, LINE
 from passo.motion.limits import Limits
-from passo.motion.s_curve_block import cube_root, quotient, scaled
-from passo.motion.s_curve_way import ratio
+from passo.motion.s_curve_block import cube_root, quotient, ratio, scaled
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of
 

@@ -7,7 +7,6 @@ def test_no_integer_outgrows_a_board():
     from draws import Random
     from small_int import Small, SmallRows
 
-    numbers = "ticks start".split()
     for seed in range(60):
         machine = Machine(seed, ("mixed", "tiny", "arcs", "lines", "reversals")[seed % 5], 6)
         ramp = machine.rig.feeder.ramp
@@ -16,8 +15,7 @@ def test_no_integer_outgrows_a_board():
         circle.state = SmallRows(circle.state)
 
         def begin_small(block, begin=begin):
-            for name in numbers:
-                setattr(block, name, Small(getattr(block, name)))
+            block.start = Small(block.start)
             if not isinstance(block.rows, SmallRows):
                 block.rows = SmallRows(block.rows)
             begin(block)

@@ -14,7 +14,7 @@ from passo.control.feature import ANEW, HOMING, OFF, QUEUE_GONE, SAFE, WORK_GONE
 from passo.motion.block import WAIT
 from passo.records import COUNT_HALF, COUNT_MASK, QUEUE_SIZE, ROW_KIND, SCRATCH_STRIDE
 from passo.steps.switching import Switches
-from passo.steps.switching_records import SWITCH_MOST
+from passo.steps.switching import SWITCH_MOST
 
 
 class DigitalOutputs(Feature):

@@ -9,7 +9,7 @@ from passo.control.feature import HOMING, WORK_GONE, Feature
 from passo.control.point_buffer import PointBuffer
 from passo.errors import LATER
 from passo.motion.integers import length_nm
-from passo.records import NM_PER_M, TICKS_PER_MS, TICKS_PER_S
+from passo.records import NM_PER_M, ROW_TAG, TICKS_PER_MS, TICKS_PER_S
 
 _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
@@ -197,14 +197,14 @@ class Drawing(Feature):
     def count_drawn(self):
         if not self._machine.drawing:
             return self.drawn
-        block = self._queue.playing()
-        if block is None and self._queue.empty():
+        planner = self._queue.planner
+        row = planner.row()
+        if row < 0:
+            return self._taken if self._queue.empty() else self.drawn
+        tag = planner.rows[row + ROW_TAG]
+        if not tag:  # the pen goes up behind the last
             return self._taken
-        if block is None:
-            return self.drawn
-        if not block.tag:  # the pen goes up behind the last
-            return self._taken
-        return max(block.tag - 1 - self._job.counted, self.drawn)
+        return max(tag - 1 - self._job.counted, self.drawn)
 
     def _ticks(self, deltas):
         """How long the line lasts at the speed set, in the board file's sense of speed."""

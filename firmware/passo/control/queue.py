@@ -289,10 +289,6 @@ class Queue:
         """(feeder, player) for who moves pins at a stand."""
         return self._feeder, self._player
 
-    def playing(self):
-        """The block under way, or None."""
-        return self._planner.playing()
-
     def hold(self, on):
         self._feeder.set_hold(on)
 

@@ -17,7 +17,7 @@ import micropython
 from micropython import const
 
 from passo.motion.line_viper import begin, walk
-from passo.records import LINE_MOVING, LINE_NEGATIVE, LINE_RISE
+from passo.records import *
 
 MAX_STEPS = const(2_097_151)  # 2²¹ − 1
 MAX_RUN = const(500)  # most steps one walk() may take
@@ -27,7 +27,6 @@ class Line:
     """One line's walker: `total` dominant steps, `left` of them to come; masks of the axes `moving`, and `negative`."""
 
     def __init__(self, axes):
-        self.axes = axes
         self.total = self.left = self.moving = self.negative = 0
         self.state = array("i", [axes] + [0] * (4 + 3 * axes))
         self.made = memoryview(self.state)[LINE_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
@@ -46,25 +45,6 @@ class Line:
         self.left = total
         self.moving = state[LINE_MOVING]
         self.negative = state[LINE_NEGATIVE]
-
-    def seek(self, index):
-        """Stand before dominant step `index` (0 … total), as if that many had been walked."""
-        if not 0 <= index <= self.total:
-            raise ValueError("no step %d in a line of %d" % (index, self.total))
-        self.left = self.total - index
-        for axis in range(self.axes):
-            decision = self.state[LINE_RISE + axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
-            self.state[LINE_RISE + self.axes + axis] = decision
-
-    def offset(self, axis, index):
-        """Signed steps of `axis` after `index` dominant steps: its position in closed form."""
-        steps = self._steps(axis, index)
-        return -steps if self.negative >> axis & 1 else steps
-
-    def _steps(self, axis, index):
-        if not self.total:
-            return 0
-        return (self.state[LINE_RISE + axis] * index + self.total - 1) // (2 * self.total)
 
     @micropython.native
     def walk(self, out, at, count):  # ISR: no allocation

@@ -35,7 +35,6 @@ from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import *
 
 LOOK_AHEAD = const(64)
-_COUNT = const(0x1FFFFFFF)
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
 
@@ -54,7 +53,7 @@ class Planner:
         self._circle = None  # made by load()
         self.ramp = Steady()  # the feeder's; a Ramp after load()
         self.indices = array("i", [0] * QUEUE_FIELDS)
-        self._under_way, self._playing = Block(), Block()  # the one fetched last; see playing()
+        self._under_way = Block(self.rows)
         self.scratch = array("i", bytearray(4 * SCRATCH_FIELDS))
         self.percent = memoryview(self.scratch)[SCRATCH_PERCENT : SCRATCH_PERCENT + 2]  # overrides: of the feed, of rapid motion
         self.percent[0] = self.percent[1] = 100
@@ -126,7 +125,7 @@ class Planner:
     def ahead(self):
         """How many blocks are queued behind the one under way."""
         indices = self.indices
-        return (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & _COUNT
+        return (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & COUNT_MASK
 
     def set_power(self, power, dynamic):
         """Analogue power, 0 … 1000, of the blocks added from now on; `dynamic`: in proportion to the speed."""
@@ -323,7 +322,6 @@ class Planner:
         if at < 0:
             return None
         block = self._under_way
-        slot = at // self._stride
         kind = rows[at + ROW_KIND]
         walker = None
         if kind == LINE:
@@ -331,27 +329,15 @@ class Planner:
             walker.load(rows, at + ROW_STEPS)
         elif kind == ARC:
             walker = self._circle
-            walker.load(self._arcs.plans, self._walkers[slot])
-        if walker is not None and rows[at + ROW_GAIN]:  # the ramp and the feeder read the row itself
-            block.kind = kind
-            block.rows = rows
-            block.at = at
-            block.walker = walker
-            start = self.scratch[SCRATCH_START]
-            block.start = q_of(start, rows, at, rows[at + ROW_LIMIT]) if start else 0
-            return block
-        self._unpack(block, slot)
+            walker.load(self._arcs.plans, self._walkers[at // self._stride])
+        elif kind != WAIT:
+            walker = self._walkers[at // self._stride]
+        block.kind = kind
+        block.at = at
+        block.walker = walker
+        start = self.scratch[SCRATCH_START]
+        block.start = q_of(start, rows, at, rows[at + ROW_LIMIT]) if start and rows[at + ROW_GAIN] else 0
         return block
-
-    def _unpack(self, block, slot):  # ISR: no allocation
-        block.load(self.rows, slot * self._stride)
-        kind = block.kind
-        if kind == LINE:
-            block.walker = self._line
-        elif kind == ARC:
-            block.walker = self._circle
-        else:
-            block.walker = None if kind == WAIT else self._walkers[slot]
 
     def row(self):
         """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
@@ -363,14 +349,6 @@ class Planner:
         """Where the block that was played last stands in `rows`, or the one `back` before it; if they were played to their end."""
         return (self.indices[QUEUE_RETIRED] - 1 - back) % QUEUE_SIZE * self._stride
 
-    def playing(self):
-        """The oldest block not yet played to its last word, or None. The same object each time; where it is not the
-        one under way in the feeder, its walker is not its own any more."""
-        indices = self.indices
-        retired = indices[QUEUE_RETIRED]
-        if retired == indices[QUEUE_FETCHED]:
-            return None
-        slot = retired % QUEUE_SIZE
-        block = self._playing
-        self._unpack(block, slot)
-        return block
+    def walker(self, at):
+        """The independent axes, or the step program, of the row that begins at rows[at]."""
+        return self._walkers[at // self._stride]

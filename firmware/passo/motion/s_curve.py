@@ -27,25 +27,13 @@ other, and what one tells the next is in `state`.
 from array import array
 
 import micropython
-from micropython import const
 
 from passo.motion.block import LINE
-from passo.motion.integers import isqrt
+from passo.motion.integers import divide, isqrt
 from passo.motion.ramp_viper import cut
-from passo.motion.s_curve_block import load, step_from_rest
-from passo.motion.s_curve_end import choose, rest_to_rest, set_out, stop
-from passo.motion.s_curve_ticks import grown, mean
-from passo.motion.s_curve_way import at_end, need
+from passo.motion.s_curve_block import at_end, grown, half_ramp, load, mean, need, ratio, step_from_rest
 from passo.motion.speed_viper import gained, q_of, root_of, step_ticks
 from passo.records import *
-
-
-# S_CURVE_WAY.
-_STAY = const(0)  # its end is known
-_GO_ON = const(1)  # it does not begin at rest
-_CHOOSE = const(2)
-_SET_OUT = const(3)
-_REST_TO_REST = const(4)
 
 
 def limit(ramp, limits, stride, size):
@@ -64,7 +52,6 @@ def limit(ramp, limits, stride, size):
     state[S_CURVE_SHIFT] = shift
     state[S_CURVE_STRIDE] = stride
     state[S_CURVE_ROWS] = size
-    state[S_CURVE_B] = 0
     state[S_CURVE_RATE] = 1
     ramp.accelerated = cut_s_curve
     ramp.s_curve = load
@@ -76,17 +63,15 @@ def cut_s_curve(rows, at, state, walker, left, percent, hold):  # ISR: no alloca
     cut(rows, at, state, walker, left, percent, hold)
     if state[RAMP_S_CURVE] and state[RAMP_STEPS]:  # one after the other: inside each other they would take more stack
         look(rows, at, state)
-        if state[S_CURVE_WAY] == _GO_ON:
-            set_pace(rows, at, state)
-        if state[S_CURVE_WAY] == _CHOOSE:
-            choose(state)
-        elif state[S_CURVE_WAY] == _SET_OUT:
+        if not state[RAMP_V]:
+            step_from_rest(rows, at, state)
             set_out(state)
-        elif state[S_CURVE_WAY] == _REST_TO_REST:
-            state[RAMP_TICKS] = rest_to_rest(state)
+        elif set_pace(rows, at, state):
+            choose(state)
         end(rows, at, state)
         finish(rows, at, state)
         if not state[RAMP_TICKS]:
+            step_from_rest(rows, at, state)
             stop(state)
 
 
@@ -100,13 +85,8 @@ def look(rows, at, state):  # ISR: no allocation
     if togo < 0:
         togo = state[RAMP_TO_GO] = state[RAMP_PART] = 0
     part = state[RAMP_PART]
-    leave = q_of(rows[at + ROW_EXIT], rows, at, rows[at + ROW_LIMIT])
-    on = False
-    if leave > start:
-        behind = state[S_CURVE_BEHIND]
-        on = rows[behind + ROW_EXIT] + rows[behind + ROW_REACH] <= rows[at + ROW_EXIT]
-    else:
-        leave = start
+    behind = state[S_CURVE_BEHIND]
+    leave = max(q_of(rows[at + ROW_EXIT], rows, at, rows[at + ROW_LIMIT]), start)
     until = root_of(leave + (leave >> 8), speed)  # units of blocks differ by as much
     fast = speed if cap == q else root_of(cap, speed)
     room = INT_MOST
@@ -115,7 +95,7 @@ def look(rows, at, state):  # ISR: no allocation
         room = gained(scale, togo, part)
         room -= room >> 10
     state[S_CURVE_LEAVE] = leave
-    state[S_CURVE_ON] = on
+    state[S_CURVE_ON] = leave > start and rows[behind + ROW_EXIT] + rows[behind + ROW_REACH] <= rows[at + ROW_EXIT]
     state[S_CURVE_UNTIL] = until
     state[S_CURVE_FAST] = fast
     state[S_CURVE_ROOM] = room
@@ -127,16 +107,11 @@ def look(rows, at, state):  # ISR: no allocation
     state[S_CURVE_GROW] = state[RAMP_TICKS] = 0
     state[S_CURVE_SPEED] = -1
     state[S_CURVE_BRAKES] = 1
-    state[S_CURVE_WAY] = _GO_ON
-    if not speed:
-        if not state[S_CURVE_FIRST]:
-            step_from_rest(rows[at + ROW_GAIN], state)
-        state[S_CURVE_AIM] = leave
-        state[S_CURVE_WAY] = _REST_TO_REST if leave == start and not togo and not part else _SET_OUT
 
 
 def set_pace(rows, at, state):  # ISR: no allocation
-    """How much b may change in a segment that does not begin at rest, and a speed to end with if it stays."""
+    """How much b may change in a segment that does not begin at rest, and a speed to end with if it stays. False if the speed
+    stays: then its end is known."""
     q = state[RAMP_Q]
     speed = state[RAMP_V]
     b = state[S_CURVE_B]
@@ -153,8 +128,7 @@ def set_pace(rows, at, state):  # ISR: no allocation
             state[S_CURVE_AIM] = q
             state[S_CURVE_SPEED] = speed
             state[S_CURVE_BRAKES] = 0
-            state[S_CURVE_WAY] = _STAY
-            return
+            return False
     steps = state[RAMP_STEPS]
     guess = speed
     if steps > 3:
@@ -163,13 +137,98 @@ def set_pace(rows, at, state):  # ISR: no allocation
         guess = root_of(at_end(state, q, 2 * b), speed)
         grow = grown(state, mean(state, speed + guess >> 1))
         if steps == 1:
-            if not state[S_CURVE_FIRST]:
-                step_from_rest(rows[at + ROW_GAIN], state)
-            if grow > state[S_CURVE_FIRST]:
-                grow = state[S_CURVE_FIRST]
+            step_from_rest(rows, at, state)
+            grow = min(grow, state[S_CURVE_FIRST])
     state[S_CURVE_GROW] = grow
     state[S_CURVE_GUESS] = guess
-    state[S_CURVE_WAY] = _CHOOSE
+    return True
+
+
+def choose(state):  # ISR: no allocation
+    """The largest b, and q, that the segment may end with."""
+    b = state[S_CURVE_B]
+    grow = state[S_CURVE_GROW]
+    high = min(state[S_CURVE_LIMIT], b + grow)
+    low = max(-state[S_CURVE_LIMIT], b - grow)
+    if low < 0:  # but what can fade till the block's end, or till a stand, in a hold too
+        most = state[S_CURVE_GUESS] if state[S_CURVE_ON] or not state[RAMP_CAP] else state[S_CURVE_GUESS] - state[S_CURVE_UNTIL]
+        most = -(root_of(most << 7, abs(b) << 7) >> 7) if most > 0 else 0
+        low = max(low, min(most, high))
+    q = state[RAMP_Q]
+    near = state[RAMP_V]
+    room = state[S_CURVE_ROOM]
+    above = short = tries = 0
+    new = high
+    while True:
+        aim = state[S_CURVE_AIM] = at_end(state, q, b + new)
+        speed = state[S_CURVE_SPEED] = root_of(aim, near)
+        lack = need(state, speed, new) - room
+        if not tries:
+            above = state[S_CURVE_ABOVE]
+            short = lack
+            if above <= 0 and short <= 0:
+                break
+            new = low
+        else:
+            if state[S_CURVE_ABOVE] <= 0 and lack <= 0:
+                new = between(state, new, high, above, lack, short)
+            elif tries == 1:
+                break
+            if tries == 2 or high - low <= 500:  # far apart: once more
+                state[S_CURVE_AIM] = at_end(state, q, b + new)
+                state[S_CURVE_SPEED] = -1
+                break
+        tries += 1
+    state[S_CURVE_B] = new
+    state[S_CURVE_BRAKES] = 1 if short > 0 else 0
+
+
+def between(state, low, high, above, lack, short):  # ISR: no allocation
+    """The largest b, were the excesses linear from `low`, just tried, where `lack` is what is short, to `high`."""
+    share = ratio(-state[S_CURVE_ABOVE], above) if above > 0 else 0x4000
+    if short > 0:
+        share = min(share, ratio(-lack, short))
+    return low + ((high - low) * share >> 14)
+
+
+def set_out(state):  # ISR: no allocation
+    """The first step from rest, and its ticks."""
+    if state[S_CURVE_LEAVE] == state[RAMP_START] and not state[RAMP_TO_GO] and not state[RAMP_PART]:
+        state[S_CURVE_AIM] = state[S_CURVE_LEAVE]
+        state[RAMP_TICKS] = rest_to_rest(state)
+        return
+    fast = state[S_CURVE_FAST]
+    room = state[S_CURVE_ROOM]
+    b = state[S_CURVE_FIRST]
+    half = state[S_CURVE_HALF]
+    aim = min(state[S_CURVE_REST], state[RAMP_CHANGE])
+    speed = root_of(aim, 0)
+    if speed > fast and need(state, fast, 0) <= room:
+        state[S_CURVE_AIM] = state[RAMP_CAP]
+        state[S_CURVE_B] = 0
+        state[RAMP_TICKS] = mean(state, fast) + half_ramp(state, fast)
+        return
+    tries = 0
+    while tries < 12 and (need(state, speed, b) > room or state[S_CURVE_ABOVE] > 0):
+        aim = (aim >> 6) * 41 or 1
+        b = b * 41 >> 6
+        speed = root_of(aim, 0)
+        half = 0x6000
+        tries += 1
+    state[S_CURVE_AIM] = aim
+    state[S_CURVE_B] = b
+    state[RAMP_TICKS] = mean(state, divide(speed, half, 13))
+
+
+def rest_to_rest(state):  # ISR: no allocation
+    """Ticks of a path from rest to rest."""
+    even = divide(root_of(min(state[S_CURVE_REST], state[RAMP_CHANGE]), 0), state[S_CURVE_HALF], 13)
+    ticks = mean(state, even)
+    ticks += (ticks >> 2) * 3
+    fast = state[S_CURVE_FAST] or root_of(state[RAMP_HIGH], 0)
+    if fast < even + (even >> 3):
+        ticks = mean(state, fast) + 2 * half_ramp(state, fast)
+    return ticks
 
 
 def end(rows, at, state):  # ISR: no allocation
@@ -185,32 +244,25 @@ def end(rows, at, state):  # ISR: no allocation
     b = state[S_CURVE_B]
     ticks = state[RAMP_TICKS]
     stands = leave == state[RAMP_START]
-    if aim > leave:  # the block's planned end can be reached, whatever the jerk
-        most = leave
-        if togo or part:
-            gain = rows[at + ROW_GAIN]
-            most = aim
-            if togo <= INT_MOST // gain:
-                room = togo * gain
-                more = gained(gain, 0, part)
-                if more < aim - leave - room:
-                    most = leave + room + more
-        if most < aim:
-            if q - most >= change:
+    gain = rows[at + ROW_GAIN]
+    if aim > leave and togo <= INT_MOST // gain:  # the block's planned end can be reached, whatever the jerk
+        room = togo * gain
+        more = gained(gain, 0, part)
+        if more < aim - leave - room:
+            aim = leave + room + more
+            if q - aim >= change:
                 b = -state[S_CURVE_LIMIT]
             elif b > 0:
                 b = 0
-            aim = most
             ticks = 0
     if stands and not togo and not part:
         aim = leave
         b = 0
     elif togo < 8 and aim < q and stands:
-        if not state[S_CURVE_FIRST]:
-            step_from_rest(rows[at + ROW_GAIN], state)
+        step_from_rest(rows, at, state)
         least = state[S_CURVE_REST] if togo else gained(state[S_CURVE_REST], 0, part)
         if aim < least:  # slower than it would set out the other way round: that is not worth while
-            aim = least if least < q else q
+            aim = min(least, q)
             b = -state[S_CURVE_FIRST] if aim < q else 0
     elif not cap and aim <= q >> 4 and q <= change:
         aim = b = 0
@@ -219,10 +271,9 @@ def end(rows, at, state):  # ISR: no allocation
     elif aim > q and aim > (high if q <= high else rows[at + ROW_LIMIT] * rows[at + ROW_LIMIT]):
         aim = high if q <= high else q
         b = 0
-    elif not state[S_CURVE_BRAKES] and abs(b) <= state[S_CURVE_GROW]:
-        if abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
-            aim = cap
-            b = 0
+    elif not state[S_CURVE_BRAKES] and abs(b) <= state[S_CURVE_GROW] and abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
+        aim = cap
+        b = 0
     if aim != state[S_CURVE_AIM]:
         state[S_CURVE_AIM] = aim
         state[S_CURVE_SPEED] = -1
@@ -231,7 +282,7 @@ def end(rows, at, state):  # ISR: no allocation
 
 
 def finish(rows, at, state):  # ISR: no allocation
-    """The segment ends with S_CURVE_AIM and S_CURVE_B: its speed there, and its ticks unless they are known; 0: stop() is to say."""
+    """The segment ends with S_CURVE_AIM and S_CURVE_B: its speed there, and its ticks unless they are known; 0 at a stand: call stop()."""
     q = state[RAMP_Q]
     speed = state[RAMP_V]
     aim = state[S_CURVE_AIM]
@@ -242,11 +293,8 @@ def finish(rows, at, state):  # ISR: no allocation
         after = root_of(aim, speed)
     if b < 0 and (b * b >> 7) > after:
         b = -(root_of(after << 7, -b << 7) >> 7)
-    if not ticks:
-        if not aim:
-            if not state[S_CURVE_FIRST]:
-                step_from_rest(rows[at + ROW_GAIN], state)  # stop() is next
-        elif q == aim == state[RAMP_CAP] and rows[at + ROW_KIND] == LINE and q == rows[at + ROW_TOP] * rows[at + ROW_TOP]:
+    if aim and not ticks:
+        if q == aim == state[RAMP_CAP] and rows[at + ROW_KIND] == LINE and q == rows[at + ROW_TOP] * rows[at + ROW_TOP]:
             steps = state[RAMP_STEPS]
             rest = state[RAMP_CARRY] + steps * rows[at + ROW_TICKS_REST]
             state[RAMP_CARRY] = rest % state[RAMP_TOTAL]
@@ -259,3 +307,16 @@ def finish(rows, at, state):  # ISR: no allocation
     state[RAMP_Q] = aim
     state[RAMP_V] = after
     state[S_CURVE_B] = b
+
+
+def stop(state):  # ISR: no allocation
+    """The ticks of a segment that ends at rest; finish() has left the speed before it in S_CURVE_SPEED."""
+    q = state[RAMP_BEGIN]
+    speed = state[S_CURVE_SPEED]
+    change = state[RAMP_CHANGE]
+    half = 0x4000
+    if q < change:
+        part = divide(q >> 8, (change >> 8) + 1, 14)
+        half = 0x6000 if part <= 0x3000 else 0x6000 - 2 * (part - 0x3000)
+    ticks = min(mean(state, divide(speed, half, 13)), mean(state, speed) + half_ramp(state, speed))
+    state[RAMP_TICKS] = min(ticks, rest_to_rest(state))

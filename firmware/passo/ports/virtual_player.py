@@ -5,7 +5,7 @@ The world may stop or halt the player from inside that call, as a limit switch w
 """
 
 from passo.records import COUNT_MASK
-from passo.steps.switching_records import SWITCH_NEVER
+from passo.steps.switching import SWITCH_NEVER
 
 
 class Player:

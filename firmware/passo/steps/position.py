@@ -104,15 +104,6 @@ class Position:
             return tally(ring.words, ring.mask, word, played, self.layout.axes, self._found)
         return self.drive.tally(ring.words, ring.mask, word, played, self._found)
 
-    def _along(self, block, at, stepping):
-        """How far `block` is, `stepping` words after the mark at `at`."""
-        if block is None:
-            return stepping
-        start = block.first if self.marks[at + MARK_ENDS] else self.marks[at + MARK_INDEX]
-        if block.kind == STEP_PROGRAM and block.walker.backward:
-            stepping = -stepping
-        return (start + stepping) & COUNT_MASK
-
     def spot(self, played):
         """(index(played), found(played)) of one moment."""
         index = self.index(played)
@@ -122,10 +113,14 @@ class Position:
 
     def index(self, played):
         """The index in the step program under way when `played` words have appeared on the pins; None if there is none."""
-        block = self.planner.playing()
-        if block is None or block.kind != STEP_PROGRAM:
+        planner = self.planner
+        row = planner.row()
+        if row < 0 or planner.rows[row + ROW_KIND] != STEP_PROGRAM:
             return None
+        backward, index = planner.walker(row).backward, planner.rows[row + ROW_FIRST]
         at = self._walk(played)
-        if self.marks[at + MARK_ENDS] and at != self.state[FEED_OLDEST] % MARKS * self._stride:
+        if not self.marks[at + MARK_ENDS]:
+            index = self.marks[at + MARK_INDEX]
+        elif at != self.state[FEED_OLDEST] % MARKS * self._stride:
             return self.marks[at + MARK_INDEX]  # played to its end, and not retired yet
-        return self._along(block, at, self._stepping)
+        return (index - self._stepping if backward else index + self._stepping) & COUNT_MASK

@@ -7,16 +7,49 @@ the ring: segments_viper.py puts them, one a segment at most, and dots_viper.py 
 
 The dots of rows lie in a ring behind the marks: who queues a row puts them, and the feeder gives them back once words have been made
 of the row's last step.
+
+passed() and scaled() are one text for all interpreters; see motion/block_viper.py. Their values have POWER_FINE bits behind the thousandths.
 """
+# Shared with interrupts: power
 
 import micropython
 from micropython import const
 
 from passo.memory import zeros
 from passo.records import *
-from passo.steps.power_viper import passed, scaled
 
 _A_SEGMENT = const(256)  # more marks than a segment of a line has: it has 255 steps at most
+
+
+@micropython.viper
+def passed(power: ptr32, played: int) -> int:  # ISR: no allocation
+    """The value of the last mark that began among `played` words, which are given back; -1: none did."""
+    tail = power[POWER_TAIL]
+    value = -1
+    while tail != power[POWER_HEAD]:
+        mark = power[POWER_MARKS + (tail & power[POWER_MASK])]
+        if (played - 1 - (mark >> POWER_WORD)) & POWER_WORDS > POWER_WORDS >> 1:
+            break
+        value = mark & POWER_LEVEL
+        tail = (tail + 1) & COUNT_MASK
+    power[POWER_TAIL] = tail
+    return value
+
+
+@micropython.viper
+def scaled(power: ptr32, value: int) -> int:  # ISR: no allocation
+    """What the output shows of a value: with the override, and a spindle's lowest speed."""
+    if value == 0:
+        return 0
+    value = value * power[POWER_PERCENT] // 100
+    least = power[POWER_LEAST]
+    if value >= POWER_MOST << POWER_FINE:
+        return POWER_MOST << POWER_FINE
+    if least == 0:
+        return value
+    one = 1 << POWER_FINE
+    value -= least << POWER_FINE
+    return one if value <= 0 else one + value * (POWER_MOST - 1) // (POWER_MOST - least)
 
 
 def power_items(marks, dots):

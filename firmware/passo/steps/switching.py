@@ -7,14 +7,71 @@
 
 The main loop asks; start(), which the port puts in the place of player.start(), finds the word of each; the port shows it as that word begins:
 each writes its own field of `marks`.
+
+A block begins at the mark that ends the one before it. A change waits for the first one that is no dwell, and for its first step: a word
+that only turns a direction comes before that.
+
+    words   . . a a a a t b b b b c c       block b has turned an axis; a change that came before b is due at its first b
+    marks   |           |         |         FEED_OLDEST … FEED_NEWEST
+
+find() is one text for all interpreters; see motion/block_viper.py.
 """
+# Shared with interrupts: switches, state, marks, indices
 
 import micropython
+from micropython import const
 
 from passo.memory import zeros
+from passo.motion.block import WAIT
 from passo.records import *
-from passo.steps.switching_records import *
-from passo.steps.switching_viper import find
+
+# Switches.marks. First how many changes were asked for and shown, for ever, modulo 2²⁹.
+SWITCH_ASKED = const(0)
+SWITCH_SHOWN = const(1)
+SWITCH_PULSES = const(2)  # mask of a word's pulses
+SWITCH_STRIDE = const(3)  # integers a row of the planner
+SWITCH_FIRST = const(4)  # then a ring of them
+SWITCH_MOST = const(16)  # a power of two
+# A change:
+SWITCH_BLOCK = const(0)  # count of the block that it begins with
+SWITCH_WORD = const(1)  # count of that block's first word that steps, modulo 2²⁹; SWITCH_NEVER: not known yet
+SWITCH_VALUE = const(2)  # pin << 1 | level
+SWITCH_FIELDS = const(3)
+SWITCH_NEVER = const(0x20000000)
+
+
+@micropython.viper
+def find(switches: ptr32, state: ptr32, marks: ptr32, words: ptr32, rows: ptr32, indices: ptr32) -> int:  # ISR: no allocation
+    """Write each change's word, or that it is not known. Returns how many are known."""
+    stride = MARK_FIELDS + state[FEED_AXES]
+    at = state[FEED_OLDEST]
+    count = indices[QUEUE_RETIRED]
+    change = switches[SWITCH_SHOWN]
+    found = 0
+    while change != switches[SWITCH_ASKED]:
+        here = SWITCH_FIRST + (change & (SWITCH_MOST - 1)) * SWITCH_FIELDS
+        word = SWITCH_NEVER
+        while word == SWITCH_NEVER:
+            block = switches[here + SWITCH_BLOCK]
+            mark = (at & (MARKS - 1)) * stride
+            if (count - block) & COUNT_MASK < COUNT_HALF and (count != block or marks[mark + MARK_ENDS] == 0):
+                word = (state[FEED_PLAYED] - 1) & COUNT_MASK  # it has begun
+            elif at == state[FEED_NEWEST]:
+                break
+            elif count != block:
+                at = (at + 1) & COUNT_MASK
+                count = (count + marks[(at & (MARKS - 1)) * stride + MARK_ENDS]) & COUNT_MASK
+            elif rows[block % QUEUE_SIZE * switches[SWITCH_STRIDE] + ROW_KIND] == WAIT:
+                switches[here + SWITCH_BLOCK] = (block + 1) & COUNT_MASK
+            else:
+                word = marks[mark + MARK_WORD]
+                if switches[SWITCH_PULSES] and words[word & state[FEED_MASK]] & switches[SWITCH_PULSES] == 0:
+                    word = (word + 1) & COUNT_MASK
+        switches[here + SWITCH_WORD] = word
+        if word != SWITCH_NEVER:
+            found += 1
+        change = (change + 1) & COUNT_MASK
+    return found
 
 
 class Switches:

@@ -39,9 +39,12 @@ def inverted_pins(board, layout):
             if axes[axis].get("reversed", False):
                 mask |= 1 << (layout.motors + axis)
         if layout.motors > layout.axes:
-            from passo.steps.gantry_wiring import second  # most machines have none
-
-            mask ^= second(board, layout)
+            gantry = board["gantry"]  # of its second motor $2 turns the pulses round as of the first, $3 the directions
+            axis = axes[[each["name"] for each in axes].index(gantry["axis"])]
+            if axis.get("step_inverted", False):
+                mask ^= 1 << layout.axes
+            if axis.get("reversed", False) != gantry["opposite"]:
+                mask ^= 1 << (layout.motors + layout.axes)
         mask ^= _of_lines(board, "inverted")
     return mask
 

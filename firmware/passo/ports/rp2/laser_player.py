@@ -25,7 +25,7 @@ from passo.ports.rp2.fields import *
 from passo.ports.rp2.pio_player import STUCK, PioPlayer, append
 from passo.ports.rp2.registers import CHANNEL_READ
 from passo.records import *
-from passo.steps.power_viper import scaled
+from passo.steps.power import scaled
 
 _RUN_BITS = const(7)  # 12 000 dots a second are 126 runs in 10.5 ms
 _TABLE = const(512)  # bytes: one number for each run

@@ -61,8 +61,6 @@ def _more(board):
         from passo.ports.rp2.pages import Pages  # noqa: F401
     if board["encoders"]:
         from passo.ports.rp2 import encoders  # noqa: F401
-    if board["gantry"]:
-        from passo.steps import gantry_wiring  # noqa: F401
 
 
 class Guard:

@@ -17,7 +17,7 @@ from passo.ports.rp2.fields import *
 from passo.ports.rp2.pio_player import _played
 from passo.ports.rp2.registers import *
 from passo.records import COUNT_HALF, COUNT_MASK
-from passo.steps.switching_records import *
+from passo.steps.switching import SWITCH_ASKED, SWITCH_FIELDS, SWITCH_FIRST, SWITCH_MOST, SWITCH_NEVER, SWITCH_SHOWN, SWITCH_VALUE, SWITCH_WORD
 
 _STATE = const(0)  # addresses: the player's state, the changes, the register that turns pins over, the mask of interrupts
 _SWITCHES = const(1)
