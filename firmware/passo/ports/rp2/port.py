@@ -183,6 +183,15 @@ class Port(ChipPort):
 
         return SioRegisters(board["registers"], shifted.first_levels(board))
 
+    def _switching(self, switches):
+        """From here on the player shows what is asked of `switches`; False: it cannot."""
+        if self.interlock is not None or self.registers is not None or hasattr(self._player, "close"):  # which the timer player has
+            return False
+        from passo.ports.rp2.switching import PinSwitches
+
+        PinSwitches(self._player, switches)
+        return True
+
     def _console(self):
         from passo.ports.rp2.console import Console
 

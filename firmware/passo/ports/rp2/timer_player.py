@@ -28,7 +28,7 @@ _DEEP = const(6)  # words in the FIFO of eight
 
 class TimerPlayer:
     """`pins`: of the word's bits, lowest first; `invert`: mask of bits whose electrical level is the opposite;
-    `pulse_ticks`: 0 for coils."""
+    `pulse_ticks`: 0 for coils. Methods as in pio_player.py."""
 
     def __init__(self, ring, layout, pins, pulse_ticks, min_word_ticks, invert):
         self.min_word_ticks = min_word_ticks
@@ -63,31 +63,24 @@ class TimerPlayer:
         mem32[PIO_0 + vectors.IRQ1_INTE] = 0
 
     def start(self):  # ISR: no allocation
-        """Play from the ring what is published there; call it again when there is more."""
         _start(self._state, self._ring.head)
 
     def hold(self, on):  # ISR: no allocation
-        """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
         self._state[TIMER_HELD] = on
 
     def stop(self):
-        """Play no further word after the one under way."""
         _stop(self._state)
 
     def halt(self):  # ISR: no allocation
-        """No further edge: pulses and tool drop now, the other pins keep their levels."""
         _halt(self._state)
 
     def busy(self):
-        """True while words are left to play or the last one's ticks still run."""
         return _busy(self._state, self._ring.head)
 
     def played(self):  # ISR: no allocation
-        """Words whose levels have appeared on the pins, modulo 2²⁹."""
         return self._state[TIMER_PLAYED]
 
     def rest(self, levels):
-        """Put `levels` on the pins at once. Only while not busy."""
         _show(self._state, levels)
 
 
