@@ -107,7 +107,7 @@ PAGES = WEB / "page"
 # Ports that only boards with a key have; spared, as features are, where a network takes the room of the flash.
 OF_KEYS = {
     "encoders": ("encoders.py", "pin_encoders.py", "rp2/encoders.py"), "interlock": ("interlock.py", "pin_interlock.py"),
-    "registers": ("shift_registers.py", "rp2/shift_registers.py"), "servo": ("servo.py",), "tachometer": ("pulses.py",),
+    "registers": ("shift_registers.py", "rp2/shift_registers.py"), "tachometer": ("pulses.py",),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
 # Only machines whose backlash is taken up have these.
@@ -139,8 +139,7 @@ MAPPED = (
 )  # fmt: skip
 # Only boards with outputs for the programme, M62 to M65, have these.
 DIGITAL = (
-    Path("passo", "ports", "switching.py"), Path("passo", "ports", "rp2", "switching.py"),
-    Path("passo", "steps", "switching.py"),
+    Path("passo", "ports", "rp2", "switching.py"), Path("passo", "steps", "switching.py"),
 )  # fmt: skip
 OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say

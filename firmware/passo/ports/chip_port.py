@@ -40,9 +40,6 @@ class Input:
     def active(self):
         return self.pin.value() == self.level
 
-    def close(self):
-        self.pin.irq(None)
-
     def _tripped(self, pin):  # ISR: no allocation
         # A spike of noise is over by now: then nothing has happened.
         if pin.value() == self.level:
@@ -218,10 +215,26 @@ class ChipPort:
     catch_up = put_off
 
     def make(self, kind, config):
-        """What few boards have: see make.py."""
-        from passo.ports.make import make
+        """What few boards have: "servo", its pin and ns; "pulses" of an input; "switching": outputs that change with a step, False if the player
+        cannot; "spi_line" and "memory_card": `spi_drivers` and `card` of the board file."""
+        if kind == "servo":
+            return PWM(Pin(config[0]), freq=50, duty_ns=config[1])
+        if kind == "switching":
+            return self._switching(config)
+        if kind == "pulses":
+            from passo.ports.pulses import PinPulses
 
-        return make(self, kind, config)
+            return PinPulses(self._inputs[config], self)
+        if kind == "spi_line":
+            from passo.ports.spi_line import SpiLine
+
+            return SpiLine(config)
+        from passo.ports.memory_card import MemoryCard
+
+        return MemoryCard(self, config)
+
+    def _switching(self, switches):
+        return False  # the main loop changes them
 
     def watch_limit(self, name, filter_us=0):
         """Return the watch of an input's pin: its interrupt stops the player once a limit has been active for `filter_us`, and keeps the
@@ -260,7 +273,7 @@ class ChipPort:
         if self._timer is not None:
             self._timer.deinit()
         for item in self._halting:
-            item.close()
+            item.pin.irq(None)
         if self.interlock is not None:
             self.interlock.close()
         if self.encoders is not None:

@@ -47,7 +47,7 @@ class Interlock:
         self.trips = array("i", [0] * len(self._names))
         self._lost_states = 0  # the inputs when the last was
         self._wrong = self._wrong_states = 0  # of the last halt: what was forbidden, and the inputs then
-        self._player = self._state = self._segments = self._start = self._hold = self._played = None  # see join()
+        self._player = self._state = self._segments = self._start = self._played = None  # see join()
         self.items = ()  # the port's inputs, in the board file's order
         self.playing = None  # what tells of the words made, and stops them: all at once, for an interrupt that has no time to look
 
@@ -57,9 +57,8 @@ class Interlock:
         self._segments = feeder.marks
         self._player = player
         self._start = player.start
-        self._hold = player.hold if hasattr(player, "hold") else None
         self._played = player.played
-        self.playing = feeder.state, feeder.marks, player.played, player.halt, self._hold
+        self.playing = feeder.state, feeder.marks, player.played, player.halt, getattr(player, "hold", None)
         player.start = self.start
 
     # --- interrupts

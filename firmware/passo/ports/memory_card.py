@@ -47,6 +47,3 @@ class MemoryCard:
         config = self._config
         spi = SPI(config["spi"], sck=Pin(config["sck"]), mosi=Pin(config["mosi"]), miso=Pin(config["miso"]))
         vfs.mount(vfs.VfsFat(SDCard(spi, self._select)), self.path)
-
-
-make = MemoryCard

@@ -1,7 +1,7 @@
 """Encoders counted by the interrupts of both pins: where there is no PIO.
 
 An interrupt takes about 20 µs, on an ESP32 up to 100: more than 5000 counts a second are not safe. A change of both pins between
-two of them counts nothing, and is counted by `missed`.
+two of them counts nothing.
 """
 
 import micropython
@@ -10,8 +10,8 @@ from machine import Pin
 from passo.ports.encoders import Encoders
 from passo.records import COUNT_MASK
 
-# By the pins before and now, B A each: 0 none, 1 up, 2 down, 3 a change was missed.
-_CHANGES = bytes((0, 1, 2, 3, 2, 0, 3, 1, 1, 3, 0, 2, 3, 2, 1, 0))
+# By the pins before and now, B A each: 0 none, or one was missed; 1 up, 2 down.
+_CHANGES = bytes((0, 1, 2, 0, 2, 0, 0, 1, 1, 0, 0, 2, 0, 2, 1, 0))
 
 
 class PinEncoder:
@@ -20,7 +20,6 @@ class PinEncoder:
         self._b = Pin(pins[1], Pin.IN, Pin.PULL_UP)
         self._was = self._a.value() | self._b.value() << 1
         self.count = 0  # modulo 2²⁹
-        self.missed = 0
         for pin in (self._a, self._b):
             port.watch(pin, self.edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
 
@@ -31,10 +30,8 @@ class PinEncoder:
         self._was = now
         if change == 1:
             self.count = (self.count + 1) & COUNT_MASK
-        elif change == 2:
-            self.count = (self.count - 1) & COUNT_MASK
         elif change:
-            self.missed += 1
+            self.count = (self.count - 1) & COUNT_MASK
 
     def close(self):
         self._a.irq(None)
@@ -45,7 +42,6 @@ class PinEncoders(Encoders):
     def __init__(self, board, port, inputs):
         Encoders.__init__(self, board, port)
         self._each = [PinEncoder(entry["pins"], port) for entry in board["encoders"]]
-
         self.watch_indexes(board, inputs)
 
     def read(self, counts):  # ISR: no allocation

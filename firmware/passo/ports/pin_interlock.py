@@ -58,11 +58,8 @@ class PinInterlock(Interlock):
             if mask & bit:
                 pin.value(off ^ on)
 
-    def lock(self):
-        return disable_irq()
-
-    def unlock(self, state):
-        enable_irq(state)
+    lock = staticmethod(disable_irq)
+    unlock = staticmethod(enable_irq)
 
     def close(self):
         """No interrupts any more."""

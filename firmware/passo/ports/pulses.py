@@ -17,10 +17,6 @@ from passo.records import COUNT_MASK
 _LEAST_US = const(50)
 
 
-def make(port, name):
-    return PinPulses(port._inputs[name], port)
-
-
 class PinPulses:
     def __init__(self, item, port):
         self._count = 0

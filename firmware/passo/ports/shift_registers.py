@@ -19,11 +19,8 @@ from time import ticks_diff, ticks_us
 
 import micropython
 from machine import Pin, disable_irq, enable_irq
-from micropython import const
 
 from passo.records import REGISTER_BIT
-
-_CHIP = const(8)
 
 
 class ShiftRegisters:
@@ -67,8 +64,8 @@ class ShiftRegisters:
         latch.value(0)
         latch.value(1)
         inputs = 0
-        bits_in = self.chips_in * _CHIP
-        bits_out = self.chips_out * _CHIP
+        bits_in = self.chips_in << 3
+        bits_out = self.chips_out << 3
         count = bits_in if bits_in > bits_out else bits_out
         at = 0
         while at < count:
@@ -106,8 +103,6 @@ class RegisterInput:
     pin = None
 
     def __init__(self, entry, registers):
-        self.name = entry["name"]
-        self.number = entry["pin"]
         self.level = entry["active"]
         self._registers = registers
         self._bit = entry["pin"] - REGISTER_BIT
@@ -115,9 +110,6 @@ class RegisterInput:
     @micropython.native
     def active(self):  # ISR: no allocation
         return self._registers.inputs >> self._bit & 1 == self.level
-
-    def close(self):
-        """No interrupt is its own."""
 
 
 class RegisterOutput:

@@ -9,10 +9,6 @@ from machine import Pin, SoftSPI
 _HZ = 1_000_000  # a driver takes 4 MHz
 
 
-def make(port, config):
-    return SpiLine(config)
-
-
 class SpiLine:
     def __init__(self, config):
         self._selects = {motor["cs"]: Pin(motor["cs"], Pin.OUT, value=1) for motor in config["motors"]}

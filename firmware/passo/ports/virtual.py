@@ -163,10 +163,14 @@ class VirtualPort:
 
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
-        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo, "switching": VirtualPort._switching, "spi_line": _spi_line}[kind](self, config)
+        if kind == "switching":
+            return self._switching(config)
+        if kind == "spi_line":
+            return self.lines["drivers"]  # what the PC put there
+        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
 
     def _switching(self, switches):
-        """As ports/switching.py."""
+        """As ports/rp2/port.py."""
         if self.interlock is not None:
             return False
         names = {pin: name for name, pin in self._pins.items()}
@@ -272,11 +276,6 @@ class _Pulses:
         return count & COUNT_MASK
 
 
-def _spi_line(port, config):
-    """What the PC put on the line: as ports/spi_line.py."""
-    return port.lines["drivers"]
-
-
 class _Servo:
     """As a chip's PWM."""
 
@@ -352,9 +351,9 @@ class MutedWorld:
         """`muted`: mask of the player's pins."""
         self._world = world
         self._muted = muted
-        for name in ("output", "input", "run", "next_event", "power", "servo", "listen", "encoder"):
-            if hasattr(world, name):
-                setattr(self, name, getattr(world, name))
+
+    def __getattr__(self, name):
+        return getattr(self._world, name)
 
     def attach(self, tick, names, levels):
         self._world.attach(tick, names, levels & ~self._muted)

@@ -21,11 +21,7 @@ class VirtualEncoders(Encoders):
                 self._watch(world, self.index(number, name), levels[name])
 
     def _watch(self, world, index, active):
-        def changed(tick, name, level):
-            if name == index.name and level == active:
-                index.edge(None)
-
-        world.listen(changed)
+        world.listen(lambda tick, name, level: name == index.name and level == active and index.edge(None))
 
     def read(self, counts):
         for number in range(len(counts)):

@@ -30,13 +30,3 @@ def input_register(pin):
     if gpio_base() == 0x60004000:
         return 0x60009004 + 4 * pin
     return 0x3FF49000 + _IO_MUX[pin]
-
-
-def set_register(base, bank):
-    """Writing a one raises the pin. Bank 0: pins 0 … 31, bank 1: from 32 on."""
-    return base + (0x14 if bank else 0x08)
-
-
-def clear_register(base, bank):
-    """Writing a one lowers the pin."""
-    return base + (0x18 if bank else 0x0C)

@@ -48,17 +48,13 @@ _INPUT_ENABLE = const(1 << 9)
 
 def frame_of(output):
     """The bits of a frame for one output of the register."""
-    bits = 2 << output
-    return signed(bits | bits << 16)
-
-
-def signed(bits):
+    bits = 0x20002 << output
     return bits - (1 << 32) if bits >> 31 & 1 else bits
 
 
 class I2sPlayer:
     """`outputs`: of the word's bits, lowest first; `invert`: mask of the bits whose electrical level is the opposite;
-    `section`: `shift` of the board file; `psram`: the heap is in it, and a collection takes longer."""
+    `section`: `shift` of the board file; `psram`: the heap is in it, and a collection takes longer. Methods as in virtual_player.py."""
 
     def __init__(self, ring, layout, outputs, pulse_ticks, invert, section, psram=False):
         if invert & (layout.pulse_mask | layout.tool_mask):
@@ -74,11 +70,6 @@ class I2sPlayer:
         self._frames = array("i", [0] * BLOCK)
         self._starts = array("i", [0] * ring.size)
         self._table = array("i", [0] * 256)
-        for bit in range(len(outputs)):
-            half, index = divmod(bit, 7)
-            for levels in range(128):
-                if levels >> index & 1:
-                    self._table[128 * half + levels] |= frame_of(outputs[bit])
         state = self._state = array("i", [0] * frames_viper.FIELDS)
         state[frames_viper.MASK] = ring.mask
         state[frames_viper.BITS] = layout.bits
@@ -89,6 +80,10 @@ class I2sPlayer:
         keep = -1
         for bit in range(len(outputs)):
             frame = frame_of(outputs[bit])
+            half, index = divmod(bit, 7)
+            for levels in range(128):
+                if levels >> index & 1:
+                    self._table[128 * half + levels] |= frame
             if invert >> bit & 1:
                 state[frames_viper.FLIP] |= frame
             if layout.pulse_mask >> bit & 1:
@@ -195,11 +190,9 @@ class I2sPlayer:
         return dry
 
     def hold(self, on):
-        """While held, start() does nothing."""
         self._held = on
 
     def stop(self):
-        """Play no further word after the one under way."""
         self._playing = False
         self._shut()
         self._open()
@@ -215,7 +208,6 @@ class I2sPlayer:
         self._open()
 
     def busy(self):
-        """True while words are left to play or the last one's ticks still run."""
         if not self._playing:
             return False
         self._look()

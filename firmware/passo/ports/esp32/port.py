@@ -23,8 +23,7 @@ from passo.records import LEAD_TICKS, REGISTER_BIT
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(5)
-_PLAYER_TIMER = const(0)
-_FEED_TIMER = const(1)
+_FEED_TIMER = const(1)  # TimerPlayer has timer 0
 _KEEP_MS = const(300)
 _PUMP_MS = const(2)
 _SHIFT_LEAD_TICKS = const(24 * 12_500)  # 16.4 ms of frames, 2 to the next pump, and a segment of an arc, which counts whole
@@ -36,15 +35,18 @@ class Port(ChipPort):
 
     def __init__(self, board):
         """`board` is checked. Outputs go to their inactive level here."""
-        self._shifted = []
+        lead_ticks, shifted = LEAD_TICKS, ()
         if board["shift"]:
-            board = self._on_pins(board)
-        lead_ticks = LEAD_TICKS
-        if board["shift"]:
+            global i2s_player
+            from passo.ports.esp32 import i2s_player  # here: the firmware of plain pins has no PCNT to ask for
+
             lead_ticks = _PSRAM_LEAD_TICKS if board["psram"] else _SHIFT_LEAD_TICKS
+            shifted = [entry for entry in board["outputs"] if entry["pin"] >= REGISTER_BIT]
+            board = dict(board)
+            board["outputs"] = [entry for entry in board["outputs"] if entry["pin"] < REGISTER_BIT]
         ChipPort.__init__(self, board, lead_ticks, lead_ticks)
         self._shift_pins = []
-        for entry in self._shifted:
+        for entry in shifted:
             pin = i2s_player.ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"])
             self._shift_pins.append(pin)
             self._outputs[entry["name"]] = pin, entry["active"]
@@ -53,18 +55,6 @@ class Port(ChipPort):
 
             self.encoders = PinEncoders(board, self, self._inputs)
 
-    def _on_pins(self, board):
-        """The board without the outputs of its register."""
-        global i2s_player
-        from passo.ports.esp32 import i2s_player  # here: the firmware of plain pins has no PCNT to ask for
-
-        board = dict(board)
-        for entry in board["outputs"]:
-            if entry["pin"] >= REGISTER_BIT:
-                self._shifted.append(entry)
-        board["outputs"] = [entry for entry in board["outputs"] if entry["pin"] < REGISTER_BIT]
-        return board
-
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""
         pin.irq(handler, edge)
@@ -72,14 +62,15 @@ class Port(ChipPort):
     def player(self, ring, layout, board):
         """The player of `ring`. Once."""
         pulse_ticks, least = word_times(board)
+        pins = word_pins(board)
         invert = inverted_pins(board, layout)
         if board["shift"]:
-            outputs = [pin - REGISTER_BIT for pin in word_pins(board)]
+            outputs = [pin - REGISTER_BIT for pin in pins]
             self._player = self.shift_player = i2s_player.I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"], board["psram"])
             for pin in self._shift_pins:
                 pin.show()
-            return self._player
-        self._player = TimerPlayer(ring, layout, word_pins(board), pulse_ticks, least, invert, _PLAYER_TIMER)
+        else:
+            self._player = TimerPlayer(ring, layout, pins, pulse_ticks, least, invert)
         return self._player
 
     def feed_from_interrupt(self, feeder, player):

@@ -15,7 +15,7 @@ import micropython
 from machine import Pin, Timer, mem32
 from micropython import const
 
-from passo.ports.esp32.chip import clear_register, gpio_base, set_register
+from passo.ports.esp32.chip import gpio_base
 from passo.records import COUNT_MASK
 
 SHORTEST_TICKS = const(2500)  # 200 µs
@@ -29,9 +29,8 @@ class Bank:
 
     def __init__(self, number, pins, layout, invert):
         """`pins`: of the word's bits, lowest first; those of other banks are left alone."""
-        base = gpio_base()
-        self.raising = set_register(base, number)
-        self.lowering = clear_register(base, number)
+        self.raising = gpio_base() + (0x14 if number else 0x08)  # bank 0: pins 0 … 31; bank 1: from 32 on
+        self.lowering = self.raising + 4
         self.table = array("I", [0] * 256)  # from levels to pins: 128 for the low seven bits, 128 for those above
         self.all = self.pulses = self.tool = self.invert = 0
         for bit in range(len(pins)):
@@ -65,9 +64,9 @@ class Bank:
 
 class TimerPlayer:
     """`pins`: of the word's bits, lowest first; `invert`: mask of bits whose electrical level is the opposite;
-    `pulse_ticks`: 0 for coils."""
+    `pulse_ticks`: 0 for coils. Methods as in virtual_player.py."""
 
-    def __init__(self, ring, layout, pins, pulse_ticks, min_word_ticks, invert, timer=0):
+    def __init__(self, ring, layout, pins, pulse_ticks, min_word_ticks, invert):
         self.min_word_ticks = max(min_word_ticks, SHORTEST_TICKS)
         self.late = 0  # words that came more than SLACK_US after their time
         self._ring = ring
@@ -79,12 +78,11 @@ class TimerPlayer:
         self._played = 0
         self._due_us = 0  # when the word under way ends and the next begins
         self._rest = 0  # 25ths of 2 µs that have not made a whole one yet
-        self._timer = Timer(timer)
+        self._timer = Timer(0)
         for bit in range(len(pins)):
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
 
     def start(self):
-        """Play from the ring what is published there; call it again when there is more."""
         self._ending = False
         if self._playing or self._held or self._played == self._ring.head:
             return
@@ -130,31 +128,25 @@ class TimerPlayer:
                 bank.drop(bank.pulses)
 
     def hold(self, on):
-        """While held, start() does nothing."""
         self._held = on
 
     def stop(self):
-        """Play no further word after the one under way."""
         self._ending = True
 
     def halt(self):
-        """No further edge: pulses and tool drop now, the other pins keep their levels."""
         self._playing = False
         for bank in self._banks:
             bank.drop(bank.pulses | bank.tool)
 
     def busy(self):
-        """True while words are left to play or the last one's ticks still run."""
         if not self._playing:
             return False
         return self._played != self._ring.head and not self._ending or ticks_diff(self._due_us, ticks_us()) > 0
 
     def played(self):
-        """Words whose levels have appeared on the pins, modulo 2²⁹."""
         return self._played
 
     def rest(self, levels):
-        """Put `levels` on the pins at once. Only while not busy."""
         for bank in self._banks:
             bank.show(levels)
 

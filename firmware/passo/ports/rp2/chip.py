@@ -50,10 +50,10 @@ def cycles_per_tick():
     return clock // TICKS_PER_S
 
 
-def give_to_pio(pin, block, invert):
-    """Connect `pin` to PIO `block`, its output inverted if asked, in one write: it sees no level in between."""
+def give_to_pio(pin, invert):
+    """Connect `pin` to PIO block 0, its output inverted if asked, in one write: it sees no level in between."""
     Pin(pin, Pin.IN)
-    mem32[IO_BANK0 + 8 * pin + 4] = 6 + block | (_INVERT << _OUT_OVER if invert else 0)
+    mem32[IO_BANK0 + 8 * pin + 4] = 6 | (_INVERT << _OUT_OVER if invert else 0)
 
 
 def mute(pin):

@@ -84,7 +84,6 @@ class PioEncoders(Encoders):
                 machine.exec(instruction)
             machine.active(1)
             self._machines.append(machine)
-
         self.watch_indexes(board, inputs)
 
     def read(self, counts):  # ISR: no allocation

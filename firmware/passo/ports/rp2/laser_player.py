@@ -56,9 +56,9 @@ class LaserPlayer(PioPlayer):
         self._power = ring.power
         PioPlayer.__init__(self, ring, *rest)
 
-    def _set_up_dma(self, channel_a, request, after_a=None):
+    def _set_up_dma(self, channel_a, after_a=None):
         d = self._last = rp2.DMA()
-        PioPlayer._set_up_dma(self, channel_a, request, d.channel)
+        PioPlayer._set_up_dma(self, channel_a, d.channel)
         ctrl = d.pack_ctrl(
             size=2, inc_write=False, high_pri=True, ring_size=_TABLE_RING, ring_sel=False, chain_to=self._dma[1].channel
         )

@@ -41,15 +41,13 @@ class PioPlayer:
 
     run_bits = 5  # a call of start() takes one or two runs, and seldom are four calls ahead
 
-    def __init__(self, ring, layout, base, pulse_ticks, min_word_ticks, invert, halt_pin=None, machine_id=0):
+    def __init__(self, ring, layout, base, pulse_ticks, min_word_ticks, invert, halt_pin=None):
         self.min_word_ticks = min_word_ticks
         self._ring = ring
         cycles = chip.cycles_per_tick()
         make = programs.steps if pulse_ticks else programs.levels
         program = make(layout.bits, cycles, halt_pin is not None)
-        self._machine = rp2.StateMachine(machine_id, program, jmp_pin=halt_pin)
-        block, number = divmod(machine_id, 4)
-        pio = 0x50200000 + 0x100000 * block
+        self._machine = rp2.StateMachine(0, program, jmp_pin=halt_pin)
         size = 1 << self.run_bits + _ENTRY  # of a table, which is aligned to it for the DMA's address ring
         self._tables = bytearray(3 * size)
         counts = (uctypes.addressof(self._tables) + size - 1) & ~(size - 1)
@@ -58,32 +56,28 @@ class PioPlayer:
         out = base | layout.bits << 20
         self._state = array("I", [0] * PIO_FIELDS)
         for index, value in (
-            (PIO_BLOCK, pio), (PIO_MACHINE, pio + 0xC8 + 0x18 * number), (PIO_A, channels[0]),
-            (PIO_B, channels[1]), (PIO_C, channels[2]),
+            (PIO_BLOCK, PIO_0), (PIO_MACHINE, PIO_0 + 0xC8), (PIO_A, channels[0]), (PIO_B, channels[1]), (PIO_C, channels[2]),
             (PIO_D, channels[0]), (PIO_ABORT, chip.ABORT),
             (PIO_COUNTS, counts), (PIO_ADDRESSES, counts + size), (PIO_WORDS, uctypes.addressof(ring.words)),
-            (PIO_MASK, ring.mask), (PIO_NUMBER, number), (PIO_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
+            (PIO_MASK, ring.mask), (PIO_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
             (PIO_PINS, out | (base << 5 | layout.motors << 26 if pulse_ticks else 0)),
             (PIO_TOOL, out | base + layout.bits - 1 << 5 | 1 << 26), (PIO_BITS, layout.bits),
             (PIO_CHANNELS, 1 << self._dma[0].channel | 1 << self._dma[1].channel | 1 << self._dma[2].channel),
             (PIO_BUSY, chip.BUSY), (PIO_CYCLES, pulse_ticks * cycles), (PIO_LAST, (1 << self.run_bits) - 1),
         ):  # fmt: skip
             self._state[index] = value
-        self._set_up_dma(channels[0], 8 * block + number)
+        self._set_up_dma(channels[0])
         _set_up(self._state)
         for bit in range(layout.bits):
-            chip.give_to_pio(base + bit, block, invert >> bit & 1)
+            chip.give_to_pio(base + bit, invert >> bit & 1)
         _drive(self._state)
 
-    def _set_up_dma(self, channel_a, request, after_a=None):
+    def _set_up_dma(self, channel_a, after_a=None):
         """`after_a`: the channel that A chains to, if not B."""
         a, b, c = self._dma
         state = self._state
-        a.config(
-            read=state[PIO_WORDS], write=state[PIO_BLOCK] + 0x10 + 4 * state[PIO_NUMBER], count=0,
-            ctrl=a.pack_ctrl(size=2, inc_write=False, high_pri=True, treq_sel=request,
-                             chain_to=b.channel if after_a is None else after_a),
-        )  # fmt: skip
+        ctrl = a.pack_ctrl(size=2, inc_write=False, high_pri=True, treq_sel=0, chain_to=b.channel if after_a is None else after_a)
+        a.config(read=state[PIO_WORDS], write=PIO_0 + 4 * BLOCK_TXF, count=0, ctrl=ctrl)
         for dma, table, register, after in (
             (b, state[PIO_ADDRESSES], 0x14, c.channel),  # A's address, which does not start it
             (c, state[PIO_COUNTS], 0x1C, c.channel),  # A's length, which does, unless it is 0

@@ -28,39 +28,27 @@ _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for 
 
 
 def load(board):
-    """Import what a Port of this board will ask for; returns it."""
-    from passo.ports.rp2 import programs  # noqa: F401  each by itself: a module that imports others wants memory for all of them
+    """Import what a Port of this board will ask for, each by itself: a module that imports others wants memory for all of them."""
+    from passo.ports.rp2 import programs  # noqa: F401
 
     if board["player"] == "timer":
-        from passo.ports.rp2.timer_player import TimerPlayer as player
-    elif board["spindle"]["pwm"]:
-        from passo.ports.rp2 import pio_player  # noqa: F401
-        from passo.ports.rp2.laser_player import LaserPlayer as player
+        from passo.ports.rp2 import timer_player  # noqa: F401
     else:
-        from passo.ports.rp2.pio_player import PioPlayer as player
+        from passo.ports.rp2 import pio_player  # noqa: F401
+
+        if board["spindle"]["pwm"]:
+            from passo.ports.rp2 import laser_player  # noqa: F401
     if board["interlock"]:
-        from passo.ports import pin_interlock
+        from passo.ports import pin_interlock  # noqa: F401
     if board["registers"]:
-        from passo.ports.rp2 import shift_registers
-    if board["encoders"]:
-        from passo.ports.rp2 import encoders
-    lines = []
-    for link in board["links"]:
-        if link["port"] == "usb":
-            from passo.ports.rp2.console import Console
-            from passo.ports.usb_line import UsbLine
-
-            lines += (UsbLine, Console)
-    _more(board)
-    return player, lines
-
-
-def _more(board):
-    """What few boards ask for: modules stay where they are once they are imported."""
-    if board["journal"]:
-        from passo.ports.rp2.pages import Pages  # noqa: F401
+        from passo.ports.rp2 import shift_registers  # noqa: F401
     if board["encoders"]:
         from passo.ports.rp2 import encoders  # noqa: F401
+    if "usb" in [link["port"] for link in board["links"]]:
+        from passo.ports.rp2 import console  # noqa: F401
+        from passo.ports import usb_line  # noqa: F401
+    if board["journal"]:
+        from passo.ports.rp2 import pages  # noqa: F401
 
 
 class Guard:
@@ -153,20 +141,18 @@ class Port(ChipPort):
 
     def player(self, ring, layout, board):
         """The player of `ring`. Once."""
-        self._make_player(ring, layout, board)
+        pins = word_pins(board)
+        self._make_player(ring, layout, board, pins)
         muted = muted_pins(board)
-        if muted:
-            pins = word_pins(board)
-            for bit in range(layout.bits):
-                if muted >> bit & 1:
-                    chip.mute(pins[bit])
+        for bit in range(layout.bits):
+            if muted >> bit & 1:
+                chip.mute(pins[bit])
         return self._player
 
-    def _make_player(self, ring, layout, board):
+    def _make_player(self, ring, layout, board, pins):
         for item in self._halting:
             self.watch(item.pin, Guard(item, self).edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
         pulse_ticks, least = word_times(board)
-        pins = word_pins(board)
         invert = inverted_pins(board, layout)
         if board["player"] == "timer":
             from passo.ports.rp2.timer_player import SHORTEST_TICKS, TimerPlayer
@@ -194,6 +180,15 @@ class Port(ChipPort):
         from passo.ports.rp2.shift_registers import SioRegisters
 
         return SioRegisters(board["registers"], shifted.first_levels(board))
+
+    def _switching(self, switches):
+        """From here on the player shows what is asked of `switches`; False: it cannot."""
+        if self.interlock is not None or self.registers is not None or hasattr(self._player, "close"):  # which the timer player has
+            return False
+        from passo.ports.rp2.switching import PinSwitches
+
+        PinSwitches(self._player, switches)
+        return True
 
     def _console(self):
         from passo.ports.rp2.console import Console

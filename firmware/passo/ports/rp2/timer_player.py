@@ -28,81 +28,60 @@ _DEEP = const(6)  # words in the FIFO of eight
 
 class TimerPlayer:
     """`pins`: of the word's bits, lowest first; `invert`: mask of bits whose electrical level is the opposite;
-    `pulse_ticks`: 0 for coils."""
+    `pulse_ticks`: 0 for coils. Methods as in pio_player.py."""
 
-    def __init__(self, ring, layout, pins, pulse_ticks, min_word_ticks, invert, machine_id=0):
+    def __init__(self, ring, layout, pins, pulse_ticks, min_word_ticks, invert):
         self.min_word_ticks = min_word_ticks
         self._ring = ring
-        block, number = divmod(machine_id, 4)
         cycles = chip.cycles_per_tick()
-        self._machine = rp2.StateMachine(machine_id, programs.clock(layout.bits, cycles))
+        self._machine = rp2.StateMachine(0, programs.clock(layout.bits, cycles))
         self._tables = array("I", [0] * 256)
+        state = self._state = array("I", [0] * TIMER_FIELDS)
+        for index, value in (
+            (TIMER_BLOCK, PIO_0), (TIMER_MACHINE, PIO_0 + 0xC8),
+            (TIMER_WORDS, uctypes.addressof(ring.words)), (TIMER_MASK, ring.mask), (TIMER_BITS, layout.bits),
+            (TIMER_TABLES, uctypes.addressof(self._tables)), (TIMER_TOOL, 1 << pins[-1]),
+            (TIMER_CYCLES, pulse_ticks * cycles), (TIMER_TOGGLE, chip.TOGGLE),
+        ):  # fmt: skip
+            state[index] = value
         for bit in range(layout.bits):
             half, shift = divmod(bit, 7)
             for levels in range(128):
                 if levels >> shift & 1:
                     self._tables[128 * half + levels] |= 1 << pins[bit]
-        pio = 0x50200000 + 0x100000 * block
-        inverted = 0
-        for bit in range(layout.bits):
-            inverted |= (invert >> bit & 1) << pins[bit]
-        pulses = 0
-        for bit in range(layout.bits):
-            pulses |= (layout.pulse_mask >> bit & 1) << pins[bit]
-        self._state = array("I", [0] * TIMER_FIELDS)
-        for index, value in (
-            (TIMER_BLOCK, pio), (TIMER_MACHINE, pio + 0xC8 + 0x18 * number), (TIMER_NUMBER, number),
-            (TIMER_WORDS, uctypes.addressof(ring.words)), (TIMER_MASK, ring.mask), (TIMER_BITS, layout.bits),
-            (TIMER_TABLES, uctypes.addressof(self._tables)), (TIMER_ALL, 0), (TIMER_STEPS, pulses),
-            (TIMER_TOOL, 1 << pins[-1]), (TIMER_INVERT, inverted), (TIMER_CYCLES, pulse_ticks * cycles), (TIMER_TOGGLE, chip.TOGGLE),
-        ):  # fmt: skip
-            self._state[index] = value
-        for bit in range(layout.bits):
-            self._state[TIMER_ALL] |= 1 << pins[bit]
+            state[TIMER_ALL] |= 1 << pins[bit]
+            state[TIMER_STEPS] |= (layout.pulse_mask >> bit & 1) << pins[bit]
+            state[TIMER_INVERT] |= (invert >> bit & 1) << pins[bit]
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
-        _set_up(self._state)
-        self._irq = vectors.PIO_IRQ_1 + 2 * block
-        self._entry = vectors.enter(self._irq, _begun, self._state)
-        mem32[pio + vectors.IRQ1_INTE] = 256 << number
+        state[TIMER_FIRST] = (mem32[state[TIMER_MACHINE] + 4 * MACHINE_EXECCTRL] >> 7) & 31
+        self._entry = vectors.enter(vectors.PIO_IRQ_1, _begun, state)
+        mem32[PIO_0 + vectors.IRQ1_INTE] = 256
 
     def close(self):
         """The interrupt comes no more."""
-        vectors.leave(self._irq)
-        mem32[self._state[TIMER_BLOCK] + vectors.IRQ1_INTE] = 0
+        vectors.leave(vectors.PIO_IRQ_1)
+        mem32[PIO_0 + vectors.IRQ1_INTE] = 0
 
     def start(self):  # ISR: no allocation
-        """Play from the ring what is published there; call it again when there is more."""
         _start(self._state, self._ring.head)
 
     def hold(self, on):  # ISR: no allocation
-        """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
         self._state[TIMER_HELD] = on
 
     def stop(self):
-        """Play no further word after the one under way."""
         _stop(self._state)
 
     def halt(self):  # ISR: no allocation
-        """No further edge: pulses and tool drop now, the other pins keep their levels."""
         _halt(self._state)
 
     def busy(self):
-        """True while words are left to play or the last one's ticks still run."""
         return _busy(self._state, self._ring.head)
 
     def played(self):  # ISR: no allocation
-        """Words whose levels have appeared on the pins, modulo 2²⁹."""
-        return _played(self._state)
+        return self._state[TIMER_PLAYED]
 
     def rest(self, levels):
-        """Put `levels` on the pins at once. Only while not busy."""
         _show(self._state, levels)
-
-
-@micropython.viper
-def _set_up(state: ptr32):
-    sm = ptr32(state[TIMER_MACHINE])
-    state[TIMER_FIRST] = (sm[MACHINE_EXECCTRL] >> 7) & 31
 
 
 # A word's pins are set within 2 µs (make bench ARGS=timer).
@@ -232,7 +211,3 @@ def _busy(state: ptr32, head: int) -> bool:
         return True
     return ptr32(state[TIMER_MACHINE])[MACHINE_ADDR] != state[TIMER_FIRST]
 
-
-@micropython.viper
-def _played(state: ptr32) -> int:
-    return state[TIMER_PLAYED]
