@@ -86,11 +86,17 @@ class Motions(Reader):
         self._power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if self._lit else 0
 
     def _move(self, kind, target, feed):
-        """Append the motion to `target`; from then on it starts there."""
+        """Append the motion to `target`."""
         at = len(self.commands)
         command = self._motion(self._moves[at] if at < len(self._moves) else Motion(kind), target, feed)
         command.kind = kind
         self.commands.append(command)
+        return command
+
+    def _go(self, kind, target, feed):
+        """As _move(); the line's next command starts there, too."""
+        command = self._move(kind, target, feed)
+        self.position, self._steps = target, command.target
         return command
 
     def _motion(self, command, target, feed):
@@ -146,47 +152,41 @@ class Motions(Reader):
             raise Refused(errors.NO_MEMORY)
         in_plane = 1 << first | 1 << second
         swept = self._take(H)
-        if not swept and not self._left >> X & in_plane:
-            raise Refused(errors.NO_AXIS_IN_PLANE)
-        if swept and self._left >> X & in_plane:
-            raise Refused(errors.AXIS_WORDS_UNUSED)
+        if swept == bool(self._left >> X & in_plane):
+            raise Refused(errors.AXIS_WORDS_UNUSED if swept else errors.NO_AXIS_IN_PLANE)
         start = self.position
         target = self._target(False)
         if target[3:] != start[3:]:
             raise Refused(errors.UNSUPPORTED)
         across, along = target[first] - start[first], target[second] - start[second]
-        error = i = j = 0
-        over_half = None
+        sweep = self.words.fixed(H, 6) if swept else 0
+        radius = None
+        error = 0
         if not swept and self._take(R):
             radius = self._length(R)
-            over_half = radius < 0
             error, i, j = arcs.centre_of(across, along, radius, clockwise)
         elif self._left >> I & in_plane:
-            i = self._length(I + first) if self._take(I + first) else 0
-            j = self._length(I + second) if self._take(I + second) else 0
+            i, j = [self._length(I + axis) if self._take(I + axis) else 0 for axis in (first, second)]
             if not swept:
                 error = arcs.check_centre(across, along, i, j)
+            elif not sweep or not (i or j):
+                error = errors.TARGET
         else:
             error = errors.NO_CENTRE
+        if error:
+            raise Refused(error)
         turns = 1
-        sweep = 0
         if swept:
-            sweep = self.words.fixed(H, 6)
-            if not sweep or not (i or j):
-                error = error or errors.TARGET
             across, along = arcs.end_of(i, j, sweep, clockwise)
             target[first], target[second] = start[first] + across, start[second] + along
             turns = (sweep - 1) // _DEGREES + 1
             over_half = (sweep - 1) % _DEGREES >= _DEGREES // 2
-        elif not error:
-            if over_half is None:
-                over_half = arcs.over_half(across, along, i, j, clockwise)
+        else:
+            over_half = arcs.over_half(across, along, i, j, clockwise) if radius is None else radius < 0
             if self._take(P):
-                turns = self.words.fixed(P, 0)
-                if turns < 1 or self.words.fixed(P, 3) != turns * 1000:
-                    error = errors.NOT_INTEGER
-        if error:
-            raise Refused(error)
+                turns = self._whole(P)
+                if turns < 1:
+                    raise Refused(errors.NOT_INTEGER)
         command = self._move(commands.ARC, target, self._feed or 1)
         centre = start[:]
         centre[first] += i
@@ -217,25 +217,21 @@ class Motions(Reader):
         `_drilling`, one by one: a hole of many pecks as a list would be more than a board has room for."""
         if self.axes < 3 or self._left & 1 << A:
             raise Refused(errors.UNSUPPORTED)
+        pecks = motion in (G73, G83)
+        if self.motion != motion and (1 << R | 1 << Z | pecks << Q) & ~self._left:
+            raise Refused(errors.VALUE_MISSING)
         has_depth = self._left >> Z & 1
         target = self._target(False)
         x, y, z = self.position[:3]
         above, bottom, dwell, peck = self.cycle
-        again = self.motion == motion
         if self._take(R):
             above = self._length(R) + (self.offsets.of(self._system, 2) if self._absolute else z)
-        elif not again:
-            raise Refused(errors.VALUE_MISSING)
         if has_depth:
             bottom = target[2] if self._absolute else above + target[2] - z
-        elif not again:
-            raise Refused(errors.VALUE_MISSING)
-        if motion in (G73, G83) and self._take(Q):
+        if pecks and self._take(Q):
             peck = self._length(Q)
             if peck < _LEAST_PECK:
                 raise Refused(errors.NUMBER_RANGE)
-        elif motion in (G73, G83) and not again:
-            raise Refused(errors.VALUE_MISSING)
         if motion == G82 and self._take(P):
             dwell = self.words.fixed(P, 6)
             if dwell < 0:
