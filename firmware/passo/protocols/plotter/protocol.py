@@ -221,19 +221,15 @@ class Plotter:
             return Command(JOG, target=self._jogs[code])
         if code == LINE or code == MOVE:
             return Command(POINT, target=(x, y), tool=code == LINE)
-        if code == SET_SPEED:
-            return Command(SPEED, value=x)
-        if code == LINK:
-            return Command(HAND_OVER, value=x)
+        if code == SET_SPEED or code == LINK:
+            return Command(SPEED if code == SET_SPEED else HAND_OVER, value=x)
         if code == WORDS and self.words:
             return self.words.take(data)
         self._why = errors.UNKNOWN_COMMAND
         return None
 
     def _dropped(self, error):
-        self._bytes = b""
-        self._before = -1
-        self._broken = False
+        self.drop_begun()
         self._why = errors.CHECKSUM
         return Command(BAD, error=error)
 
