@@ -31,8 +31,7 @@ from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare, longest, rounded
-from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, keep, plain_text
-from passo.protocols.grbl.real_time import real_time
+from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, keep, plain_text, real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
 from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, SETTING_PARKING_END, TRACE_TAKEN
