@@ -29,7 +29,7 @@ class Motions(Reader):
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self.motion = 0
-        self.cycle = (0, 0, 0, 0)  # heights, dwell and peck of the canned cycle
+        self.cycle = self._cycle = (0, 0, 0, 0)  # heights, dwell and peck of the canned cycle
         self._absolute = self._initial = True  # as this line has them
         self._plane = 17
         self._steps = [0] * axes
@@ -47,14 +47,10 @@ class Motions(Reader):
 
     def _to_steps(self, target):
         """`target` in steps. An axis that it leaves out stays where it is."""
-        steps = []
-        for axis in range(len(target)):
-            steps.append(rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M))
-            if not -MAX_STEPS <= steps[axis] <= MAX_STEPS:
-                raise Refused(errors.TARGET)
-        if len(steps) < self.axes:
-            steps += self._steps[len(steps) :]
-        return steps
+        steps = [rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M) for axis in range(len(target))]
+        if max(steps) > MAX_STEPS or min(steps) < -MAX_STEPS:
+            raise Refused(errors.TARGET)
+        return steps + self._steps[len(steps) :]
 
     def _target(self, machine_coordinates):
         """Where the axis words lead, in machine coordinates."""
@@ -115,18 +111,17 @@ class Motions(Reader):
         return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
     def _read_motion(self, motion, axis_words, machine_coordinates):
-        """(where the motion ends, the canned cycle's heights). None, where the line has nothing to move."""
-        cycle = self.cycle
+        """Where the motion ends; None if the line has nothing to move."""
         if motion == G80:
             raise Refused(errors.AXIS_WORDS_UNUSED)
         if motion >= 200 and not axis_words and not self._sweeps(motion):
             raise Refused(errors.NO_AXIS_WORDS)
         if not axis_words and motion < 200:
-            return None, cycle
+            return None
         if CODES[motion] & CYCLE:
             return self._drill(motion)
         if motion in (200, 300):
-            return self._arc(motion == 200), cycle
+            return self._arc(motion == 200)
         target = self._target(machine_coordinates)
         if self.turns and self._inches:
             self._feed = self._pace(target, self._feed)
@@ -137,7 +132,7 @@ class Motions(Reader):
             command.value = (1 if motion >= 3840 else 0) | (2 if motion in (3830, 3850) else 0)
         else:
             self._move(commands.LINE, target, (self._feed or 1) if motion else 0)
-        return target, cycle
+        return target
 
     def _sweeps(self, motion):
         """True if the line gives an arc's angle instead of its end. An extension."""
@@ -204,17 +199,14 @@ class Motions(Reader):
         if axis_words:
             between = self._target(False)
             self._move(commands.LINE, between, 0)
-            target = between[:]
-            for axis in range(self.axes):
-                if axis_words >> (X + axis) % 26 & 1:
-                    target[axis] = stored[axis]
+            target = [stored[axis] if axis_words >> (X + axis) % 26 & 1 else between[axis] for axis in range(self.axes)]
         self._move(commands.LINE, target, 0)
         return target
 
     def _drill(self, motion):
-        """G73, G81, G82, G83, an extension. (where it ends, heights, dwell and peck for the next hole.) `commands` are the way to the
-        tops and bottoms of the first and the last hole, for the machine to check; what comes behind the first of them is made by
-        `_drilling`, one by one: a hole of many pecks as a list would be more than a board has room for."""
+        """G73, G81, G82, G83, an extension; returns where it ends. `commands` are the way to the tops and bottoms of the first and the
+        last hole, for the machine to check; what comes behind the first of them is made by `_drilling`, one by one: a hole of many
+        pecks as a list would be more than a board has room for."""
         if self.axes < 3 or self._left & 1 << A:
             raise Refused(errors.UNSUPPORTED)
         pecks = motion in (G73, G83)
@@ -249,7 +241,8 @@ class Motions(Reader):
                 self._move(commands.LINE, [x + hole * way[0], y + hole * way[1], level], (self._feed or 1) if level == bottom else 0)
         self._drilling = self._holes((x, y, z), way, times, (height, above, bottom, back), motion, dwell, peck)
         next(self._drilling)  # the first of `commands`
-        return [x + hole * way[0], y + hole * way[1], back] + self.position[3:], (above, bottom, dwell, peck)
+        self._cycle = above, bottom, dwell, peck
+        return [x + hole * way[0], y + hole * way[1], back] + self.position[3:]
 
     def _holes(self, start, way, times, heights, motion, dwell, peck):
         """All commands of a cycle, then None."""

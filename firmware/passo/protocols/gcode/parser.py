@@ -17,7 +17,6 @@ more than 360 are more than one turn. The end comes from the machine's CORDIC.
 
 from array import array
 
-import micropython
 from micropython import const
 
 from passo import commands, errors
@@ -252,7 +251,7 @@ class GCode(Motions):
         dwell = self._read_dwell() if non_modal == 400 else None
         handed_on = [self._hand_on(code) for code in self._on]
         self._prepare(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
-        cycle = self.cycle
+        self._cycle = self.cycle
         offsets = target = None
         if found[TOOL_LENGTH] != NONE:
             offsets = self.offsets.set_tool, self._read_length(found[TOOL_LENGTH], tool)
@@ -263,7 +262,7 @@ class GCode(Motions):
         if non_modal in (2800, 3000):
             target = self._go_home(non_modal // 100, axis_words)
         elif moves:
-            target, cycle = self._read_motion(motion, axis_words, non_modal == 5300)
+            target = self._read_motion(motion, axis_words, non_modal == 5300)
         self._check_rest(motion)
         if self.words.row:
             self._add_row(target and self._cutting and motion == 100, spindle)
@@ -287,7 +286,7 @@ class GCode(Motions):
         self.motion, self.plane, self.inches, self.absolute = motion, self._plane, self._inches, self._absolute
         self.per_minute, self.feed, self.rpm, self.tool = per_minute, feed if per_minute else 0, rpm, tool
         self.spindle, self.coolant, self.system = spindle, coolant, self._system
-        self.initial, self.cycle = self._initial, cycle
+        self.initial, self.cycle = self._initial, self._cycle
         if found[STOPPING] != NONE:
             self._stop_programme(found[STOPPING] - M_CODES)
 
