@@ -13,7 +13,7 @@ from micropython import const
 
 from passo import commands
 from passo.commands import ACCEPTED, REFUSED, Event
-from passo.protocols.grbl.real_time import real_time
+from passo.protocols.grbl.lines import real_time
 
 PAGE = const(0)
 GUEST = const(1)

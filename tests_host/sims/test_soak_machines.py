@@ -15,7 +15,7 @@ from passo.control.inputs import Inputs
 from passo.control.state import MachineState
 from passo.ports.virtual_interlock import VirtualInterlock
 from passo.protocols.frames.line import FramedLine
-from passo.protocols.grbl import stored
+from passo.protocols.grbl.protocol import Grbl
 from passo.protocols.plotter.host import COMMANDS, PACKET, packet
 from passo.protocols.plotter.protocol import Plotter as PlotterLanguage
 from soak_plotter import Plotter
@@ -73,7 +73,7 @@ def tells_no_reset(monkeypatch):
 
 def remembers_a_line(monkeypatch):
     """A job begins with what is left of the one before."""
-    monkeypatch.setattr(stored, "begin", lambda protocol: protocol.gcode.reset())
+    monkeypatch.setattr(Grbl, "begin_file", lambda self: self.gcode.reset())
 
 
 def believes_any_sum(monkeypatch):

@@ -44,7 +44,7 @@ class JobLine:
         self._file = file
         self.given = self.answered = 0
         self._first, self._last = self._stored.FRAME
-        self._stored.begin(self._protocol)
+        getattr(self._protocol, "begin_file", int)()
 
     def leave(self):
         """Give nothing more of the file. Returns it, or None if there is none."""

@@ -146,43 +146,33 @@ class FramedLine:
     # --- until a host asks for frames
 
     def _plain(self, data):
-        if self._late:
-            return self._plain_again(data)
-        if not data:
-            if self._held and (self._clock() - self._held_ms) & COUNT_MASK >= _HOLD_MS:
-                data = self._held
-                self._held = b""
-                return data
-            return b""
-        self._heard = True
-        text = self._held + bytes(data)
-        self._held = b""
-        at = text.find(HELLO_WIRE)
-        if at >= 0:
-            self._begin(text[at + len(HELLO_WIRE) :])
-            return text[:at]
-        at = text.rfind(b"\0")
-        if at >= 0 and HELLO_WIRE.startswith(text[at:]):
-            self._held = text[at:]
-            self._held_ms = self._clock()
-            return text[:at]
-        return text
-
-    def _plain_again(self, data):
-        """The link has spoken frames, and has left them."""
+        """What of `data` is for the language; behind LEAVE without frames that come late."""
         late = self._late
         if data:
             self._heard = True
-            held = late.held
+            held = late.held if late else self._held
             text = held + bytes(data)
             at = text.find(HELLO_WIRE)
             if at >= 0:
                 self._begin(text[at + len(HELLO_WIRE) :])
-                data = text[len(held) : at] if at > len(held) else b""
-            data = late.without_frames(data, self._clock())
-        else:
+            if late:
+                data = late.without_frames(data if at < 0 else text[len(held) : max(at, len(held))], self._clock())
+            else:
+                self._held = b""
+                if at < 0:
+                    at = text.rfind(b"\0")
+                    if at >= 0 and HELLO_WIRE.startswith(text[at:]):
+                        self._held = text[at:]
+                        self._held_ms = self._clock()
+                    else:
+                        at = len(text)
+                data = text[:at]
+        elif late:
             data = late.quiet(self._clock())
-        if late.found:
+        elif self._held and (self._clock() - self._held_ms) & COUNT_MASK >= _HOLD_MS:
+            data = self._held
+            self._held = b""
+        if late and late.found:
             late.found = 0
             self._note(FRAME_LATE)
         return data

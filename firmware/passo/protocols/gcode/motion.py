@@ -29,7 +29,7 @@ class Motions(Reader):
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self.motion = 0
-        self.cycle = (0, 0, 0, 0)  # heights, dwell and peck of the canned cycle
+        self.cycle = self._cycle = (0, 0, 0, 0)  # heights, dwell and peck of the canned cycle
         self._absolute = self._initial = True  # as this line has them
         self._plane = 17
         self._steps = [0] * axes
@@ -47,14 +47,10 @@ class Motions(Reader):
 
     def _to_steps(self, target):
         """`target` in steps. An axis that it leaves out stays where it is."""
-        steps = []
-        for axis in range(len(target)):
-            steps.append(rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M))
-            if not -MAX_STEPS <= steps[axis] <= MAX_STEPS:
-                raise Refused(errors.TARGET)
-        if len(steps) < self.axes:
-            steps += self._steps[len(steps) :]
-        return steps
+        steps = [rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M) for axis in range(len(target))]
+        if max(steps) > MAX_STEPS or min(steps) < -MAX_STEPS:
+            raise Refused(errors.TARGET)
+        return steps + self._steps[len(steps) :]
 
     def _target(self, machine_coordinates):
         """Where the axis words lead, in machine coordinates."""
@@ -86,11 +82,17 @@ class Motions(Reader):
         self._power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if self._lit else 0
 
     def _move(self, kind, target, feed):
-        """Append the motion to `target`; from then on it starts there."""
+        """Append the motion to `target`."""
         at = len(self.commands)
         command = self._motion(self._moves[at] if at < len(self._moves) else Motion(kind), target, feed)
         command.kind = kind
         self.commands.append(command)
+        return command
+
+    def _go(self, kind, target, feed):
+        """As _move(); the line's next command starts there, too."""
+        command = self._move(kind, target, feed)
+        self.position, self._steps = target, command.target
         return command
 
     def _motion(self, command, target, feed):
@@ -109,18 +111,17 @@ class Motions(Reader):
         return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
     def _read_motion(self, motion, axis_words, machine_coordinates):
-        """(where the motion ends, the canned cycle's heights). None, where the line has nothing to move."""
-        cycle = self.cycle
+        """Where the motion ends; None if the line has nothing to move."""
         if motion == G80:
             raise Refused(errors.AXIS_WORDS_UNUSED)
         if motion >= 200 and not axis_words and not self._sweeps(motion):
             raise Refused(errors.NO_AXIS_WORDS)
         if not axis_words and motion < 200:
-            return None, cycle
+            return None
         if CODES[motion] & CYCLE:
             return self._drill(motion)
         if motion in (200, 300):
-            return self._arc(motion == 200), cycle
+            return self._arc(motion == 200)
         target = self._target(machine_coordinates)
         if self.turns and self._inches:
             self._feed = self._pace(target, self._feed)
@@ -131,7 +132,7 @@ class Motions(Reader):
             command.value = (1 if motion >= 3840 else 0) | (2 if motion in (3830, 3850) else 0)
         else:
             self._move(commands.LINE, target, (self._feed or 1) if motion else 0)
-        return target, cycle
+        return target
 
     def _sweeps(self, motion):
         """True if the line gives an arc's angle instead of its end. An extension."""
@@ -146,47 +147,41 @@ class Motions(Reader):
             raise Refused(errors.NO_MEMORY)
         in_plane = 1 << first | 1 << second
         swept = self._take(H)
-        if not swept and not self._left >> X & in_plane:
-            raise Refused(errors.NO_AXIS_IN_PLANE)
-        if swept and self._left >> X & in_plane:
-            raise Refused(errors.AXIS_WORDS_UNUSED)
+        if swept == bool(self._left >> X & in_plane):
+            raise Refused(errors.AXIS_WORDS_UNUSED if swept else errors.NO_AXIS_IN_PLANE)
         start = self.position
         target = self._target(False)
         if target[3:] != start[3:]:
             raise Refused(errors.UNSUPPORTED)
         across, along = target[first] - start[first], target[second] - start[second]
-        error = i = j = 0
-        over_half = None
+        sweep = self.words.fixed(H, 6) if swept else 0
+        radius = None
+        error = 0
         if not swept and self._take(R):
             radius = self._length(R)
-            over_half = radius < 0
             error, i, j = arcs.centre_of(across, along, radius, clockwise)
         elif self._left >> I & in_plane:
-            i = self._length(I + first) if self._take(I + first) else 0
-            j = self._length(I + second) if self._take(I + second) else 0
+            i, j = [self._length(I + axis) if self._take(I + axis) else 0 for axis in (first, second)]
             if not swept:
                 error = arcs.check_centre(across, along, i, j)
+            elif not sweep or not (i or j):
+                error = errors.TARGET
         else:
             error = errors.NO_CENTRE
+        if error:
+            raise Refused(error)
         turns = 1
-        sweep = 0
         if swept:
-            sweep = self.words.fixed(H, 6)
-            if not sweep or not (i or j):
-                error = error or errors.TARGET
             across, along = arcs.end_of(i, j, sweep, clockwise)
             target[first], target[second] = start[first] + across, start[second] + along
             turns = (sweep - 1) // _DEGREES + 1
             over_half = (sweep - 1) % _DEGREES >= _DEGREES // 2
-        elif not error:
-            if over_half is None:
-                over_half = arcs.over_half(across, along, i, j, clockwise)
+        else:
+            over_half = arcs.over_half(across, along, i, j, clockwise) if radius is None else radius < 0
             if self._take(P):
-                turns = self.words.fixed(P, 0)
-                if turns < 1 or self.words.fixed(P, 3) != turns * 1000:
-                    error = errors.NOT_INTEGER
-        if error:
-            raise Refused(error)
+                turns = self._whole(P)
+                if turns < 1:
+                    raise Refused(errors.NOT_INTEGER)
         command = self._move(commands.ARC, target, self._feed or 1)
         centre = start[:]
         centre[first] += i
@@ -204,38 +199,31 @@ class Motions(Reader):
         if axis_words:
             between = self._target(False)
             self._move(commands.LINE, between, 0)
-            target = between[:]
-            for axis in range(self.axes):
-                if axis_words >> (X + axis) % 26 & 1:
-                    target[axis] = stored[axis]
+            target = [stored[axis] if axis_words >> (X + axis) % 26 & 1 else between[axis] for axis in range(self.axes)]
         self._move(commands.LINE, target, 0)
         return target
 
     def _drill(self, motion):
-        """G73, G81, G82, G83, an extension. (where it ends, heights, dwell and peck for the next hole.) `commands` are the way to the
-        tops and bottoms of the first and the last hole, for the machine to check; what comes behind the first of them is made by
-        `_drilling`, one by one: a hole of many pecks as a list would be more than a board has room for."""
+        """G73, G81, G82, G83, an extension; returns where it ends. `commands` are the way to the tops and bottoms of the first and the
+        last hole, for the machine to check; what comes behind the first of them is made by `_drilling`, one by one: a hole of many
+        pecks as a list would be more than a board has room for."""
         if self.axes < 3 or self._left & 1 << A:
             raise Refused(errors.UNSUPPORTED)
+        pecks = motion in (G73, G83)
+        if self.motion != motion and (1 << R | 1 << Z | pecks << Q) & ~self._left:
+            raise Refused(errors.VALUE_MISSING)
         has_depth = self._left >> Z & 1
         target = self._target(False)
         x, y, z = self.position[:3]
         above, bottom, dwell, peck = self.cycle
-        again = self.motion == motion
         if self._take(R):
             above = self._length(R) + (self.offsets.of(self._system, 2) if self._absolute else z)
-        elif not again:
-            raise Refused(errors.VALUE_MISSING)
         if has_depth:
             bottom = target[2] if self._absolute else above + target[2] - z
-        elif not again:
-            raise Refused(errors.VALUE_MISSING)
-        if motion in (G73, G83) and self._take(Q):
+        if pecks and self._take(Q):
             peck = self._length(Q)
             if peck < _LEAST_PECK:
                 raise Refused(errors.NUMBER_RANGE)
-        elif motion in (G73, G83) and not again:
-            raise Refused(errors.VALUE_MISSING)
         if motion == G82 and self._take(P):
             dwell = self.words.fixed(P, 6)
             if dwell < 0:
@@ -253,7 +241,8 @@ class Motions(Reader):
                 self._move(commands.LINE, [x + hole * way[0], y + hole * way[1], level], (self._feed or 1) if level == bottom else 0)
         self._drilling = self._holes((x, y, z), way, times, (height, above, bottom, back), motion, dwell, peck)
         next(self._drilling)  # the first of `commands`
-        return [x + hole * way[0], y + hole * way[1], back] + self.position[3:], (above, bottom, dwell, peck)
+        self._cycle = above, bottom, dwell, peck
+        return [x + hole * way[0], y + hole * way[1], back] + self.position[3:]
 
     def _holes(self, start, way, times, heights, motion, dwell, peck):
         """All commands of a cycle, then None."""

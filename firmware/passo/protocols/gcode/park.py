@@ -18,6 +18,4 @@ def append(gcode):
     if value(SETTING_PARKING) and value(SETTING_PARKING_END) and machine.homed and not gcode.laser and target[axis] < height:
         gcode._prepare(0, 0, 0, gcode.number, gcode.spindle, gcode.rpm)
         target[axis] = height
-        gcode._move(commands.LINE, target, 0)
-        gcode.position = target
-        gcode._steps = gcode.commands[-1].target
+        gcode._go(commands.LINE, target, 0)

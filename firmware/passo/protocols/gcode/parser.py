@@ -17,7 +17,6 @@ more than 360 are more than one turn. The end comes from the machine's CORDIC.
 
 from array import array
 
-import micropython
 from micropython import const
 
 from passo import commands, errors
@@ -28,8 +27,8 @@ from passo.protocols.gcode.codes import (
 )
 from passo.protocols.gcode.motion import MAX_STEPS, Motions, new_moves
 from passo.protocols.gcode.parse_viper import accept
-from passo.protocols.gcode.reader import NONE, Refused
-from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
+from passo.protocols.gcode.reader import MAX_LINE, MAX_TOOL, NONE, Refused
+from passo.protocols.gcode.words import F, M_CODES, N, S, T, rounded
 from passo.protocols.gcode.parse_records import *
 from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M
 
@@ -67,17 +66,10 @@ class GCode(Motions):
         self.motion = 0
         self.plane = 17
         self.inches = False
-        self.absolute = True
-        self.per_minute = True  # G94
-        self.feed = 0
-        self.system = 0
+        self.absolute = self.per_minute = self.initial = True  # G90, G94, G98
+        self.feed = self.rpm = self.system = self.coolant = self.tool = self.number = 0
         self.spindle = 5
-        self.rpm = 0
-        self.coolant = 0
-        self.tool = 0
-        self.number = 0
         self.weaving = False  # lines become seams: the machine has to see each of them
-        self.initial = True  # G98
         self.cycle = (0, 0, 0, 0)
         self._steps = [None] * self.axes
 
@@ -106,15 +98,6 @@ class GCode(Motions):
             self._steps = list(self._ends)
             named = fields[PARSE_NAMED]
             self.position[:named] = list(fields[PARSE_POSITION : PARSE_POSITION + named])
-
-    def end_programme(self):
-        """What M2 and M30 put back."""
-        self.motion = 100
-        self.plane = 17
-        self.absolute = self.per_minute = self.initial = True
-        self.system = 0
-        self.spindle = 5
-        self.coolant = 0
 
     def interpret(self, line, jog=False):
         """Understand `line` (bytes). 0, or the number of the error that refuses it; `commands` is empty then.
@@ -249,7 +232,7 @@ class GCode(Motions):
 
     def _line(self):
         found = self._found
-        number = self._line_number()
+        number = self._read_count(N, 0, MAX_LINE, errors.LINE_NUMBER)
         non_modal = found[NON_MODAL]
         motion = self.motion if found[MOTION] == NONE else found[MOTION]
         self._inches = self.inches if found[UNITS] == NONE else found[UNITS] == 2000
@@ -262,13 +245,13 @@ class GCode(Motions):
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
         rpm = self.words.fixed(S, 3) if self._take(S) and not self.words.packed else self.rpm
-        tool = self._read_tool(T)
+        tool = self._read_count(T, self.tool, MAX_TOOL, errors.TOOL_NUMBER)
         spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
         coolant = self._read_coolant(found[COOLING])
         dwell = self._read_dwell() if non_modal == 400 else None
         handed_on = [self._hand_on(code) for code in self._on]
         self._prepare(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
-        cycle = self.cycle
+        self._cycle = self.cycle
         offsets = target = None
         if found[TOOL_LENGTH] != NONE:
             offsets = self.offsets.set_tool, self._read_length(found[TOOL_LENGTH], tool)
@@ -279,7 +262,7 @@ class GCode(Motions):
         if non_modal in (2800, 3000):
             target = self._go_home(non_modal // 100, axis_words)
         elif moves:
-            target, cycle = self._read_motion(motion, axis_words, non_modal == 5300)
+            target = self._read_motion(motion, axis_words, non_modal == 5300)
         self._check_rest(motion)
         if self.words.row:
             self._add_row(target and self._cutting and motion == 100, spindle)
@@ -303,7 +286,7 @@ class GCode(Motions):
         self.motion, self.plane, self.inches, self.absolute = motion, self._plane, self._inches, self._absolute
         self.per_minute, self.feed, self.rpm, self.tool = per_minute, feed if per_minute else 0, rpm, tool
         self.spindle, self.coolant, self.system = spindle, coolant, self._system
-        self.initial, self.cycle = self._initial, cycle
+        self.initial, self.cycle = self._initial, self._cycle
         if found[STOPPING] != NONE:
             self._stop_programme(found[STOPPING] - M_CODES)
 
@@ -360,7 +343,7 @@ class GCode(Motions):
                 raise Refused(errors.JOG_WORDS)
         if found[NON_MODAL] not in (NONE, 5300):
             raise Refused(errors.JOG_WORDS)
-        number = self._line_number()
+        number = self._read_count(N, 0, MAX_LINE, errors.LINE_NUMBER)
         axis_words = self._left & self._axis_mask
         if not axis_words:
             raise Refused(errors.NO_AXIS_WORDS)
@@ -376,9 +359,7 @@ class GCode(Motions):
             feed = self._pace(target, feed)
         if self._left:
             raise Refused(errors.WORDS_UNUSED)
-        self._move(commands.JOG_TO, target, feed)
-        self.position = target
-        self._steps = self.commands[-1].target
+        self._go(commands.JOG_TO, target, feed)
 
     def jog_to(self, lengths, feed, counted):
         """A jog that was no line, in `commands`: to {axis: nanometres} at `feed`. `counted`: from where it counts, as G53 machine
@@ -392,11 +373,9 @@ class GCode(Motions):
             before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
             target[axis] = before + lengths[axis]
         try:
-            self._move(commands.JOG_TO, target, feed)
+            self._go(commands.JOG_TO, target, feed)
         except Refused as refusal:
             return refusal.args[0]
-        self.position = target
-        self._steps = self.commands[-1].target
         return 0
 
     # --- the rest of a line
@@ -416,11 +395,11 @@ class GCode(Motions):
             from passo.protocols.gcode.park import append
 
             append(self)
-        self.end_programme()
-        self.ended = True
-        self.commands.append(Command(commands.SPINDLE, value=5))
-        self.commands.append(Command(commands.COOLANT))
+        self.motion = 100  # from here on: what M2 and M30 put back
+        self.plane = 17
+        self.absolute = self.per_minute = self.initial = self.ended = True
+        self.system = self.coolant = 0
+        self.spindle = 5
         overrides = Command(commands.OVERRIDE, value=commands.ALL)
         overrides.power = 100
-        self.commands.append(overrides)
-        self.commands.append(Command(commands.SYNC))
+        self.commands += [Command(commands.SPINDLE, value=5), Command(commands.COOLANT), overrides, Command(commands.SYNC)]

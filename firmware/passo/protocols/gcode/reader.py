@@ -5,7 +5,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.gcode.codes import AXES, CODES, G43, GROUP, GROUPS, LETTER, ON, why_unknown
-from passo.protocols.gcode.words import A, F, H, L, M_CODES, N, P, Q, R, X, Z, Words, rounded
+from passo.protocols.gcode.words import A, F, H, L, M_CODES, P, Q, R, X, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)
@@ -72,44 +72,33 @@ class Reader:
         return True
 
     def _length(self, letter):
-        """Nanometres; of a rotary axis millionths of a degree."""
-        inches = self._inches and not (letter == A and self.turns)
-        return self.words.inches_nm(letter) if inches else self.words.fixed(letter, 6)
+        """Nanometres, of inches exact to five decimals; of a rotary axis millionths of a degree."""
+        if self._inches and not (letter == A and self.turns):
+            return self.words.fixed(letter, 5, 254)
+        return self.words.fixed(letter, 6)
 
-    def _line_number(self):
-        if not self._take(N):
-            return 0
-        number = self.words.fixed(N, 0)
-        if number > MAX_LINE:
-            raise Refused(errors.LINE_NUMBER)
+    def _read_count(self, letter, default, most, error):
+        """The number behind `letter`, which counts something; `default` without it. Above `most` it is refused with `error`."""
+        if not self._take(letter):
+            return default
+        number = self.words.fixed(letter, 0)
+        if number > most:
+            raise Refused(error)
         return number
 
     # --- values
 
     def _read_feed(self, per_minute, wants):
         """(feed in nm/s, thousandths of 1/minute): one of them, the other 0. `wants`: the motion needs it."""
+        given = self._take(F)
+        feed = per_min = 0
         if not per_minute:
-            if not self._take(F):
-                if wants:
-                    raise Refused(errors.NO_FEED)
-                return 0, 0
-            per_min = self.words.fixed(F, 3)
-            if wants and not per_min:
-                raise Refused(errors.NO_FEED)
-            return 0, per_min
-        feed = rounded(self._length(F), 60) if self._take(F) else self.feed
-        if wants and not feed:
+            per_min = self.words.fixed(F, 3) if given else 0
+        else:
+            feed = rounded(self._length(F), 60) if given else self.feed
+        if wants and not (feed or per_min):
             raise Refused(errors.NO_FEED)
-        return feed, 0
-
-    def _read_tool(self, letter):
-        """The number of the tool in a word; without it the one that is in."""
-        if not self._take(letter):
-            return self.tool
-        tool = self.words.fixed(letter, 0)
-        if tool > MAX_TOOL:
-            raise Refused(errors.TOOL_NUMBER)
-        return tool
+        return feed, per_min
 
     def _read_coolant(self, code):
         if code == NONE:
@@ -138,13 +127,14 @@ class Reader:
             command.feed = self.words.fixed(Q, 3) if self._take(Q) else 0
         return command
 
-    def _take_axes(self, places, value):
-        """A copy of `places` with value(axis, its word) where the line has the axis's word."""
-        changed = places[:]
+    def _take_axes(self, old, system=None):
+        """A copy of the offsets `old` with what the axis words say; with `system`, what makes the words the position there."""
+        changed = old[:]
         for axis in range(self.axes):
             letter = (X + axis) % 26
             if self._take(letter):
-                changed[axis] = value(axis, self._length(letter))
+                value = self._length(letter)
+                changed[axis] = value if system is None else self.position[axis] - self.offsets.of(system, axis) + old[axis] - value
         return changed
 
     def _read_length(self, code, tool):
@@ -155,7 +145,7 @@ class Reader:
         if code == 4310:
             return self._only_z()
         if code == G43:
-            tool = self._read_tool(H) if self._left >> H & 1 else tool
+            tool = self._read_count(H, tool, MAX_TOOL, errors.TOOL_NUMBER)
             text = offsets.length_of(tool) if tool else "0"
             length = offsets.tool if text is None else int(text)
             if text is None and [None for other in range(1, MAX_TOOL + 1) if offsets.length_of(other)]:
@@ -180,10 +170,7 @@ class Reader:
         if not axis_words:
             raise Refused(errors.NO_AXIS_WORDS)
         if code == 9200:
-            return offsets.set_shift, self._take_axes(
-                offsets.shift,
-                lambda axis, value: self.position[axis] - offsets.of(self._system, axis) + offsets.shift[axis] - value,
-            )
+            return offsets.set_shift, self._take_axes(offsets.shift, self._system)
         if not self._take(P) or not self._take(L):
             raise Refused(errors.VALUE_MISSING)
         number = self.words.fixed(P, 0)
@@ -195,12 +182,6 @@ class Reader:
             raise Refused(errors.NO_SUCH_SYSTEM)
         system = number - 1 if number else self._system
         how = self.words.fixed(L, 0)
-        if how not in (2, 20) or self.words.has(R):
+        if how not in (2, 20) or self._left >> R & 1:
             raise Refused(errors.UNSUPPORTED)
-        old = offsets.systems[system]
-        if how == 2:
-            return offsets.set_system, system, self._take_axes(old, lambda axis, value: value)
-        return offsets.set_system, system, self._take_axes(
-            old, lambda axis, value: self.position[axis] - offsets.of(system, axis) + old[axis] - value
-        )
-
+        return offsets.set_system, system, self._take_axes(offsets.systems[system], system if how == 20 else None)

@@ -84,8 +84,6 @@ class ToolChange:
 
     def _go(self, gcode, target, kind=commands.LINE, feed=0):
         """[a motion]."""
-        command = gcode._move(kind, target, feed)
+        command = gcode._go(kind, target, feed)
         command.value = 0
-        gcode.position = target
-        gcode._steps = command.target
         return [command]

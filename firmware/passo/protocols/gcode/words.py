@@ -70,9 +70,6 @@ class Words:
         self._mantissa = array("i", [0] * 27)
         self._decimals = bytearray(27)
 
-    def has(self, letter):
-        return self.have >> letter & 1
-
     def scan(self, line):
         """Read a line. 0, or the number of the first error; then the words mean nothing."""
         self.have = self.count = 0
@@ -168,31 +165,19 @@ class Words:
         return 0
 
     def _keep_code(self, letter, value, decimals):
-        if decimals:
-            if decimals > 2:
-                if value % _POWERS[decimals - 2]:
-                    return errors.UNSUPPORTED
-                value //= _POWERS[decimals - 2]
-            elif decimals == 1:
-                value *= 10
-        else:
-            value *= 100
+        if decimals > 2 and value % _POWERS[decimals - 2]:
+            return errors.UNSUPPORTED
+        value = value * 100 // _POWERS[decimals]
         if not 0 <= value < M_CODES or self.count == _CODES:
             return errors.UNSUPPORTED
         self.codes[self.count] = value + M_CODES if letter == M else value
         self.count += 1
         return 0
 
-    def fixed(self, letter, places):
-        """The value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
+    def fixed(self, letter, places, by=1):
+        """`by` times the value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
         places -= self._decimals[letter]
-        value = self._mantissa[letter]
-        return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
-
-    def inches_nm(self, letter):
-        """The value of a word in inches, in nanometres: exact to five decimals."""
-        places = 5 - self._decimals[letter]
-        value = self._mantissa[letter] * 254
+        value = self._mantissa[letter] * by
         return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
 
 

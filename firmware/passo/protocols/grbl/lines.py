@@ -1,9 +1,10 @@
-"""The lines that a sender has under way: bytes in, and out the oldest line when its turn has come.
+"""The lines that a sender has under way: bytes in, and out the oldest line when its turn has come; and the bytes that are in no line.
 
     lines.take(b"G1X1\\nG?1")        # False if there are real-time bytes among them, but for `?`:
     lines.fields[LINES_ASKED]       # 1; it is the caller's to clear
     while lines.waiting():
         line = lines.next()         # bytes; None for one that was too long or found no room
+    real_time(0x91).kind            # OVERRIDE: the feed, 10 % more; None for a byte that has no such meaning
 
 A line that is to be understood where it lies is text[fields[LINES_AT] : …] up to its line feed; then LINES_AT goes on to the next
 one (take_viper.py).
@@ -20,6 +21,8 @@ from array import array
 import micropython
 from micropython import const
 
+from passo import commands
+from passo.commands import Command
 from passo.memory import buffer
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare
@@ -33,6 +36,14 @@ ARC = const(-5)  # and this: the oldest line is an arc, which GCode.take_arc() m
 LEFT = const(-4)  # what take_lines() says besides: the machine has not taken all rows, `accept` of the batch knows why
 _RAW = const(256)  # bytes of one line: then blanks and comments are left out of it
 _TOO_LONG = b"\xff\n"  # stands for such a line
+
+# Bytes taken out of the stream as they come, and what each asks for.
+_PLAIN = {
+    0x18: commands.RESET, 0x21: commands.HOLD, 0x3F: commands.STATUS, 0x7E: commands.RESUME, 0x84: commands.DOOR, 0x85: commands.JOG_CANCEL,
+}  # fmt: skip
+_TOGGLES = {0x9E: commands.SPINDLE_STOP, 0xA0: 1, 0xA1: 2}
+# Per cent, or their change: of the feed from 0x90 on, of rapids from 0x95 on; the first five again of the power from 0x99 on.
+_AMOUNTS = (100, 10, -10, 1, -1, 100, 50, 25)
 
 
 @micropython.viper
@@ -80,6 +91,23 @@ def move_up(text: ptr8, lines: ptr32):
     lines[LINES_AT] = 0
     lines[LINES_WHOLE] = lines[LINES_WHOLE] - begin
     lines[LINES_END] = lines[LINES_END] - begin
+
+
+def real_time(byte):
+    """The command of a real-time byte, or None."""
+    if byte in _PLAIN:
+        return Command(_PLAIN[byte])
+    if byte in _TOGGLES:
+        return Command(commands.TOGGLE, value=_TOGGLES[byte])
+    if not 0x90 <= byte <= 0x9D or byte == 0x98:
+        return None
+    command = Command(commands.OVERRIDE, value=commands.FEED if byte < 0x95 else commands.RAPID if byte < 0x98 else commands.POWER)
+    amount = _AMOUNTS[(byte - 0x90) % 9]
+    if amount > 10:
+        command.power = amount
+    else:
+        command.feed = amount
+    return command
 
 
 def plain_text(line):

@@ -31,8 +31,7 @@ from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare, longest, rounded
-from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, keep, plain_text
-from passo.protocols.grbl.real_time import real_time
+from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, keep, plain_text, real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
 from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, SETTING_PARKING_END, TRACE_TAKEN
@@ -61,7 +60,8 @@ class Grbl:
         self._number, self._most = batch.link, most
         self.system = System(self.gcode, settings, machine, batch)
         self._status = Status(self.gcode, settings, machine)
-        self._lines = Lines()
+        self._lines = lines = Lines()
+        self.prepare, self.drop_begun, self.space = lines.make, lines.drop_begun, lines.free
         self._taker = self._arrays = None  # the batch's, and what take_lines() takes
         asked = Command(commands.STATUS)  # what `?` says, used again and again
         asked.accepted = Event(ACCEPTED, asked)
@@ -89,10 +89,6 @@ class Grbl:
 
     # --- bytes to batches
 
-    def prepare(self):
-        """Make what the link needs once it is used. Raises MemoryError."""
-        self._lines.make()
-
     def log(self, size):
         """What a black box wants to know of this link. The line buffer then keeps what has come, too, in `size` bytes. Before prepare()."""
         from .log import Log  # here: few boards have it; not by its whole name, which each board would have to keep
@@ -100,7 +96,7 @@ class Grbl:
         return Log(self._lines, self.gcode, size)
 
     def begin_file(self):
-        """Modal state as after power-up, offsets stay; of what has come so far nothing is left."""
+        """A stored job begins: modal state as after power-up, offsets stay; of what has come so far nothing is left."""
         self._forget()
         self._stale = 0
         self.gcode.reset()
@@ -217,18 +213,10 @@ class Grbl:
             return False
         return fields[LINES_AT] < fields[LINES_WHOLE] or self._rest or self._start_lines or lines.lost
 
-    def drop_begun(self):
-        """Forget the line that has begun and not ended."""
-        self._lines.drop_begun()
-
     def amid(self, text):
         """True if, behind `text`, a line has begun and not ended."""
         tail = text.replace(b"\r", b"\n").split(b"\n")
         return bool(tail[-1].strip(b"?!~\x18")) or len(tail) == 1 and self._lines.begun()
-
-    def space(self):
-        """Bytes that feed() and take() can keep."""
-        return self._lines.free()
 
     def _commands(self):
         if self._lines.fields[LINES_ASKED]:

@@ -4,11 +4,6 @@ LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; by
 FRAME = (b"", b"")  # what stands before a job, and behind it
 
 
-def begin(protocol):
-    """The modal state is that after power-up, offsets stay; a line on which another job was stopped is forgotten."""
-    protocol.begin_file()
-
-
 def units(data):
     return bytes(data).count(b"\n")
 

@@ -10,30 +10,13 @@ from passo.protocols.plotter import protocol as plotter
 from passo.protocols.plotter.protocol import PACKET, RESYNC_MS, STATES, Plotter, status_bytes  # noqa: F401
 
 COMMANDS = {
-    "REQUEST": plotter.REQUEST,
-    "LINE": plotter.LINE,
-    "MOVE": plotter.MOVE,
-    "END": plotter.END,
-    "ORIGIN": plotter.ORIGIN,
-    "SPEED": plotter.SET_SPEED,
-    "UP": plotter.UP,
-    "LEFT": plotter.LEFT,
-    "DOWN": plotter.DOWN,
-    "RIGHT": plotter.RIGHT,
-    "STOP": plotter.HALT,
-    "STATUS": plotter.ASK,
-    "LINK": plotter.LINK,
-    "WORDS": plotter.WORDS,
-}
+    "REQUEST": plotter.REQUEST, "LINE": plotter.LINE, "MOVE": plotter.MOVE, "END": plotter.END, "ORIGIN": plotter.ORIGIN,
+    "SPEED": plotter.SET_SPEED, "UP": plotter.UP, "LEFT": plotter.LEFT, "DOWN": plotter.DOWN, "RIGHT": plotter.RIGHT,
+    "STOP": plotter.HALT, "STATUS": plotter.ASK, "LINK": plotter.LINK, "WORDS": plotter.WORDS,
+}  # fmt: skip
 ANSWERS = {
-    0x6B: "REQUEST_OK",
-    0x6E: "NEXT",
-    0x64: "DONE",
-    0x6F: "ORIGIN_OK",
-    0x73: "SPEED_OK",
-    0x72: "RESEND",
-    0x74: "LINK_OK",
-}
+    0x6B: "REQUEST_OK", 0x6E: "NEXT", 0x64: "DONE", 0x6F: "ORIGIN_OK", 0x73: "SPEED_OK", 0x72: "RESEND", 0x74: "LINK_OK",
+}  # fmt: skip
 STATUS_LENGTH = const(12)
 WORDS_BYTES = const(3)  # of a line of text, in a packet
 
@@ -49,11 +32,4 @@ def status_from(data):
     if len(data) != STATUS_LENGTH or data[0] != COMMANDS["STATUS"] or sum(data[:-1]) & 255 != data[-1]:
         raise ValueError("not a STATUS answer")
     x, y, drawn, free = [data[index] << 8 | data[index + 1] for index in (3, 5, 7, 9)]
-    return {
-        "state": STATES[data[1]],
-        "error": data[2],
-        "x": x,
-        "y": y,
-        "drawn": drawn,
-        "free": free,
-    }
+    return {"state": STATES[data[1]], "error": data[2], "x": x, "y": y, "drawn": drawn, "free": free}

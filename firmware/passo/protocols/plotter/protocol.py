@@ -20,6 +20,7 @@ STOP, STATUS, LINK (the link of number X commands from now on; 0: this one) and 
 never speaks unasked.
 """
 
+import struct
 
 import micropython
 from micropython import const
@@ -128,12 +129,7 @@ class Plotter:
         self.words = None  # PacketWords, if the board has stored jobs or a journal
         self.gap_ms = gap_ms
         up_x, up_y = jog_up
-        self._jogs = {
-            UP: (up_x, up_y),
-            DOWN: (-up_x, -up_y),
-            RIGHT: (up_y, -up_x),
-            LEFT: (-up_y, up_x),
-        }
+        self._jogs = {UP: (up_x, up_y), DOWN: (-up_x, -up_y), RIGHT: (up_y, -up_x), LEFT: (-up_y, up_x)}
         self._bytes = b""
         self._before = -1  # the last byte of the packet before: its echo is a twin too
         self._broken = False  # bytes are being dropped until the line is quiet
@@ -221,19 +217,15 @@ class Plotter:
             return Command(JOG, target=self._jogs[code])
         if code == LINE or code == MOVE:
             return Command(POINT, target=(x, y), tool=code == LINE)
-        if code == SET_SPEED:
-            return Command(SPEED, value=x)
-        if code == LINK:
-            return Command(HAND_OVER, value=x)
+        if code == SET_SPEED or code == LINK:
+            return Command(SPEED if code == SET_SPEED else HAND_OVER, value=x)
         if code == WORDS and self.words:
             return self.words.take(data)
         self._why = errors.UNKNOWN_COMMAND
         return None
 
     def _dropped(self, error):
-        self._bytes = b""
-        self._before = -1
-        self._broken = False
+        self.drop_begun()
         self._why = errors.CHECKSUM
         return Command(BAD, error=error)
 
@@ -281,9 +273,5 @@ def status_bytes(report):
     fields = [max(0, min(65535, steps)) for steps in report["position"][:2]]
     fields += [report["drawn"], min(report["free"], 65535)]
     state = _SHOWN_AS.get(report["state"], report["state"])
-    body = bytearray((ASK, STATES.index(state), report["error"]))
-    for field in fields:
-        body.append(field >> 8 & 255)
-        body.append(field & 255)
-    body.append(sum(body) & 255)
-    return bytes(body)
+    body = struct.pack(">3B4H", ASK, STATES.index(state), report["error"], *fields)
+    return body + bytes((sum(body) & 255,))

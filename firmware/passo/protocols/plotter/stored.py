@@ -5,10 +5,6 @@ LIMITS = (1, 6)  # packets not yet answered; bytes given at once
 FRAME = (b"", b"")  # what stands before a job, and behind it
 
 
-def begin(protocol):
-    """There is nothing that one job leaves to the next."""
-
-
 def units(data):
     return 1
 

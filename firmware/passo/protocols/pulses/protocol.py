@@ -328,9 +328,7 @@ class Pulses:
 
     def _open_file(self, stream, size, found):
         if self._open:
-            self._mode = _DROP
-            self._open = False
-            found.append(Command(STEP_PROGRAM_ADD, (self._line, self._column), STEPS_ABORT, error=errors.CUT_OFF))
+            self._fail(errors.CUT_OFF, found)
         self._begin(size, True)
         self._mode = _STREAM if stream else _LOAD
         self._open = True

@@ -6,10 +6,6 @@ LIMITS = (WINDOW - CREDIT, CREDIT)  # codes not yet answered, from which on no m
 FRAME = (b"{stream}\n", b"{end}")  # what stands before a job, and behind it
 
 
-def begin(protocol):
-    """There is nothing that one job leaves to the next."""
-
-
 def units(data):
     if data == FRAME[0]:
         return 0
