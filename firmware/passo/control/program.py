@@ -10,14 +10,13 @@ from passo import commands, errors
 from passo.commands import thousandths
 from passo.config import setting_numbers as table
 from passo.control.feature import QUEUE_GONE, WORK_GONE
-from passo.control.line_batches import LineBatches
+from passo.control.line_batches import BLOCKS_A_MOTION, LineBatches
 from passo.errors import LATER
 from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
 from passo.records import DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK, DOTS_POWER, DOTS_TAIL, POWER_MOST, SEEN_FASTEST, SEEN_SHIFT
 from passo.steps.word import TICKS_PER_S
 
-_BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
 _DWELL_MS = const(3_600_000)  # of a dwell are queued at a time: the whole queue holds 7680 s
 _PROBE_AWAY = const(1)
 _PROBE_MAY_MISS = const(2)
@@ -117,7 +116,7 @@ class Program(LineBatches):
         return 0
 
     def _begin(self, command):
-        if self._queue.room() < _BLOCKS_A_MOTION:
+        if self._queue.room() < BLOCKS_A_MOTION:
             return LATER
         if command.dots and self._lacks(command.dots):
             return LATER
@@ -128,21 +127,17 @@ class Program(LineBatches):
         return self._machine.accepted(command)
 
     def _jog(self, command):
-        error = self._unready(command) or self._too_long(command)
-        if error and error != LATER:
-            return error
         machine = self._machine
-        if machine.state not in ("idle", "jog") or machine.dropping or machine.actives and machine.occupied():
-            return LATER if machine.dropping else errors.BUSY
-        if not self._reachable(command):
-            return errors.JOG_TRAVEL
-        if machine.interlock is not None and machine.interlock.denied:
-            error = self._forbidden(command)
-            if error:
-                return error
-        result = self._begin(command)
-        machine.jogging = machine.jogging or result == 0
-        return result
+        if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.occupied():
+            error = self._unready(command) or self._too_long(command)
+            return error if error and error != LATER else LATER if machine.dropping else errors.BUSY
+        if self._limits_of == machine.settings.version and self._row(command):
+            machine.jogging = True
+            return machine.accepted(command)
+        error = self._too_long(command) or (0 if self._reachable(command) else errors.JOG_TRAVEL)
+        error = error or self._forbidden(command) or self._begin(command)
+        machine.jogging = machine.jogging or error == 0
+        return error
 
     def _unready(self, command):
         """0, LATER, or the error that forbids motion now."""
@@ -217,6 +212,7 @@ class Program(LineBatches):
         if not self._queue.still():
             return
         self._limits_of = settings.version
+        self._take_over(self.reach())
         jerk = settings.value(table.JERK)
         axes = range(len(self._axes))
         limits = Limits(
