@@ -387,16 +387,18 @@ class GCode(Motions):
         self._settle()
         self.commands = []
         self._prepare(0, feed, 0, self.number, self.spindle, self.rpm)
-        target = self.position[:]
+        position, steps = self.position[:], self._steps[:]
         for axis in lengths:
-            before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
-            target[axis] = before + lengths[axis]
-        try:
-            self._move(commands.JOG_TO, target, feed)
-        except Refused as refusal:
-            return refusal.args[0]
-        self.position = target
-        self._steps = self.commands[-1].target
+            before = position[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
+            position[axis] = before + lengths[axis]
+            steps[axis] = rounded(position[axis] * self.machine.steps_per_m[axis], NM_PER_M)
+            if not -MAX_STEPS <= steps[axis] <= MAX_STEPS:
+                return errors.TARGET
+        command = self._moves[0]
+        command.kind, command.target, command.feed, command.per_min, command.number = commands.JOG_TO, steps, feed, 0, self.number
+        command.tool, command.power, command.dynamic = self._lit, self._power, self._dynamic
+        self.commands = [command]
+        self.position, self._steps = position, steps
         return 0
 
     # --- the rest of a line
