@@ -4,7 +4,6 @@
 from array import array
 
 import micropython
-from micropython import const
 
 from passo import commands, errors
 from passo.batch import LINES
@@ -14,8 +13,6 @@ from passo.control.feature import Feature
 from passo.motion.look_ahead_viper import plan_lines
 from passo.motion.row_viper import room
 from passo.records import *
-
-BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
 
 
 @micropython.viper
@@ -124,38 +121,6 @@ class LineBatches(Feature):
 
     def slow_tool(self):
         return self._queue.slow_tool()
-
-    def _row(self, command):
-        """Queue the line of `command` as a batch's row, by one kernel; travel and limits are those of the settings. False: it has to go
-        by Planner.line(), or is to be refused."""
-        machine = self._machine
-        queue = self._queue
-        planner = self._planner
-        dynamic = command.dynamic
-        if (
-            not planner.ready or queue.chords or machine.weave is not None or command.per_min or not 0 < command.feed <= FASTEST_NM_S
-            or command.tool != queue.tool or dynamic != planner.dynamic or command.power != 1000 * planner.power
-            or machine.interlock is not None and machine.interlock.denied or room(planner.indices) < BLOCKS_A_MOTION
-        ):  # fmt: skip
-            return False
-        reach = self._travel if machine.homed else None
-        if self._reached is not reach:
-            self._take_over(reach)
-        row = planner.batch
-        row[BATCH_FLAGS] = (1 if command.tool else 0) | (4 if dynamic else 0)
-        row[BATCH_FEED] = command.feed
-        row[BATCH_POWER] = planner.power
-        row[BATCH_TAG] = command.number
-        target = queue.target
-        for axis in range(len(target)):
-            row[BATCH_STEPS + axis] = command.target[axis] - target[axis]
-        trace = self._trace
-        queue_lines(row, 1, target, trace, *planner.arrays)
-        trace[TRACE_MOVED] = 0  # tool and power are as they were
-        if not trace[TRACE_TAKEN]:
-            return False
-        queue.waiting = machine.active = machine.fresh = machine.awake = True
-        return True
 
     @micropython.native
     def open(self, batch):
