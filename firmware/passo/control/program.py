@@ -10,11 +10,12 @@ from passo import commands, errors
 from passo.commands import thousandths
 from passo.config import setting_numbers as table
 from passo.control.feature import QUEUE_GONE, WORK_GONE
-from passo.control.line_batches import LineBatches
+from passo.control.line_batches import LineBatches, queue_lines
 from passo.errors import LATER
 from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
-from passo.records import DOTS_AT, DOTS_COUNT, DOTS_FIRST, DOTS_HEAD, DOTS_MASK, DOTS_POWER, DOTS_TAIL, POWER_MOST, SEEN_FASTEST, SEEN_SHIFT
+from passo.motion.row_viper import room
+from passo.records import *
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
@@ -61,6 +62,8 @@ class Program(LineBatches):
         if error:
             return error
         machine = self._machine
+        if command.kind == commands.LINE and not machine.checking and self._row(command):
+            return machine.accepted(command)
         if command.kind != commands.LINE or machine.checking:  # of a line the planner finds out
             error = self._too_long(command)
             if error:
@@ -128,21 +131,45 @@ class Program(LineBatches):
         return self._machine.accepted(command)
 
     def _jog(self, command):
-        error = self._unready(command) or self._too_long(command)
-        if error and error != LATER:
-            return error
         machine = self._machine
-        if machine.state not in ("idle", "jog") or machine.dropping or machine.actives and machine.occupied():
-            return LATER if machine.dropping else errors.BUSY
-        if not self._reachable(command):
-            return errors.JOG_TRAVEL
-        if machine.interlock is not None and machine.interlock.denied:
-            error = self._forbidden(command)
-            if error:
-                return error
-        result = self._begin(command)
-        machine.jogging = machine.jogging or result == 0
-        return result
+        if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.occupied():
+            error = self._unready(command) or self._too_long(command)
+            return error if error and error != LATER else LATER if machine.dropping else errors.BUSY
+        if self._row(command):
+            machine.jogging = True
+            return machine.accepted(command)
+        error = self._too_long(command) or (0 if self._reachable(command) else errors.JOG_TRAVEL)
+        error = error or self._forbidden(command) or self._begin(command)
+        machine.jogging = machine.jogging or error == 0
+        return error
+
+    def _row(self, command):
+        """Queue a line or jog as a batch's row: its travel, block and look-ahead by one kernel. False: it has to go by Planner.line(), or
+        is to be refused."""
+        machine, queue, planner = self._machine, self._queue, self._planner
+        if (
+            not planner.ready or self._limits_of != machine.settings.version or queue.chords or machine.weave is not None
+            or command.per_min or command.also or command.dots or command.feed > FASTEST_NM_S or command.tool != queue.tool
+            or command.dynamic != planner.dynamic or command.power != 1000 * planner.power
+            or machine.interlock is not None and machine.interlock.denied or room(planner.indices) < _BLOCKS_A_MOTION
+        ):  # fmt: skip
+            return False
+        reach = self._travel if machine.homed else None
+        if self._reached is not reach:
+            self._take_over(reach)
+        row, target, trace = planner.batch, queue.target, self._trace
+        row[BATCH_FLAGS] = (1 if command.tool else 0) | (0 if command.feed else 2) | (4 if command.dynamic else 0)
+        row[BATCH_FEED] = command.feed
+        row[BATCH_POWER] = planner.power
+        row[BATCH_TAG] = command.number
+        for axis in range(len(target)):
+            row[BATCH_STEPS + axis] = command.target[axis] - target[axis]
+        queue_lines(row, 1, target, trace, *planner.arrays)
+        trace[TRACE_MOVED] = 0  # tool and power stay as they are
+        if not trace[TRACE_TAKEN]:
+            return False
+        queue.waiting = machine.active = machine.fresh = machine.awake = True
+        return True
 
     def _unready(self, command):
         """0, LATER, or the error that forbids motion now."""
@@ -217,6 +244,7 @@ class Program(LineBatches):
         if not self._queue.still():
             return
         self._limits_of = settings.version
+        self._take_over(self.reach())
         jerk = settings.value(table.JERK)
         axes = range(len(self._axes))
         limits = Limits(

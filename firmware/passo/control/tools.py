@@ -50,7 +50,8 @@ class Tools(Feature):
         own = machine.jogging or machine.command is not None and machine.fine()
         if own != self._own:
             self._own = own
-            self._override_motion()
+            if machine.overrides != [100, 100, 100]:
+                self._override_motion()
         if self._settings_of != machine.settings.version:
             self._settings_of = machine.settings.version
             self._lasing = self.laser()

@@ -74,15 +74,18 @@ class Connection:
     # --- the request
 
     def receive(self):
-        """Take what has come. True if the request is whole, or wrong. Raises OSError if the other end has gone."""
+        """Take what has come. True if the request is whole, or wrong; of a WebSocket [(kind, bytes)], its messages. Raises OSError if the
+        other end has gone, ValueError if what a WebSocket sends is none."""
         try:
             data = self.socket.recv(READ)
         except OSError as error:
             if error.errno in AGAIN:  # nothing has come
-                return False
+                return ()
             raise
         if not data:
             raise OSError(0)
+        if self.state == SOCKET:
+            return self._frames.feed(data)
         self._count += len(data)
         if self.state == HEAD:
             data = self._read_head(data)
@@ -189,18 +192,6 @@ class Connection:
             accept_of(self.key)
         )
         self.state = SOCKET
-
-    def messages(self):
-        """[(kind, bytes)] of a WebSocket. Raises OSError if the other end has gone, ValueError if what it sends is none."""
-        try:
-            data = self.socket.recv(READ)
-        except OSError as error:
-            if error.errno in AGAIN:
-                return ()
-            raise
-        if not data:
-            raise OSError(0)
-        return self._frames.feed(data)
 
     def event(self, data):
         """Send one, if the one before has been sent. False if not."""

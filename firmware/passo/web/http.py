@@ -192,7 +192,15 @@ class Server:
                 if connection.receive():
                     self._asked(connection, now_ms)
             elif connection.state == SOCKET:
-                self._hear(connection, now_ms)
+                for kind, data in connection.receive():
+                    connection.heard_ms = now_ms
+                    connection.asked = False
+                    if kind == PING:
+                        self.send(connection, frame(PONG, data))
+                    elif kind == CLOSE or kind != PONG and not connection.owner.heard(connection, data, now_ms):
+                        raise OSError(0)
+                if connection.waits:
+                    self.send(connection)
             elif connection.state == ASKED:
                 return  # the answer is still to come; whoever has gone is noticed then
             elif connection.sending():
@@ -202,18 +210,6 @@ class Server:
                 self.drop(connection)
         except (OSError, ValueError, MemoryError):
             self.drop(connection)
-
-    def _hear(self, connection, now_ms):
-        """Messages of a WebSocket. Raises OSError or ValueError if it has ended."""
-        for kind, data in connection.messages():
-            connection.heard_ms = now_ms
-            connection.asked = False
-            if kind == PING:
-                self.send(connection, frame(PONG, data))
-            elif kind == CLOSE or kind != PONG and not connection.owner.heard(connection, data, now_ms):
-                raise OSError(0)
-        if connection.waits:
-            self.send(connection)
 
     def send(self, connection, data=b""):
         """Send `data` behind what waits, at once what the network takes, the rest as it takes it."""

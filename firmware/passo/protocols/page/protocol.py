@@ -35,8 +35,7 @@ _JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 class Page:
     def __init__(self, machine_of):
         """`machine_of(tell)`: a PageMachine."""
-        self._told = []  # messages for all pages
-        self._answers = []  # to orders, each told with the next hello
+        self._messages = []  # to pages: what all are told, and answers to orders
         self._ordered = None  # the command of an order that is being carried out
         self._refused = 0  # the error of the order's commands
         self._pages = 0
@@ -65,14 +64,14 @@ class Page:
 
     def tell(self, event):
         """Something for every page, a dict."""
-        self._told.append(json.dumps(event).encode())
+        self._messages.append(bytes((TOLD, FREE)) + json.dumps(event).encode())
 
     # --- messages to commands
 
     def feed(self, data, now_ms):
         """Commands, each to be carried out before the next is asked for."""
         machine = self._machine
-        if not data and not (machine.jog.active or self._told or machine.pending()):
+        if not data and not (machine.jog.active or self._messages or machine.pending()):
             return ()
         machine.now(now_ms)
         if not data:
@@ -117,7 +116,7 @@ class Page:
                 self._lease_of = number
             if isinstance(order.get("id"), int):
                 answer["id"] = order["id"]
-        self._answers.append(bytes((number, FREE)) + json.dumps(answer).encode())
+        self._messages.append(bytes((number, FREE)) + json.dumps(answer).encode())
         yield self._hello
 
     def _go_on(self, now_ms):
@@ -128,7 +127,7 @@ class Page:
             yield self._status
         for command in machine.commands():
             yield command
-        if self._told:
+        if self._messages:
             yield self._hello
 
     # --- events to messages
@@ -136,33 +135,31 @@ class Page:
     def reply(self, event):
         command = event.command
         if command is self._status:
-            return self._state(event.value)
-        if command is self._hello:
-            return self._with_told(self._answers.pop(0) if self._answers else b"")
-        error = self._machine.answered(event)
-        if command is self._ordered:
-            self._refused = self._refused or error
-        return b""
+            self._report(event.value)
+        elif command is not self._hello:
+            error = self._machine.answered(event)
+            if command is self._ordered:
+                self._refused = self._refused or error
+            return b""
+        messages, self._messages = self._messages, []
+        return b"\n".join(messages)
 
     def push(self, event):
+        """What pages are to know of it, the next feed() has said."""
         self._machine.pushed(event)
-        return self._with_told(b"")
+        return b""
 
     def drop(self, event):
         """What was held back is not done any more."""
         self._machine.drop(event)
         return b""
 
-    def _with_told(self, message):
-        """A message, and what all pages are told."""
-        told, self._told = self._told, []
-        return b"\n".join([bytes((TOLD, FREE)) + each for each in told] + [message] * bool(message))
-
-    def _state(self, report):
+    def _report(self, report):
+        """Show a report, and tell it if pages want it."""
         machine = self._machine
         machine.report(report)
         if not self._wanted:
-            return b""
+            return
         self._wanted = False
         self._beat = self._beat % COUNT_MASK + 1
         machine.beat(self._beat)
@@ -174,7 +171,7 @@ class Page:
         if shown != self._shown:
             self._shown = shown
             self._version = (self._version + 1) % MOST
-        return self._with_told(bytes((ALL, FIRST + self._version)) + json.dumps(state).encode())
+        self._messages.append(bytes((ALL, FIRST + self._version)) + json.dumps(state).encode())
 
 
 def at_once(state):
