@@ -30,6 +30,7 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
+_CHECKED = ("motor", "device", "shift", "network", "drivers", "spi_drivers", "backlash", "kinematics", "parking", "rotary")
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")  # fmt: skip
@@ -72,15 +73,11 @@ FEATURES = (
 
 def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
-    forget("passo.config.motor_keys")
+    for key in _CHECKED:
+        forget("passo.config.%s_keys" % key)
     if board["gantry"]:
         from passo.drives import gantry
         from passo.steps import gantry_wiring
-    forget("passo.config.device_keys")
-    if board["shift"]:
-        forget("passo.config.shift_keys")
-    if board["network"]:
-        forget("passo.config.network_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:

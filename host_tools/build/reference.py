@@ -62,7 +62,9 @@ def all_rules(boardfile):
 
     rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, blackbox_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys, spi_drivers_keys)}
     own = {key: module.RULES[key] for key, module in rare.items()} | {"short_way": rotary_keys.RULES["short_way"]}
-    return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
+    rules = {**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS}
+    shift_keys.extend(rules)
+    return rules
 
 
 def keys(rules, prefix=""):

@@ -1,6 +1,7 @@
 """The key `backlash`: the lost motion of each axis, and the settings $160 to $163. Only loaded if the board file has it."""
 
 from passo.config.board_error import BoardError
+from passo.config.boardfile import want_grbl
 
 MOST_UM = 2000
 RULES = {
@@ -20,20 +21,13 @@ def check(board):
     unfit = [other for other in ("encoders", "weaving", "step_program") if board[other]]
     if unfit:
         raise BoardError("backlash: remove %s: it reckons with motors that have none" % unfit[0])
-    spoken = [link["protocol"] for link in board["links"]]
-    for protocol in spoken:
-        if protocol not in ("grbl", "plotter"):
-            raise BoardError("backlash: the language %s moves by single steps, which take up none" % protocol)
-    if "grbl" not in spoken:
-        raise BoardError("backlash: a link that speaks grbl is wanted")
+    want_grbl(board, "backlash", "moves by single steps, which take up none")
     names = [axis["name"] for axis in board["axes"]]
-    rules = dict(board["settings"])
     for name, um in board["backlash"].items():
         if name not in names:
             raise BoardError("backlash: there is no axis %r" % name)
         if not isinstance(um, int) or isinstance(um, bool) or not 0 <= um <= MOST_UM:
             raise BoardError("backlash.%s: %r is not within 0 … %d" % (name, um, MOST_UM))
     for number in range(len(names)):
-        rules[160 + number] = names[number] + "_backlash", 3, board["backlash"].get(names[number], 0), 0, MOST_UM
+        board["settings"][160 + number] = names[number] + "_backlash", 3, board["backlash"].get(names[number], 0), 0, MOST_UM
     board["motion"], board["queue"] = "backlash", "backlash_queue"
-    board["settings"] = rules

@@ -17,7 +17,6 @@ RULES = {
 
 def check(board):
     if board["blackbox"]:
-        board["features"] = dict(board["features"])
         board["features"]["links"] = "blackbox"
         if board["chip"][:2] == "rp":
             sizes = 4 * BOX_NUMBERS, BOX_TEXT, 4 * BOX_ADDED, 4 * BOX_WRITTEN

@@ -7,6 +7,8 @@ the flash memory takes are left out.
 from passo.config.board_error import BoardError
 from passo.records import NETWORK_PORTS
 
+PIN = (int, ..., 0, 48)  # the rule of a key whose value is a pin, in the notation of boardfile.py
+
 # (first, last) of each run of pins, and the first of those at the end that can only be inputs
 _PINS = {
     "rp2040": (((0, 29),), 30),
