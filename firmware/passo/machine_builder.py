@@ -110,10 +110,7 @@ def languages(board):
         name = link["protocol"]
         if name not in PROTOCOLS:
             raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
-        try:
-            language = __import__("passo.protocols." + name, None, None, ("create",))
-        except ImportError as missing:
-            raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
+        language = _module("protocols." + name, "create", "link %s: %s is" % (link["name"], name))
         check = getattr(language, "check", None)
         why = check(board) if check else None
         if why:
@@ -122,20 +119,22 @@ def languages(board):
     return modules
 
 
+def _module(name, wanted, what):
+    """A module of passo that a board may lack. `wanted`: a name in it; `what`: the beginning of what the BoardError says."""
+    try:
+        return __import__("passo." + name, None, None, (wanted,))
+    except ImportError as missing:
+        raise BoardError("%s not on this board (%s): flash it anew" % (what, missing))
+
+
 def framed_line():
     """The class of lines that speak frames; only boards that have such a link load it. Raises BoardError."""
-    try:
-        return __import__("passo.protocols.frames", None, None, ("FramedLine",)).FramedLine
-    except ImportError as missing:
-        raise BoardError("frames are not on this board (%s): flash it anew" % missing)
+    return _module("protocols.frames", "FramedLine", "frames are").FramedLine
 
 
 def network():
     """The module of links over the network; only boards that have one load it. Raises BoardError."""
-    try:
-        return __import__("passo.network_builder", None, None, ("load",))
-    except ImportError as missing:
-        raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
+    return _module("network_builder", "load", "network: it is")
 
 
 def speaker(language, link, *more):
@@ -161,13 +160,8 @@ def wanted(board, languages):
 def load(names, board):
     """[(name, class)] of features; `board["features"]` may name other modules, as parking_keys.py says. Raises BoardError."""
     other = board.get("features") or {}
-    try:
-        return [
-            (name, getattr(__import__("passo.control." + other.get(name, name), None, None, (kind,)), kind))
-            for name, kind, _ in FEATURES if name in names
-        ]  # fmt: skip
-    except ImportError as missing:
-        raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)
+    what = "the board file asks for what is"
+    return [(name, getattr(_module("control." + other.get(name, name), kind, what), kind)) for name, kind, _ in FEATURES if name in names]
 
 
 def planner(board, axes):
@@ -198,11 +192,8 @@ def queue(board, streamed):
 def guarded(board, languages, settings):
     """Mask of the links that move nothing from the start on, before the machine is homed or unlocked: with homing those of
     a language that is GUARDED."""
-    mask = 0
-    for number in range(len(languages)):
-        if settings.value(HOMING) and hasattr(languages[number], "GUARDED"):
-            mask |= 1 << number
-    return mask
+    guards = range(len(languages)) if settings.value(HOMING) else ()
+    return sum([1 << number for number in guards if hasattr(languages[number], "GUARDED")])
 
 
 def make_drive(board):
@@ -227,15 +218,13 @@ def make_drive(board):
     else:
         from passo.drives import pbl3770a as motors
     mode = board["drive"]["mode"]
-    backwards = 0
+    backwards = off = 0
     for axis in range(count):
         backwards |= board["axes"][axis]["reversed"] << axis
+        off |= motors.OFF << axis * motors.WIDTH
     hold = motors.HOLD[mode] if kind == "pbl3770a" else None
     drive = CoilDrive(count, motors.MODES[mode], motors.WIDTH, hold, backwards, motors.OFF)
     pins = [name + "_" + pin for name in names for pin in motors.PINS]
-    off = 0
-    for axis in range(count):
-        off |= motors.OFF << axis * motors.WIDTH
     return Layout("coils", count, count * motors.WIDTH, pins, 0), drive, off
 
 
