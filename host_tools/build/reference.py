@@ -234,14 +234,14 @@ def _active(item):
 
 def settings():
     """A row a setting, with its value on the example board; it has not those of rare keys."""
-    from passo.config import backlash_keys, boardfile, setting_table
+    from passo.config import backlash_keys, boardfile, setting_numbers
 
     from host_tools import boards
     from host_tools.clients.setting_names import rule
 
     board = boardfile.check(boards.load(EXAMPLE))
     rows = [f"| setting | meaning | unit | bounds | `{EXAMPLE}` |", "| --- | --- | --- | --- | ---: |"]
-    for number, (_, places, default, _, _) in sorted(setting_table.make(board).items()):
+    for number, (_, places, default, _, _) in sorted(setting_numbers.make(board).items()):
         name, unit, least, most = rule(number, len(board["axes"]))
         value = default / 10**places
         rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")

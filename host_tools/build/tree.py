@@ -132,7 +132,7 @@ STALLS = {None: (), "drivers": _STALLS, "spi_drivers": (*_STALLS, Path("passo", 
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
 BLACKBOX = (
     Path("passo", "config", "blackbox_keys.py"), Path("passo", "control", "blackbox.py"), Path("passo", "protocols", "grbl", "log.py"),
-    Path("passo", "ports", "rp2", "remains.py"), Path("passo", "config", "box_records.py"),
+    Path("passo", "ports", "rp2", "remains.py"),
 )  # fmt: skip
 PARKING = (
     Path("passo", "config", "parking_keys.py"), Path("passo", "control", "parking.py"), Path("passo", "steps", "detour.py"),

@@ -44,9 +44,9 @@ class Settings:
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
         self._most_steps_s = steps_s
-        from passo.config import setting_table  # the app forgets it again
+        from passo.config.setting_numbers import make  # the app forgets it again
 
-        self._table = setting_table.make(board)
+        self._table = make(board)
         more = board.get("settings")  # of a key that few boards have
         if more:
             for number in more:
