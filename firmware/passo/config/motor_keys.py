@@ -31,14 +31,12 @@ RULES = {"encoders": [ENCODER, 0, 4], "gantry": GANTRY}
 
 
 def check(board):
-    _check_gantry(board)
+    if board["gantry"]:
+        _check_gantry(board, board["gantry"])
     _check_encoders(board)
 
 
-def _check_gantry(board):
-    gantry = board["gantry"]
-    if gantry is None:
-        return
+def _check_gantry(board, gantry):
     axis = gantry["axis"]
     if axis not in [item["name"] for item in board["axes"]]:
         raise BoardError("gantry.axis: there is no axis %r" % axis)

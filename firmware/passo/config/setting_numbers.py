@@ -44,50 +44,43 @@ def _active(items, names):
     return 0
 
 
-def _masks(board):
-    """What the board file says, as grbl has it, in the order of MASKS: steps whose pulse is low, directions where high is
-    positive, drivers enabled by high, limits and a probe that are active when high, axes that home at their low end."""
-    axes = board["axes"]
-    homing = board["homing"]
-    steps = directions = ends = 0
-    limits = []
-    for number in range(len(axes)):
-        axis = axes[number]
-        name = axis["name"]
-        sensor = homing["sensors"].get(name) if homing else None
-        limits.append(sensor or "limit_" + name)
-        if not board["drive"]["step_active"]:
-            steps |= 1 << number
-        if not axis["reversed"]:
-            directions |= 1 << number
-        if sensor and name not in homing["high_end"]:
-            ends |= 1 << number
-    inputs = board["inputs"]
-    return steps, directions, _active(board["outputs"], ("enable",)), _active(inputs, limits), _active(inputs, ("probe",)), ends
-
-
 def make(board):
-    """{number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min, jerk in mm/s³."""
+    """{number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min, jerk in mm/s³. Masks as grbl has them: steps whose
+    pulse is low, directions where high is positive, drivers enabled by high, limits and a probe active when high, axes that home at their
+    low end."""
     axes = board["axes"]
     mask = (1 << len(axes)) - 1
     homing = board["homing"]
     spindle = board["spindle"]
     steps_per_m = axes[0]["steps_per_m"]
-    masks = _masks(board)
     release_ms = board["idle_release_ms"]
     seek, locate, pull_off = 500_000, 25_000, 1_000
     if homing:
         seek = homing["seek_steps_s"] * 60_000_000 // steps_per_m
         locate = homing["locate_steps_s"] * 60_000_000 // steps_per_m
         pull_off = homing["pull_off_steps"] * 1_000_000 // steps_per_m
-    table = {
+    directions = ends = 0
+    limits = []  # names of the inputs
+    table = {}
+    for number, axis in enumerate(axes):
+        name = axis["name"]
+        sensor = homing["sensors"].get(name) if homing else None
+        limits.append(sensor or "limit_" + name)
+        directions |= (not axis["reversed"]) << number
+        ends |= bool(sensor and name not in homing["high_end"]) << number
+        travel_um = -(-axis["travel_steps"] * 1_000_000 // axis["steps_per_m"])
+        table[STEPS + number] = (name + "_steps_mm", 3, axis["steps_per_m"], 1, 100_000_000)
+        table[SPEED + number] = (name + "_max", 3, axis["max_mm_min"] * 1000, 1, 999_999_999)
+        table[ACCELERATION + number] = (name + "_acceleration", 3, axis["accel_mm_s2"] * 1000, 1, 999_999_999)
+        table[TRAVEL + number] = (name + "_travel", 3, travel_um, 1, 999_999_999)
+    table.update({
         PULSE_US: ("step_pulse_us", 0, board["drive"]["pulse_us"], 3, 100),
         IDLE_DELAY: ("idle_delay_ms", 0, min(release_ms, 254) if release_ms else 255, 0, 255),
-        STEP_INVERT: ("step_invert", 0, masks[0], 0, mask),
-        DIRECTION_INVERT: ("direction_invert", 0, masks[1], 0, mask),
-        ENABLE_INVERT: ("enable_invert", 0, masks[2], 0, 1),
-        LIMIT_INVERT: ("limit_invert", 0, masks[3], 0, 1),
-        PROBE_INVERT: ("probe_invert", 0, masks[4], 0, 1),
+        STEP_INVERT: ("step_invert", 0, 0 if board["drive"]["step_active"] else mask, 0, mask),
+        DIRECTION_INVERT: ("direction_invert", 0, directions, 0, mask),
+        ENABLE_INVERT: ("enable_invert", 0, _active(board["outputs"], ("enable",)), 0, 1),
+        LIMIT_INVERT: ("limit_invert", 0, _active(board["inputs"], limits), 0, 1),
+        PROBE_INVERT: ("probe_invert", 0, _active(board["inputs"], ("probe",)), 0, 1),
         REPORT: ("report_mask", 0, 3, 0, 255),
         JUNCTION: ("junction_deviation", 3, board["planning"]["junction_um"], 0, 10_000),
         ARC: ("arc_tolerance", 3, board["planning"]["arc_um"], 0, 10_000),
@@ -95,7 +88,7 @@ def make(board):
         SOFT_LIMITS: ("soft_limits", 0, 1 if homing else 0, 0, 1),
         HARD_LIMITS: ("hard_limits", 0, 0, 0, 1),
         HOMING: ("homing", 0, 1 if homing else 0, 0, 1 if homing else 0),
-        HOMING_DIRECTION: ("homing_direction", 0, masks[5], 0, mask),
+        HOMING_DIRECTION: ("homing_direction", 0, ends, 0, mask),
         HOMING_LOCATE: ("homing_locate", 3, locate, 1, 999_999_999),
         HOMING_SEEK: ("homing_seek", 3, seek, 1, 999_999_999),
         HOMING_DEBOUNCE: ("homing_debounce_ms", 0, homing["debounce_ms"] if homing else 5, 0, 1000),
@@ -105,13 +98,5 @@ def make(board):
         LASER: ("laser", 0, 1 if spindle["laser"] else 0, 0, 1),
         START: ("start_speed", 3, 0, 0, 999_999_999),
         JERK: ("jerk", 3, 0, 0, 999_999_999),
-    }
-    for number in range(len(axes)):
-        axis = axes[number]
-        name = axis["name"]
-        travel_um = -(-axis["travel_steps"] * 1_000_000 // axis["steps_per_m"])
-        table[STEPS + number] = (name + "_steps_mm", 3, axis["steps_per_m"], 1, 100_000_000)
-        table[SPEED + number] = (name + "_max", 3, axis["max_mm_min"] * 1000, 1, 999_999_999)
-        table[ACCELERATION + number] = (name + "_acceleration", 3, axis["accel_mm_s2"] * 1000, 1, 999_999_999)
-        table[TRAVEL + number] = (name + "_travel", 3, travel_um, 1, 999_999_999)
+    })  # fmt: skip
     return table
