@@ -110,7 +110,10 @@ def languages(board):
         name = link["protocol"]
         if name not in PROTOCOLS:
             raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
-        language = _module("protocols." + name, "create", "link %s: %s is" % (link["name"], name))
+        try:
+            language = __import__("passo.protocols." + name, None, None, ("create",))
+        except ImportError as missing:
+            raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
         check = getattr(language, "check", None)
         why = check(board) if check else None
         if why:
@@ -119,22 +122,20 @@ def languages(board):
     return modules
 
 
-def _module(name, wanted, what):
-    """A module of passo that a board may lack. `wanted`: a name in it; `what`: the beginning of what the BoardError says."""
-    try:
-        return __import__("passo." + name, None, None, (wanted,))
-    except ImportError as missing:
-        raise BoardError("%s not on this board (%s): flash it anew" % (what, missing))
-
-
 def framed_line():
     """The class of lines that speak frames; only boards that have such a link load it. Raises BoardError."""
-    return _module("protocols.frames", "FramedLine", "frames are").FramedLine
+    try:
+        return __import__("passo.protocols.frames", None, None, ("FramedLine",)).FramedLine
+    except ImportError as missing:
+        raise BoardError("frames are not on this board (%s): flash it anew" % missing)
 
 
 def network():
     """The module of links over the network; only boards that have one load it. Raises BoardError."""
-    return _module("network_builder", "load", "network: it is")
+    try:
+        return __import__("passo.network_builder", None, None, ("load",))
+    except ImportError as missing:
+        raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
 
 
 def speaker(language, link, *more):
@@ -160,8 +161,13 @@ def wanted(board, languages):
 def load(names, board):
     """[(name, class)] of features; `board["features"]` may name other modules, as parking_keys.py says. Raises BoardError."""
     other = board.get("features") or {}
-    what = "the board file asks for what is"
-    return [(name, getattr(_module("control." + other.get(name, name), kind, what), kind)) for name, kind, _ in FEATURES if name in names]
+    try:
+        return [
+            (name, getattr(__import__("passo.control." + other.get(name, name), None, None, (kind,)), kind))
+            for name, kind, _ in FEATURES if name in names
+        ]  # fmt: skip
+    except ImportError as missing:
+        raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)
 
 
 def planner(board, axes):

@@ -265,7 +265,7 @@ def errors():
     from host_tools.programs import program_errors
     from passo import error_texts as table
 
-    texts = [(number, table.text(number)) for number in table.numbers()] + sorted(program_errors.TEXTS.items())
+    texts = [(number, table.text(number)) for number in sorted(table.TEXTS)] + sorted(program_errors.TEXTS.items())
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {text} |" for number, text in texts]]
 
 

@@ -1,7 +1,6 @@
 """The key `backlash`: the lost motion of each axis, and the settings $160 to $163. Only loaded if the board file has it."""
 
 from passo.config.board_error import BoardError
-from passo.config.boardfile import want_grbl
 
 MOST_UM = 2000
 RULES = {
@@ -21,7 +20,12 @@ def check(board):
     unfit = [other for other in ("encoders", "weaving", "step_program") if board[other]]
     if unfit:
         raise BoardError("backlash: remove %s: it reckons with motors that have none" % unfit[0])
-    want_grbl(board, "backlash", "moves by single steps, which take up none")
+    spoken = [link["protocol"] for link in board["links"]]
+    for protocol in spoken:
+        if protocol not in ("grbl", "plotter"):
+            raise BoardError("backlash: the language %s moves by single steps, which take up none" % protocol)
+    if "grbl" not in spoken:
+        raise BoardError("backlash: a link that speaks grbl is wanted")
     names = [axis["name"] for axis in board["axes"]]
     for name, um in board["backlash"].items():
         if name not in names:

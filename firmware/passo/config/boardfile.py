@@ -267,16 +267,6 @@ def _list(where, data, key, rule):
     return [_section("%s[%d]" % (where, i), items[i], section) for i in range(len(items))]
 
 
-def want_grbl(board, key, moves):
-    """Raise BoardError if no link speaks grbl, or one of another language but the plotter's. `moves`: why that is wanted."""
-    spoken = [link["protocol"] for link in board["links"]]
-    for protocol in spoken:
-        if moves and protocol not in ("grbl", "plotter"):
-            raise BoardError("%s: the language %s %s" % (key, protocol, moves))
-    if "grbl" not in spoken:
-        raise BoardError("%s: a link that speaks grbl is wanted" % key)
-
-
 def _check_clock(board):
     chip = board["chip"]
     clocks = CLOCKS_MHZ.get(chip, (0,))

@@ -1,9 +1,5 @@
 """The keys `card`, `inverter`, `network`, `registers`, `servo`, `tachometer`, `tool_change` and `weaving` of a board file: only
-boards that have one of them load this.
-
-    RULES                           # in the notation of boardfile.py
-    check(board)                    # raises BoardError
-"""
+boards that have one of them load this. RULES are in the notation of boardfile.py."""
 
 from passo.commands import INPUTS
 from passo.config.board_error import BoardError, want_input

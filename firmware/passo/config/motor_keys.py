@@ -1,8 +1,5 @@
-"""The keys `encoders` and `gantry` of a board file: only boards that have one of them load this.
-
-    RULES                           # in the notation of boardfile.py
-    check(board)                    # raises BoardError
-"""
+"""The keys `encoders` and `gantry` of a board file: only boards that have one of them load this. RULES are in the notation of
+boardfile.py."""
 
 from passo.config.board_error import BoardError, want_input
 

@@ -1,7 +1,6 @@
 """The key `rotary`: the axis that turns. Only loaded if the board file has it."""
 
 from passo.config.board_error import BoardError
-from passo.config.boardfile import want_grbl
 
 RULES = {
     "rotary": ("a",),  # the axis; its millimetres are degrees, and a metre is a thousand of them
@@ -14,4 +13,5 @@ def check(board):
     board["turns"] = "passo.control.rotary_queue"
     if "".join([axis["name"] for axis in board["axes"]]) != "xyza":
         raise BoardError("rotary: axes x, y, z, a are wanted")
-    want_grbl(board, "rotary", "")
+    if "grbl" not in [link["protocol"] for link in board["links"]]:
+        raise BoardError("rotary: a link that speaks grbl is wanted")
