@@ -96,11 +96,8 @@ def main():
     try:
         board = checked(BOARD)
         BOARD = None
-        forget("board")
-        forget("passo.config.boardfile")
-        forget("passo.config.chip_pins")
-        if board["interlock"]:
-            forget("passo.config.interlock_table")
+        for name in ("board", "passo.config.boardfile", "passo.config.chip_pins", "passo.config.interlock_table"):
+            forget(name)
         start.keep(board)
         from passo.app import App
         from passo.config.journal import FileSlots
@@ -112,8 +109,7 @@ def main():
         port = start.port(board)
         app = App(board, port, None, FileSlots("settings"), start.rooms)
         forget("passo.machine_builder")
-        if board["network"]:
-            forget("passo.network_builder")
+        forget("passo.network_builder")
         said = ", ".join([part for part in (said, STAMP and "build " + STAMP) if part])
         if said:
             print(said)

@@ -89,7 +89,7 @@ class App:
         if "program" in names:
             self.planner.load()
         settings = Settings(board, Journal(slots or MemorySlots()), writing=getattr(port, "writing", None))
-        forget("passo.config.setting_table")
+        forget("passo.config.setting_numbers")
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
         inverted = bool(settings.turned(ENABLE_INVERT)) and not board["interlock"]  # which knows the board file's only

@@ -134,8 +134,3 @@ TEXTS = {
 def text(number):
     """What error or alarm `number` means, in one line."""
     return TEXTS.get(number) or "error %d" % number
-
-
-def numbers():
-    """All numbers of the table, in order."""
-    return sorted(TEXTS)

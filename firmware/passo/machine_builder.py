@@ -30,6 +30,7 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
+_CHECKED = ("motor", "device", "shift", "network", "drivers", "spi_drivers", "backlash", "kinematics", "parking", "rotary")
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")  # fmt: skip
@@ -72,14 +73,10 @@ FEATURES = (
 
 def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
-    forget("passo.config.motor_keys")
+    for key in _CHECKED:
+        forget("passo.config.%s_keys" % key)
     if board["gantry"]:
         from passo.drives import gantry
-    forget("passo.config.device_keys")
-    if board["shift"]:
-        forget("passo.config.shift_keys")
-    if board["network"]:
-        forget("passo.config.network_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:
@@ -200,11 +197,8 @@ def queue(board, streamed):
 def guarded(board, languages, settings):
     """Mask of the links that move nothing from the start on, before the machine is homed or unlocked: with homing those of
     a language that is GUARDED."""
-    mask = 0
-    for number in range(len(languages)):
-        if settings.value(HOMING) and hasattr(languages[number], "GUARDED"):
-            mask |= 1 << number
-    return mask
+    guards = range(len(languages)) if settings.value(HOMING) else ()
+    return sum([1 << number for number in guards if hasattr(languages[number], "GUARDED")])
 
 
 def make_drive(board):
@@ -229,15 +223,13 @@ def make_drive(board):
     else:
         from passo.drives import pbl3770a as motors
     mode = board["drive"]["mode"]
-    backwards = 0
+    backwards = off = 0
     for axis in range(count):
         backwards |= board["axes"][axis]["reversed"] << axis
+        off |= motors.OFF << axis * motors.WIDTH
     hold = motors.HOLD[mode] if kind == "pbl3770a" else None
     drive = CoilDrive(count, motors.MODES[mode], motors.WIDTH, hold, backwards, motors.OFF)
     pins = [name + "_" + pin for name in names for pin in motors.PINS]
-    off = 0
-    for axis in range(count):
-        off |= motors.OFF << axis * motors.WIDTH
     return Layout("coils", count, count * motors.WIDTH, pins, 0), drive, off
 
 

@@ -31,23 +31,29 @@ def keep(kept):
 
 def zeros(count):
     """An array('i') of `count` zeros."""
-    return _make("i", _zeros, count)
+    made = _kept_piece("i", count)
+    if not made:
+        made = array("i", range(count))  # in one piece of memory, as below: from a list or bytes an array would take two
+        part = array("i", bytearray(4 * _PART))
+        for at in range(0, count, _PART):
+            made[at : at + _PART] = part[: min(_PART, count - at)]
+    return made
 
 
 def numbers(count):
     """An array('I') of `count` numbers."""
-    return _make("I", _counted, count)
+    return _kept_piece("I", count) or array("I", range(count))
 
 
 def buffer(count):
     """A bytearray."""
-    return _make("b", bytearray, count)
+    return _kept_piece("b", count) or bytearray(count)
 
 
 def stream():
     """A DeflateIO that has been read to its end: it keeps the two pieces that another one will take. None: there are none."""
     try:
-        return _make("d", spent, 0)
+        return _kept_piece("d", 0) or spent(0)
     except MemoryError:
         return None
 
@@ -98,29 +104,15 @@ class FileRoom:
             pass  # the next file may find some
 
 
-def _make(kind, how, count):
+def _kept_piece(kind, count):
+    """A piece of keep(), which is taken; `count` 0: of any length. None: there is none."""
     kept = _kept[0] if _kept else ()
     for index in range(len(kept)):
         piece = kept[index]
         if piece and piece[0] == kind and (not count or len(piece[1]) == count):
             kept[index] = ()
             return piece[1]
-    return how(count)
-
-
-# In one piece of memory: from a list or bytes an array would take two.
-
-
-def _counted(count):
-    return array("I", range(count))
-
-
-def _zeros(count):
-    made = array("i", range(count))
-    part = array("i", bytearray(4 * _PART))
-    for at in range(0, count, _PART):
-        made[at : at + _PART] = part[: min(_PART, count - at)]
-    return made
+    return None
 
 
 def spent(_):

@@ -40,7 +40,7 @@ def names_of(board):
 
 def error_list():
     """{number: text} of all errors and alarms."""
-    return {str(number): error_texts.text(number) for number in error_texts.numbers()}
+    return {str(number): error_texts.text(number) for number in sorted(error_texts.TEXTS)}
 
 
 def bare(name, text):

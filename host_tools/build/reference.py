@@ -62,7 +62,9 @@ def all_rules(boardfile):
 
     rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, blackbox_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys, spi_drivers_keys)}
     own = {key: module.RULES[key] for key, module in rare.items()} | {"short_way": rotary_keys.RULES["short_way"]}
-    return shift_keys.extended({**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS})
+    rules = {**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS}
+    shift_keys.extend(rules)
+    return rules
 
 
 def keys(rules, prefix=""):
@@ -232,14 +234,14 @@ def _active(item):
 
 def settings():
     """A row a setting, with its value on the example board; it has not those of rare keys."""
-    from passo.config import backlash_keys, boardfile, setting_table
+    from passo.config import backlash_keys, boardfile, setting_numbers
 
     from host_tools import boards
     from host_tools.clients.setting_names import rule
 
     board = boardfile.check(boards.load(EXAMPLE))
     rows = [f"| setting | meaning | unit | bounds | `{EXAMPLE}` |", "| --- | --- | --- | --- | ---: |"]
-    for number, (_, places, default, _, _) in sorted(setting_table.make(board).items()):
+    for number, (_, places, default, _, _) in sorted(setting_numbers.make(board).items()):
         name, unit, least, most = rule(number, len(board["axes"]))
         value = default / 10**places
         rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")
@@ -263,7 +265,7 @@ def errors():
     from host_tools.programs import program_errors
     from passo import error_texts as table
 
-    texts = [(number, table.text(number)) for number in table.numbers()] + sorted(program_errors.TEXTS.items())
+    texts = [(number, table.text(number)) for number in sorted(table.TEXTS)] + sorted(program_errors.TEXTS.items())
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {text} |" for number, text in texts]]
 
 

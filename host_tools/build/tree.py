@@ -123,12 +123,12 @@ OF_SPI = (
     Path("passo", "ports", "spi_line.py"),
 )  # fmt: skip
 _STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")  # and feel where their axes end
-STALLS = {None: (), "drivers": _STALLS, "spi_drivers": (*_STALLS, Path("passo", "control", "stall_spi_drives.py"), Path("passo", "config", "drivers_keys.py"))}
+STALLS = {None: (), "drivers": _STALLS, "spi_drivers": (*_STALLS, Path("passo", "control", "stall_spi_drives.py"))}
 # Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
 ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
 BLACKBOX = (
     Path("passo", "config", "blackbox_keys.py"), Path("passo", "control", "blackbox.py"), Path("passo", "protocols", "grbl", "log.py"),
-    Path("passo", "ports", "rp2", "remains.py"), Path("passo", "config", "box_records.py"),
+    Path("passo", "ports", "rp2", "remains.py"),
 )  # fmt: skip
 PARKING = (
     Path("passo", "config", "parking_keys.py"), Path("passo", "control", "parking.py"), Path("passo", "steps", "detour.py"),
@@ -233,7 +233,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
     absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") or board.get("spi_drivers") else OF_DRIVERS)
     absent += () if board.get("spi_drivers") else OF_SPI
-    absent += tuple({*STALLS["spi_drivers"][:-1]} - {*STALLS[boards.stalling(board)]})
+    absent += tuple({*STALLS["spi_drivers"]} - {*STALLS[boards.stalling(board)]})
     absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING) + (() if board.get("blackbox") else BLACKBOX)
     switching = DIGITAL if digital(board) else ()
     absent += tuple(set(DIGITAL) - set(switching))

@@ -3,7 +3,7 @@
     describe("$110=5000.000", axes=3)       # ("x: highest speed", "mm/min", "0.001 … 999999.999")
     describe("$N0=G54", axes=3)             # ("sent when the board starts", "", "")
 
-The bounds are those of the firmware (config/setting_table.py; a test compares them). Speed times steps/mm is bounded too, by the
+The bounds are those of the firmware (config/setting_numbers.py; a test compares them). Speed times steps/mm is bounded too, by the
 step rate of the board's player.
 """
 

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from host_tools.failure import Failure
-from passo.config.boardfile import BoardError, check
-from passo.config.box_records import (
+from passo.config.blackbox_keys import (
     BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD,
     BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW, BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT,
+    NAME, OLD, head,
 )  # fmt: skip
+from passo.config.boardfile import BoardError, check
 from passo.control.blackbox import ALARM, DROPPED, HALTED, HOMED, INPUTS, LOGGED, ORDER, SAMPLE, STATES, STOOD, WAITS
-from passo.config.blackbox_keys import NAME, OLD, head
 
 PLACES = (HALTED, DROPPED, STOOD, SAMPLE)  # rows with a position
 STOPS = (HALTED, DROPPED, STOOD)

@@ -202,7 +202,7 @@ def check_status(state, error, x, y, drawn, free):
 
 
 def check_error_table():
-    for number in error_texts.numbers():
+    for number in sorted(error_texts.TEXTS):
         assert 0 <= number <= 255 and len(error_texts.text(number)) > 5
     assert error_texts.text(999) == "error 999"
 

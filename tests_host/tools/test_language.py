@@ -287,7 +287,7 @@ def test_what_the_environment_asks_for():
 def test_errors_and_settings_in_portuguese(portuguese):
     from passo import error_texts, errors
 
-    for number in error_texts.numbers():
+    for number in sorted(error_texts.TEXTS):
         assert language.error_text(number) == language.catalogue("pt").words.get(error_texts.text(number), error_texts.text(number))
     assert language.error_text(errors.BUSY) != error_texts.text(errors.BUSY)
     assert setting_names.describe("$110=500", 3)[0].startswith("x: ") and "highest" not in setting_names.describe("$110=500", 3)[0]

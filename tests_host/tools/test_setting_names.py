@@ -5,7 +5,7 @@ import pytest
 from host_tools import boards
 from host_tools.clients import setting_names
 from passo.config.boardfile import check
-from passo.config.setting_table import make
+from passo.config.setting_numbers import make
 
 pytestmark = pytest.mark.quick
 BOARDS = [name for name in boards.names() if any(link["protocol"] == "grbl" for link in boards.load(name)["links"])]

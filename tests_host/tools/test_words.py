@@ -65,7 +65,7 @@ def script_texts():
 
 
 def wanted():
-    errors = {error_texts.text(number) for number in error_texts.numbers()}
+    errors = {error_texts.text(number) for number in sorted(error_texts.TEXTS)}
     settings = {name[0] for names in (setting_names.NAMES, setting_names.AXIS_NAMES) for name in names.values()}
     return page_texts() | script_texts() | errors | settings
 

@@ -27,13 +27,11 @@ def check(board):
     if "grbl" not in spoken:
         raise BoardError("backlash: a link that speaks grbl is wanted")
     names = [axis["name"] for axis in board["axes"]]
-    rules = dict(board["settings"])
     for name, um in board["backlash"].items():
         if name not in names:
             raise BoardError("backlash: there is no axis %r" % name)
         if not isinstance(um, int) or isinstance(um, bool) or not 0 <= um <= MOST_UM:
             raise BoardError("backlash.%s: %r is not within 0 … %d" % (name, um, MOST_UM))
     for number in range(len(names)):
-        rules[160 + number] = names[number] + "_backlash", 3, board["backlash"].get(names[number], 0), 0, MOST_UM
+        board["settings"][160 + number] = names[number] + "_backlash", 3, board["backlash"].get(names[number], 0), 0, MOST_UM
     board["motion"], board["queue"] = "backlash", "backlash_queue"
-    board["settings"] = rules

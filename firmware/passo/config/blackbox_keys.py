@@ -3,7 +3,28 @@
 import os
 import sys
 
-from passo.config.box_records import BOX_ADDED, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_TEXT, BOX_WRITTEN
+from micropython import const
+
+# The numbers of a box, see control/blackbox.py: fields, and sizes.
+BOX_MAGIC_0 = const(0x0B0A3C91)
+BOX_MAGIC_1 = const(0x1C5E77D2)
+BOX_SIZE = const(2)
+BOX_BASE = const(3)
+BOX_ADDED = const(4)
+BOX_TAKEN = const(5)
+BOX_WRITTEN = const(6)
+BOX_AT = const(7)
+BOX_END = const(8)
+BOX_SAMPLED = const(9)
+BOX_HEAD = const(10)
+BOX_ROWS = const(32)
+BOX_SAMPLES = const(20)  # rows, behind those
+BOX_ROW = const(9)
+BOX_FIRST = const(478)  # snapshot: behind the rows
+BOX_SNAPSHOTS = const(6)
+BOX_SNAPSHOT = const(56)
+BOX_NUMBERS = const(814)  # of all
+BOX_TEXT = const(6144)  # bytes of the text
 
 NAME, OLD = "blackbox.bin", "blackbox.old"  # the newest two
 _PART = 1024
@@ -17,7 +38,6 @@ RULES = {
 
 def check(board):
     if board["blackbox"]:
-        board["features"] = dict(board["features"])
         board["features"]["links"] = "blackbox"
         if board["chip"][:2] == "rp":
             sizes = 4 * BOX_NUMBERS, BOX_TEXT, 4 * BOX_ADDED, 4 * BOX_WRITTEN

@@ -29,16 +29,15 @@ def check_shape(value, depth=_DEPTH):
 
 
 def own_rules(board, rules):
-    """([the modules of keys that most boards do not have], `rules` with theirs): KEY_keys.py, whose RULES have the key."""
-    own = ()
-    for key in board if isinstance(board, dict) else ():
+    """The modules of keys that most boards do not have: KEY_keys.py, whose RULES have the key. Adds these to `rules`."""
+    own = []
+    for key in board:
         if key not in rules and isinstance(key, str) and "." not in key:
             try:
                 module = __import__("passo.config.%s_keys" % key, None, None, ("RULES",))
             except ImportError:
                 continue
             if key in module.RULES:
-                rules = dict(rules)
                 rules.update(module.RULES)
-                own += (module,)
-    return own, rules
+                own.append(module)
+    return own

@@ -7,12 +7,11 @@ be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
 from passo.config.board_error import BoardError, check_shape, own_rules, want_input
-from passo.config.chip_pins import check_link, check_pin
+from passo.config.chip_pins import PIN, check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
 
 MUST = ...
-_PIN = (int, MUST, 0, 48)
 _PIN_OR_BIT = (int, MUST, 0, REGISTER_BIT + 23)
 _PINS = (list, MUST, 1, 6)
 _BIT = (int, 1, 0, 1)
@@ -46,7 +45,7 @@ _DRIVE = {
     "hold_ms": (int, 100, 0, 60_000),  # after which the standstill current is enough
 }
 _TOOL = {
-    "pin": _PIN,
+    "pin": PIN,
     "active": _BIT,
     "on_ms": (int, 0, 0, 60_000),  # what is switched on takes effect so much later: a pen, a spindle after M3
     "off_ms": (int, 0, 0, 10_000),
@@ -163,31 +162,30 @@ PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     check_shape(board)
-    rules = _BOARD
+    _want_dict(_WHOLE, board)
+    rules = dict(_BOARD)
     more = devices = shift = lines = None
-    if isinstance(board, dict) and isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
+    if isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
         from passo.config import port_pins
 
         board, lines = port_pins.applied(board)
-    if isinstance(board, dict) and (board.get("encoders") or board.get("gantry")):
+    if board.get("encoders") or board.get("gantry"):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
-        rules = dict(rules)
         rules.update(more.RULES)
-    if isinstance(board, dict) and [key for key in DEVICES if board.get(key)]:
+    if [key for key in DEVICES if board.get(key)]:
         from passo.config import device_keys as devices
 
-        rules = dict(rules)
         rules.update(devices.RULES)
         if board.get("jobs"):
             from passo.config.job_keys import JOBS
 
             rules["jobs"] = JOBS
-    if isinstance(board, dict) and board.get("shift") and str(board.get("chip")).startswith("esp32"):
+    if board.get("shift") and str(board.get("chip")).startswith("esp32"):
         from passo.config import shift_keys as shift
 
-        rules = shift.extended(rules)
-    own, rules = own_rules(board, rules)
+        shift.extend(rules)
+    own = own_rules(board, rules)
     board = _section(_WHOLE, board, rules)
     if lines:
         board["step_program"].update(lines)
@@ -217,9 +215,13 @@ def check(board):
     return board
 
 
-def _section(where, data, rules):
+def _want_dict(where, data):
     if not isinstance(data, dict):
         raise BoardError("%s: a dict is wanted, not %r" % (where, data))
+
+
+def _section(where, data, rules):
+    _want_dict(where, data)
     for key in data:
         if key not in rules:
             raise BoardError("%s: unknown key %r; known are %s" % (where, key, ", ".join(sorted(rules))))
@@ -243,11 +245,9 @@ def _value(where, data, key, rule):
             raise BoardError("%s: %r is none of %s" % (where, value, ", ".join(rule)))
         return value
     kind, default, least, most = rule
-    if key not in data:
-        if default is MUST:
-            raise BoardError("%s: missing" % where)
-        return default
-    value = data[key]
+    value = data.get(key, default)
+    if value is MUST:
+        raise BoardError("%s: missing" % where)
     if not isinstance(value, kind) or kind is int and isinstance(value, bool):
         raise BoardError("%s: %r is no %s" % (where, value, kind.__name__))
     if kind is dict and [name for name in value if not isinstance(name, str) or where[:9] == "interlock" and not isinstance(value[name], str)]:
@@ -256,7 +256,7 @@ def _value(where, data, key, rule):
     if not least <= size <= most:
         what = "" if kind is int else "of length %d " % size
         raise BoardError("%s: %r %sis not within %d … %d" % (where, value, what, least, most))
-    return value
+    return dict(value) if kind is dict else value  # a copy: check() may add to it
 
 
 def _list(where, data, key, rule):
@@ -270,8 +270,7 @@ def _list(where, data, key, rule):
 def _check_clock(board):
     chip = board["chip"]
     clocks = CLOCKS_MHZ.get(chip, (0,))
-    if not board["clock_mhz"]:
-        board["clock_mhz"] = clocks[0]
+    board["clock_mhz"] = board["clock_mhz"] or clocks[0]
     if board["clock_mhz"] not in clocks:
         if clocks == (0,):
             raise BoardError("clock_mhz: the clock of an %s is not set here; leave it out" % chip)
@@ -280,35 +279,25 @@ def _check_clock(board):
 
 def claimed_pins(board):
     """[(pin, who)] of everything that claims a pin, a serial port's two included."""
-    claims = []
-    for axis in board["axes"]:
-        for pin in axis["pins"]:
-            claims.append((pin, "axis %s" % axis["name"]))
+    claims = [(pin, "axis %s" % axis["name"]) for axis in board["axes"] for pin in axis["pins"]]
     claims.append((board["tool"]["pin"], "tool"))
     if board["spindle"]["pwm"]:
         claims.append((board["spindle"]["pin"], "spindle's power"))
     for what in ("input", "output"):
-        for item in board[what + "s"]:
-            if item["pin"] < REGISTER_BIT:
-                claims.append((item["pin"], "%s %s" % (what, item["name"])))
+        claims += [(item["pin"], "%s %s" % (what, item["name"])) for item in board[what + "s"] if item["pin"] < REGISTER_BIT]
     if board["gantry"]:
-        for pin in board["gantry"]["pins"]:
-            claims.append((pin, "axis %s2" % board["gantry"]["axis"]))
-    for item in board["encoders"]:
-        for pin in item["pins"]:
-            claims.append((pin, "input of encoder %s" % item["motor"]))
+        claims += [(pin, "axis %s2" % board["gantry"]["axis"]) for pin in board["gantry"]["pins"]]
+    claims += [(pin, "input of encoder %s" % item["motor"]) for item in board["encoders"] for pin in item["pins"]]
     if board["registers"]:
         for key in ("clock", "latch", "in", "out"):
             claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
-        for item in board["registers"]["edges"]:
-            claims.append((item["pin"], "input of the registers' edges of " + item["inputs"]))
+        claims += [(item["pin"], "input of the registers' edges of " + item["inputs"]) for item in board["registers"]["edges"]]
     for device, keys in (("inverter", ("tx", "rx")), ("drives", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs")), ("servo", ("pin",))):
         for key in keys if board.get(device) else ():
             claims.append((board[device][key], device + " " + key))
     for link in board["links"]:
         if link["port"].startswith("uart"):
-            claims.append((link["tx"], "link %s tx" % link["name"]))
-            claims.append((link["rx"], "link %s rx" % link["name"]))
+            claims += [(link[key], "link %s %s" % (link["name"], key)) for key in ("tx", "rx")]
     return claims
 
 
@@ -344,9 +333,7 @@ def _check_order(board):
     pins = word_pins(board)
     if pins != list(range(pins[0], pins[0] + len(pins))):
         order = "all STEPs, all DIRs, tool" if board["drive"]["kind"] == "step_dir" else "the axes' coils in order, tool"
-        raise BoardError(
-            "PIO pins not consecutive: %s must be on neighbouring pins, not %s; or set player to 'timer'" % (order, pins)
-        )
+        raise BoardError("PIO pins not consecutive: %s must be on neighbouring pins, not %s; or set player to 'timer'" % (order, pins))
 
 
 def _check_links(board):

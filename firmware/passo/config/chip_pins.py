@@ -7,6 +7,8 @@ the flash memory takes are left out.
 from passo.config.board_error import BoardError
 from passo.records import NETWORK_PORTS
 
+PIN = (int, ..., 0, 48)  # the rule of a key whose value is a pin, in the notation of boardfile.py
+
 # (first, last) of each run of pins, and the first of those at the end that can only be inputs
 _PINS = {
     "rp2040": (((0, 29),), 30),
@@ -45,10 +47,7 @@ def check_link(chip, link, network=None):
         return
     number = int(port[4:])
     for key, rest in (("tx", 0), ("rx", 1)):  # RP2040 datasheet 1.4.3
-        pins = [pin for pin in range(_PINS[chip][1]) if pin & 3 == rest and (pin + 4 & 8) >> 3 == number]
-        if link[key] not in pins:
-            raise BoardError("%s%s of %s is on pin %s, not %d" % (where, key, port, _either(pins), link[key]))
-
-
-def _either(pins):
-    return ", ".join([str(pin) for pin in pins[:-1]]) + " or %d" % pins[-1]
+        pins = [str(pin) for pin in range(_PINS[chip][1]) if pin & 3 == rest and (pin + 4 & 8) >> 3 == number]
+        if str(link[key]) not in pins:
+            right = ", ".join(pins[:-1]) + " or " + pins[-1]
+            raise BoardError("%s%s of %s is on pin %s, not %d" % (where, key, port, right, link[key]))

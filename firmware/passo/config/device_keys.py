@@ -1,32 +1,22 @@
 """The keys `card`, `inverter`, `network`, `registers`, `servo`, `tachometer`, `tool_change` and `weaving` of a board file: only
-boards that have one of them load this.
-
-    RULES                           # in the notation of boardfile.py
-    check(board)                    # raises BoardError
-"""
+boards that have one of them load this. RULES are in the notation of boardfile.py."""
 
 from passo.commands import INPUTS
 from passo.config.board_error import BoardError, want_input
-from passo.config.chip_pins import check_link
+from passo.config.chip_pins import PIN, check_link
 from passo.records import REGISTER_BIT
 
 EDGES = {
-    "pin": (int, ..., 0, 48),
+    "pin": PIN,
     "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
 }
 RULES = {
-    "card": {
-        "spi": (int, 1, 0, 2),
-        "sck": (int, ..., 0, 48),
-        "mosi": (int, ..., 0, 48),
-        "miso": (int, ..., 0, 48),
-        "cs": (int, ..., 0, 48),
-    },
+    "card": {"spi": (int, 1, 0, 2), "sck": PIN, "mosi": PIN, "miso": PIN, "cs": PIN},
     "inverter": {
         "make": ("delta", "yl620", "h100", "nowforever"),
         "port": (str, ..., 5, 5),
-        "tx": (int, ..., 0, 48),
-        "rx": (int, ..., 0, 48),
+        "tx": PIN,
+        "rx": PIN,
         "baud": (int, 9600, 1200, 115_200),
         "parity": ("none", "even", "odd"),
         "stop_bits": (int, 1, 1, 2),
@@ -53,17 +43,17 @@ RULES = {
         "broker_password": (str, "", 0, 64),
     },
     "registers": {
-        "clock": (int, ..., 0, 48),
-        "latch": (int, ..., 0, 48),
-        "in": (int, ..., 0, 48),
-        "out": (int, ..., 0, 48),
+        "clock": PIN,
+        "latch": PIN,
+        "in": PIN,
+        "out": PIN,
         "inputs": (int, 1, 0, 3),  # chips: 74HC165
         "outputs": (int, 1, 0, 3),  # and 74HC595
         "edges": [EDGES, 0, 4],  # pins whose edges have the inputs read at once
         "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
     },
     "servo": {
-        "pin": (int, ..., 0, 48),
+        "pin": PIN,
         "up_us": (int, 1000, 400, 2600),  # pulses
         "down_us": (int, 1500, 400, 2600),
         "up_ms": (int, 100, 0, 5000),  # all the way
@@ -92,23 +82,16 @@ def check(board):
         from passo.config import job_keys
 
         job_keys.check(board)
-    _check_card(board)
-    _check_journal(board)
-    _check_inverter(board)
-    _check_registers(board)
-    _check_tool_change(board)
-    _check_tachometer(board)
-    _check_servo(board)
+    for key, check_key in _CHECKS:
+        if board[key] is not None or key == "registers":
+            check_key(board, board[key])
     if board["network"]:
         from passo.config import network_keys  # most boards have none
 
         network_keys.check(board)
 
 
-def _check_card(board):
-    config = board["card"]
-    if config is None:
-        return
+def _check_card(board, config):
     if not board["jobs"]:
         raise BoardError("card: it is for stored jobs, and there is no key jobs")
     if board["chip"].startswith("esp32"):
@@ -119,10 +102,7 @@ def _check_card(board):
             raise BoardError("card.%s of SPI %d is on pin %s, not %d" % (key, config["spi"], ", ".join(pins), config[key]))
 
 
-def _check_journal(board):
-    config = board["journal"]
-    if config is None:
-        return
+def _check_journal(board, config):
     spoken = [link["protocol"] for link in board["links"]]
     counted = "plotter" in spoken or "pulses" in spoken
     if counted == ("grbl" in spoken):
@@ -133,10 +113,7 @@ def _check_journal(board):
         want_input(board, "journal.power", config["power"])
 
 
-def _check_tool_change(board):
-    config = board["tool_change"]
-    if config is None:
-        return
+def _check_tool_change(board, config):
     if len(board["axes"]) < 3 or not board["homing"] or "z" not in board["homing"]["sensors"]:
         raise BoardError("tool_change: it wants axes x, y, z that home")
     want_input(board, "tool_change", "probe")
@@ -155,9 +132,9 @@ def _check_tool_change(board):
                 raise BoardError("tool_change.%s: whole mm within %d … %d on %s" % (key, low, high, item["name"]))
 
 
-def _check_registers(board):
-    """Each bit once and within the chips; what has to act at once is on a pin of its own, or has the registers read at once."""
-    config = board["registers"]
+def _check_registers(board, config):
+    """Each bit once and within the chips; what has to act at once is on a pin of its own, or has the registers read at once. `config`: None
+    without registers."""
     prompt = _prompt(board, config)
     quick = {}  # name of an input: why not
     for name in (board["homing"]["sensors"].values() if board["homing"] else ()):
@@ -181,27 +158,20 @@ def _check_registers(board):
             if config is None:
                 raise BoardError("%s %s: pin %d is a bit of a register; there is none" % (key[:-1], item["name"], item["pin"]))
             if bit >= 8 * config[key]:
-                raise BoardError(
-                    "%s %s: registers.%s has %d bits, pins %d … %d, not %d"
-                    % (key[:-1], item["name"], key, 8 * config[key], REGISTER_BIT, REGISTER_BIT + 8 * config[key] - 1, item["pin"])
-                )
+                found = key[:-1], item["name"], key, 8 * config[key], REGISTER_BIT, REGISTER_BIT + 8 * config[key] - 1, item["pin"]
+                raise BoardError("%s %s: registers.%s has %d bits, pins %d … %d, not %d" % found)
             if bit in owners:
                 raise BoardError("bit %d of the %s is claimed by %s and by %s" % (bit, what, owners[bit], item["name"]))
             owners[bit] = item["name"]
             if item.get("halt"):
                 raise BoardError("input %s: one that halts needs a pin of its own" % item["name"])
             if item["name"] in quick and key == "inputs" and item["name"] not in prompt:
-                raise BoardError(
-                    "input %s: %s needs a pin of its own, or one of registers.edges" % (item["name"], quick[item["name"]])
-                )
+                raise BoardError("input %s: %s needs a pin of its own, or one of registers.edges" % (item["name"], quick[item["name"]]))
             if item.get("role", "none") != "none":
                 raise BoardError("output %s: a relay of the change-over needs a pin of its own" % item["name"])
 
 
-def _check_tachometer(board):
-    config = board["tachometer"]
-    if config is None:
-        return
+def _check_tachometer(board, config):
     name = config["input"]
     want_input(board, "tachometer.input", name)
     item = [item for item in board["inputs"] if item["name"] == name][0]
@@ -214,13 +184,10 @@ def _check_tachometer(board):
         raise BoardError("tachometer.pulses: no more than 5000 a second: %d a turn" % (300_000 // board["spindle"]["max_rpm"]))
 
 
-def _check_servo(board):
-    config, tool = board["servo"], board["tool"]
-    if config is None:
-        return
+def _check_servo(board, config):
     for way, wait in (("down_ms", "on_ms"), ("up_ms", "off_ms")):
         least = config[way] + 20  # until the next pulse
-        if tool[wait] < least:
+        if board["tool"][wait] < least:
             raise BoardError("tool.%s: the servo takes %d ms" % (wait, least))
     if board["spindle"]["pwm"] or board["spindle"]["laser"]:
         raise BoardError("servo: it is the tool; leave out spindle.pwm and spindle.laser")
@@ -242,13 +209,16 @@ def _prompt(board, config):
     return names
 
 
-def _check_inverter(board):
-    config = board["inverter"]
-    if config is None:
-        return
-    check_link(board["chip"], {"name": "inverter", "port": config["port"], "tx": config["tx"], "rx": config["rx"]})
+def _check_inverter(board, config):
+    check_link(board["chip"], dict(config, name="inverter"))
     for link in board["links"]:
         if link["port"] == config["port"]:
             raise BoardError("inverter: %s is link %s's; take another" % (config["port"], link["name"]))
     if board["spindle"]["pwm"] or board["spindle"]["laser"]:
         raise BoardError("inverter: it sets the spindle's speed; leave out spindle.pwm and spindle.laser")
+
+
+_CHECKS = (
+    ("card", _check_card), ("journal", _check_journal), ("inverter", _check_inverter), ("registers", _check_registers),
+    ("tool_change", _check_tool_change), ("tachometer", _check_tachometer), ("servo", _check_servo),
+)  # fmt: skip

@@ -1,8 +1,9 @@
-"""The key `drivers`: TMC2209 or TMC2226 drivers that are set up over a UART. Only loaded if the board file has it."""
+"""The key `drivers`: TMC2209 or TMC2226 drivers that are set up over a UART; and what `spi_drivers` shares with it. Only loaded if the board
+file has one of them."""
 
 from passo.config.board_error import BoardError
 from passo.config.boardfile import claimed_pins
-from passo.config.chip_pins import check_link, check_pin
+from passo.config.chip_pins import PIN, check_link, check_pin
 from passo.config.tmc2209 import scale
 
 _DRIVER = {
@@ -18,8 +19,8 @@ _DRIVER = {
 RULES = {
     "drivers": {
         "port": (str, ..., 5, 5),
-        "tx": (int, ..., 0, 48),
-        "rx": (int, ..., 0, 48),
+        "tx": PIN,
+        "rx": PIN,
         "baud": (int, 115_200, 9600, 500_000),
         "sense_mohm": (int, 110, 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
@@ -36,42 +37,50 @@ def check(board):
         for pin, who in claimed_pins(board):
             if pin == config[key]:
                 raise BoardError("pin %d is claimed by %s and by %s" % (pin, who, "drivers " + key))
-    if board["drive"]["kind"] != "step_dir":
-        raise BoardError("drivers: they want a step_dir drive")
+    want_step_dir(board)
     taken = [(link["port"], "link " + link["name"]) for link in board["links"]]
     if board["inverter"]:
         taken.append((board["inverter"]["port"], "the inverter"))
     for port, who in taken:
         if port == config["port"]:
             raise BoardError("drivers: %s belongs to %s; take another" % (port, who))
-    check_link(board["chip"], {"name": "drivers", "port": config["port"], "tx": config["tx"], "rx": config["rx"]})
+    check_link(board["chip"], dict(config, name="drivers"))
     check_pin(board["chip"], config["tx"], "drivers tx", True)
     check_pin(board["chip"], config["rx"], "drivers rx", False)
-    names = [axis["name"] for axis in board["axes"]]
-    for key in ("axis", "address"):
-        found = [motor[key] for motor in config["motors"]]
-        if len(set(found)) != len(found):
-            raise BoardError("drivers.motors: every %s once, not %r" % (key, found))
-    for motor in config["motors"]:
-        where = "drivers.motors, %s" % motor["axis"]
-        if motor["axis"] not in names:
-            raise BoardError("%s: there is no such axis" % where)
-        if motor["microsteps"] & motor["microsteps"] - 1:
-            raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
-        for current_ma in (motor["current_ma"], motor["stall_ma"]):
-            if scale(current_ma, config["sense_mohm"]) is None:
-                raise BoardError("%s: %d mA are too much for %d mΩ" % (where, current_ma, config["sense_mohm"]))
-    board["drives"] = config
+    check_motors(board, "drivers", ("axis", "address"), lambda current_ma: scale(current_ma, config["sense_mohm"]))
     feel = [motor for motor in config["motors"] if motor["stall"]]
     if feel:
         check_stalls(board, feel, "drivers")
         board["features"]["drives"] = "stall_drives"
 
 
+def want_step_dir(board):
+    if board["drive"]["kind"] != "step_dir":
+        raise BoardError("drivers: they want a step_dir drive")
+
+
+def check_motors(board, key, unique, scale):
+    """Check the drivers of section `key`. `unique`: keys of a driver whose values differ; `scale`: None for a current that is too high."""
+    config = board["drives"] = board[key]
+    names = [axis["name"] for axis in board["axes"]]
+    for each in unique:
+        found = [motor[each] for motor in config["motors"]]
+        if len(set(found)) != len(found):
+            raise BoardError("drivers.motors: every %s once, not %r" % (each, found))
+    for motor in config["motors"]:
+        where = "%s.motors, %s" % (key, motor["axis"])
+        if motor["axis"] not in names:
+            raise BoardError("%s: there is no such axis" % where)
+        if motor["microsteps"] & motor["microsteps"] - 1:
+            raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
+        for current_ma in (motor["current_ma"], motor["stall_ma"]):
+            if scale(current_ma) is None:
+                raise BoardError("%s: %d mA are too much for %d mΩ" % (where, current_ma, config["sense_mohm"]))
+
+
 def check_stalls(board, feel, key):
     """Have axes home by stall. `feel`: the drivers that do; `key`: that of the board file."""
     board["stalls"] = "".join([motor["axis"] for motor in feel])
-    board["features"] = dict(board["features"])
     board["features"]["homing"] = "stall_homing"
     homing = board["homing"]
     names = [motor["axis"] for motor in feel]

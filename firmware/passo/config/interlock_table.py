@@ -43,13 +43,12 @@ def parse(text, where="row"):
 def gates(board):
     """{name: bit} of all that may be gated: x+ x- …, tool, outputs."""
     bits = {}
-    for number in range(len(board["axes"])):
-        name = board["axes"][number]["name"]
-        bits[name + "+"] = 1 << 2 * number
-        bits[name + "-"] = 2 << 2 * number
+    for number, axis in enumerate(board["axes"]):
+        bits[axis["name"] + "+"] = 1 << 2 * number
+        bits[axis["name"] + "-"] = 2 << 2 * number
     bits["tool"] = INTERLOCK_TOOL
-    for number in range(len(board["outputs"])):
-        bits[board["outputs"][number]["name"]] = INTERLOCK_OUTPUTS << number
+    for number, output in enumerate(board["outputs"]):
+        bits[output["name"]] = INTERLOCK_OUTPUTS << number
     return bits
 
 
@@ -113,9 +112,7 @@ def _both(first, second):
     """The products of two sums."""
     found = []
     for care, value in first:
-        for other, wanted in second:
-            if not (value ^ wanted) & care & other:
-                found.append((care | other, value | wanted))
+        found += [(care | other, value | wanted) for other, wanted in second if not (value ^ wanted) & care & other]
     return _reduced(found)
 
 
@@ -123,11 +120,8 @@ def _reduced(products):
     """Without those that another one covers."""
     found = []
     for care, value in products:
-        covered = False
-        for other, wanted in products:
-            if (other, wanted) != (care, value) and other & care == other and value & other == wanted:
-                covered = True
-        if not covered and (care, value) not in found:
+        wider = [row for row in products if row != (care, value) and row[0] & care == row[0] and value & row[0] == row[1]]
+        if not wider and (care, value) not in found:
             found.append((care, value))
     return found
 
@@ -202,8 +196,7 @@ def compile_rows(board):
 def _check_inputs(board, used):
     if not used:
         raise BoardError("interlock: its rows gate nothing")
-    for number in range(len(board["inputs"])):
-        item = board["inputs"][number]
+    for number, item in enumerate(board["inputs"]):
         if item["filter_us"] and not used >> number & 1:
             raise BoardError("input %s: filter_us is for inputs that the interlock's rows name" % item["name"])
         if item["filter_us"] and item["halt"]:

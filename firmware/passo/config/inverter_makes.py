@@ -14,37 +14,13 @@ Left out: the older Huanyang inverters (HY series), whose frames look like Modbu
 other things.
 """
 
+_NAMES = ("forward", "reverse", "stop", "frequency", "output", "fault")
 MAKES = {
-    "delta": {
-        "forward": (6, 0x2000, 0x12),
-        "reverse": (6, 0x2000, 0x22),
-        "stop": (6, 0x2000, 0x01),
-        "frequency": (6, 0x2001, 100),
-        "output": (3, 0x2103, 1, 100),
-        "fault": (3, 0x2100, 1, 0xFF),
-    },
-    "yl620": {
-        "forward": (6, 0x2000, 0x12),
-        "reverse": (6, 0x2000, 0x22),
-        "stop": (6, 0x2000, 0x01),
-        "frequency": (6, 0x2001, 10),
-        "output": (3, 0x200B, 1, 10),
-        "fault": None,
-    },
-    "h100": {
-        "forward": (5, 0x0049, 0xFF00),
-        "reverse": (5, 0x004A, 0xFF00),
-        "stop": (5, 0x004B, 0xFF00),
-        "frequency": (6, 0x0201, 10),
-        "output": (4, 0x0000, 2, 10),
-        "fault": None,
-    },
-    "nowforever": {
-        "forward": (16, 0x0900, 1),
-        "reverse": (16, 0x0900, 3),
-        "stop": (16, 0x0900, 0),
-        "frequency": (16, 0x0901, 100),
-        "output": (3, 0x0502, 1, 100),
-        "fault": (3, 0x0300, 1, 0xFFFF),
-    },
+    row[0]: dict(zip(_NAMES, row[1:]))
+    for row in (
+        ("delta", (6, 0x2000, 0x12), (6, 0x2000, 0x22), (6, 0x2000, 0x01), (6, 0x2001, 100), (3, 0x2103, 1, 100), (3, 0x2100, 1, 0xFF)),
+        ("yl620", (6, 0x2000, 0x12), (6, 0x2000, 0x22), (6, 0x2000, 0x01), (6, 0x2001, 10), (3, 0x200B, 1, 10), None),
+        ("h100", (5, 0x0049, 0xFF00), (5, 0x004A, 0xFF00), (5, 0x004B, 0xFF00), (6, 0x0201, 10), (4, 0x0000, 2, 10), None),
+        ("nowforever", (16, 0x0900, 1), (16, 0x0900, 3), (16, 0x0900, 0), (16, 0x0901, 100), (3, 0x0502, 1, 100), (3, 0x0300, 1, 0xFFFF)),
+    )
 }

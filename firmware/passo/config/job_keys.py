@@ -1,8 +1,4 @@
-"""The key `jobs` of a board file: only boards that have it load this.
-
-    JOBS                            # its rules, in boardfile.py's notation
-    check(board)                    # raises BoardError
-"""
+"""The key `jobs` of a board file: only boards that have it load this. JOBS are its rules, in the notation of boardfile.py."""
 
 from passo.config.board_error import BoardError, want_input
 
@@ -24,8 +20,6 @@ def name_fits(name):
 
 def check(board):
     config = board["jobs"]
-    if config is None:
-        return
     if config["language"] not in [link["protocol"] for link in board["links"]]:
         raise BoardError("jobs.language: no link speaks %s" % config["language"])
     if LINK in [link["name"] for link in board["links"]]:

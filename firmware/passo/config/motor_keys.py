@@ -1,8 +1,5 @@
-"""The keys `encoders` and `gantry` of a board file: only boards that have one of them load this.
-
-    RULES                           # in the notation of boardfile.py
-    check(board)                    # raises BoardError
-"""
+"""The keys `encoders` and `gantry` of a board file: only boards that have one of them load this. RULES are in the notation of
+boardfile.py."""
 
 from passo.config.board_error import BoardError, want_input
 
@@ -31,14 +28,12 @@ RULES = {"encoders": [ENCODER, 0, 4], "gantry": GANTRY}
 
 
 def check(board):
-    _check_gantry(board)
+    if board["gantry"]:
+        _check_gantry(board, board["gantry"])
     _check_encoders(board)
 
 
-def _check_gantry(board):
-    gantry = board["gantry"]
-    if gantry is None:
-        return
+def _check_gantry(board, gantry):
     axis = gantry["axis"]
     if axis not in [item["name"] for item in board["axes"]]:
         raise BoardError("gantry.axis: there is no axis %r" % axis)

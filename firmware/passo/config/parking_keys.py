@@ -29,7 +29,6 @@ def check(board):
     names = [axis["name"] for axis in board["axes"]]
     if config["axis"] not in names or not board["homing"] or config["axis"] not in board["homing"]["sensors"]:
         raise BoardError("parking: it wants an axis %s that homes" % config["axis"])
-    board["features"] = dict(board["features"])
     board["features"]["pauses"] = "parking"
     rules = {
         41: ("parking", 0, 1, 0, 1),
@@ -40,5 +39,4 @@ def check(board):
         59: ("parking_speed", 3, config["mm_min"] * 1000, 1, 100_000_000),
         142: ("parking_at_end", 0, 1 if config["at_end"] else 0, 0, 1),
     }
-    rules.update(board["settings"])
-    board["settings"] = rules
+    board["settings"].update(rules)

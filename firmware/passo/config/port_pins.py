@@ -30,32 +30,24 @@ def applied(board):
     line_of = [bits[7 - bit] if bits[7 - bit] != "-" else free.pop(0) for bit in range(8)]
     pin_of = [pins[int(line)] for line in line_of]
     muted = [bits[7 - bit] == "-" for bit in range(8)]
-    axes = board["axes"] = [dict(axis) for axis in board["axes"]]
-    count = len(axes)
+    count = len(board["axes"])
+    board["axes"] = [dict(axis, pins=[pin_of[2 * number + 2], pin_of[2 * number + 1]]) for number, axis in enumerate(board["axes"])]
     masks = {"inverted": 0, "muted": 0}
     positions = [(0, 2 * count)]  # (bit of the port, bit of a word)
     for axis in range(count):
-        pulse = 2 + 2 * axis
-        axes[axis]["pins"] = [pin_of[pulse], pin_of[pulse - 1]]
-        positions += [(pulse, axis), (pulse - 1, count + axis)]
+        positions += [(2 * axis + 2, axis), (2 * axis + 1, count + axis)]
     for bit, position in positions:
         masks["inverted"] |= (invert >> bit & 1) << position
         masks["muted"] |= muted[bit] << position
-    board["tool"] = dict(board["tool"])
-    board["tool"]["pin"] = pin_of[0]
-    board["outputs"] = [
-        _enable(item, pin_of[_DRIVES], invert >> _DRIVES & 1) if item.get("name") == "enable" else item
-        for item in board.get("outputs", ())
-        if item.get("name") != "enable" or not muted[_DRIVES]
-    ]
+    board["tool"] = dict(board["tool"], pin=pin_of[0])
+    outputs = []
+    for item in board.get("outputs", ()):
+        if item.get("name") != "enable":
+            outputs.append(item)
+        elif not muted[_DRIVES]:
+            outputs.append(dict(item, pin=pin_of[_DRIVES], active=item.get("active", 1) ^ invert >> _DRIVES & 1))
+    board["outputs"] = outputs
     return board, masks
-
-
-def _enable(item, pin, inverted):
-    item = dict(item)
-    item["pin"] = pin
-    item["active"] = item.get("active", 1) ^ inverted
-    return item
 
 
 def _check(board, pins, bits, invert):

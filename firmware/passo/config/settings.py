@@ -44,9 +44,9 @@ class Settings:
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
         self._most_steps_s = steps_s
-        from passo.config import setting_table  # the app forgets it again
+        from passo.config.setting_numbers import make  # the app forgets it again
 
-        self._table = setting_table.make(board)
+        self._table = make(board)
         more = board.get("settings")  # of a key that few boards have
         if more:
             for number in more:
@@ -228,16 +228,13 @@ class Settings:
 
     def _apply(self):
         """Hand the values that the board file also has to the board dict."""
-        axes = self._board["axes"]
-        for number in range(len(axes)):
-            axes[number]["steps_per_m"] = self.steps_per_m[number] = self.value(STEPS + number)
-            turned = bool(self.turned(DIRECTION_INVERT) >> number & 1)
-            axes[number]["reversed"] = self._board_reversed[number] != turned
-            axes[number]["step_inverted"] = bool(self.turned(STEP_INVERT) >> number & 1)
-            travel_steps = self._board_travel[number]
+        for number, axis in enumerate(self._board["axes"]):
+            axis["steps_per_m"] = self.steps_per_m[number] = self.value(STEPS + number)
+            axis["reversed"] = self._board_reversed[number] != bool(self.turned(DIRECTION_INVERT) >> number & 1)
+            axis["step_inverted"] = bool(self.turned(STEP_INVERT) >> number & 1)
+            axis["travel_steps"] = self._board_travel[number]
             if TRAVEL + number in self._changed or STEPS + number in self._changed:
-                travel_steps = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000
-            axes[number]["travel_steps"] = travel_steps
+                axis["travel_steps"] = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000
         if IDLE_DELAY in self._changed:
             delay_ms = self._changed[IDLE_DELAY]
             self._board["idle_release_ms"] = 0 if delay_ms == 255 else max(delay_ms, 1)
@@ -245,18 +242,13 @@ class Settings:
             self._board["idle_release_ms"] = self._board_release_ms
         if PULSE_US in self._changed:
             self._board["drive"]["pulse_us"] = self._changed[PULSE_US]
-        if self._board["homing"]:
-            self._board["homing"]["high_end"] = self._high_ends()
-            self._board["homing"]["debounce_ms"] = self.value(HOMING_DEBOUNCE)
-
-    def _high_ends(self):
-        """Names of the axes that home at their high end."""
-        names = ""
-        for number in range(len(self._board["axes"])):
-            name = self._board["axes"][number]["name"]
-            if name in self._board["homing"]["sensors"] and not self.value(HOMING_DIRECTION) >> number & 1:
-                names += name
-        return names
+        homing = self._board["homing"]
+        if homing:
+            homing["high_end"] = ""
+            for number, axis in enumerate(self._board["axes"]):
+                if axis["name"] in homing["sensors"] and not self.value(HOMING_DIRECTION) >> number & 1:
+                    homing["high_end"] += axis["name"]
+            homing["debounce_ms"] = self.value(HOMING_DEBOUNCE)
 
     # --- what the machine asks
 

@@ -1,37 +1,31 @@
 """The key `shift` of a board file: motors, tool and outputs on 74HC595 shift registers. Only boards that have them load
 this.
 
-    rules = extended(rules)         # those of boardfile.py, in whose notation they are
+    extend(rules)                   # those of boardfile.py, in whose notation they are
     check(board)                    # raises BoardError
 
 Pin 100 of such a board is the first output of the register: QA of the chip whose SER is on `data`; 108 is QA of the next.
 """
 
 from passo.config.board_error import BoardError
+from passo.config.chip_pins import PIN
 from passo.records import REGISTER_BIT
 
 OUTPUTS = 15  # the 16th would follow the others a frame later
 FRAME_US = 4
 CHIPS = ("esp32", "esp32s3")  # I2S, and a pulse counter to count frames with
 
-SHIFT = {
-    "clock": (int, ..., 0, 48),
-    "latch": (int, ..., 0, 48),
-    "data": (int, ..., 0, 48),
-    "enable": (int, -1, -1, 48),
-}
+SHIFT = {"clock": PIN, "latch": PIN, "data": PIN, "enable": (int, -1, -1, 48)}
 
 
-def extended(rules):
-    """A copy of the rules of a board file, with those of this key."""
-    rules = dict(rules)
+def extend(rules):
+    """Add the rules of this key to those of a board file."""
     rules["shift"] = SHIFT
     last = REGISTER_BIT + OUTPUTS - 1
     rules["tool"] = dict(rules["tool"], pin=(int, ..., 0, last))
     for key, most in (("inputs", 48), ("outputs", last)):
         section, least, longest = rules[key]
         rules[key] = [dict(section, pin=(int, ..., 0, most)), least, longest]
-    return rules
 
 
 def shifted(pin):

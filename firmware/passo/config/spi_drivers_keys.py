@@ -2,7 +2,8 @@
 
 from passo.config.board_error import BoardError
 from passo.config.boardfile import claimed_pins
-from passo.config.chip_pins import check_pin
+from passo.config.chip_pins import PIN, check_pin
+from passo.config.drivers_keys import check_motors, check_stalls, want_step_dir
 from passo.config.tmc_spi import scale
 
 NO_STALL = 64
@@ -19,9 +20,9 @@ _DRIVER = {
 RULES = {
     "spi_drivers": {
         "chip": ("tmc5160", "tmc2130"),
-        "sck": (int, ..., 0, 48),
-        "tx": (int, ..., 0, 48),  # to SDI
-        "rx": (int, ..., 0, 48),  # from SDO
+        "sck": PIN,
+        "tx": PIN,  # to SDI
+        "rx": PIN,  # from SDO
         "sense_mohm": (int, ..., 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
     },
@@ -35,11 +36,9 @@ def check(board):
     config = board["spi_drivers"]
     if board.get("drivers") or board.get("drives"):
         raise BoardError("spi_drivers: not beside drivers, which are on a UART")
-    if board["drive"]["kind"] != "step_dir":
-        raise BoardError("drivers: they want a step_dir drive")
-    motors = config["motors"]
+    want_step_dir(board)
     claims = [("spi_drivers " + key, config[key]) for key in ("sck", "tx", "rx")]
-    for motor in motors:
+    for motor in config["motors"]:
         claim = "spi_drivers cs", motor["cs"]
         if claim not in claims:
             claims.append(claim)
@@ -50,25 +49,9 @@ def check(board):
             if other == pin:
                 raise BoardError("pin %d is claimed by %s and by %s" % (pin, whose, who))
         taken.append((pin, who))
-    names = [axis["name"] for axis in board["axes"]]
-    found = [motor["axis"] for motor in motors]
-    if len(set(found)) != len(found):
-        raise BoardError("drivers.motors: every %s once, not %r" % ("axis", found))
-    for motor in motors:
-        where = "spi_drivers.motors, %s" % motor["axis"]
-        if motor["axis"] not in names:
-            raise BoardError("%s: there is no such axis" % where)
-        if motor["microsteps"] & motor["microsteps"] - 1:
-            raise BoardError("%s: microsteps are 1, 2, 4 … 256, not %d" % (where, motor["microsteps"]))
-        for current_ma in (motor["current_ma"], motor["stall_ma"]):
-            if scale(current_ma, config) is None:
-                raise BoardError("%s: %d mA are too much for %d mΩ" % (where, current_ma, config["sense_mohm"]))
-    board["drives"] = config
-    board["features"] = dict(board["features"])
+    check_motors(board, "spi_drivers", ("axis",), lambda current_ma: scale(current_ma, config))
     board["features"]["drives"] = "spi_drives"
-    feel = [motor for motor in motors if motor["stall"] != NO_STALL]
+    feel = [motor for motor in config["motors"] if motor["stall"] != NO_STALL]
     if feel:
-        from passo.config.drivers_keys import check_stalls
-
         check_stalls(board, feel, "spi_drivers")
         board["features"]["drives"] = "stall_spi_drives"

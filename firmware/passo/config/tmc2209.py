@@ -31,7 +31,7 @@ OPEN = const(0xC0)
 MASTER = const(0xFF)  # the address in replies
 _SYNC = const(5)
 WRITES = const(0x80)
-_FULL_MV = (325, 180)  # across the sense resistors at full scale, without and with vsense
+MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)  # by MRES
 
 
 def crc(data):
@@ -60,10 +60,11 @@ def value(reply, register):
     return reply[3] << 24 | reply[4] << 16 | reply[5] << 8 | reply[6]
 
 
-def scale(current_ma, sense_mohm):
-    """(vsense, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for these resistors."""
-    for vsense in (1, 0):
-        scaled = current_ma * (sense_mohm + 20) * 45255 // (_FULL_MV[vsense] * 1_000_000)  # 32·√2
+def scale(current_ma, sense_mohm, full_mv=325):
+    """(vsense, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for these resistors, which have `full_mv`
+    across them at full scale, and 180 with vsense."""
+    for vsense, most_mv in ((1, 180), (0, full_mv)):
+        scaled = current_ma * (sense_mohm + 20) * 45255 // (most_mv * 1_000_000)  # 32·√2
         if scaled <= 32:
             return vsense, max(scaled - 1, 0)
     return None
@@ -73,9 +74,6 @@ def registers(driver, sense_mohm):
     """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
     vsense, run = scale(driver["current_ma"], sense_mohm)
     hold = run * driver["hold_percent"] // 100
-    halvings = 0
-    while driver["microsteps"] << halvings < 256:
-        halvings += 1
     return (
         (GSTAT, 7),
         (SLAVECONF, 0x200),  # a reply eight bits behind the request
@@ -83,5 +81,5 @@ def registers(driver, sense_mohm):
         (TPOWERDOWN, 20),  # 0.4 s at rest, then the holding current
         (TPWMTHRS, 0),
         (GCONF, 0x1C0 | (0 if driver["stealth"] else 4)),  # registers, not pins, set it up; steps are filtered
-        (CHOPCONF, 0x10010053 | halvings << 24 | vsense << 17),  # interpolated to 256
+        (CHOPCONF, 0x10010053 | MICROSTEPS.index(driver["microsteps"]) << 24 | vsense << 17),  # interpolated to 256
     )

@@ -9,7 +9,8 @@ read the register, of a write what was written.
 
 from micropython import const
 
-from passo.config.tmc2209 import DRV_STATUS, GSTAT, WRITES  # noqa: F401  a TMC2130 clears GSTAT as it is read
+from passo.config import tmc2209
+from passo.config.tmc2209 import DRV_STATUS, GSTAT, MICROSTEPS, WRITES  # noqa: F401  a TMC2130 clears GSTAT as it is read
 
 IOIN = const(0x04)  # the chip's version in its high byte
 STEPS = const(0x40)  # of it, TMC5160: the pin SD_MODE has the chip take STEP and DIR
@@ -32,11 +33,7 @@ def scale(current_ma, config):
     """(CHOPCONF's vsense or GLOBALSCALER, current scale 0 … 31) next below a motor's current, RMS; None if it is too much for the resistors."""
     mohm = config["sense_mohm"]
     if config["chip"] == "tmc2130":
-        for vsense, full_mv in ((1, 180), (0, 320)):
-            scaled = current_ma * (mohm + 20) * 45255 // (full_mv * 1_000_000)  # 32·√2
-            if scaled <= 32:
-                return vsense, max(scaled - 1, 0)
-        return None
+        return tmc2209.scale(current_ma, mohm, 320)
     product = current_ma * mohm * 11585 // 325_000  # 256·32·√2: of both scales
     if product > 8192:
         return None
@@ -50,9 +47,7 @@ def registers(motor, config):
     """[(register, value)] that a driver of the board file gets; those of the last two can be read back."""
     first, run = scale(motor["current_ma"], config)
     hold = run * motor["hold_percent"] // 100
-    halvings = 0
-    while motor["microsteps"] << halvings < 256:
-        halvings += 1
+    halvings = MICROSTEPS.index(motor["microsteps"])
     stealth = 4 if motor["stealth"] else 0
     rows = ((0x10, 8 << 16 | run << 8 | hold), (0x11, 20), (0x13, 0))  # IHOLD_IRUN, TPOWERDOWN: 0.4 s, TPWMTHRS
     if config["chip"] == "tmc2130":

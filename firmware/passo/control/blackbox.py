@@ -38,7 +38,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.config import blackbox_keys
-from passo.config.box_records import (
+from passo.config.blackbox_keys import (
     BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW,
     BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SIZE, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT, BOX_WRITTEN,
 )  # fmt: skip
