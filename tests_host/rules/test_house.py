@@ -377,7 +377,7 @@ def test_only_steps_knows_the_feeders_state():
 
 # Modules of constants only: who reads many of them may import all.
 OF_CONSTANTS = ("passo.records", "passo.protocols.gcode.parse_records", "passo.protocols.grbl.report_records", "passo.ports.rp2.fields",
-                "passo.ports.rp2.registers", "passo.steps.switching_records")  # fmt: skip
+                "passo.ports.rp2.registers", "passo.steps.switching_records", "passo.config.box_records")  # fmt: skip
 
 
 def star_faults(tree, public):
