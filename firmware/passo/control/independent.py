@@ -143,6 +143,9 @@ class Independent(Feature):
             return True
         return command.when == commands.AS_JOG and self._jog == self._directions(command)
 
+    def _directions(self, command):
+        return [steps > 0 if steps else None for steps in command.steps]
+
     def _more(self, axis, command):
         """The steps that a jog adds to one under way."""
         steps = command.steps[axis]
@@ -152,9 +155,6 @@ class Independent(Feature):
         over, ms = command.rates[axis]
         more = min(max(over * self._ahead_ms // ms - ahead, 0), abs(steps))
         return more if steps > 0 else -more
-
-    def _directions(self, command):
-        return [None if not steps else steps > 0 for steps in command.steps]
 
     @micropython.native
     def _interval(self, axis, rate):
@@ -208,7 +208,7 @@ class Independent(Feature):
             over, ms = command.rates[axis]
             rest = ms * TICKS_PER_MS % over
             if not steps:
-                walker.rate(axis, each, rest, over)
+                walker.set(axis, 0, each, rest, over, walker.counts_down(axis), True)
             elif abs(steps) == FOREVER:
                 walker.set(axis, ENDLESS, each, rest, over, steps < 0)
             else:
