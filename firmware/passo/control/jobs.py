@@ -212,7 +212,7 @@ class Jobs(Feature):
         machine = self._machine
         if self._file is not None:
             return errors.JOB_RUNS
-        if not name or not name_fits(name):
+        if not name_fits(name):
             return errors.NO_JOB
         if machine.alarm not in (0, errors.ALARM_LOCKED):  # the job may home first
             return errors.LOCKED
@@ -285,10 +285,10 @@ class Jobs(Feature):
             self._job(commands.Command(commands.JOB, name))
         if self._file is not None:
             self._machine.awake = True
-        if self._proving:
-            self._prove()
-        elif self._file is not None:
-            self._look()
+            if self._proving:
+                self._prove()
+            else:
+                self._look()
 
     def _look(self):
         """Notice at once if a line of the job was refused."""
