@@ -269,7 +269,6 @@ class StepProgramPlayer(StepProgramOrders):
             "pass": self._pass,
             "passes": self._passes,
             "backward": self._backward,
-            "paused": self._midway and self._mode != RUN,
             "asked": self._asked,
             "manual": self._hand.index,
             "wait_ms": walker.wait_ms,
