@@ -63,7 +63,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._next = self._drop
             return
         self._power_back()
-        if self._streaming or self._loading:
+        if self._streaming or self.program.open:
             self._reset()
         self._walker.rewind()
         self._walker.pause(self._least_ticks)

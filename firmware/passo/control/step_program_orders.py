@@ -77,7 +77,7 @@ class StepProgramOrders(Feature):
         self.program.clear(self._default, ring)
         self._walker.rewind()
         self._stand()
-        self._loading = self._streaming = False
+        self._streaming = False
         self._powers = False  # the program switches the drives on somewhere
 
     def _stand(self):
@@ -115,7 +115,6 @@ class StepProgramOrders(Feature):
         job.announced = False
         self._reset(command.tool)
         self._streaming = command.tool
-        self._loading = not command.tool
         self.program.expect(True)
         self._origin = self._queue.target[:]
         self._command = command
@@ -198,7 +197,6 @@ class StepProgramOrders(Feature):
         if not self.program.open:
             return errors.NO_STEP_PROGRAM
         self.program.expect(False)
-        self._loading = False
         if self._streaming and not self.active():
             self._streaming = False
             self._tell("end")
@@ -227,7 +225,7 @@ class StepProgramOrders(Feature):
             return self._jog(command)
         if verb in (commands.STEPS_HAND_TOOL, commands.STEPS_HAND_DRIVES):
             return self._switch(command)
-        if self._loading or not self.program.total:
+        if self.program.open and not self._streaming or not self.program.total:
             return errors.NO_STEP_PROGRAM
         if verb == commands.STEPS_RETURN:
             return self._return(command)
