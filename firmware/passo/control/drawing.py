@@ -165,12 +165,10 @@ class Drawing(Feature):
     # --- drawing
 
     def poll(self, now_ms):
-        if self._machine.drawing:
-            self._go_on()
-
-    def _go_on(self):
         queue = self._queue
         machine = self._machine
+        if not machine.drawing:
+            return
         while self.points.count and queue.room() >= _BLOCKS_A_POINT:
             x, y, tool = self.points.take()
             self._taken += 1
@@ -198,10 +196,8 @@ class Drawing(Feature):
         if not self._machine.drawing:
             return self.drawn
         block = self._queue.playing()
-        if block is None and self._queue.empty():
-            return self._taken
         if block is None:
-            return self.drawn
+            return self._taken if self._queue.empty() else self.drawn
         if not block.tag:  # the pen goes up behind the last
             return self._taken
         return max(block.tag - 1 - self._job.counted, self.drawn)
