@@ -113,18 +113,16 @@ class Independent(Feature):
         if error:
             return error
         limited = machine.homed and machine.settings.value(table.SOFT_LIMITS)
-        intervals = []
-        for axis in range(len(command.steps)):
+        intervals = [None] * len(command.steps)
+        for axis in range(len(intervals)):
             steps = command.steps[axis]
             if steps is None:
-                intervals.append(None)
                 continue
-            each = self._interval(axis, command.rates[axis])
-            if not each:
+            intervals[axis] = self._interval(axis, command.rates[axis])
+            if not intervals[axis]:
                 return errors.SPEED_RANGE
             if steps and not self._reachable(axis, steps, limited):
                 return errors.TRAVEL
-            intervals.append(each)
         if machine.checking:
             return machine.accepted(command)
         if not self._queue.room():
