@@ -75,7 +75,7 @@ class JobFile:
         if head is None or language and language != head[0]:
             self.close()
             raise Damaged(errors.JOB_LANGUAGE if head else errors.JOB_DAMAGED)
-        self.language, self.size, self.crc, self.stored = head
+        _, self.size, self.crc, _ = head
         self.done = 0  # bytes read
         self._sum = 0  # their CRC-32
         self._stream = deflate.DeflateIO(self._file, deflate.RAW, WINDOW_BITS)
@@ -102,9 +102,8 @@ class JobFile:
             raise self.damaged(error)
         self.done += count
         self._sum = crc32(view[:count], self._sum)
-        if self.done >= self.size or not count:
-            if self.done != self.size or self._sum & 0xFFFFFFFF != self.crc:
-                raise Damaged(errors.JOB_DAMAGED)
+        if (self.done >= self.size or not count) and (self.done != self.size or self._sum & 0xFFFFFFFF != self.crc):
+            raise Damaged(errors.JOB_DAMAGED)
         return count
 
     def damaged(self, error):

@@ -148,6 +148,8 @@ class Links(links.Links):
         taken = self._fields[self._at]
         self._next = taken + _EACH
         flags = (HOMED if machine.homed else 0) | (WAITS if machine.command is not None or self._link.waiting else 0) | (ALARM if machine.alarm else 0)
+        if self._taken:
+            flags |= self._taken() << 3
         at = BOX_FIRST + numbers[BOX_TAKEN] % BOX_SNAPSHOTS * BOX_SNAPSHOT
         numbers[at] = self._now_ms()
         numbers[at + 1] = numbers[BOX_BASE] + taken
@@ -155,8 +157,6 @@ class Links(links.Links):
         numbers[at + 3] = self._queue.added()
         numbers[at + 4] = flags
         numbers[at + 5 : at + 5 + len(target)] = target
-        if self._taken:
-            numbers[at + 4] |= self._taken() << 3
         self._log.tell(numbers, at + 9)
         numbers[BOX_TAKEN] += 1
 
@@ -195,11 +195,8 @@ class Links(links.Links):
             self._due += 1
             if self._due > _LATER:
                 self.save("alarm")
-        self._turn = 0 if much or self._due or machine.dropping or self._homes(machine) else _TURNS
-
-    def _homes(self, machine):
-        """True while it homes: the first line behind that finds a snapshot made."""
-        return machine.command is not None and machine.busy_with(commands.HOME)
+        # Also while it homes: the first line behind that finds a snapshot made.
+        self._turn = 0 if much or self._due or machine.dropping or machine.busy_with(commands.HOME) else _TURNS
 
     def _look_at_inputs(self):
         levels = self._levels()
@@ -210,17 +207,16 @@ class Links(links.Links):
     def _catch_up(self):
         """Record what has been so until now."""
         self._look_at_inputs()
-        if self._machine.stood != self._stood:
-            self._stand()
+        self._stand()
 
     def _stand(self):
-        self._stood = self._machine.stood
-        if self._stood:
-            self._where(STOOD)
+        if self._machine.stood != self._stood:
+            self._stood = self._machine.stood
+            if self._stood:
+                self._where(STOOD)
 
     def _changed(self, machine):
-        if machine.stood != self._stood:
-            self._stand()
+        self._stand()
         if machine.homed != self._homed:
             self._homed = machine.homed
             self._snapshot()  # none before it says where the motors are
@@ -262,7 +258,6 @@ class Links(links.Links):
             self._where(HALTED)
 
     def heed(self, _):
-        """What was queued behind a stand is gone."""
         self._where(DROPPED, self._retired)
 
     # --- flash

@@ -165,12 +165,10 @@ class Drawing(Feature):
     # --- drawing
 
     def poll(self, now_ms):
-        if self._machine.drawing:
-            self._go_on()
-
-    def _go_on(self):
         queue = self._queue
         machine = self._machine
+        if not machine.drawing:
+            return
         while self.points.count and queue.room() >= _BLOCKS_A_POINT:
             x, y, tool = self.points.take()
             self._taken += 1

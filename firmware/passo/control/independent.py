@@ -33,9 +33,8 @@ class Independent(Feature):
         self._ahead_ms = board["jog"]["ahead_ms"]
         self._limits_of = None  # the settings' version that the walker knows
         self.walker = self._queue.independent()
-        self._command = None  # the last RUN accepted: its link hears of the end
+        self._command = None  # the last RUN accepted, until the stand behind it, of which its link hears
         self._jog = None  # directions of the jog under way
-        self._moving = False
         self._all = (1 << len(self._axes)) - 1
         self._off = self._unpowered = 0  # masks of the axes that shall have no current, and of those that have none
         self._fastest = [0] * len(self._axes)  # steps/s of each axis
@@ -51,7 +50,7 @@ class Independent(Feature):
 
     def active(self):
         """True from a RUN to the stand behind it."""
-        return self._moving
+        return self._command is not None
 
     def made(self):
         """Signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
@@ -60,7 +59,6 @@ class Independent(Feature):
     def heed(self, _=WORK_GONE):
         """All motion has ended, or has been dropped."""
         self._command = self._jog = None
-        self._moving = False
         self._off = 0
         self._switch_off()
 
@@ -69,7 +67,7 @@ class Independent(Feature):
 
     def poll(self, now_ms):
         """Notices the end, and tells who asked last."""
-        if not self._moving:
+        if self._command is None:
             return
         self._machine.awake = True
         self._switch_off()
@@ -104,7 +102,7 @@ class Independent(Feature):
         error = machine.unready()
         if error:
             return error
-        if self._moving:
+        if self._command:
             if not self._may_join(command):
                 return errors.BUSY
         elif machine.state not in ("idle", "check") or not self._queue.still():
@@ -115,18 +113,16 @@ class Independent(Feature):
         if error:
             return error
         limited = machine.homed and machine.settings.value(table.SOFT_LIMITS)
-        intervals = []
-        for axis in range(len(command.steps)):
+        intervals = [None] * len(command.steps)
+        for axis in range(len(intervals)):
             steps = command.steps[axis]
             if steps is None:
-                intervals.append(None)
                 continue
-            each = self._interval(axis, command.rates[axis])
-            if not each:
+            intervals[axis] = self._interval(axis, command.rates[axis])
+            if not intervals[axis]:
                 return errors.SPEED_RANGE
             if steps and not self._reachable(axis, steps, limited):
                 return errors.TRAVEL
-            intervals.append(each)
         if machine.checking:
             return machine.accepted(command)
         if not self._queue.room():
@@ -143,6 +139,9 @@ class Independent(Feature):
             return True
         return command.when == commands.AS_JOG and self._jog == self._directions(command)
 
+    def _directions(self, command):
+        return [steps > 0 if steps else None for steps in command.steps]
+
     def _more(self, axis, command):
         """The steps that a jog adds to one under way."""
         steps = command.steps[axis]
@@ -152,9 +151,6 @@ class Independent(Feature):
         over, ms = command.rates[axis]
         more = min(max(over * self._ahead_ms // ms - ahead, 0), abs(steps))
         return more if steps > 0 else -more
-
-    def _directions(self, command):
-        return [None if not steps else steps > 0 for steps in command.steps]
 
     @micropython.native
     def _interval(self, axis, rate):
@@ -169,11 +165,11 @@ class Independent(Feature):
     def _reachable(self, axis, steps, limited):
         """False if soft limits (`limited`) forbid it, or it is too far to be counted."""
         endless = abs(steps) == FOREVER
-        if not endless and abs(steps) > MOST_STEPS - (max(self.walker.togo(axis), 0) if self._moving else 0):
+        if not endless and abs(steps) > MOST_STEPS - (max(self.walker.togo(axis), 0) if self._command else 0):
             return False
         if not limited:
             return True
-        if endless or self._moving and self._turns(axis, steps):
+        if endless or self._command and self._turns(axis, steps):
             return False
         low, high = self._queue.reach(axis)
         return low <= self._queue.target[axis] + steps <= high
@@ -187,7 +183,7 @@ class Independent(Feature):
         machine = self._machine
         walker = self.walker
         target = self._queue.target
-        if not self._moving:
+        if self._command is None:
             self._from = target[:]  # where it stands
             self._jog = None
         if command.when == commands.AS_JOG:
@@ -201,21 +197,20 @@ class Independent(Feature):
             if each is None:
                 continue
             steps = command.steps[axis]
-            if steps and self._moving and command.when == commands.AS_JOG:
+            if steps and self._command and command.when == commands.AS_JOG:
                 steps = self._more(axis, command)
                 if not steps:
                     continue
             over, ms = command.rates[axis]
             rest = ms * TICKS_PER_MS % over
             if not steps:
-                walker.rate(axis, each, rest, over)
+                walker.set(axis, 0, each, rest, over, walker.counts_down(axis), True)
             elif abs(steps) == FOREVER:
                 walker.set(axis, ENDLESS, each, rest, over, steps < 0)
             else:
-                add = self._moving and not self._turns(axis, steps)
+                add = self._command is not None and not self._turns(axis, steps)
                 walker.set(axis, abs(steps), each, rest, over, steps < 0, add)
                 target[axis] += steps
-        self._moving = True
         self._command = command
         if not walker.running and walker.active():
             self._queue.run(walker)
@@ -238,7 +233,7 @@ class Independent(Feature):
             if command.value >> axis & 1 and not self.walker.stands(axis):
                 self.walker.stop(axis)
         self._off = command.unpowered
-        if not self._moving and self._off == self._all and self._queue.still():
+        if self._command is None and self._off == self._all and self._queue.still():
             self._machine.motors.drives(False)
         return self._machine.accepted(command)
 

@@ -65,7 +65,7 @@ class JobJournal(Feature):
         self._sequence = 0
         self._block = self._slot = 0  # where the next record goes
         self._job = self._line = self._flags = 0
-        self._least = 0  # lines up to this one are none of the job's that began last
+        self._done = 0  # lines up to this one are none of the job's that began last, or were done when it was announced
         self._position = [0] * 4
         self._written = None  # what the newest record holds
         self._written_ms = 0
@@ -80,7 +80,7 @@ class JobJournal(Feature):
         self._broken = False  # what was queued has been dropped amid a line
         self._counted = machine.job  # a CountedJob; None: lines have numbers
         self._spot = array("i", [0] * (SPOT_AXES + self._axes))
-        self._done = self._lead = self._times = 0  # as announced, of one that is counted
+        self._lead = self._times = 0  # as announced, of one that is counted
         self._back = False
         self._astray = 0  # homing does not tell where the machine stands
         self._find(pages)
@@ -141,7 +141,7 @@ class JobJournal(Feature):
             return machine.accepted(command)
         self._retired = self._queue.retired()
         self._broken = self._moving = False
-        self._line = self._least = 0
+        self._line = self._done = 0
         self._sample_position()
         self._begin(command.target)
         self._flags |= self._homed()
@@ -163,7 +163,7 @@ class JobJournal(Feature):
         self._lead = lead
         self._back = bool(flags & BACK)
         self._times = flags >> _TIMES
-        self._done = self._least = line if flags & DONE else max(line - 1, 0)
+        self._done = line if flags & DONE else max(line - 1, 0)
         if position is not None:
             self._position[: len(position)] = position
         counted.counted = self._done - lead
@@ -197,10 +197,7 @@ class JobJournal(Feature):
         if not self._job or not self._counting():
             return
         if self._walks():
-            if still:
-                self._walked()
-            elif now_ms - self._written_ms & COUNT_MASK >= self._interval():
-                self._written_ms = now_ms
+            if still or self._due(now_ms):
                 self._walked()
             return
         if not still:
@@ -215,8 +212,7 @@ class JobJournal(Feature):
         self._moving = False
         if self._late:
             machine.awake = True
-            if now_ms - self._written_ms & COUNT_MASK >= self._interval():
-                self._written_ms = now_ms
+            if self._due(now_ms):
                 self._late = False
                 self._write()
 
@@ -228,7 +224,7 @@ class JobJournal(Feature):
         planner = queue.planner
         queue.retire()
         at = planner.row()
-        if at < 0 or planner.rows[at + ROW_TAG] <= self._least:
+        if at < 0 or planner.rows[at + ROW_TAG] <= self._done:
             return
         line = planner.rows[at + ROW_TAG]
         found = list(queue.found())
@@ -240,8 +236,7 @@ class JobJournal(Feature):
         self._line = line
         self._position[: self._axes] = found
         self._flags = self._homed()
-        if now_ms - self._written_ms & COUNT_MASK >= self._interval():
-            self._written_ms = now_ms
+        if self._due(now_ms):
             self._write()
 
     def _sample_position(self):
@@ -256,7 +251,7 @@ class JobJournal(Feature):
             line = planner.rows[at + ROW_TAG]
             if line or planner.rows[at + ROW_KIND] != WAIT:
                 break
-        if line <= self._least:
+        if line <= self._done:
             return
         self._line = line
         self._flags = DONE | self._homed()
@@ -270,7 +265,7 @@ class JobJournal(Feature):
         """The pins have stopped amid a word; what is queued is dropped next."""
         planner = self._queue.planner
         at = planner.row()
-        if at >= 0 and planner.rows[at + ROW_TAG] > self._least and self._counting():
+        if at >= 0 and planner.rows[at + ROW_TAG] > self._done and self._counting():
             self._line = planner.rows[at + ROW_TAG]
             self._flags &= ~DONE
             if not self._machine.away:
@@ -299,16 +294,17 @@ class JobJournal(Feature):
             self._position[axis] = spot[SPOT_AXES + axis]
         self._write()
 
-    def _interval(self):
-        """Rarer, the fewer slots are left before the next erase."""
-        if self._block < 0:
-            return COUNT_MASK
+    def _due(self, now_ms):
+        """True if another record is due: rarer, the fewer slots are left before the next erase."""
         interval = self._every_ms
         share = self._half
         while self._left < share and share > 4:
             interval *= 2
             share //= 2
-        return interval
+        if self._block < 0 or now_ms - self._written_ms & COUNT_MASK < interval:
+            return False
+        self._written_ms = now_ms
+        return True
 
     # --- flash
 

@@ -25,7 +25,7 @@ _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
 
 
 class JobLine:
-    """The serial line of a stored job: reads its file, and counts what is answered. No more is read than the language may have unanswered."""
+    """The serial line of a stored job: reads its file, and counts what is answered; no more is read than the language may have open."""
 
     def __init__(self, protocol, stored, look, damaged):
         """`look()` is called when something has been answered, `damaged(error)` if the file is damaged."""
@@ -212,7 +212,7 @@ class Jobs(Feature):
         machine = self._machine
         if self._file is not None:
             return errors.JOB_RUNS
-        if not name or not name_fits(name):
+        if not name_fits(name):
             return errors.NO_JOB
         if machine.alarm not in (0, errors.ALARM_LOCKED):  # the job may home first
             return errors.LOCKED
@@ -285,10 +285,10 @@ class Jobs(Feature):
             self._job(commands.Command(commands.JOB, name))
         if self._file is not None:
             self._machine.awake = True
-        if self._proving:
-            self._prove()
-        elif self._file is not None:
-            self._look()
+            if self._proving:
+                self._prove()
+            else:
+                self._look()
 
     def _look(self):
         """Notice at once if a line of the job was refused."""

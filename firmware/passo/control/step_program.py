@@ -63,7 +63,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._next = self._drop
             return
         self._power_back()
-        if self._streaming or self._loading:
+        if self._streaming or self.program.open:
             self._reset()
         self._walker.rewind()
         self._walker.pause(self._least_ticks)
@@ -127,9 +127,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._mode = mode
         self._start_ms = None
         self._midway = self._midway or mode == RUN
-        for other in (self._walker, self._hand):
-            if other is not walker:
-                walker.follow(other)
+        walker.follow(self._hand if walker is self._walker else self._walker)
         if not self._drives:
             self._without = self._queue.position()
             self._machine.motors.unpower((1 << self.program.axes) - 1)
@@ -255,26 +253,20 @@ class StepProgramPlayer(StepProgramOrders):
     def report(self, report):
         """Add what is known of the program: `program`, a dict."""
         walker = self._walker
-        index = walker.index
-        if self._mode == RUN:
-            index = self._queue.index()
-            if index is None:
-                index = walker.index
-        period_us = walker.step_us(1)
+        index = self._queue.index() if self._mode == RUN else None
         seen = self._hand if self._mode in (HAND, RETURN) else walker
         stepping = self._mode != IDLE and seen.left and not seen.wait_ms
         report["step_program"] = {
-            "index": index,
+            "index": walker.index if index is None else index,
             "total": self.program.total,
             "pass": self._pass,
             "passes": self._passes,
             "backward": self._backward,
-            "paused": self._midway and self._mode != RUN,
             "asked": self._asked,
             "manual": self._hand.index,
             "wait_ms": walker.wait_ms,
             # Tenths of a mm/min: what the whole microseconds of the first axis's period amount to.
-            "speed": self._lengths[1] * 10 // period_us,
+            "speed": self._lengths[1] * 10 // walker.step_us(1),
             "moving": seen.moving if stepping else 0,
             "negative": seen.negative if stepping else 0,
             "tool": self._queue.lit(),

@@ -60,9 +60,9 @@ class StepProgramOrders(Feature):
         config = board["step_program"]
         axes = len(board["axes"])
         self._dry_run = config["dry_run"]
-        self._default = config["default_mm_min"]
         self._lengths = lengths = lengths_of(board["axes"])
         self.fastest = min([lengths[1 << axis] for axis in range(axes)]) // config["interval_us"] or 1
+        self._default = min(config["default_mm_min"], self.fastest)
         tool_ticks = array("i", [queue.tool_ticks(False), queue.tool_ticks(True)])
         self.program = StepProgram(axes, config["cells"])
         self._walker = StepProgramWalker(self.program, lengths, tool_ticks)
@@ -74,10 +74,10 @@ class StepProgramOrders(Feature):
         self._reset()
 
     def _reset(self, ring=False):
-        self.program.clear(self._clamp(self._default), ring)
+        self.program.clear(self._default, ring)
         self._walker.rewind()
         self._stand()
-        self._loading = self._streaming = False
+        self._streaming = False
         self._powers = False  # the program switches the drives on somewhere
 
     def _stand(self):
@@ -94,11 +94,8 @@ class StepProgramOrders(Feature):
         self._forget_moves()
 
     def _forget_moves(self):
-        self._manual.clear(self._clamp(self._default))
+        self._manual.clear(self._default)
         self._hand.rewind()
-
-    def _clamp(self, mm_min):
-        return min(mm_min or self._default, self.fastest)
 
     def _add(self, command):
         """STEP_PROGRAM_ADD."""
@@ -118,7 +115,6 @@ class StepProgramOrders(Feature):
         job.announced = False
         self._reset(command.tool)
         self._streaming = command.tool
-        self._loading = not command.tool
         self.program.expect(True)
         self._origin = self._queue.target[:]
         self._command = command
@@ -128,9 +124,10 @@ class StepProgramOrders(Feature):
         program = self.program
         if not program.open:
             return errors.NO_STEP_PROGRAM
-        if self._streaming and self._room() < 2 * len(command.target) + 2:
-            return LATER
         items = command.target
+        ahead = (program.end - self._walker.cell) & COUNT_MASK
+        if self._streaming and ahead + 2 * len(items) + 2 > program.size // 2:  # the other half of the window is kept for the way back
+            return LATER
         at = program.extend(items, 0)
         while at < len(items):
             if not self._append(items[at]):
@@ -160,7 +157,7 @@ class StepProgramOrders(Feature):
         if kind == commands.STEPS_FASTEST:
             return self.program.append(marks.mark(marks.SPEED, self.fastest))
         if kind == commands.STEPS_DEFAULT:
-            return self.program.append(marks.mark(marks.SPEED, self._clamp(self._default)))
+            return self.program.append(marks.mark(marks.SPEED, self._default))
         station = ASK if kind == commands.STEPS_ASK else value
         self._powers = self._powers or station == DRIVES_ON
         return self.program.append(marks.mark(marks.STATION, station))
@@ -183,11 +180,6 @@ class StepProgramOrders(Feature):
             spot[SPOT_AXES + axis] = at[axis]
         return True
 
-    def _room(self):
-        """Cells that may be filled: the other half of the window is kept for the way back."""
-        ahead = (self.program.end - self._walker.cell) & COUNT_MASK
-        return self.program.size // 2 - ahead
-
     def _reachable(self):
         machine = self._machine
         if not machine.homed or not machine.settings.value(table.SOFT_LIMITS):
@@ -205,7 +197,6 @@ class StepProgramOrders(Feature):
         if not self.program.open:
             return errors.NO_STEP_PROGRAM
         self.program.expect(False)
-        self._loading = False
         if self._streaming and not self.active():
             self._streaming = False
             self._tell("end")
@@ -234,7 +225,7 @@ class StepProgramOrders(Feature):
             return self._jog(command)
         if verb in (commands.STEPS_HAND_TOOL, commands.STEPS_HAND_DRIVES):
             return self._switch(command)
-        if self._loading or not self.program.total:
+        if self.program.open and not self._streaming or not self.program.total:
             return errors.NO_STEP_PROGRAM
         if verb == commands.STEPS_RETURN:
             return self._return(command)

@@ -77,7 +77,8 @@ class IndependentAxes:
     def set(self, axis, steps, each, rest=0, over=1, negative=False, add=False):
         """Run `axis` for `steps` (≥ 0 or ENDLESS), a step every each + rest/over ticks (each ≥ 2 · least, < 2²⁹).
 
-        `add`: on top of those to come, which are of the same direction; else in the place of those. Raises ValueError.
+        `add`: on top of those to come, which are of the same direction; else in the place of those. To add 0 changes the rate from the
+        next step on. Raises ValueError.
         """
         togo = self.togo(axis) if add else 0
         if togo == ENDLESS and steps:
@@ -105,10 +106,6 @@ class IndependentAxes:
         state[at + AXIS_NEW] = 1
         if steps > 0:
             state[at + AXIS_ASKED] = (state[at + AXIS_ASKED] + steps) & COUNT_MASK
-
-    def rate(self, axis, each, rest=0, over=1):
-        """Another rate from the axis's next step on; how far it goes stays."""
-        self.set(axis, 0, each, rest, over, self._get(axis, AXIS_NEW_NEGATIVE), add=True)
 
     def stop(self, axis):
         """No step more than it takes to slow down."""

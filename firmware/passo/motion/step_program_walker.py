@@ -164,7 +164,12 @@ class StepProgramWalker:
                 self._arrive()
             return self._stand(words, at, gap, base, bits)
         if self.wait_ms:
-            return self._wait(words, at, base, bits)
+            part = self.wait_ms if self.wait_ms < _PIECE_MS else _PIECE_MS
+            self.wait_ms -= part
+            if not self.wait_ms:
+                self._step_over()
+                self._arrive()
+            return self._stand(words, at, part * TICKS_PER_MS, base, bits)
         if not self.left or self._dry:
             return 0
         return self._steps(words, at, room, base, bits)
@@ -174,15 +179,6 @@ class StepProgramWalker:
         words[at] = ticks << bits | base
         self.ticks = ticks
         return 1
-
-    @micropython.native
-    def _wait(self, words, at, base, bits):  # ISR: no allocation
-        part = self.wait_ms if self.wait_ms < _PIECE_MS else _PIECE_MS
-        self.wait_ms -= part
-        if not self.wait_ms:
-            self._step_over()
-            self._arrive()
-        return self._stand(words, at, part * TICKS_PER_MS, base, bits)
 
     @micropython.native
     def _steps(self, words, at, room, base, bits):  # ISR: no allocation

@@ -1,6 +1,7 @@
 """Weaving: a seam, line or arc, walked from side to side; handed to the planner piece by piece as it has room.
 
-    woven = Woven(deltas, plane, None, spec, nm_s, tool, tag, steps_per_m)      # spec: see WEAVE_… below
+    spec = shape, amplitude_um, pitch_um, left_ms, right_ms, along              # ms at the edges; 1: the speed is that along the seam
+    woven = Woven(deltas, plane, None, spec, nm_s, tool, tag, steps_per_m)
     while woven.left and planner.room():
         woven.add(planner)
 
@@ -25,14 +26,6 @@ from passo.motion.cordic import TURN, arc_length, rotate, vector
 from passo.motion.integers import isqrt, length_nm
 from passo.records import COUNT_MASK, NM_PER_M, TICKS_PER_MS, TICKS_PER_S
 
-# Fields of a spec: (shape, amplitude µm, pitch µm, ms at the left edge, ms at the right edge, 1: speed along the seam).
-WEAVE_SHAPE = const(0)
-WEAVE_AMPLITUDE = const(1)
-WEAVE_PITCH = const(2)
-WEAVE_LEFT = const(3)
-WEAVE_RIGHT = const(4)
-WEAVE_ALONG = const(5)
-
 ZIGZAG = const(1)
 TRIANGLE = const(2)
 TRAPEZOID = const(3)
@@ -46,11 +39,11 @@ MOST_DWELL_MS = const(60_000)
 _NM_PER_UM = const(1000)
 _PEAK = const(1 << 16)  # an edge
 
-# Points of a pitch: (eighths of it, side: 1 left, 0 the seam, -1 right, dwell there).
+# Points of a pitch: (eighths of it, side: up to _PEAK left, 0 the seam, down to -_PEAK right, dwell there).
 _POINTS = {
-    ZIGZAG: ((2, 1, True), (6, -1, True), (8, 0, False)),
-    TRIANGLE: ((4, 1, True), (4, -1, True), (8, 0, False)),
-    TRAPEZOID: ((1, 1, False), (3, 1, True), (5, -1, False), (7, -1, True), (8, 0, False)),
+    ZIGZAG: ((2, _PEAK, True), (6, -_PEAK, True), (8, 0, False)),
+    TRIANGLE: ((4, _PEAK, True), (4, -_PEAK, True), (8, 0, False)),
+    TRAPEZOID: ((1, _PEAK, False), (3, _PEAK, True), (5, -_PEAK, False), (7, -_PEAK, True), (8, 0, False)),
 }
 
 
@@ -77,8 +70,8 @@ class Woven:
         self._steps_per_m = steps_per_m
         self._tool = tool
         self._tag = tag
-        self._spec = spec
-        self._amplitude = spec[WEAVE_AMPLITUDE] * _NM_PER_UM
+        shape, amplitude, pitch, self._left_ms, self._right_ms, along = spec
+        self._amplitude = amplitude * _NM_PER_UM
         across = [deltas[axis] * NM_PER_M // steps_per_m[axis] for axis in plane]
         if circle is None:
             self._radius = 0
@@ -89,11 +82,11 @@ class Woven:
         if not length:
             raise ValueError("no seam in the plane")
         self._length = length
-        pitch = spec[WEAVE_PITCH] * _NM_PER_UM
+        pitch *= _NM_PER_UM
         self._pitches = max((length + pitch // 2) // pitch, 1)
-        self._points = self._sine() if spec[WEAVE_SHAPE] == SINE else _POINTS[spec[WEAVE_SHAPE]]
+        self._points = self._sine() if shape == SINE else _POINTS[shape]
         self._of_pitch = self._points[-1][0]
-        self._nm_s = self._pace(nm_s)
+        self._nm_s = self._pace(nm_s) if along else nm_s or 1  # along the path
         longest = max(length // self._pitches, 4 * self._amplitude) * TICKS_PER_S // self._nm_s
         if longest > COUNT_MASK:
             raise ValueError("pieces of more than 43 s")
@@ -147,14 +140,10 @@ class Woven:
 
     def _offset(self, side):
         """nm to the left of the seam, of a point's second field."""
-        if self._spec[WEAVE_SHAPE] == SINE:
-            return self._amplitude * side // _PEAK
-        return self._amplitude * side
+        return self._amplitude * side // _PEAK
 
     def _pace(self, nm_s):
-        """The speed along the path."""
-        if not self._spec[WEAVE_ALONG]:
-            return nm_s or 1
+        """The speed along the path, for one along the seam."""
         pitch = self._length // self._pitches
         path = at = beside = 0
         for along, side, _ in self._points:
@@ -205,7 +194,7 @@ class Woven:
         self._part = 0
         self._from = to, offset
         if side:
-            self._dwell = self._spec[WEAVE_LEFT if side > 0 else WEAVE_RIGHT]
+            self._dwell = self._left_ms if side > 0 else self._right_ms
         self._point += 1
         if self._point == len(self._points):
             self._point = 0
