@@ -33,7 +33,7 @@ def _lost(board, *ways):
 _CHECKED = ("motor", "device", "shift", "network", "drivers", "spi_drivers", "backlash", "kinematics", "parking", "rotary")
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
-               "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")  # fmt: skip
+               "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.arcs")  # fmt: skip
 
 
 # Every feature, in any order: its module of control, its class, and the rule by which a board file

@@ -6,10 +6,8 @@ from array import array
 from passo.drives import pbl3770a, unipolar
 from passo.drives.coils import CoilDrive
 
-TABLES = (
-    (unipolar.WAVE, 4), (unipolar.FULL, 4), (unipolar.HALF, 4), (pbl3770a.FULL, 6), (pbl3770a.HALF, 6),
-    (pbl3770a.MODES["quarter"], 6), (pbl3770a.MODES["eighth"], 6),
-)
+TABLES = [(unipolar.MODES[mode], 4) for mode in ("wave", "full", "half")]
+TABLES += [(pbl3770a.MODES[mode], 6) for mode in ("full", "half", "quarter", "eighth")]
 CASES = {
     "check_two_motors": (
         ("which", 0, len(TABLES) - 1), ("reversed_mask", 0, 3), ("steps", "list", 60, ("step", 0, 3), ("dirs", 0, 3)),
@@ -23,9 +21,9 @@ def spell(levels):
 
 
 def check_unipolar_tables():
-    assert [spell(levels) for levels in unipolar.WAVE] == "1000 0100 0010 0001".split()
-    assert [spell(levels) for levels in unipolar.FULL] == "1100 0110 0011 1001".split()
-    assert [spell(levels) for levels in unipolar.HALF] == "1000 1100 0100 0110 0010 0011 0001 1001".split()
+    assert [spell(levels) for levels in unipolar.MODES["wave"]] == "1000 0100 0010 0001".split()
+    assert [spell(levels) for levels in unipolar.MODES["full"]] == "1100 0110 0011 1001".split()
+    assert [spell(levels) for levels in unipolar.MODES["half"]] == "1000 1100 0100 0110 0010 0011 0001 1001".split()
 
 
 def windings(levels):
@@ -44,8 +42,8 @@ def signs(levels):
 def check_pbl3770a_half_step():
     coil_1 = (1, 1, 0, -1, -1, -1, 0, 1)
     coil_2 = (0, 1, 1, 1, 0, -1, -1, -1)
-    assert [signs(levels) for levels in pbl3770a.HALF] == list(zip(coil_1, coil_2))
-    for levels in pbl3770a.HALF:
+    assert [signs(levels) for levels in pbl3770a.MODES["half"]] == list(zip(coil_1, coil_2))
+    for levels in pbl3770a.MODES["half"]:
         currents = sorted([abs(percent) for percent in windings(levels)])
         assert currents in ([60, 60], [0, 100])
 
@@ -54,9 +52,9 @@ def check_pbl3770a_full_step():
     """Both chips at 60 %, one PH toggled a step, alternately."""
     toggled = []
     for phase in range(4):
-        levels = pbl3770a.FULL[phase]
+        levels = pbl3770a.MODES["full"][phase]
         assert [abs(percent) for percent in windings(levels)] == [60, 60]
-        toggled.append(levels ^ pbl3770a.FULL[(phase + 1) % 4])
+        toggled.append(levels ^ pbl3770a.MODES["full"][(phase + 1) % 4])
     assert toggled in ([0b000001, 0b001000] * 2, [0b001000, 0b000001] * 2)
 
 
@@ -82,27 +80,25 @@ def check_pbl3770a_microsteps():
             resting_a, resting_b = windings(hold[phase])
             assert abs(resting_a) <= abs(a) and abs(resting_b) <= abs(b)
             assert abs(math.atan2(resting_b, resting_a) - math.atan2(b, a)) < 1e-6
-    assert [pbl3770a.MODES["eighth"][4 * phase] for phase in range(8)] == list(pbl3770a.HALF)
+    assert [pbl3770a.MODES["eighth"][4 * phase] for phase in range(8)] == list(pbl3770a.MODES["half"])
 
 
 def check_a_step_and_a_reversal_change_one_phase_only():
     """From any phase, one step on or back changes one coil (wave drive: hands over between neighbours)."""
-    for table in (unipolar.FULL, unipolar.HALF):
-        drive = CoilDrive(1, table, 4)
+    for table in (unipolar.MODES["full"], unipolar.MODES["half"]):
         for phase in range(len(table)):
             for delta in (1, -1):
-                changed = drive.pattern(phase, 0) ^ drive.pattern(phase, delta)
+                changed = table[phase] ^ table[(phase + delta) % len(table)]
                 coils = [changed >> bit & 1 for bit in range(4)]
-                if table is unipolar.HALF:
+                if table is unipolar.MODES["half"]:
                     assert sum(coils) == 1
                 else:
                     assert (coils[0] & coils[2]) + (coils[1] & coils[3]) == 1 and sum(coils) == 2
-    for table in (pbl3770a.FULL, pbl3770a.HALF):
-        drive = CoilDrive(1, table, 6)
+    for table in (pbl3770a.MODES["full"], pbl3770a.MODES["half"]):
         for phase in range(len(table)):
             for delta in (1, -1):
-                before = signs(drive.pattern(phase, 0))
-                after = signs(drive.pattern(phase, delta))
+                before = signs(table[phase])
+                after = signs(table[(phase + delta) % len(table)])
                 assert (before[0] != after[0]) + (before[1] != after[1]) == 1
 
 

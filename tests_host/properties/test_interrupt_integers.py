@@ -178,4 +178,4 @@ def test_the_stand_in_would_notice():
         words[0] = 1 << 30
     with pytest.raises(OverflowError):
         words[0] = Small(1 << 20) * (1 << 12)
-    assert bytes(unipolar.HALF)
+    assert bytes(unipolar.MODES["half"])

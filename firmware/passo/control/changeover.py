@@ -77,8 +77,7 @@ class Changeover(Feature):
         self.ours = ours
         self._machine.detached = self._relays and not ours and not self._by_motion
         self._made = False
-        self._put(self._ours, False)
-        self._put(self._theirs, False)
+        self._put(self._ours + self._theirs, False)
         self._wait()
 
     def _put(self, names, on):

@@ -81,18 +81,16 @@ class Motors(Feature):
 
     def _ask(self, now_ms):
         self._line.read()  # what nobody asked for
-        motor = self._motors[self._number]
-        address = motor["address"]
-        rows = self._registers[self._number]
+        address = self._motors[self._number]["address"]
         stage = self._stage
-        if self._set < len(self._motors):
-            register = (chip.IOIN, chip.IFCNT, chip.IFCNT, chip.GCONF, chip.CHOPCONF)[stage]
-        else:
-            register = chip.DRV_STATUS if stage else chip.GSTAT
         data = b""
-        if self._set < len(self._motors) and stage == 2:
-            for row in rows:
-                data += chip.telegram(address, *row)
+        if self._set == len(self._motors):
+            register = chip.DRV_STATUS if stage else chip.GSTAT
+        else:
+            register = (chip.IOIN, chip.IFCNT, chip.IFCNT, chip.GCONF, chip.CHOPCONF)[stage]
+            if stage == 2:
+                for row in self._registers[self._number]:
+                    data += chip.telegram(address, *row)
         data += chip.telegram(address, register)
         self._sent = len(data)  # which the wire may give back
         self._line.write(data)
@@ -118,7 +116,10 @@ class Motors(Feature):
 
     def _heard(self, found, now_ms):
         if self._set == len(self._motors):
-            self._watch(found, now_ms)
+            if self._stage:
+                self._judge(found, now_ms)
+            else:
+                self._stage = self._powered(found)
             return
         rows = self._registers[self._number]
         stage = self._stage
@@ -136,14 +137,15 @@ class Motors(Feature):
                 self._set += 1
                 self._number = self._set % len(self._motors)
 
-    def _watch(self, found, now_ms):
-        """GSTAT or DRV_STATUS of a driver that is set up."""
-        if self._stage == 0:
-            if found & (chip.RESET | chip.UNDERVOLTAGE):
-                self._fail(errors.ALARM_DRIVER_POWER, "reset" if found & chip.RESET else "undervoltage")
-                return
-            self._stage = 1
-            return
+    def _powered(self, state):
+        """1 if GSTAT says that the power has not failed; else raise the alarm, and return 0."""
+        if state & (chip.RESET | chip.UNDERVOLTAGE):
+            self._fail(errors.ALARM_DRIVER_POWER, "reset" if state & chip.RESET else "undervoltage")
+            return 0
+        return 1
+
+    def _judge(self, found, now_ms):
+        """DRV_STATUS of a driver that is set up."""
         if found & (chip.OVERHEATED | chip.SHORTED):
             self._fail(errors.ALARM_DRIVER_FAULT, "short" if found & chip.SHORTED else "overheated")
             return

@@ -30,15 +30,10 @@ class EncoderWatch(Feature):
         self._encoders = machine.encoders
         self._axes = [axis["name"] for axis in board["axes"]]
         self._correct = [item["correct"] for item in board["encoders"]]
-        self._first = self._second = -1  # the encoders of a gantry
-        gantry = board["gantry"]
-        if gantry and gantry["axis"] in machine.encoders.names and gantry["axis"] + "2" in machine.encoders.names:
-            self._first = machine.encoders.names.index(gantry["axis"])
-            self._second = machine.encoders.names.index(gantry["axis"] + "2")
+        self._first, self._second = machine.encoders.gantry or (-1, -1)
         self._settle_ms = max([item["settle_ms"] for item in board["encoders"]])
-        names = machine.encoders.names
         homing = board["homing"]
-        self._all = not [name for name in (homing["sensors"] if homing else self._axes) if name not in names]
+        self._all = not [name for name in (homing["sensors"] if homing else self._axes) if name not in machine.encoders.names]
         self._still_ms = 0  # since when it stands
         self._checks = 0  # of the encoders as it came to stand, or as an error was last accounted for
         self._settled = False
@@ -69,18 +64,19 @@ class EncoderWatch(Feature):
     def stopped(self, name):
         if name != self._encoders.name:
             return False
-        who = self._missing(self._encoders.beyond)
+        beyond = self._encoders.beyond
+        self._alarm([number for number in range(len(self._correct)) if beyond >> number & 1])
+        return True
+
+    def _alarm(self, missing):
+        """Tell how many steps each of these motors has turned too many, negative: too few, and where the machine is."""
+        encoders = self._encoders
+        said = ["%s %+d" % (encoders.names[number], encoders.steps(number)) for number in missing]
+        positions = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
+        who = "%s at %s" % (" ".join(said), " ".join(positions))
         self._machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
         self._machine.notice(errors.NOTICE_STEPS_MISSING, who)
         self._homed = False
-        return True
-
-    def _missing(self, mask):
-        """For people: by motor how many steps it has turned too many, negative: too few, and where the machine is."""
-        encoders = self._encoders
-        said = ["%s %+d" % (encoders.names[n], encoders.steps(n)) for n in range(len(encoders.names)) if mask >> n & 1]
-        positions = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
-        return "%s at %s" % (" ".join(said), " ".join(positions))
 
     def _move(self):
         self._settled = False
@@ -109,19 +105,15 @@ class EncoderWatch(Feature):
                 self._mask = machine.command.value
             self._move()
             return
-        if self._homing:
-            self._end_homing()
+        if self._homing:  # the sensors have said where the axes are: forget the steps that encoders missed
+            self._homing = self._halted = False
+            for number in range(len(self._correct)):
+                if not self._mask or self._mask >> self._encoders.axis(number) & 1:
+                    self._encoders.forget(number)
+            self._move()
         if (now_ms - self._still_ms) & COUNT_MASK < self._settle_ms or self._encoders.checks == self._checks:
             return
         self._settle()
-
-    def _end_homing(self):
-        """Forget the steps that encoders missed in homing: the sensors have said where the axes are."""
-        self._homing = self._halted = False
-        for number in range(len(self._encoders.names)):
-            if not self._mask or self._mask >> self._encoders.axis(number) & 1:
-                self._encoders.forget(number)
-        self._move()
 
     def _settle(self):
         """It stands, and what the encoders say is exact."""
@@ -170,10 +162,7 @@ class EncoderWatch(Feature):
         machine = self._machine
         if machine.alarm or machine.hold or machine.command is not None:
             return True
-        missing = 0
-        for number in range(len(off)):
-            if off[number] and self._correct[number]:
-                missing |= 1 << number
+        missing = [number for number in range(len(off)) if off[number] and self._correct[number]]
         if not missing:
             return True
         if self._second >= 0 and off[self._first] != off[self._second]:
@@ -181,15 +170,12 @@ class EncoderWatch(Feature):
         self._tries += 1
         if self._tries > _TRIES:
             self._tries = 0
-            who = self._missing(missing)
-            machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
-            machine.notice(errors.NOTICE_STEPS_MISSING, who)
-            self._homed = False
+            self._alarm(missing)
             return True
         self._note(errors.STEPS_MADE_UP, off)
         ways = []
-        for number in range(len(off)):
-            if missing >> number & 1 and number != self._second:
+        for number in missing:
+            if number != self._second:
                 self._take(number, off[number])
                 axis = self._encoders.axis(number)
                 ways.append((axis, -off[number], self._speed(axis)))

@@ -33,11 +33,9 @@ class GantryWatch(Feature):
         self._feeder, self._player = queue.lend()
         self._encoders = machine.encoders
         section = board["gantry"]
-        names = machine.encoders.names if machine.encoders is not None else ()
         self._axis = [axis["name"] for axis in board["axes"]].index(section["axis"])
         self._motors = section["axis"], section["axis"] + "2"
-        self._pair = [names.index(name) for name in self._motors if name in names]
-        self._active = len(self._pair) == 2
+        self._pair = () if machine.encoders is None else machine.encoders.gantry
         self._wait_steps = section["wait_steps"]
         self._limit_steps = section["limit_steps"]
         self._settle_ms = max([item["settle_ms"] for item in board["encoders"]] + [_LEAST_MS])
@@ -59,7 +57,7 @@ class GantryWatch(Feature):
         self._phase = self._tries = 0
 
     def stopped(self, name):
-        if not self._active or name != self._encoders.name or not self._encoders.lagging:
+        if not self._pair or name != self._encoders.name or not self._encoders.lagging:
             return False
         self._alarm()
         return True
@@ -72,7 +70,7 @@ class GantryWatch(Feature):
         self._machine.notice(errors.NOTICE_GANTRY, who)
 
     def look(self, now_ms):
-        if not self._active:
+        if not self._pair:
             return
         machine = self._machine
         queue = self._queue
@@ -127,24 +125,13 @@ class GantryWatch(Feature):
 
     def _step(self, now_ms):
         phase = self._phase
-        self._show(phase == _RISE)
+        step, direction = self._feeder.drive.pins(self._motor)
+        levels = self._queue.pins(self._queue.lit()) & ~direction
+        self._player.rest(levels | (direction if self._forward else 0) | (step if phase == _RISE else 0))
         self._phase = phase + 1 if phase < _FALL else _RISE
         if phase == _FALL:
             self._left -= 1
             if not self._left:
-                self._player.rest(self._levels())
+                self._player.rest(self._queue.pins(self._queue.lit()))
                 self._phase = 0
                 self._stand(now_ms)
-
-    def _show(self, up):
-        """The pins of the motor under way: DIR, and STEP."""
-        step, direction = self._feeder.drive.pins(self._motor)
-        levels = self._levels() & ~direction
-        self._player.rest(levels | (direction if self._forward else 0) | (step if up else 0))
-
-    def _levels(self):
-        """The pins as the last word has left them."""
-        layout = self._feeder.layout
-        ring = self._feeder.ring
-        levels = ring.words[(self._player.played() - 1) & ring.mask] & layout.levels_mask
-        return levels & ~(layout.pulse_mask | layout.tool_mask) | (layout.tool_mask if self._queue.lit() else 0)

@@ -61,10 +61,8 @@ class Homing(Feature):
         Feature.__init__(self, board, machine, queue)
         self._lifting = False  # homing waits for the tool
         self._known = 0  # mask of the axes whose position is known
-        self._all = 0  # of those that can be homed
-        for number in range(len(self._axes)):
-            if self._axes[number]["name"] in self._config["sensors"]:
-                self._all |= 1 << number
+        names = [axis["name"] for axis in self._axes]
+        self._all = sum([1 << names.index(name) for name in names if name in self._config["sensors"]])  # of those that can be homed
         self._groups = []  # of seekers; those of a group home at once
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
@@ -144,9 +142,15 @@ class Homing(Feature):
         machine.homed = self._known == self._all
         machine.finish(self._quality and self._quality.found())
 
-    def _sensor(self, name, axis):
+    def _sensors(self, number):
+        names = [self._config["sensors"][self._axes[number]["name"]]]
+        if self._squaring and self._squaring.axis == number:
+            names.append(self._squaring.sensor)
+        return [self._sensor(name, number) for name in names]
+
+    def _sensor(self, name, axis, kind=Sensor):
         read = self._machine.inputs.read
-        return Sensor(lambda: read(name), self._config["debounce_ms"], self._machine.port.watch_limit(name), self._queue, axis)
+        return kind(lambda: read(name), self._config["debounce_ms"], self._machine.port.watch_limit(name), self._queue, axis)
 
     def _begin(self, now_ms):
         """Begin, with the settings as they are now."""
@@ -163,14 +167,11 @@ class Homing(Feature):
     def _seeker(self, number):
         axis = self._axes[number]
         name = axis["name"]
-        names = [self._config["sensors"][name]]
-        if self._squaring and self._squaring.axis == number:
-            names.append(self._squaring.sensor)
         away = -1 if name in self._config["high_end"] else 1
         values = self._machine.settings.homing(number)
         distance = axis["travel_steps"] + 2 * max(axis["travel_steps"] // 10, 5 * values[2])
         distance = self._config["each"].get(name, {}).get("distance_steps", distance)
-        return Seeker(number, self._queue.axis(number), [self._sensor(sensor, number) for sensor in names], away, values, distance)
+        return Seeker(number, self._queue.axis(number), self._sensors(number), away, values, distance)
 
     def _go_on(self, now_ms):
         """_ON_ITS_WAY, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
@@ -210,50 +211,41 @@ class Homing(Feature):
             for seeker in group:
                 for sensor in seeker.sensors:
                     sensor.restart(self._now_ms)
-        self._side = None
         for seeker in group:
             seeker.done = False
             self._phases[phase](seeker)
         self._go([seeker for seeker in group if not seeker.done])
 
-    # A phase says of a seeker which way it is to go at most, and what ends it: `_until` is the state of a sensor that does
-    # (None: only the way's end, with the sensors free), `_side` the sensor meant if it is not any of them, `_alarm` what it
-    # means if the way ends otherwise.
+    def until(self, active, alarm=errors.ALARM_SENSOR_STUCK, sensor=None):
+        """The phase ends as any sensor, or `sensor`, is `active` (None: only at the way's end, with the sensors free); `alarm` is
+        raised if the way ends otherwise."""
+        self._until = active
+        self._side = sensor
+        self._alarm = alarm
+
+    # A phase says of a seeker which way it is to go at most, and what ends it.
 
     def _leave(self, seeker):
-        self._until = False
-        self._alarm = errors.ALARM_SENSOR_STUCK
+        self.until(False)
         limit = max(self._axes[seeker.axis]["travel_steps"] // 10, 5 * seeker.pull_off_steps)
         self.way(seeker, 0 if seeker.met(False) else limit, seeker.seek_steps_s)
 
     def _seek(self, seeker):
-        self._until = True
-        self._alarm = errors.ALARM_SENSOR_DEAD
+        self.until(True, errors.ALARM_SENSOR_DEAD)
         self.way(seeker, -seeker.distance, seeker.seek_steps_s)
 
     def _pull_off(self, seeker):
-        self.end_of_way()
+        self.until(None)
         seeker.keep(seeker.tripped)
         self.way(seeker, seeker.pull_off_steps - self.gone(seeker, seeker.tripped), seeker.seek_steps_s)
 
     def _locate(self, seeker):
-        self._until = True
-        self._alarm = errors.ALARM_SENSOR_DEAD
+        self.until(True, errors.ALARM_SENSOR_DEAD)
         self.way(seeker, -3 * seeker.pull_off_steps, seeker.locate_steps_s)
 
     def gone(self, seeker, number):
         """Steps from the edge of one of its sensors, away from it."""
         return (self._queue.axis(seeker.axis) - seeker.edges[number]) * seeker.away
-
-    def end_of_way(self):
-        self._until = None
-        self._alarm = errors.ALARM_SENSOR_STUCK
-
-    def until(self, sensor, alarm):
-        """The phase ends as `sensor` trips, else in `alarm`."""
-        self._until = True
-        self._side = sensor
-        self._alarm = alarm
 
     def way(self, seeker, steps, steps_s):
         """`steps` away from the sensor's end."""

@@ -14,13 +14,9 @@ class Inputs:
         names = [item["name"] for item in board["inputs"]]
         self.has_probe = "probe" in names
         self.door = "door" in names  # there is one
-        homing = board["homing"]
-        self.limits = []  # (axis's letter, name)
-        for axis in board["axes"]:
-            name = homing["sensors"].get(axis["name"]) if homing else None
-            name = name or "limit_" + axis["name"]
-            if name in names:
-                self.limits.append((axis["name"].upper(), name))
+        sensors = board["homing"]["sensors"] if board["homing"] else {}
+        limits = [(axis["name"].upper(), sensors.get(axis["name"]) or "limit_" + axis["name"]) for axis in board["axes"]]
+        self.limits = [limit for limit in limits if limit[1] in names]  # (axis's letter, name)
         self.names = [name for _, name in self.limits]
         if board["interlock"]:  # it watches the limits, and the board file alone says when they are active
             limits = board["interlock"]["limits"]

@@ -29,12 +29,9 @@ class InterlockWatch(Feature):
         sensors = list(homing["sensors"].values()) if homing else []
         if board["gantry"]:
             sensors.append(board["gantry"]["sensor"])
-        self._homes = self._probes = 0  # inputs that forbid nothing while homing or probing looks for them
-        for number in range(len(names)):
-            if names[number] in sensors:
-                self._homes |= 1 << number
-            if names[number] == "probe":
-                self._probes |= 1 << number
+        # Inputs that forbid nothing while homing or probing looks for them.
+        self._homes = sum([1 << number for number in range(len(names)) if names[number] in sensors])
+        self._probes = sum([1 << number for number in range(len(names)) if names[number] == "probe"])
         self._seen = -1  # the pins at the last pass
         self._calm = False  # the interlock has them as they are
         self._raw = self._interlock.states

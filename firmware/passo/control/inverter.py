@@ -21,8 +21,7 @@ from passo import errors
 from passo.commands import SPINDLE_OFF
 from passo.config.inverter_makes import MAKES
 from passo.control import modbus
-from passo.control.feature import Feature
-from passo.control.spindle_speed import PERIOD_MS, AskedSpeed
+from passo.control.spindle_speed import PERIOD_MS, SpindleSpeed
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _UNKNOWN = const(-1)
@@ -39,10 +38,10 @@ _OUTPUT = const(3)
 _FAULT = const(4)
 
 
-class Inverter(Feature):
+class Inverter(SpindleSpeed):
     def __init__(self, board, machine, queue):
         config = board["inverter"]
-        Feature.__init__(self, board, machine, queue)
+        SpindleSpeed.__init__(self, board, machine, queue, config)
         self._make = MAKES[config["make"]]
         self._address = config["address"]
         self._poles = config["poles"]
@@ -55,7 +54,6 @@ class Inverter(Feature):
         self._told_way = self._told_hz = _UNKNOWN  # as the inverter has confirmed
         self._turned = 0  # the way it turned last
         self.output = 0  # hundredths of a hertz, as it said last
-        self._asked_speed = AskedSpeed(machine, queue, config)
         self._about = _STOP
         self._request = None  # on its way
         self._reply = bytearray()
@@ -65,16 +63,13 @@ class Inverter(Feature):
         self._noted = False  # that it does not answer, while nothing turns
         self._asks = _OUTPUT  # what it is asked next
 
-    def ready(self):
-        return self._asked_speed.ready()
-
     def look(self, now_ms):
         self._want(now_ms)
         if self._request is not None:
             self._listen(now_ms)
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
             self._choose(now_ms)
-        if self._way and self._asked_speed.late(now_ms):
+        if self._way and self.late(now_ms):
             self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
     # --- what it is to do
@@ -85,20 +80,16 @@ class Inverter(Feature):
         if way == SPINDLE_OFF or machine.alarm or not self._queue.lit():
             way = hz = 0
         else:
-            hz = self._asked()
+            hz = min(self.asked_rpm() * self._poles // 1200, 0xFFFF)
             if not hz:
                 way = 0
                 machine.at_speed = True
         if way != self._way or hz != self._hz:
             self._way = way
             self._hz = hz
-            self._asked_speed.begin(now_ms)
+            self.begin(now_ms)
             if self._request is None:
                 self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
-
-    def _asked(self):
-        """Hundredths of a hertz that S asks for."""
-        return min(self._asked_speed.rpm() * self._poles // 1200, 0xFFFF)
 
     def _choose(self, now_ms):
         """Send what matters most now, if anything does."""
@@ -185,7 +176,7 @@ class Inverter(Feature):
         """The speed has been read."""
         if not self._way or self._told_way != self._way or self._told_hz != self._hz:
             return
-        if self._asked_speed.falls_behind(self.output, self._hz):
+        if self.falls_behind(self.output, self._hz):
             self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
     def _failed(self, now_ms, number, who):

@@ -8,7 +8,7 @@ import micropython
 from passo import commands, errors
 from passo.batch import LINES
 from passo.config import setting_numbers as table
-from passo.control.arc_bounds import farthest
+from passo.control.arcs import farthest
 from passo.control.feature import Feature
 from passo.motion.look_ahead_viper import plan_lines
 from passo.motion.row_viper import room

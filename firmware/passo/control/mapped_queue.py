@@ -4,7 +4,7 @@ Commands, travel, homing and reports are in steps of the axes, as everywhere. A 
 the step below; the next block makes up for it.
 """
 
-from passo.control.stream_queue import StreamQueue
+from passo.control.stream_queue import Chords, StreamQueue
 from passo.steps.word import TICKS_PER_S
 
 
@@ -46,7 +46,7 @@ class Queue(StreamQueue):
         slowest, _ = planner.slowest([])
         if ticks:
             nm_s = planner.own.length(deltas) * TICKS_PER_S // ticks
-        chords = self._make_chords(pieces, nm_s or slowest, tool, tag, planner.own.steps_per_m, [], slowest)
+        chords = Chords(pieces, nm_s or slowest, tool, tag, planner.own.steps_per_m, [], slowest)
         self._change_tool(tool, tag)
         self.chords = chords
         self.feed()

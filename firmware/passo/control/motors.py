@@ -12,7 +12,7 @@ RELEASED = const(2)
 
 
 class Motors:
-    def __init__(self, port, player, layout, drive, off_levels, board, enable_inverted=False):
+    def __init__(self, port, player, layout, drive, off_levels, board, enable_inverted):
         """`drive` and `off_levels` for coils; `drive` None for STEP/DIR drivers, which have an output "enable", or more whose names begin so."""
         self._port = port
         self._player = player
@@ -88,8 +88,5 @@ class Motors:
             self._port.output(name, (state != RELEASED) != self._enable_inverted)
         if self._drive is None:
             return
-        levels = (self._drive.levels, self._drive.holding, self._off)[state]()
+        levels = self._off_levels if state == RELEASED else self._drive.holding() if state == HOLDING else self._drive.levels()
         self._player.rest(levels | (self._tool_mask if self._tool else 0))
-
-    def _off(self):
-        return self._off_levels

@@ -35,13 +35,12 @@ class Pendant(Feature):
             raise BoardError("a pendant (inputs jog_…) wants a link that speaks grbl")
         self._buttons = []  # (axis, +1 or −1, Sensor)
         self._fast = None
-        for item in board["inputs"]:
-            name = item["name"]
-            if name[:4] == "jog_" and name not in known:
+        for name in [item["name"] for item in board["inputs"] if item["name"][:4] == "jog_"]:
+            if name not in known:
                 raise BoardError("input %s: a pendant's are %s" % (name, ", ".join(known)))
             if name == "jog_fast":
                 self._fast = self._sensor(name)
-            elif name[:4] == "jog_":
+            else:
                 self._buttons.append((letters.index(name[4]), 1 if name[5] == "+" else -1, self._sensor(name)))
         self._wanted = [0] * len(axes)  # the directions at the last pass
         self._dead = False  # until all buttons have been released

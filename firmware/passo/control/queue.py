@@ -302,13 +302,16 @@ class Queue:
         ring = self._feeder.ring
         return ring.words[(self._player.played() - 1) & ring.mask] & self._feeder.layout.levels_mask
 
+    def pins(self, tool):
+        """The pins as the last word has left them, no step's pulse among them, and the tool on or off."""
+        layout = self._feeder.layout
+        return self._levels() & ~(layout.pulse_mask | layout.tool_mask) | (layout.tool_mask if tool else 0)
+
     def rest(self, tool):
         """Tool on or off while the machine stands and nothing plays."""
         self._rested = tool
         self._rested_at = self._player.played()
-        layout = self._feeder.layout
-        levels = self._levels() & ~(layout.pulse_mask | layout.tool_mask)
-        self._player.rest(levels | (layout.tool_mask if tool else 0))
+        self._player.rest(self.pins(tool))
         if tool:
             self.restore_power()
         else:

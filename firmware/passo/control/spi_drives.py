@@ -83,11 +83,8 @@ class Motors(drives.Motors):
         state = self._read(chip.GSTAT)  # a TMC2130 forgets that it was reset
         if state is None:
             return False
-        if self._kept:
-            self._stage = 0
-            self._watch(state, 0)
-            if not self._stage:
-                return True  # its power has failed
+        if self._kept and not self._powered(state):
+            return True
         for register, number in rows:
             self._send(chip.datagram(register, number))
             if self._send(chip.datagram(chip.IOIN)) != number:
@@ -110,8 +107,6 @@ class Motors(drives.Motors):
         status = self._send(chip.datagram(chip.IOIN))
         if self._send(chip.datagram(chip.IOIN)) >> 24 not in chip.VERSIONS.values():
             return False
-        self._stage = 0
-        self._watch(state, now_ms)
-        if self._stage:
-            self._watch(chip.faults(status), now_ms)
+        if self._powered(state):
+            self._judge(chip.faults(status), now_ms)
         return True

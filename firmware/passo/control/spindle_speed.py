@@ -1,42 +1,39 @@
-"""What speed the programme asks of the spindle, that cuts wait for it, and whether it is reached: for what measures it."""
+"""What speed the programme asks of the spindle, that cuts wait for it, and whether it is reached: the base of what measures it."""
 
 from micropython import const
 
 from passo.config import setting_numbers as table
+from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 
 PERIOD_MS = const(100)  # between two looks at the speed it has
 _SLOW = const(3)  # of these below half of what is asked are no accident
 
 
-class AskedSpeed:
-    def __init__(self, machine, queue, config):
+class SpindleSpeed(Feature):
+    def __init__(self, board, machine, queue, config):
         """`config`: a section of the board file with at_speed_percent and spin_up_ms."""
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._percent = config["at_speed_percent"]
         self._spin_up_ms = config["spin_up_ms"]
         self._since_ms = 0  # since when it is wanted
         self._reached = False
         self._slow = 0
         machine.waits_for_speed = True
-        self._of = None  # what `_rpm` was computed of
+        self._rpm_of = None  # what `_rpm` was computed of
         self._rpm = 0
 
-    def rpm(self):
+    def asked_rpm(self):
         """S with its override, within $31 and $30: thousandths of a turn a minute. Computed anew only when it changes: that
         allocates."""
         machine = self._machine
-        percent = machine.overrides[2]
-        of = self._of
-        if of is None or of != (machine.power, percent, machine.settings.version):
-            settings = machine.settings
-            self._of = machine.power, percent, settings.version
+        settings = machine.settings
+        of = machine.power, machine.overrides[2], settings.version
+        if of != self._rpm_of:
+            self._rpm_of = of
             most = settings.value(table.MAX_RPM)  # in thousandths, as the others
-            rpm = min(machine.power * most * percent // 100_000_000, most)
-            if rpm:
-                rpm = max(rpm, settings.value(table.MIN_RPM))
-            self._rpm = rpm
+            rpm = min(of[0] * most * of[1] // 100_000_000, most)
+            self._rpm = max(rpm, settings.value(table.MIN_RPM)) if rpm else 0
         return self._rpm
 
     def begin(self, now_ms):

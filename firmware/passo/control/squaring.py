@@ -41,13 +41,13 @@ class Squaring:
         other = seeker.sensors[1 - seeker.tripped]
         self._stood = self._queue.axis(seeker.axis)
         self._drive.use(1 if seeker.tripped else 2)
-        homing.until(other, errors.ALARM_TWO_MOTORS)
+        homing.until(True, errors.ALARM_TWO_MOTORS, other)
         homing.way(seeker, -self._rack_steps, seeker.locate_steps_s)
 
     def _together(self, seeker):
         """Both go away from their sensors, the less of what each has to go."""
         homing = self._homing
-        homing.end_of_way()
+        homing.until(None)
         if seeker.axis != self.axis:
             seeker.keep(0)
             homing.way(seeker, seeker.pull_off_steps - homing.gone(seeker, 0), seeker.seek_steps_s)
@@ -67,7 +67,7 @@ class Squaring:
 
     def _square(self, seeker):
         homing = self._homing
-        homing.end_of_way()
+        homing.until(None)
         if seeker.axis != self.axis:
             seeker.done = True
             return

@@ -74,21 +74,16 @@ class Homing(homing.Homing):
         self._doubt = False
         homing.Homing.__init__(self, board, machine, queue)
 
-    def _seeker(self, number):
-        seeker = homing.Homing._seeker(self, number)
-        if number in self._full:
-            motors = (0, 1) if self._shared and number < 2 else (number,)
-            seeker.sensors = [self._feeler(motor, number) for motor in motors]
-            seeker.edges = [seeker.start] * len(motors)
-            seeker.ends = [seeker.pull_off_steps] * len(motors)
-        return seeker
+    def _sensors(self, number):
+        if number not in self._full:
+            return homing.Homing._sensors(self, number)
+        return [self._feeler(motor, number) for motor in ((0, 1) if self._shared and number < 2 else (number,))]
 
     def _feeler(self, motor, axis):
-        read = self._machine.inputs.read
-        sensor = self._config["sensors"][self._axes[motor]["name"]]
-        feeler = StallSensor(lambda: read(sensor), self._config["debounce_ms"], self._machine.port.watch_limit(sensor), self._queue, axis)
+        name = self._config["sensors"][self._axes[motor]["name"]]
+        feeler = self._sensor(name, axis, StallSensor)
         feeler.full = self._full[axis]
-        feeler.input = sensor
+        feeler.input = name
         return feeler
 
     def _home(self, command):
@@ -145,7 +140,7 @@ class Homing(homing.Homing):
         self._enough = _ENOUGH
         # At first it may back off into the far end, unnoticed.
         self._doubt = all([group[0].axis != seeker.axis for group in self._groups[: self._stage // len(self._phases)]])
-        self.end_of_way()
+        self.until(None)
         self._back(seeker, seeker.pull_off_steps)
 
     def _back(self, seeker, steps):
@@ -183,15 +178,10 @@ class Homing(homing.Homing):
             if self._agree < self._enough:
                 self._stage -= 2
             elif self._shared and self._doubt and seeker.axis < 2:
-                self._then(1 - seeker.axis)
+                other = 1 - seeker.axis  # homes once more at the end, unless its turn is still to come
+                if other not in [group[0].axis for group in self._groups[self._stage // len(self._phases) + 1 :]]:
+                    self._groups.append([self._seeker(other)])
         self._back(seeker, seeker.pull_off_steps + beyond)
-
-    def _then(self, number):
-        """An axis homes once more at the end, unless its turn is still to come."""
-        for group in self._groups[self._stage // len(self._phases) + 1 :]:
-            if group[0].axis == number:
-                return
-        self._groups.append([self._seeker(number)])
 
     def _locate(self, seeker):
         if seeker.axis not in self._full:

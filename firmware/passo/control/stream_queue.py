@@ -2,13 +2,48 @@
 
 from micropython import const
 
+from passo.control import arcs
 from passo.control.queue import Queue
-from passo.motion.integers import length_nm
-from passo.records import COUNT_MASK, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_RETIRED, SCRATCH_EAGER
+from passo.motion.ellipse import Ellipse
+from passo.motion.integers import isqrt, length_nm
+from passo.records import COUNT_MASK, NM_PER_M, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_RETIRED, SCRATCH_EAGER
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 _SILENT_MS = const(20)  # without a line: the stream has ended
 _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
+
+
+class Chords:
+    """An arc that cannot be walked as a circle, handed to the planner chord by chord as it has room: `left` of them are to come.
+
+    Nothing else may be queued meanwhile. The speed along the path is the same on all of them. The corners between them are the
+    junction deviation's affair: with $11=0 the machine stands at each.
+    """
+
+    def __init__(self, ellipse, nm_s, tool, tag, steps_per_m, accelerations, slowest):
+        """`ellipse`: a motion.ellipse.Ellipse; `accelerations`: of the plane's two axes, in nm/s², that v²/R stays within;
+        `slowest`: what the slowest axis can do, in nm/s. Raises ValueError if a step would last longer than the planner can say."""
+        if ellipse.flat_nm:
+            nm_s = min(nm_s, isqrt(ellipse.inwards(accelerations) * ellipse.radius_nm) * ellipse.length_nm // ellipse.flat_nm)
+        self._nm_s = nm_s or 1
+        # A chord of one step on all axes is up to √3 of the coarsest step long.
+        if 2 * NM_PER_M * TICKS_PER_S // (min(steps_per_m) * min(self._nm_s, slowest)) > COUNT_MASK:
+            raise ValueError("steps more than 43 s apart")
+        self._ellipse = ellipse
+        self._tool = tool
+        self._tag = tag
+        self._steps_per_m = steps_per_m
+        self.left = ellipse.left
+        self.flush = False  # when the last has been added, the planner is to be flushed
+
+    def add(self, planner):
+        """Queue the next one; one too short for a step is none."""
+        deltas = self._ellipse.chord()
+        self.left -= 1
+        ticks = length_nm(deltas, self._steps_per_m) * TICKS_PER_S // self._nm_s
+        planner.line(deltas, ticks, self._tool, self._tag)
+        if self.flush and not self.left:
+            planner.flush()
 
 
 class StreamQueue(Queue):
@@ -21,12 +56,7 @@ class StreamQueue(Queue):
         self.streams = False  # lines have come of late
         self._fresh = False  # they came in the last cycle
         self._fresh_ms = 0  # when they did last
-        from passo.control import arcs
-        from passo.control.chords import Chords
-        from passo.motion.ellipse import Ellipse
-
         self.arcs = arcs
-        self._make_chords, self._make_ellipse = Chords, Ellipse
 
     def begin(self):
         """Release what is queued, if the machine stands: a moving one fetches blocks itself. More may follow without a stand
@@ -131,10 +161,10 @@ class StreamQueue(Queue):
     def _cut(self, command, deltas, plane, ticks):
         """Chords along an arc, v²/R within the accelerations of the plane's axes."""
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
-        ellipse = self._make_ellipse(deltas, plane, command.centre, steps_per_m, command.clockwise, command.turns - 1, command.over_half)
+        ellipse = Ellipse(deltas, plane, command.centre, steps_per_m, command.clockwise, command.turns - 1, command.over_half)
         nm_s = ellipse.length_nm * TICKS_PER_S // ticks if ticks else command.feed
         slowest, accelerations = self._planner.slowest(plane[:2])
-        return self._make_chords(ellipse, nm_s, command.tool, command.number, steps_per_m, accelerations, slowest)
+        return Chords(ellipse, nm_s, command.tool, command.number, steps_per_m, accelerations, slowest)
 
     def ticks_at(self, deltas, nm_s):
         """How long a line lasts at a speed along the path."""

@@ -13,20 +13,18 @@ from micropython import const
 from passo import errors
 from passo.commands import SPINDLE_OFF
 from passo.config import setting_numbers as table
-from passo.control.feature import Feature
-from passo.control.spindle_speed import PERIOD_MS, AskedSpeed
+from passo.control.spindle_speed import PERIOD_MS, SpindleSpeed
 from passo.records import COUNT_MASK
 
 _QUIET_TURNS = const(4)  # without a pulse for so many turns at the speed that is asked it stands
 
 
-class Tachometer(Feature):
+class Tachometer(SpindleSpeed):
     def __init__(self, board, machine, queue):
         config = board["tachometer"]
-        Feature.__init__(self, board, machine, queue)
+        SpindleSpeed.__init__(self, board, machine, queue, config)
         self._per_turn = config["pulses"]
         self._pulses = machine.port.make("pulses", config["input"])
-        self._asked = AskedSpeed(machine, queue, config)
         self._by_s = board["spindle"]["pwm"]
         self.rpm = 0  # as measured
         self._wanted = 0  # thousandths of a turn a minute
@@ -38,25 +36,22 @@ class Tachometer(Feature):
     def report(self, report):
         report["rpm"] = self.rpm
 
-    def ready(self):
-        return self._asked.ready()
-
     def look(self, now_ms):
         machine = self._machine
         if machine.spindle == SPINDLE_OFF or machine.alarm or not self._queue.lit():
             wanted = 0
         else:
-            wanted = self._asked.rpm() if self._by_s else machine.settings.value(table.MAX_RPM)
+            wanted = self.asked_rpm() if self._by_s else machine.settings.value(table.MAX_RPM)
             if not wanted:
                 machine.at_speed = True
         if wanted != self._wanted:
             self._wanted = wanted
-            self._asked.begin(now_ms)
+            self.begin(now_ms)
         if (now_ms - self._looked_ms) & COUNT_MASK < PERIOD_MS:
             return
         self._looked_ms = now_ms
         self._measure(now_ms)
-        if wanted and (self._asked.falls_behind(1000 * self.rpm, wanted) or self._asked.late(now_ms)):
+        if wanted and (self.falls_behind(1000 * self.rpm, wanted) or self.late(now_ms)):
             machine.raise_alarm(errors.ALARM_SPINDLE_SPEED, "spindle at %d rpm" % self.rpm)
 
     def _measure(self, now_ms):

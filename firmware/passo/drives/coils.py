@@ -3,8 +3,8 @@
 Each motor owns its own bits of a word, so that stepping one never disturbs another. The phase is the motor's position
 modulo the table's length: after a stop it is found again from the position alone.
 
-    drive = CoilDrive(axes=2, table=unipolar.HALF, width=4)
-    drive.pattern(phase=7, delta=1)      # the levels one step on: table[0]
+    drive = CoilDrive(axes=2, table=unipolar.MODES["half"], width=4)
+    drive.apply(words, 0, 10)            # ten words in the step form become pin levels
 """
 
 import micropython
@@ -32,10 +32,6 @@ class CoilDrive:
     @staticmethod
     def _order(table, backwards):
         return bytes([table[-phase % len(table)] for phase in range(len(table))]) if backwards else bytes(table)
-
-    def pattern(self, phase, delta, axis=0):
-        """Levels of the motor's pins `delta` (−1, 0, +1) steps on from `phase`."""
-        return self._table[axis][phase + delta & self._last]
 
     @micropython.native
     def apply(self, words, at, count):  # ISR: no allocation

@@ -37,9 +37,8 @@ def _winding(current, forward):
     return current | _FORWARD if forward and current != NO_CURRENT else current
 
 
-def _table(mode, quarter):
+def _table(quarter, step, first):
     """Levels of an electrical turn: each of its quarters turns the one before it by 90°, A and B → −B and A."""
-    step, first = _STEPS[mode]
     table = []
     for eighth in range(first, 32, step):
         a, b = quarter[eighth & 7]
@@ -50,12 +49,6 @@ def _table(mode, quarter):
     return bytes(table)
 
 
-def modes(quarter=_QUARTER):
-    return {mode: _table(mode, quarter) for mode in _STEPS}
-
-
-MODES = modes()
-HOLD = modes(_AT_REST)
-FULL = MODES["full"]
-HALF = MODES["half"]
+MODES = {mode: _table(_QUARTER, *_STEPS[mode]) for mode in _STEPS}
+HOLD = {mode: _table(_AT_REST, *_STEPS[mode]) for mode in _STEPS}
 OFF = NO_CURRENT | NO_CURRENT << 3

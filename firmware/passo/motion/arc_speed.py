@@ -81,12 +81,16 @@ def _allowed(limits, plan, plane, center, reach, lengths, asked):
     flat, rise, length = lengths
     steps = isqrt((center[0] * center[0] + center[1] * center[1]) << 20)  # of 2⁻¹⁰
     radius = steps * NM_PER_M // limits.steps_per_m[plane[0]] >> 10
+    tail = plan[ARC_TAIL_A], plan[ARC_TAIL_B]
     # An axis moves along the path by the share that the other has of the radius.
     speed = inwards = acceleration = 0
     for axis in range(2):
         fastest, strongest = limits.speeds[plane[axis]], limits.accelerations[plane[axis]]
         moves, points = reach[1 - axis], reach[axis]
-        each = _on_the_tail((fastest << 28) // moves, fastest, plan, axis)
+        each = (fastest << 28) // moves
+        last = abs(tail[axis])
+        if last:  # on the last line, whose direction is its own, the axis gets no more than half a step ahead of its fastest
+            each = min(each, 2 * fastest * max(abs(tail[0]), abs(tail[1])) // (2 * last - 1))
         speed = min(speed or each, each)
         each = (strongest << 28) // points
         inwards = min(inwards or each, each)
@@ -103,16 +107,6 @@ def _allowed(limits, plan, plane, center, reach, lengths, asked):
     if rise:
         acceleration = min(acceleration, limits.accelerations[plane[2]] * length // abs(rise))
     return speed or 1, acceleration or 1
-
-
-def _on_the_tail(speed, fastest, plan, axis):
-    """`speed`, or what brings `axis` no more than half a step ahead of its `fastest` on the last line, whose direction is
-    its own."""
-    steps = abs(plan[ARC_TAIL_B if axis else ARC_TAIL_A])
-    if not steps:
-        return speed
-    words = max(abs(plan[ARC_TAIL_A]), abs(plan[ARC_TAIL_B]))
-    return min(speed, 2 * fastest * words // (2 * steps - 1))
 
 
 def _beside(limits, plane, reach, other, most, along):

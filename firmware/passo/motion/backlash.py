@@ -93,18 +93,12 @@ class Planner(planner.Planner):
     def _add(self, at, kind, tool, tag, rapid=False, first=0):
         if self.plays:
             if self._lost:
-                self._find()
+                self._lost = False
+                self._motors[:] = self._where()
             begins = at // self._stride * 2 * self.axes
-            for axis in range(self.axes):
-                self._begins[begins + axis] = self._motors[axis]
-                self._begins[begins + self.axes + axis] = self._taken[axis]
+            self._begins[begins : begins + self.axes] = self._motors
+            self._begins[begins + self.axes : begins + 2 * self.axes] = self._taken
         planner.Planner._add(self, at, kind, tool, tag, rapid, first)
-
-    def _find(self):
-        self._lost = False
-        where = self._where()
-        for axis in range(self.axes):
-            self._motors[axis] = where[axis]
 
     def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
         if not self.plays or not self._split(deltas, ticks, speed_nm_s):

@@ -37,17 +37,16 @@ def _bits(value):
     return count
 
 
-def rotate(x, y, angle, fraction=0):
-    """(x, y) turned about 0;0 by `angle`, rounded to integers of 2⁻ᶠʳᵃᶜᵗⁱᵒⁿ of the unit of x and y."""
-    iterations = min(_bits(abs(x) | abs(y)) + 4 + fraction, _FINEST)
+def rotate(x, y, angle):
+    """(x, y) turned about 0;0 by `angle`, rounded to integers."""
+    iterations = min(_bits(abs(x) | abs(y)) + 4, _FINEST)
     angle &= TURN - 1
     quarters = (angle + (QUARTER >> 1)) // QUARTER
     rest = (angle - quarters * QUARTER) << _FINE  # within an eighth of a turn of zero
     for _ in range(quarters & 3):
         x, y = -y, x
-    shift = GUARD + fraction
-    x <<= shift
-    y <<= shift
+    x <<= GUARD
+    y <<= GUARD
     for i in range(iterations):
         if rest >= 0:
             x, y = x - (y >> i), y + (x >> i)

@@ -20,10 +20,8 @@ class Ellipse:
     """`left` chords to come, `radius_nm`, and `length_nm` along the arc with what the third axis adds."""
 
     def __init__(self, deltas, plane, center, steps_per_m, clockwise=False, turns=0, over_half=None):
-        """Vectors are in steps, arguments as of Planner.arc(). What is too short for a step along the arc is one chord.
-
-        If the end is not on the circle the radius changes evenly.
-        """
+        """Vectors are in steps, arguments as of Planner.arc(). What is too short for a step along the arc is one chord. If the
+        end is not on the circle the radius changes evenly."""
         self._deltas = list(deltas)
         self._a, self._b, third = plane
         self._center = center

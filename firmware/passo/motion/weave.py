@@ -57,7 +57,7 @@ def wrong(spec):
 
 
 class Woven:
-    """`left`: 0 when all has been handed on. What a Chords of control/chords.py is to an arc."""
+    """`left`: 0 when all has been handed on. What Chords of control/stream_queue.py are to an arc."""
 
     def __init__(self, deltas, plane, circle, spec, nm_s, tool, tag, steps_per_m):
         """`deltas`: the seam's, steps of all axes; `plane`: its two axes; `circle`: None, or (centre in steps from here, clockwise,

@@ -89,10 +89,11 @@ class Encoders:
         self._after = array("i", [0] * self._axes)
         self._zeros = array("i", [0] * len(entries))  # totals that are shown as 0
         self._first = self._second = self._lag = 0  # of a gantry's motors: where in the table they are, and the largest lag
+        self.gantry = ()  # the numbers of both its encoders, if it has them
         gantry = board["gantry"]
         if gantry and gantry["axis"] in self.names and gantry["axis"] + "2" in self.names:
-            self._first = self.names.index(gantry["axis"]) * FOLLOW_FIELDS
-            self._second = self.names.index(gantry["axis"] + "2") * FOLLOW_FIELDS
+            self.gantry = self.names.index(gantry["axis"]), self.names.index(gantry["axis"] + "2")
+            self._first, self._second = [number * FOLLOW_FIELDS for number in self.gantry]
             self._lag = gantry["limit_steps"] * self.table[self._first + FOLLOW_NUM]
         self.lagging = False  # the player was halted for the gantry's lag
         self.armed = False  # an error beyond its limit halts the player
