@@ -67,17 +67,11 @@ class VirtualPort:
         self.radio = radio
         self._player_class = player
         self._player = None
-        self._inputs = {}
-        self._halting = []
-        for entry in board.get("inputs", ()):
-            self._inputs[entry["name"]] = entry.get("active", 1)
-            if entry.get("halt", False):
-                self._halting.append(entry["name"])
-        self._outputs = {}
-        self._pins = {}
-        for entry in board.get("outputs", ()):
-            self._outputs[entry["name"]] = entry.get("active", 1)
-            self._pins[entry["name"]] = entry.get("pin")
+        inputs, outputs = board.get("inputs", ()), board.get("outputs", ())
+        self._inputs = {entry["name"]: entry.get("active", 1) for entry in inputs}
+        self._halting = [entry["name"] for entry in inputs if entry.get("halt", False)]
+        self._outputs = {entry["name"]: entry.get("active", 1) for entry in outputs}
+        self._by_pins = {entry.get("pin"): entry["name"] for entry in outputs}
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.interlock = self._limits = None
         if board.get("interlock"):
@@ -92,7 +86,7 @@ class VirtualPort:
             self.pages = MemoryPages()
         if board.get("blackbox"):
             self.boxes = []  # (why, numbers, text) as written, the newest last
-            self.keep_box = self._keep_box
+            self.keep_box = lambda why, numbers, text, feed=None: self.boxes.append((why, bytes(numbers), bytes(text)))
         self._listen = getattr(world, "listen", None)
         self._watches = {}
         self.encoders = None
@@ -137,9 +131,6 @@ class VirtualPort:
 
     put_off = catch_up = feed_watchdog  # do nothing: no interrupt calls the feeder here
 
-    def _keep_box(self, why, numbers, text, feed=None):
-        self.boxes.append((why, bytes(numbers), bytes(text)))
-
     def input(self, name):
         """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
@@ -173,15 +164,13 @@ class VirtualPort:
         """As ports/rp2/port.py."""
         if self.interlock is not None:
             return False
-        names = {pin: name for name, pin in self._pins.items()}
-        self._player.mark(switches, lambda tick, value: self.world.output(tick, names[value >> 1], value & 1))
+        self._player.mark(switches, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
         return True
 
     def tripped(self):
         """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
         inputs are looked at once a cycle."""
-        trip = self._trip
-        self._trip = None
+        trip, self._trip = self._trip, None
         if trip is not None:
             return trip.name
         for name in self._halting:

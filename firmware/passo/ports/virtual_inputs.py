@@ -18,13 +18,11 @@ class VirtualInputs:
         self._pulses = 0  # mask of the player's pins
         self._amid = False  # the world is being told of an edge
         self._due = {}  # of an input: (tick at which its change has lasted, what it is then)
-        self.attach = world.attach
-        self._switch = world.output
         self.input = world.input
-        for name in ("power", "pulses", "servo", "encoder"):
-            if hasattr(world, name):
-                setattr(self, name, getattr(world, name))
         self._pass_edges = world.edges
+
+    def __getattr__(self, name):
+        return getattr(self._world, name)
 
     def watch(self, player, pulse_mask):
         """From here on `player` plays."""
@@ -77,7 +75,6 @@ class VirtualLimits(VirtualInputs):
         VirtualInputs.__init__(self, port, world)
         self._levels = levels
         self._watches = {}
-        self.output = world.output
         world.listen(self._changed)
 
     def watch_limit(self, name, filter_us):

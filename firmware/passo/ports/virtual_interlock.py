@@ -77,5 +77,5 @@ class VirtualInterlock(Interlock, VirtualInputs):
         bit = INTERLOCK_OUTPUTS
         for name, off in self._offs:
             if mask & bit:
-                self._switch(tick, name, off ^ on)
+                self._world.output(tick, name, off ^ on)
             bit <<= 1

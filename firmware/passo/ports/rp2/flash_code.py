@@ -38,10 +38,9 @@ from machine import mem16, mem32
 from micropython import const
 
 from passo.ports.rp2 import clock
-from passo.ports.rp2.flash_files import BLOCK, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
+from passo.ports.rp2.flash_files import BLOCK, IOCTL_COUNT, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
 from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, look, move, shorten, take
 
-_IOCTL_COUNT = const(4)
 code = None  # see begin()
 _COLLECT = const(72_000)  # bytes taken on a board with a radio until garbage is collected: see begin()
 _BUFFER_BYTES = const(4608)  # more than any file has before its functions
@@ -190,7 +189,7 @@ class FlashCode:
         flash = rp2.Flash()
         mapped = memoryview(flash)
         base = addressof(flash)
-        count = flash.ioctl(_IOCTL_COUNT, 0)
+        count = flash.ioctl(IOCTL_COUNT, 0)
         if len(mapped) != count * BLOCK or not _FLASH <= base < base + len(mapped) <= _FLASH_END:
             raise Unknown("the file system is not mapped")
         self._blocks = Blocks(flash, count, base)
