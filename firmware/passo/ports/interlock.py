@@ -22,7 +22,7 @@ from passo.steps.permits import (
 
 
 class Interlock:
-    """Has no pins: see pin_interlock.py and virtual_interlock.py."""
+    """Has no pins: see pin_interlock.py and virtual_inputs.py."""
 
     def __init__(self, board, port):
         compiled = board["interlock"]["masks"]

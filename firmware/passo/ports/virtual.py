@@ -75,7 +75,7 @@ class VirtualPort:
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.interlock = self._limits = None
         if board.get("interlock"):
-            from passo.ports.virtual_interlock import VirtualInterlock
+            from passo.ports.virtual_inputs import VirtualInterlock
 
             self.world = self.interlock = VirtualInterlock(board, self, self.world)
         elif hasattr(world, "listen") and self._inputs:
@@ -91,7 +91,7 @@ class VirtualPort:
         self._watches = {}
         self.encoders = None
         if board.get("encoders"):
-            from passo.ports.virtual_encoders import VirtualEncoders
+            from passo.ports.virtual_inputs import VirtualEncoders
 
             self.encoders = VirtualEncoders(board, self, world)
         if mode == "stepped":
