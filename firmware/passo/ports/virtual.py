@@ -109,12 +109,9 @@ class VirtualPort:
 
     def feed_from_interrupt(self, feeder, player):
         """There are no interrupts here: the main loop fills the ring itself."""
-        if self.interlock is not None:
-            self.interlock.join(feeder, player)
-        elif self._limits is not None:
-            self._limits.watch(player, feeder.layout.pulse_mask)
-        if self.encoders is not None:
-            self.encoders.join(feeder, player)
+        for part in (self.interlock, self._limits, self.encoders):
+            if part is not None:
+                part.join(feeder, player)
         return False
 
     def serial(self, link):

@@ -29,10 +29,10 @@ class VirtualInputs:
     def __getattr__(self, name):
         return getattr(self._world, name)
 
-    def watch(self, player, pulse_mask):
+    def join(self, feeder, player):
         """From here on `player` plays."""
         self._player = player
-        self._pulses = pulse_mask
+        self._pulses = feeder.layout.pulse_mask
 
     def edges(self, tick, levels, changed):
         self._amid = True
@@ -138,7 +138,7 @@ class VirtualInterlock(Interlock, VirtualInputs):
 
     def join(self, feeder, player):
         Interlock.join(self, feeder, player)
-        self.watch(player, feeder.layout.pulse_mask)
+        VirtualInputs.join(self, feeder, player)
         self._tool = feeder.layout.tool_mask
 
     def run(self, tick):

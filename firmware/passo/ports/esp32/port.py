@@ -84,14 +84,13 @@ class Port(ChipPort):
             if self._trip is None and item.active():
                 self.trip(item)
         self._feed(timer)
-        if self.shift_player is not None and not self._aside:  # the main loop has not made all words of a beginning yet
-            self._pump()
-
-    def _pump(self):
+        player = self.shift_player
+        if player is None or self._aside:  # the main loop has not made all words of a beginning yet
+            return
         try:
-            before = self.shift_player.under_runs
-            self.shift_player.pump()
-            if before != self.shift_player.under_runs and self._feeder.amid():
+            before = player.under_runs
+            player.pump()
+            if before != player.under_runs and self._feeder.amid():
                 self._feeder.count_late()
         except Exception as error:
             self._failed = error
