@@ -48,7 +48,7 @@ LAG_TICKS = 100 * TICKS_PER_MS  # real time further behind than this is given up
 
 
 class VirtualPort:
-    """Port of the virtual board; see the module's text.
+    """Port of the virtual board; see the module's text. Methods as in chip_port.py.
 
     `world` defaults to nothing at all wired. `lines` maps a link's name to an object with `read()` and `write(bytes)`;
     a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a cycle has nothing
@@ -129,18 +129,15 @@ class VirtualPort:
     put_off = catch_up = feed_watchdog  # do nothing: no interrupt calls the feeder here
 
     def input(self, name):
-        """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
 
     def levels(self):
-        """The levels of all inputs as one integer."""
         levels = 0
         for name in self._inputs:
             levels = levels << 1 | self.world.input(self.now, name)
         return levels
 
     def watch_limit(self, name, filter_us=0):
-        """See ChipPort.watch_limit(). The first call for a name sets its filter."""
         if name not in self._watches and self._listen:
             if self._limits is not None:
                 self._watches[name] = self._limits.watch_limit(name, filter_us)
@@ -151,18 +148,13 @@ class VirtualPort:
 
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
-        if kind == "switching":
-            return self._switching(config)
+        if kind == "switching":  # as rp2/port.py
+            if self.interlock is None:
+                self._player.mark(config, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
+            return self.interlock is None
         if kind == "spi_line":
             return self.lines["drivers"]  # what the PC put there
         return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
-
-    def _switching(self, switches):
-        """As ports/rp2/port.py."""
-        if self.interlock is not None:
-            return False
-        self._player.mark(switches, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
-        return True
 
     def tripped(self):
         """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
@@ -176,7 +168,6 @@ class VirtualPort:
         return None
 
     def output(self, name, on):
-        """Switch an output of the board file on or off."""
         if self.interlock is not None:
             self.interlock.output(name, on)
             return
@@ -184,7 +175,6 @@ class VirtualPort:
         self.world.output(self.now, name, active if on else 1 - active)
 
     def power(self, level):
-        """Show the tool's analogue power, 0 … 1000, at once."""
         self._player.show_power(self.now, level)
 
     def trip(self, item):
@@ -353,23 +343,10 @@ class MutedWorld:
 class Nothing:
     """The world of a board with nothing wired to it: inputs read low."""
 
-    def attach(self, tick, names, levels):
+    def run(self, *_):
         pass
 
-    def edges(self, tick, levels, changed):
-        pass
-
-    def output(self, tick, name, level):
-        pass
-
-    def servo(self, tick, us):
-        pass
+    attach = edges = output = servo = next_event = run  # do nothing
 
     def input(self, tick, name):
         return 0
-
-    def run(self, tick):
-        pass
-
-    def next_event(self):
-        return None

@@ -114,7 +114,6 @@ class _Watch(Latch):
         self.armed = False
 
     def turn(self, level):
-        """Active is `level` at the pin from now on."""
         self.level = level
 
     def arm(self, on):
@@ -122,7 +121,7 @@ class _Watch(Latch):
 
 
 class VirtualInterlock(Interlock, VirtualInputs):
-    """It hears of each change of an input at its tick. A world that has no listen(callback) is looked at once a cycle."""
+    """Hears of each change of an input at its tick. A world that has no listen(callback) is looked at once a cycle."""
 
     def __init__(self, board, port, world):
         Interlock.__init__(self, board, port)
@@ -171,7 +170,6 @@ class VirtualInterlock(Interlock, VirtualInputs):
             self.change(key, active)
 
     def now(self):
-        """The inputs as they are, a bit each: 1 active."""
         return self._look(self._port.now)
 
     def _look(self, tick):
@@ -184,11 +182,9 @@ class VirtualInterlock(Interlock, VirtualInputs):
     # --- outputs
 
     def lit(self):
-        """True while the tool's pin is on."""
         return bool(self._player.levels() & self._tool)
 
     def put(self, mask, on):
-        """Switch the outputs of `mask`, INTERLOCK_…: 1 on, 0 off."""
         tick = max(self._port.now, self._player.now) if self._player is not None else self._port.now
         bit = INTERLOCK_OUTPUTS
         for name, off in self._offs:

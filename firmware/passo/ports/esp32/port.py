@@ -34,7 +34,6 @@ class Port(ChipPort):
     shift_player = None  # until there is one
 
     def __init__(self, board):
-        """`board` is checked. Outputs go to their inactive level here."""
         lead_ticks, shifted = LEAD_TICKS, ()
         if board["shift"]:
             global i2s_player
@@ -60,7 +59,6 @@ class Port(ChipPort):
         pin.irq(handler, edge)
 
     def player(self, ring, layout, board):
-        """The player of `ring`. Once."""
         pulse_ticks, least = word_times(board)
         pins = word_pins(board)
         invert = inverted_pins(board, layout)
@@ -102,7 +100,4 @@ class Port(ChipPort):
         if self._player is not None:
             self._player.close()
         if self._watchdog is not None:
-            self._timer.init(mode=Timer.PERIODIC, period=_KEEP_MS, callback=self._keep)
-
-    def _keep(self, timer):
-        self._watchdog.feed()
+            self._timer.init(mode=Timer.PERIODIC, period=_KEEP_MS, callback=lambda timer: self._watchdog.feed())

@@ -58,7 +58,6 @@ class TimerPlayer:
         mem32[PIO_0 + vectors.IRQ1_INTE] = 256
 
     def close(self):
-        """The interrupt comes no more."""
         vectors.leave(vectors.PIO_IRQ_1)
         mem32[PIO_0 + vectors.IRQ1_INTE] = 0
 
