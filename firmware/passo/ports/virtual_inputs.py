@@ -80,6 +80,7 @@ class VirtualLimits(VirtualInputs):
         VirtualInputs.__init__(self, port, world)
         self._levels = levels
         self._watches = {}
+        self.output = world.output
         world.listen(self._changed)
 
     def watch_limit(self, name, filter_us):
