@@ -40,7 +40,7 @@ def outputs(machine):
         levels[name] = level
         switch(tick, name, level)
 
-    machine.port.interlock._switch = output
+    machine.plant.output = output
     return levels
 
 

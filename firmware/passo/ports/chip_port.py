@@ -67,17 +67,12 @@ class ChipPort:
             else:
                 pin = Pin(entry["pin"], Pin.OUT, value=1 - active)
             self._outputs[entry["name"]] = pin, active
-        self._pwm = None
         spindle = board["spindle"]
-        if spindle["pwm"]:
-            self._pwm = PWM(Pin(spindle["pin"]), freq=spindle["pwm_hz"], duty_u16=0)
+        self._pwm = PWM(Pin(spindle["pin"]), freq=spindle["pwm_hz"], duty_u16=0) if spindle["pwm"] else None
         self._shown = 0  # power
         self._laser = None  # the player, where it sees to the power of the words it plays
-        self._player = None
-        self._feeder = None
+        self._player = self._feeder = self._timer = self._watchdog = None
         self._follows = False  # registers or encoders want to be looked at in each call of the feeder
-        self._timer = None
-        self._watchdog = None
         self._aside = FEED_NOW
         self._behind = False  # the interrupt has left out a call while the main loop made words
         self._left_out = False  # the call that was to come later has been left out
@@ -215,8 +210,8 @@ class ChipPort:
     catch_up = put_off
 
     def make(self, kind, config):
-        """What few boards have: "servo", its pin and ns; "pulses" of an input; "switching": outputs that change with a step, False if the player
-        cannot; "spi_line" and "memory_card": `spi_drivers` and `card` of the board file."""
+        """What few boards have: "servo", its pin and ns; "pulses" of an input; "switching": outputs that change with a step, False if the
+        player cannot; "spi_line" and "memory_card": `spi_drivers` and `card` of the board file."""
         if kind == "servo":
             return PWM(Pin(config[0]), freq=50, duty_ns=config[1])
         if kind == "switching":
@@ -274,12 +269,9 @@ class ChipPort:
             self._timer.deinit()
         for item in self._halting:
             item.pin.irq(None)
-        if self.interlock is not None:
-            self.interlock.close()
-        if self.encoders is not None:
-            self.encoders.close()
-        for line in self._lines:
-            line.close()
+        for part in [self.interlock, self.encoders] + self._lines:
+            if part is not None:
+                part.close()
         if self.registers is not None:
             self.registers.exchange()
 
@@ -291,10 +283,9 @@ class ChipPort:
         self._follows = self.registers is not None or self.encoders is not None
         if self.registers is not None:
             self.registers.show_tool(self._tool)
-        if self.interlock is not None:
-            self.interlock.join(feeder, player)
-        if self.encoders is not None:
-            self.encoders.join(feeder, player)
+        for part in (self.interlock, self.encoders):
+            if part is not None:
+                part.join(feeder, player)
 
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation

@@ -63,7 +63,7 @@ class Index:
 
 
 class Encoders:
-    """Has no pins: see rp2/encoders.py, pin_encoders.py and virtual_encoders.py."""
+    """Has no pins: see rp2/encoders.py, pin_encoders.py and virtual_inputs.py."""
 
     name = "encoders"  # as what has stopped the player
 

@@ -22,7 +22,7 @@ from passo.steps.permits import (
 
 
 class Interlock:
-    """Has no pins: see pin_interlock.py and virtual_interlock.py."""
+    """Has no pins: see pin_interlock.py and virtual_inputs.py."""
 
     def __init__(self, board, port):
         compiled = board["interlock"]["masks"]
@@ -159,13 +159,9 @@ class Interlock:
         for at in range(PERMIT_FIRST, len(table), PERMIT_FIELDS):
             if table[at + PERMIT_ALLOWS] & wrong:
                 against = (states ^ table[at + PERMIT_VALUE]) & table[at + PERMIT_CARE]
-                count, first = 0, 0
-                for each in range(len(self._names) - 1, -1, -1):
-                    if against >> each & 1:
-                        count += 1
-                        first = each
-                if 0 < count < best:
-                    best, number = count, first
+                found = [each for each in range(len(self._names)) if against >> each & 1]
+                if 0 < len(found) < best:
+                    best, number = len(found), found[0]
         return number
 
     def blamed(self, wrong, lost=False):

@@ -27,7 +27,6 @@ class LimitWatch(Latch):
         port.watch(item.pin, self._edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
 
     def turn(self, level):
-        """Active is `level` at the pin from now on."""
         self.level = level
 
     def arm(self, on):

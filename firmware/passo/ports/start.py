@@ -104,10 +104,8 @@ class Start:
             if port is not None:
                 port.close()
             safe(self._outputs)
-        if error is not None:
-            self._report(error)
-
-    def _report(self, error):
+        if error is None:
+            return
         text = StringIO()
         sys.print_exception(error, text)
         print(text.getvalue())

@@ -48,7 +48,7 @@ LAG_TICKS = 100 * TICKS_PER_MS  # real time further behind than this is given up
 
 
 class VirtualPort:
-    """Port of the virtual board; see the module's text.
+    """Port of the virtual board; see the module's text. Methods as in chip_port.py.
 
     `world` defaults to nothing at all wired. `lines` maps a link's name to an object with `read()` and `write(bytes)`;
     a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a cycle has nothing
@@ -67,21 +67,15 @@ class VirtualPort:
         self.radio = radio
         self._player_class = player
         self._player = None
-        self._inputs = {}
-        self._halting = []
-        for entry in board.get("inputs", ()):
-            self._inputs[entry["name"]] = entry.get("active", 1)
-            if entry.get("halt", False):
-                self._halting.append(entry["name"])
-        self._outputs = {}
-        self._pins = {}
-        for entry in board.get("outputs", ()):
-            self._outputs[entry["name"]] = entry.get("active", 1)
-            self._pins[entry["name"]] = entry.get("pin")
+        inputs, outputs = board.get("inputs", ()), board.get("outputs", ())
+        self._inputs = {entry["name"]: entry.get("active", 1) for entry in inputs}
+        self._halting = [entry["name"] for entry in inputs if entry.get("halt", False)]
+        self._outputs = {entry["name"]: entry.get("active", 1) for entry in outputs}
+        self._by_pins = {entry.get("pin"): entry["name"] for entry in outputs}
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.interlock = self._limits = None
         if board.get("interlock"):
-            from passo.ports.virtual_interlock import VirtualInterlock
+            from passo.ports.virtual_inputs import VirtualInterlock
 
             self.world = self.interlock = VirtualInterlock(board, self, self.world)
         elif hasattr(world, "listen") and self._inputs:
@@ -92,12 +86,12 @@ class VirtualPort:
             self.pages = MemoryPages()
         if board.get("blackbox"):
             self.boxes = []  # (why, numbers, text) as written, the newest last
-            self.keep_box = self._keep_box
+            self.keep_box = lambda why, numbers, text, feed=None: self.boxes.append((why, bytes(numbers), bytes(text)))
         self._listen = getattr(world, "listen", None)
         self._watches = {}
         self.encoders = None
         if board.get("encoders"):
-            from passo.ports.virtual_encoders import VirtualEncoders
+            from passo.ports.virtual_inputs import VirtualEncoders
 
             self.encoders = VirtualEncoders(board, self, world)
         if mode == "stepped":
@@ -115,12 +109,9 @@ class VirtualPort:
 
     def feed_from_interrupt(self, feeder, player):
         """There are no interrupts here: the main loop fills the ring itself."""
-        if self.interlock is not None:
-            self.interlock.join(feeder, player)
-        elif self._limits is not None:
-            self._limits.watch(player, feeder.layout.pulse_mask)
-        if self.encoders is not None:
-            self.encoders.join(feeder, player)
+        for part in (self.interlock, self._limits, self.encoders):
+            if part is not None:
+                part.join(feeder, player)
         return False
 
     def serial(self, link):
@@ -137,22 +128,16 @@ class VirtualPort:
 
     put_off = catch_up = feed_watchdog  # do nothing: no interrupt calls the feeder here
 
-    def _keep_box(self, why, numbers, text, feed=None):
-        self.boxes.append((why, bytes(numbers), bytes(text)))
-
     def input(self, name):
-        """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
 
     def levels(self):
-        """The levels of all inputs as one integer."""
         levels = 0
         for name in self._inputs:
             levels = levels << 1 | self.world.input(self.now, name)
         return levels
 
     def watch_limit(self, name, filter_us=0):
-        """See ChipPort.watch_limit(). The first call for a name sets its filter."""
         if name not in self._watches and self._listen:
             if self._limits is not None:
                 self._watches[name] = self._limits.watch_limit(name, filter_us)
@@ -163,25 +148,18 @@ class VirtualPort:
 
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
-        if kind == "switching":
-            return self._switching(config)
+        if kind == "switching":  # as rp2/port.py
+            if self.interlock is None:
+                self._player.mark(config, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
+            return self.interlock is None
         if kind == "spi_line":
             return self.lines["drivers"]  # what the PC put there
         return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
 
-    def _switching(self, switches):
-        """As ports/rp2/port.py."""
-        if self.interlock is not None:
-            return False
-        names = {pin: name for name, pin in self._pins.items()}
-        self._player.mark(switches, lambda tick, value: self.world.output(tick, names[value >> 1], value & 1))
-        return True
-
     def tripped(self):
         """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
         inputs are looked at once a cycle."""
-        trip = self._trip
-        self._trip = None
+        trip, self._trip = self._trip, None
         if trip is not None:
             return trip.name
         for name in self._halting:
@@ -190,7 +168,6 @@ class VirtualPort:
         return None
 
     def output(self, name, on):
-        """Switch an output of the board file on or off."""
         if self.interlock is not None:
             self.interlock.output(name, on)
             return
@@ -198,7 +175,6 @@ class VirtualPort:
         self.world.output(self.now, name, active if on else 1 - active)
 
     def power(self, level):
-        """Show the tool's analogue power, 0 … 1000, at once."""
         self._player.show_power(self.now, level)
 
     def trip(self, item):
@@ -367,23 +343,10 @@ class MutedWorld:
 class Nothing:
     """The world of a board with nothing wired to it: inputs read low."""
 
-    def attach(self, tick, names, levels):
+    def run(self, *_):
         pass
 
-    def edges(self, tick, levels, changed):
-        pass
-
-    def output(self, tick, name, level):
-        pass
-
-    def servo(self, tick, us):
-        pass
+    attach = edges = output = servo = next_event = run  # do nothing
 
     def input(self, tick, name):
         return 0
-
-    def run(self, tick):
-        pass
-
-    def next_event(self):
-        return None

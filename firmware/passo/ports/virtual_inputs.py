@@ -5,9 +5,14 @@ what a chip's interrupt takes on top of that is not modelled, but that no pulse 
 the first edge behind that time that leaves no pulse up.
 """
 
+from passo.ports.encoders import Encoders
+from passo.ports.interlock import Interlock
+from passo.records import COUNT_MASK, TICKS_PER_MS
+from passo.steps.permits import INTERLOCK_OUTPUTS
 from passo.steps.position import Latch
 
 TICKS_PER_US = 12.5
+CHECK_TICKS = 3 * TICKS_PER_MS  # between two checks of encoders, as on an RP2040
 
 
 class VirtualInputs:
@@ -18,18 +23,16 @@ class VirtualInputs:
         self._pulses = 0  # mask of the player's pins
         self._amid = False  # the world is being told of an edge
         self._due = {}  # of an input: (tick at which its change has lasted, what it is then)
-        self.attach = world.attach
-        self._switch = world.output
         self.input = world.input
-        for name in ("power", "pulses", "servo", "encoder"):
-            if hasattr(world, name):
-                setattr(self, name, getattr(world, name))
         self._pass_edges = world.edges
 
-    def watch(self, player, pulse_mask):
+    def __getattr__(self, name):
+        return getattr(self._world, name)
+
+    def join(self, feeder, player):
         """From here on `player` plays."""
         self._player = player
-        self._pulses = pulse_mask
+        self._pulses = feeder.layout.pulse_mask
 
     def edges(self, tick, levels, changed):
         self._amid = True
@@ -112,8 +115,107 @@ class _Watch(Latch):
         self.armed = False
 
     def turn(self, level):
-        """Active is `level` at the pin from now on."""
         self.level = level
 
     def arm(self, on):
         self.armed = on
+
+
+class VirtualInterlock(Interlock, VirtualInputs):
+    """Hears of each change of an input at its tick. A world that has no listen(callback) is looked at once a cycle."""
+
+    def __init__(self, board, port, world):
+        Interlock.__init__(self, board, port)
+        VirtualInputs.__init__(self, port, world)
+        self._levels = [item["active"] for item in board["inputs"]]
+        self._ticks = [int(us * TICKS_PER_US) for us in self.filters_us]
+        self._tool = 0  # mask of the player's pin
+        self._offs = [(item["name"], 1 - item["active"]) for item in board["outputs"]]
+        self._hears = hasattr(world, "listen")
+        if self._hears:
+            world.listen(self.changed)
+        self.read(self.now())
+
+    def join(self, feeder, player):
+        Interlock.join(self, feeder, player)
+        VirtualInputs.join(self, feeder, player)
+        self._tool = feeder.layout.tool_mask
+
+    def run(self, tick):
+        self._world.run(tick)
+        if not self._hears:
+            raw = self._look(tick)
+            for number in range(len(self._names)):
+                if (raw ^ self.states) >> number & 1:
+                    self._changed(tick, number, raw >> number & 1)
+        self._let(tick)
+
+    # --- inputs
+
+    def changed(self, tick, name, level):
+        """The world says that an input has changed."""
+        number = self._names.index(name)
+        self._changed(tick, number, 1 if level == self._levels[number] else 0)
+
+    def _changed(self, tick, number, active):
+        self._let(tick)
+        if active == self.states >> number & 1:
+            if self._due.pop(number, None) is not None:
+                self.glitches[number] += 1
+        elif (self.rise if active else self.fall) >> number & 1 and number not in self._due:
+            self._due[number] = tick + self._ticks[number], active
+            self._let(tick)
+
+    def _lasted(self, key, active):
+        if self.states >> key & 1 != active:  # else the main loop has been first
+            self.change(key, active)
+
+    def now(self):
+        return self._look(self._port.now)
+
+    def _look(self, tick):
+        states = 0
+        for number in range(len(self._names)):
+            if self._world.input(tick, self._names[number]) == self._levels[number]:
+                states |= 1 << number
+        return states
+
+    # --- outputs
+
+    def lit(self):
+        return bool(self._player.levels() & self._tool)
+
+    def put(self, mask, on):
+        tick = max(self._port.now, self._player.now) if self._player is not None else self._port.now
+        bit = INTERLOCK_OUTPUTS
+        for name, off in self._offs:
+            if mask & bit:
+                self._world.output(tick, name, off ^ on)
+            bit <<= 1
+
+
+class VirtualEncoders(Encoders):
+    """The world counts: encoder(number) for each entry of the board file's `encoders`, in their order."""
+
+    def __init__(self, board, port, world):
+        Encoders.__init__(self, board, port)
+        self._encoder = world.encoder
+        self.due = CHECK_TICKS  # tick of the next check
+        levels = {item["name"]: item["active"] for item in board["inputs"]}
+        for number in range(len(board["encoders"])):
+            name = board["encoders"][number]["index"]
+            if name:
+                self._watch(world, self.index(number, name), levels[name])
+
+    def _watch(self, world, index, active):
+        world.listen(lambda tick, name, level: name == index.name and level == active and index.edge(None))
+
+    def read(self, counts):
+        for number in range(len(counts)):
+            counts[number] = self._encoder(number) & COUNT_MASK
+
+    def run(self, tick):
+        """Check, if it is time."""
+        if tick >= self.due:
+            self.due = tick + CHECK_TICKS
+            self.check()

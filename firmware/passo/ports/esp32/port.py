@@ -34,7 +34,6 @@ class Port(ChipPort):
     shift_player = None  # until there is one
 
     def __init__(self, board):
-        """`board` is checked. Outputs go to their inactive level here."""
         lead_ticks, shifted = LEAD_TICKS, ()
         if board["shift"]:
             global i2s_player
@@ -60,7 +59,6 @@ class Port(ChipPort):
         pin.irq(handler, edge)
 
     def player(self, ring, layout, board):
-        """The player of `ring`. Once."""
         pulse_ticks, least = word_times(board)
         pins = word_pins(board)
         invert = inverted_pins(board, layout)
@@ -84,14 +82,13 @@ class Port(ChipPort):
             if self._trip is None and item.active():
                 self.trip(item)
         self._feed(timer)
-        if self.shift_player is not None and not self._aside:  # the main loop has not made all words of a beginning yet
-            self._pump()
-
-    def _pump(self):
+        player = self.shift_player
+        if player is None or self._aside:  # the main loop has not made all words of a beginning yet
+            return
         try:
-            before = self.shift_player.under_runs
-            self.shift_player.pump()
-            if before != self.shift_player.under_runs and self._feeder.amid():
+            before = player.under_runs
+            player.pump()
+            if before != player.under_runs and self._feeder.amid():
                 self._feeder.count_late()
         except Exception as error:
             self._failed = error
@@ -103,7 +100,4 @@ class Port(ChipPort):
         if self._player is not None:
             self._player.close()
         if self._watchdog is not None:
-            self._timer.init(mode=Timer.PERIODIC, period=_KEEP_MS, callback=self._keep)
-
-    def _keep(self, timer):
-        self._watchdog.feed()
+            self._timer.init(mode=Timer.PERIODIC, period=_KEEP_MS, callback=lambda timer: self._watchdog.feed())

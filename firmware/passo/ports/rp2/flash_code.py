@@ -6,17 +6,11 @@
     code.finish()           # what is imported from here on is loaded into memory
     print(code.text())
 
-An interpreter loads an .mpy into memory: 75 kB of bytecode for a router. It lies in the file as it is loaded, and littlefs never
-moves the blocks of a file that nobody writes. So the interpreter is given the head of each file, which has its names and constants,
-and instead of its functions one that calls `_load()()`: that makes the module's functions here, as the interpreter would, but that
-bytecode stays where it is. Machine code is copied into memory, half as fast as it is from flash, unless the build leaves it there.
-
-Where the blocks lie, littlefs itself tells: files are opened through a block device that notes which block is read.
-`host_tools/build/mpy.py` appends what is to be known of a file's functions, and sees to it that they do not cross a block.
-
-Safe by these rules: begin() compares a function of this module, word by word, with what is expected of one, and with its file; if
-anything differs, all is loaded into memory. Blocks that hold code are not erased until the next reset, even if their file is replaced:
-littlefs takes them for bad ones and goes on to the next. RP2040 only. Of MicroPython 1.26 to 1.29 is known:
+docs/build.md says why, and what makes it safe. The interpreter is given the head of each file, which has its names and constants, and
+instead of its functions one that calls `_load()()`: that makes the module's functions here, as the interpreter would, but bytecode stays
+where it is. `host_tools/build/mpy.py` appends what is to be known of a file's functions, and sees to it that they do not cross a block.
+Blocks that hold code are not erased until the next reset: littlefs takes them for bad ones and goes on to the next. RP2040 only. Of
+MicroPython 1.26 to 1.29 is known:
 
     mp_obj_fun_bc_t      type, module, children, code                   (py/objfun.h)
     mp_raw_code_t        0, 0, kind, generator; code, children          (py/emitglue.h); bytecode without children can do without one
@@ -38,10 +32,9 @@ from machine import mem16, mem32
 from micropython import const
 
 from passo.ports.rp2 import clock
-from passo.ports.rp2.flash_files import BLOCK, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
+from passo.ports.rp2.flash_files import BLOCK, IOCTL_COUNT, ROW_BYTES, TEXT_BYTES, Blocks, Files, Unknown, mount
 from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, look, move, shorten, take
 
-_IOCTL_COUNT = const(4)
 code = None  # see begin()
 _COLLECT = const(72_000)  # bytes taken on a board with a radio until garbage is collected: see begin()
 _BUFFER_BYTES = const(4608)  # more than any file has before its functions
@@ -190,7 +183,7 @@ class FlashCode:
         flash = rp2.Flash()
         mapped = memoryview(flash)
         base = addressof(flash)
-        count = flash.ioctl(_IOCTL_COUNT, 0)
+        count = flash.ioctl(IOCTL_COUNT, 0)
         if len(mapped) != count * BLOCK or not _FLASH <= base < base + len(mapped) <= _FLASH_END:
             raise Unknown("the file system is not mapped")
         self._blocks = Blocks(flash, count, base)

@@ -19,7 +19,8 @@ _MARK = const(0x5043)  # ends an .mpy
 _END = const(12)  # bytes of the numbers that do
 ROW_BYTES = const(10)  # of a function
 TEXT_BYTES = const(4)
-_IOCTL_ERASE = const(6)
+IOCTL_COUNT = const(4)
+IOCTL_ERASE = const(6)
 _CORRUPT = const(-84)  # littlefs looks for another block
 _CTRL_C = const(3)
 _NOT_FOUND = const(2)
@@ -50,7 +51,7 @@ class Blocks:
         self._flash.writeblocks(block, data, offset)
 
     def ioctl(self, request, argument):
-        if request == _IOCTL_ERASE and self._kept[argument >> 3] >> (argument & 7) & 1:
+        if request == IOCTL_ERASE and self._kept[argument >> 3] >> (argument & 7) & 1:
             return _CORRUPT
         return self._flash.ioctl(request, argument)
 

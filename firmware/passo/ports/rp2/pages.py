@@ -8,14 +8,11 @@ import os
 
 import rp2
 import vfs
-from micropython import const
 
-from passo.ports.rp2.flash_files import BLOCK, Blocks
+from passo.ports.rp2.flash_files import BLOCK, IOCTL_COUNT, IOCTL_ERASE, Blocks
 from passo.records import JOURNAL_BYTES
 
 _PAGE = BLOCK // 16
-_ERASE = const(6)
-_COUNT = const(4)
 
 
 class Pages:
@@ -39,7 +36,7 @@ class Pages:
                     for _ in range(BLOCK // _PAGE):
                         file.write(self._page)
         os.sync()
-        blocks = Blocks(flash, flash.ioctl(_COUNT, 0), 0)
+        blocks = Blocks(flash, flash.ioctl(IOCTL_COUNT, 0), 0)
         files = vfs.VfsLfs2(blocks, readsize=JOURNAL_BYTES)
         for number in range(self.BLOCKS):
             with files.open("journal.%d" % number, "rb") as file:
@@ -60,4 +57,4 @@ class Pages:
         self._view[at : at + JOURNAL_BYTES] = b"\xff" * JOURNAL_BYTES
 
     def erase(self, block):
-        self._flash.ioctl(_ERASE, self._numbers[block])
+        self._flash.ioctl(IOCTL_ERASE, self._numbers[block])

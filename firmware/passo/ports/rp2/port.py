@@ -140,7 +140,6 @@ class Port(ChipPort):
         pin.irq(handler, edge, hard=True)
 
     def player(self, ring, layout, board):
-        """The player of `ring`. Once."""
         pins = word_pins(board)
         self._make_player(ring, layout, board, pins)
         muted = muted_pins(board)

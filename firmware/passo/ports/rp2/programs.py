@@ -50,8 +50,8 @@ def steps(bits, cycles, halt):
     return program
 
 
-def levels(bits, cycles, halt):
-    """Levels that hold until the next word: coils. Words of at least 2 ticks."""
+def levels(bits, cycles, halt, shown=True):
+    """Levels that hold until the next word: coils. Words of at least 2 ticks. Not `shown`: timer_player.py sets the pins."""
     time_bits = 32 - bits
     rest = cycles - 6
 
@@ -59,8 +59,12 @@ def levels(bits, cycles, halt):
     def program():
         wrap_target()
         pull(block)  # the next word; wait for it
-        out(pins, bits)  # its levels
-        irq(rel(0))  # it has begun
+        if shown:
+            out(pins, bits)  # its levels
+            irq(rel(0))  # it has begun
+        else:
+            irq(rel(0))  # it has begun
+            out(null, bits)  # the levels are the interrupt's
         out(x, time_bits)[rest]  # its ticks, and the cycles missing to a whole one
         jmp(x_dec, "second")  # these took a tick that x does not know of
         label("second")
@@ -71,28 +75,6 @@ def levels(bits, cycles, halt):
             jmp(x_dec, "low")[cycles - 2]  # the ticks that are left
         else:
             jmp(x_dec, "low")[cycles - 1]  # the ticks that are left
-        wrap()
-
-    return program
-
-
-def clock(bits, cycles):
-    """No pins: raises its interrupt as a word begins. Words of at least 2 ticks."""
-    time_bits = 32 - bits
-    rest = cycles - 6
-
-    @rp2.asm_pio(out_shiftdir=rp2.PIO.SHIFT_RIGHT, fifo_join=rp2.PIO.JOIN_TX)
-    def program():
-        wrap_target()
-        pull(block)  # the next word; wait for it
-        irq(rel(0))  # timer_player.py sets the pins
-        out(null, bits)  # which its levels are for
-        out(x, time_bits)[rest]  # its ticks, and the cycles missing to a whole one
-        jmp(x_dec, "second")  # these took a tick that x does not know of
-        label("second")
-        jmp(x_dec, "low")  # the last round of the wait takes one, too
-        label("low")
-        jmp(x_dec, "low")[cycles - 1]  # the ticks that are left
         wrap()
 
     return program

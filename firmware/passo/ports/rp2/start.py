@@ -50,10 +50,9 @@ class Start(start.Start):
         sizes = (("i", QUEUE_SIZE * (ROW_STEPS + len(board["axes"]))),) + arrays(board, LEAD_TICKS)
         if "grbl" in languages:  # no other language has arcs
             sizes += (("i", ARC_FIELDS * ARCS),)
-        rooms = [(kind, array(kind, bytearray(4 * count))) for kind, count in sizes]
+        self.rooms = [(kind, array(kind, bytearray(4 * count))) for kind, count in sizes]
         if self._code:
-            self._code.borrow(rooms[0][1])
-        self.rooms = list(rooms)
+            self._code.borrow(self.rooms[0][1])
         if board["jobs"]:
             from passo.memory import FILE_BYTES, spent
 

@@ -41,7 +41,6 @@ class PinSwitches:
         _listen(self._own)
 
     def close(self):
-        """The interrupt comes no more."""
         vectors.leave(vectors.PIO_IRQ_1)
         mem32[self._own[_ENABLE]] = 0
 

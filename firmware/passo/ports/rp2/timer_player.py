@@ -34,7 +34,7 @@ class TimerPlayer:
         self.min_word_ticks = min_word_ticks
         self._ring = ring
         cycles = chip.cycles_per_tick()
-        self._machine = rp2.StateMachine(0, programs.clock(layout.bits, cycles))
+        self._machine = rp2.StateMachine(0, programs.levels(layout.bits, cycles, False, False))
         self._tables = array("I", [0] * 256)
         state = self._state = array("I", [0] * TIMER_FIELDS)
         for index, value in (
@@ -58,7 +58,6 @@ class TimerPlayer:
         mem32[PIO_0 + vectors.IRQ1_INTE] = 256
 
     def close(self):
-        """The interrupt comes no more."""
         vectors.leave(vectors.PIO_IRQ_1)
         mem32[PIO_0 + vectors.IRQ1_INTE] = 0
 

@@ -1,7 +1,8 @@
 """What comes on a UART while flash is erased or written, all interrupts off for up to 0.4 s: DMA keeps it, 576 bytes.
 
-    capture.begin(uart)         # bytes that are in the UART's buffer now come first
-    count = capture.end()       # capture.view[:count] comes behind them
+    capture = Capture(0)            # of UART 0
+    before = capture.begin(uart)    # so many bytes, which are in the UART's buffer now, come first
+    count = capture.end()           # capture.view[:count] comes behind them
 
 A FIFO alone has 32, at 115 200 baud those of 2.8 ms: a page of flash takes up to 3.
 """
@@ -18,7 +19,6 @@ _BYTES = const(576)  # what a sender that counts may have on its way, and some q
 
 class Capture:
     def __init__(self, number):
-        """`number` of the UART."""
         self._data = chip.UART1 if number else chip.UART0
         self.view = memoryview(bytearray(_BYTES))
         self._dma = dma = rp2.DMA()
@@ -26,7 +26,6 @@ class Capture:
         self._ctrl = dma.pack_ctrl(size=0, inc_read=False, inc_write=True, treq_sel=chip.UART0_REQUEST + 2 * number)
 
     def begin(self, uart):
-        """Returns how many bytes come before."""
         state = disable_irq()
         before = uart.any()
         self._dma.config(read=self._data, write=self.view, count=_BYTES, ctrl=self._ctrl, trigger=True)
@@ -34,7 +33,6 @@ class Capture:
         return before
 
     def end(self):
-        """Returns how many bytes have come."""
         dma = self._dma
         state = disable_irq()
         dma.active(0)

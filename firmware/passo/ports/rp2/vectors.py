@@ -42,5 +42,4 @@ def enter(irq, kernel, argument):
 
 
 def leave(irq):
-    """The interrupt comes no more."""
     mem32[_DISABLE] = 1 << irq
