@@ -203,19 +203,18 @@ class Lines:
 
     def _add(self, piece):
         """Append a piece of the line that has not ended yet."""
+        fields = self.fields
+        end = fields[LINES_END] + len(piece)
         if not piece:
             return  # no line has begun behind the last line end
         if self._spoilt or self.lost:
             self._spoil()
-            return
-        fields = self.fields
-        end = fields[LINES_END] + len(piece)
-        if end > fields[LINES_SIZE] - len(_TOO_LONG):
+        elif end > fields[LINES_SIZE] - len(_TOO_LONG):
             self._squeeze(piece)
-            return
-        self.text[fields[LINES_END] : end] = piece
-        fields[LINES_END] = end
-        self._check_length()
+        else:
+            self.text[fields[LINES_END] : end] = piece
+            fields[LINES_END] = end
+            self._check_length()
 
     def _check_length(self):
         if self.fields[LINES_END] - self.fields[LINES_WHOLE] > _RAW:
