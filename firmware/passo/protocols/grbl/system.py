@@ -68,7 +68,8 @@ class System:
 
             return answer(encoders.told(self._machine.encoders))
         if line == "$MASKS":
-            return answer(grbl_report.masks(self._settings))
+            # What the board file says of the settings that are masks, by which old ones are converted.
+            return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
         if line[:5] == "$LINK":
             return self._link(line[5:])
         if line not in ("$#", "$I", "$N", "$JR") and self._machine.commander != self._number:
@@ -122,7 +123,7 @@ class System:
     def _link(self, text):
         machine = self._machine
         if not text:
-            return answer(grbl_report.link(machine.commander + 1, machine.links[machine.commander]))
+            return answer("[LINK:%d,%s]\r\n" % (machine.commander + 1, machine.links[machine.commander]))
         if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
@@ -167,7 +168,7 @@ class System:
 
     def _info(self):
         text = self._settings.get(INFO) or ""
-        version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
+        version = "[VER:1.1h.20190830:%s]\r\n" % text  # of the grbl whose interface this is
         about = self._machine.about
         handlers = self._machine.handlers
         more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
