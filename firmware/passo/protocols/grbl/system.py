@@ -10,7 +10,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.grbl import report as grbl_report
-from passo.protocols.gcode.words import X, Words
+from passo.protocols.gcode.words import X
 from passo.protocols.grbl.lines import RX_BYTES
 from passo.records import DOTS_MASK, SETTING_INCHES
 
@@ -45,7 +45,6 @@ class System:
         self._number = batch.link
         self._rows = batch.dots[DOTS_MASK]
         self.blocks = machine.blocks()
-        self._words = Words()
         self.probed = [0] * gcode.axes
         self.touched = False
 
@@ -136,12 +135,13 @@ class System:
             self._gcode.weave(False)
             return [Command(commands.WEAVE, value=None)]
         parts = (text + ",0,0,0").split(",")[:6]
+        words = self._gcode.words
         spec = []
         for part, places in zip(parts, (0, 3, 3, 3, 3, 0)):  # mm, seconds
-            error = self._words.scan(b"X" + part.encode())
-            if error or self._words.count or self._words.have != 1 << X:
+            error = words.scan(b"X" + part.encode())
+            if error or words.count or words.have != 1 << X:
                 return errors.NUMBER
-            spec.append(self._words.fixed(X, places))
+            spec.append(words.fixed(X, places))
         self._gcode.weave(True)
         return [Command(commands.WEAVE, value=tuple(spec))]
 
@@ -232,7 +232,7 @@ class System:
         places = self._settings.places(int(key))
         if places is None:
             return errors.STATEMENT
-        words = self._words
+        words = self._gcode.words
         error = words.scan(b"X" + text.encode())
         if error or words.count or words.have != 1 << X:
             return errors.NUMBER
