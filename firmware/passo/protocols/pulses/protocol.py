@@ -362,9 +362,7 @@ class Pulses:
 
     def _acknowledge(self, count):
         self._under_way -= count
-        self._credit += count
-        acks = self._credit // CREDIT
-        self._credit -= acks * CREDIT
+        acks, self._credit = divmod(self._credit + count, CREDIT)
         return ACK * acks
 
     def amid(self, text):
