@@ -39,8 +39,7 @@ _RESIDUE = const(0x2144DF1C)  # CRC-32 of anything and its own CRC-32, low byte 
 def frame(kind, number=0, ack=0, credit=0, data=b""):
     """A frame's bytes, without delimiters. `credit`: 0 … MOST_CREDIT; `data`: MOST bytes at most."""
     body = bytes((kind << 4 | number >> 8, number & 255, credit << 4 | ack >> 8, ack & 255, len(data))) + data
-    check = crc32(body)
-    body += bytes((check & 255, check >> 8 & 255, check >> 16 & 255, check >> 24 & 255))
+    body += crc32(body).to_bytes(4, "little")
     return b"".join([bytes((len(part) + 1,)) + part for part in body.split(_DELIMITER)])
 
 

@@ -6,7 +6,6 @@ To the app it is a serial line like the one below it; to the link's language not
 bytes inside the frames. What they look like, and what each end does: docs/languages/frames.md.
 """
 
-
 import micropython
 from micropython import const
 

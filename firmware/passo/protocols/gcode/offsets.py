@@ -68,9 +68,8 @@ class Offsets:
         self.set_tool(position - self._reference)
 
     def _recall(self, key):
-        text = self._memory.get(key)
         try:
-            positions = [int(part) for part in text.split(",")] if text else []
+            positions = [int(part) for part in (self._memory.get(key) or "0").split(",")]
         except ValueError:
             positions = []
         return (positions + [0] * self._axes)[: self._axes]

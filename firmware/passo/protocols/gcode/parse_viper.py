@@ -12,8 +12,7 @@ has not changed what counts. An arc, a G2 or G3 with I or J, ends the batch too:
 rest. What is unusual (any other word or character, more than six
 decimals, a position beyond the travel or 2.1 m, a very slow feed, another speed of a spindle, a beam that changes
 without a step, a mistake) is left to parser.py, which alone knows the rules; what is understood here gives what it
-gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
-Python; see motion/block_viper.py for what that asks of integers.
+gives, to the nanometre. One text for all interpreters; see motion/block_viper.py for what that asks of integers.
 """
 
 import micropython

@@ -134,14 +134,10 @@ class GCode(Motions):
             return False
         fields = self.fields
         dynamic = self._dynamic
-        if fields[PARSE_FULL] > _SAME:  # each line brings its own tool and power
-            fields[PARSE_LIT] = 1 if batch.tool else 0
-            fields[PARSE_POWER] = batch.power if batch.dynamic == dynamic else _OTHER
-        elif self._lit != batch.tool or dynamic != batch.dynamic or self._level != batch.power:
-            return False
-        else:
-            fields[PARSE_LIT] = 1 if self._lit else 0
-            fields[PARSE_POWER] = batch.power
+        if fields[PARSE_FULL] <= _SAME and (self._lit != batch.tool or dynamic != batch.dynamic or self._level != batch.power):
+            return False  # above _SAME each line brings its own tool and power
+        fields[PARSE_LIT] = 1 if batch.tool else 0
+        fields[PARSE_POWER] = batch.power if batch.dynamic == dynamic else _OTHER
         fields[PARSE_DYNAMIC] = 1 if dynamic else 0
         return True
 

@@ -43,16 +43,16 @@ class Reader:
         for group in range(GROUPS):
             found[group] = NONE
         self._on = ()
-        axis_command = False
+        self._axis_command = False
         for index in range(words.count):
             code = words.codes[index]
             entry = CODES.get(code, NONE)
             if entry == NONE:
                 raise Refused(why_unknown(code))
             if entry & AXES:
-                if axis_command:
+                if self._axis_command:
                     raise Refused(errors.TWO_AXIS_COMMANDS)
-                axis_command = True
+                self._axis_command = True
             group = entry & GROUP
             if found[group] != NONE:
                 raise Refused(errors.SAME_GROUP)
@@ -61,7 +61,6 @@ class Reader:
                 self._on += (code,)
         if words.have & ~self._axis_mask & 7 << X:
             raise Refused(errors.UNSUPPORTED)
-        self._axis_command = axis_command
         self._left = words.have
 
     def _take(self, letter):

@@ -109,14 +109,6 @@ class Words:
                 if digits or point or sign:
                     return errors.NUMBER
                 sign = 44 - byte
-            elif byte == 58 and (letter == S or letter == _DOT):
-                error = self._keep(letter, -value if sign < 0 else value, digits, decimals)
-                if error:
-                    return error
-                if letter == S:
-                    self.row = [self.fixed(S, 3)]
-                letter, point = _DOT, False
-                value = digits = decimals = sign = 0
             elif byte == 61 and letter == S and not (digits or point or sign or self.have >> S & 1):
                 return self._unpack(bare(line).partition(b"=")[2])
             else:
@@ -124,9 +116,14 @@ class Words:
                     error = self._keep(letter, -value if sign < 0 else value, digits, decimals)
                     if error:
                         return error
-                letter = (byte & 0xDF) - 65
-                if not 0 <= letter < 26 or byte < 65:
-                    return errors.LETTER
+                if byte == 58 and (letter == S or letter == _DOT):
+                    if letter == S:
+                        self.row = [self.fixed(S, 3)]
+                    letter = _DOT
+                else:
+                    letter = (byte & 0xDF) - 65
+                    if not 0 <= letter < 26 or byte < 65:
+                        return errors.LETTER
                 value = digits = decimals = sign = 0
                 point = False
         return self._keep(letter, -value if sign < 0 else value, digits, decimals) if letter >= 0 else 0

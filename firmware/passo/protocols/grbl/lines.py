@@ -42,7 +42,7 @@ _PLAIN = {
     0x18: commands.RESET, 0x21: commands.HOLD, 0x3F: commands.STATUS, 0x7E: commands.RESUME, 0x84: commands.DOOR, 0x85: commands.JOG_CANCEL,
 }  # fmt: skip
 _TOGGLES = {0x9E: commands.SPINDLE_STOP, 0xA0: 1, 0xA1: 2}
-# Per cent, or their change: of the feed from 0x90 on, of rapids from 0x95 on; the first five again of the power from 0x99 on.
+# 100 %, and changes of it, of the feed from 0x90 on, per cent of rapids from 0x95 on; the first five again of the power from 0x99 on.
 _AMOUNTS = (100, 10, -10, 1, -1, 100, 50, 25)
 
 
@@ -102,11 +102,11 @@ def real_time(byte):
     if not 0x90 <= byte <= 0x9D or byte == 0x98:
         return None
     command = Command(commands.OVERRIDE, value=commands.FEED if byte < 0x95 else commands.RAPID if byte < 0x98 else commands.POWER)
-    amount = _AMOUNTS[(byte - 0x90) % 9]
-    if amount > 10:
-        command.power = amount
+    index = (byte - 0x90) % 9
+    if 0 < index < 5:
+        command.feed = _AMOUNTS[index]
     else:
-        command.feed = amount
+        command.power = _AMOUNTS[index]
     return command
 
 
@@ -203,19 +203,18 @@ class Lines:
 
     def _add(self, piece):
         """Append a piece of the line that has not ended yet."""
+        fields = self.fields
+        end = fields[LINES_END] + len(piece)
         if not piece:
             return  # no line has begun behind the last line end
         if self._spoilt or self.lost:
             self._spoil()
-            return
-        fields = self.fields
-        end = fields[LINES_END] + len(piece)
-        if end > fields[LINES_SIZE] - len(_TOO_LONG):
+        elif end > fields[LINES_SIZE] - len(_TOO_LONG):
             self._squeeze(piece)
-            return
-        self.text[fields[LINES_END] : end] = piece
-        fields[LINES_END] = end
-        self._check_length()
+        else:
+            self.text[fields[LINES_END] : end] = piece
+            fields[LINES_END] = end
+            self._check_length()
 
     def _check_length(self):
         if self.fields[LINES_END] - self.fields[LINES_WHOLE] > _RAW:

@@ -1,4 +1,4 @@
-"""All text that the grbl language says, formed in one place."""
+"""Text that the grbl language says; that of a few `$` lines stands in system.py."""
 
 from array import array
 
@@ -11,8 +11,6 @@ from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, te
 from passo.protocols.grbl.report_records import *
 from passo.records import SEEN_LINE, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT
 
-VERSION = "1.1h"
-DATE = "20190830"  # of the grbl whose interface this is
 BANNER = "\r\nGrbl 1.1h ['$' for help]\r\n"
 HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]"
 NOTICES = (
@@ -44,16 +42,6 @@ _END = const(3)  # bytes of what ends a report
 
 def message(text):
     return "[MSG:%s]\r\n" % text
-
-
-def link(number, name):
-    """The line of $LINK: who may command."""
-    return "[LINK:%d,%s]\r\n" % (number, name)
-
-
-def masks(settings):
-    """The line of $MASKS: what the board file says of the settings that are masks, by which old ones are converted."""
-    return "[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in settings.masks()])
 
 
 def log(log):

@@ -10,7 +10,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.grbl import report as grbl_report
-from passo.protocols.gcode.words import X, Words
+from passo.protocols.gcode.words import X
 from passo.protocols.grbl.lines import RX_BYTES
 from passo.records import DOTS_MASK, SETTING_INCHES
 
@@ -45,7 +45,6 @@ class System:
         self._number = batch.link
         self._rows = batch.dots[DOTS_MASK]
         self.blocks = machine.blocks()
-        self._words = Words()
         self.probed = [0] * gcode.axes
         self.touched = False
 
@@ -68,7 +67,8 @@ class System:
 
             return answer(encoders.told(self._machine.encoders))
         if line == "$MASKS":
-            return answer(grbl_report.masks(self._settings))
+            # What the board file says of the settings that are masks, by which old ones are converted.
+            return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
         if line[:5] == "$LINK":
             return self._link(line[5:])
         if line not in ("$#", "$I", "$N", "$JR") and self._machine.commander != self._number:
@@ -122,7 +122,7 @@ class System:
     def _link(self, text):
         machine = self._machine
         if not text:
-            return answer(grbl_report.link(machine.commander + 1, machine.links[machine.commander]))
+            return answer("[LINK:%d,%s]\r\n" % (machine.commander + 1, machine.links[machine.commander]))
         if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
@@ -135,12 +135,13 @@ class System:
             self._gcode.weave(False)
             return [Command(commands.WEAVE, value=None)]
         parts = (text + ",0,0,0").split(",")[:6]
+        words = self._gcode.words
         spec = []
         for part, places in zip(parts, (0, 3, 3, 3, 3, 0)):  # mm, seconds
-            error = self._words.scan(b"X" + part.encode())
-            if error or self._words.count or self._words.have != 1 << X:
+            error = words.scan(b"X" + part.encode())
+            if error or words.count or words.have != 1 << X:
                 return errors.NUMBER
-            spec.append(self._words.fixed(X, places))
+            spec.append(words.fixed(X, places))
         self._gcode.weave(True)
         return [Command(commands.WEAVE, value=tuple(spec))]
 
@@ -167,7 +168,7 @@ class System:
 
     def _info(self):
         text = self._settings.get(INFO) or ""
-        version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
+        version = "[VER:1.1h.20190830:%s]\r\n" % text  # of the grbl whose interface this is
         about = self._machine.about
         handlers = self._machine.handlers
         more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
@@ -231,7 +232,7 @@ class System:
         places = self._settings.places(int(key))
         if places is None:
             return errors.STATEMENT
-        words = self._words
+        words = self._gcode.words
         error = words.scan(b"X" + text.encode())
         if error or words.count or words.have != 1 << X:
             return errors.NUMBER

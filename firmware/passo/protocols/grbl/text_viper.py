@@ -8,9 +8,8 @@
     lengths(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
     at = tell(out, 0, b"MPos:\\1,\\2\\0", fields)      # MPos:0.000,-1.250
 
-The fields are REPORT_… and NUMBER_… of report_records.py. Positions are told to 100 km, offsets too.
-One text for all interpreters, as motion/block_viper.py, whose rules for integers are kept: a board compiles it to machine
-code.
+The fields are REPORT_… and NUMBER_… of report_records.py. Positions are told to 100 km, offsets too. One text for all interpreters; see
+motion/block_viper.py.
 """
 
 from array import array

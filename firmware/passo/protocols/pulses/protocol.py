@@ -198,7 +198,10 @@ class Pulses:
         """A byte that is no code, or stands behind a number."""
         if self._sign:
             if 48 <= byte <= 57:
-                self._digit(byte - 48, found)
+                self._number = max(self._number, 0) * 10 + byte - 48
+                if self._number > (WAIT_MS if self._sign == 0x2A else SPEED_MM_MIN)[1]:
+                    self._line, self._column = self._sign_at
+                    self._fail(errors.NUMBER_RANGE, found)
                 self._column += 1
                 return
             if not self._end_number(found):
@@ -221,13 +224,6 @@ class Pulses:
             self._fail(errors.NO_CODE, found)
             return
         self._column += 1
-
-    def _digit(self, digit, found):
-        most = (WAIT_MS if self._sign == 0x2A else SPEED_MM_MIN)[1]
-        self._number = max(self._number, 0) * 10 + digit
-        if self._number > most:
-            self._line, self._column = self._sign_at
-            self._fail(errors.NUMBER_RANGE, found)
 
     def _end_number(self, found):
         """False if there is none."""
@@ -366,9 +362,7 @@ class Pulses:
 
     def _acknowledge(self, count):
         self._under_way -= count
-        self._credit += count
-        acks = self._credit // CREDIT
-        self._credit -= acks * CREDIT
+        acks, self._credit = divmod(self._credit + count, CREDIT)
         return ACK * acks
 
     def amid(self, text):
