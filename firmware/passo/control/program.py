@@ -16,7 +16,6 @@ from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
 from passo.motion.row_viper import room
 from passo.records import *
-from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
 _DWELL_MS = const(3_600_000)  # of a dwell are queued at a time: the whole queue holds 7680 s
