@@ -270,6 +270,14 @@ class PageMachine:
 
     zero = go = step = override = output = set = line = play = run = _wordless
 
+    def _steps_by(self, way):
+        """The way {axis: mm} in steps."""
+        return [round(way.get(self.axes[axis], 0) * self.scale[axis]) for axis in range(len(self.scale))]
+
+    def _steps_to(self, position, at):
+        """The position {axis: mm} in steps; axes that it leaves out stay where they are, `at`."""
+        return [round(position[self.axes[axis]] * self.scale[axis]) if self.axes[axis] in position else at[axis] for axis in range(len(self.scale))]
+
     # --- the jog
 
     def begin_jog(self, number, beat, direction, speed):
