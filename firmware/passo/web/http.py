@@ -119,17 +119,14 @@ class Server:
                         break
         if (now_ms - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
             self._looked_ms = now_ms
-            self._end_late(now_ms)
+            for connection in self.connections:
+                if self._late(connection, now_ms):
+                    self.drop(connection)
+                    break
         if self._gets and not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
             self._pushed_ms = now_ms
             self._pushing = True
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
-
-    def _end_late(self, now_ms):
-        for connection in self.connections:
-            if self._late(connection, now_ms):
-                self.drop(connection)
-                break
 
     def _late(self, connection, now_ms):
         """True if it takes too long."""
@@ -156,15 +153,12 @@ class Server:
     def _pages(self):
         return len([1 for each in self.connections if each.state == EVENTS])
 
-    def _asking(self):
-        """Connections that are no page's."""
-        return len([1 for each in self.connections if each.state < EVENTS])
-
     def _accept(self, now_ms):
         """Take a connection. It waits if all that there are are being answered."""
-        if self._asking() >= SLOTS:
+        if len([1 for each in self.connections if each.state < EVENTS]) >= SLOTS:  # the others are pages
             for connection in self.connections:
-                if connection.state in (HEAD, BODY) or self._unread(connection, now_ms):
+                unread = connection.state == ANSWERED and (now_ms - connection.taken_ms) & COUNT_MASK > _UNREAD_MS
+                if connection.state in (HEAD, BODY) or unread:
                     self.drop(connection)
                     break
             else:
@@ -180,10 +174,6 @@ class Server:
         self.connections.append(connection)
         self._poll.register(socket, POLLIN)
         self._advance(connection, now_ms)
-
-    def _unread(self, connection, now_ms):
-        """True if nothing of an answer has been taken for a second."""
-        return connection.state == ANSWERED and (now_ms - connection.taken_ms) & COUNT_MASK > _UNREAD_MS
 
     def _advance(self, connection, now_ms):
         """What can be done now of a connection."""
