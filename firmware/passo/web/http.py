@@ -1,9 +1,9 @@
 """A small HTTP server inside the main loop: a request at a time for the machine, files, and pushed events.
 
-    server = Server(listener, files, guard)
+    server = Server(listener, files, guard, clock_ms, legacy)
     server.poll(now_ms)             # once a cycle
-    request = server.take()         # for the language: number, flags, path and body; b"" if there is none
-    server.answer(b"…")             # its answer: the number, and what it says
+    request = server.read()         # polls, too; for the language: number, flags, path and body; b"" if there is none
+    server.write(b"…")              # its answer: the number, and what it says
     server.sockets[b"/ws"] = owner  # WebSockets: owner.open(), .heard() and .gone(), see page_line.py
     server.calls[b"/stop"] = stop   # POST: stop(body) gives the answer, JSON
 
@@ -40,8 +40,9 @@ _STOPPED = b"dropped: the machine was stopped\n"
 
 
 class Server:
-    def __init__(self, listener, files, guard):
-        """`listener`: a socket that listens; `files`: a Folder; `guard`: says who may."""
+    def __init__(self, listener, files, guard, clock_ms, legacy):
+        """`listener`: a socket that listens; `files`: a Folder; `guard`: says who may; `clock_ms()`: the links' clock; `legacy`: who has no
+        key may be admitted."""
         listener.setblocking(False)
         self._listener = listener
         self._listener_fd = listener.fileno() if hasattr(listener, "fileno") else None
@@ -51,6 +52,8 @@ class Server:
         self._found = []
         self.files = files
         self._guard = guard
+        self._clock_ms = clock_ms
+        self._legacy = legacy
         self._posts = self._gets = ()
         self._page = None
         self.sockets = {}  # path: owner
@@ -64,22 +67,24 @@ class Server:
         self._second_ms = 0
         self._count = 0
 
-    def serve(self, posts, gets, page):
-        """`posts`, `gets`: paths that the language answers; `gets` begins with the one that is shown at / and pushed to pages.
-        `page`: the file of the folder that stands behind each answer in HTML."""
-        self._posts = posts
-        self._gets = gets
-        self._page = page
+    # --- the app's side: a line of requests and answers
 
-    # --- the language's side
+    def join(self, link, controller):
+        """The language of `link` answers requests: it says which paths, and its GETS begin with the one that is shown at / and pushed to
+        pages; its PAGE is the file of the folder that stands behind each answer in HTML."""
+        protocol = link.protocol
+        self._guard.admit(controller.features["admission"].admitted if self._legacy else None, protocol.FREE)
+        self._posts, self._gets, self._page = protocol.POSTS, protocol.GETS, protocol.PAGE
 
-    def take(self):
-        return self._requests.pop(0) if self._requests else b""
-
-    def waiting(self):
+    def any(self):
         return bool(self._requests)
 
-    def answer(self, data):
+    def read(self):
+        """The next request, or b""."""
+        self.poll(self._clock_ms())
+        return self._requests.pop(0) if self._requests else b""
+
+    def write(self, data):
         number = data[0]
         data = data[1:]
         if number == _PUSHED:
@@ -243,7 +248,6 @@ class Server:
             self._show(connection, path, now_ms)
 
     def _open(self, connection, owner, now_ms):
-        """A WebSocket."""
         hello = owner.open(connection, now_ms)
         if hello is None:
             self._say(connection, 503)
@@ -253,7 +257,6 @@ class Server:
         self.send(connection, hello)
 
     def _show(self, connection, path, now_ms):
-        """A file, or events."""
         found = self.files.find(path)
         if not found and not (self._gets and path in (b"/", b"/EVENTS")):
             self._say(connection, 404)

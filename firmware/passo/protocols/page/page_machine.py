@@ -78,7 +78,6 @@ class PageMachine:
         return self.do(first, lambda error: self.finished(error) if error else self.do(second))
 
     def pending(self):
-        """True if there is something to be carried out."""
         return self.said
 
     def commands(self):
@@ -117,7 +116,6 @@ class PageMachine:
         return self._record.busy_with(kind)
 
     def runs_stored(self):
-        """True while a stored job runs."""
         return self._record.lender >= 0
 
     # --- what the machine says
@@ -296,11 +294,9 @@ class PageMachine:
         self.jog.begin(direction, speed, self._limits(), self.position)
 
     def renew(self, number, beat):
-        """True if the jog's lease lasts on."""
         return self.lease.renew(number, beat, self._now_ms)
 
     def end_jog(self):
-        """Brake now."""
         self.lease.end()
         if self.jog.active:
             self.jog.end()
