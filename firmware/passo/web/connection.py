@@ -219,7 +219,8 @@ class Connection:
                 self._out = self._file.read(min(_SENT, self._left))
                 self._left -= len(self._out)
                 if not self._out or not self._left:
-                    self._close_file()
+                    self._file.close()
+                    self._file = None
             if self._out:
                 try:
                     sent = self.socket.send(self._out if len(self._out) <= _SENT else self._out[:_SENT])
@@ -236,11 +237,7 @@ class Connection:
         self.since_ms = now_ms
         return False
 
-    def _close_file(self):
+    def close(self):
         if self._file is not None:
             self._file.close()
-            self._file = None
-
-    def close(self):
-        self._close_file()
         self.socket.close()
