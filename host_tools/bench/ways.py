@@ -178,9 +178,12 @@ class _Browser:
         self.socket.sendall(bytes((_TEXT, _MASKED)) + len(text).to_bytes(2, "big") + bytes(4) + text)
 
 
-def _pressed():
+def _pressed(again=False):
     browser = _Browser()
     machine = browser.machine
+    if again:
+        browser.order(do="step", by={"x": 1}, speed=500)
+        machine.run_ms(1500)
     ring = machine.port._player._ring
     made = ring.head
     browser.order(do="step", by={"x": 1}, speed=500)
@@ -200,6 +203,7 @@ WAYS = {
     "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.received()),
     "`$H`, to its answer": _homing,
     "a key on the board's own page, to its answer and its first words": _pressed,
+    "the same key again": lambda: _pressed(True),
 }
 
 

@@ -93,7 +93,7 @@ def _agent(boards, served, told, stack):
     from host_tools.shop.agent import Agent
     from host_tools.shop.home_assistant import discovery
     from host_tools.shop.link import ROOT, Link
-    from passo.web.session import read_key
+    from host_tools.clients.page_key import read_key
 
     broker, home_assistant, key, (tools, lasers, pages) = told
     key = read_key(key)

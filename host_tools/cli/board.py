@@ -172,7 +172,7 @@ def _stock(config):
 def _radio(config, ports, key):
     """The network that was asked for by {kind: port or None}, or None. Raises Failure if the board file has none."""
     from host_tools.sim.radio import LoopbackRadio
-    from passo.web import session
+    from host_tools.clients import page_key
 
     wanted = {kind: port for kind, port in ports.items() if port is not None}
     has = [entry["port"] for entry in config["links"]] if config.get("network") else []
@@ -180,12 +180,12 @@ def _radio(config, ports, key):
         if not {"http": {"http", "page"}, "tcp": {"tcp"}}[kind] & set(has):
             option = "--http" if kind == "http" else "--signed"
             raise Failure("{}: no link of the board file {} has the port {}, see docs/network.md", option, config["name"], kind)
-    return LoopbackRadio(wanted, session.read_key(key) if key else session.make_key(os.urandom), config) if wanted else None
+    return LoopbackRadio(wanted, page_key.read_key(key) if key else page_key.make_key(os.urandom), config) if wanted else None
 
 
 def _tell(radio):
     if radio is not None:
-        from passo.web.session import shown
+        from host_tools.clients.page_key import shown
 
         for kind in radio.kinds():
             path = f"/#key={radio.key}" if kind == "http" else ""

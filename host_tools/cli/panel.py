@@ -77,7 +77,7 @@ def panel(
 def _tell(host, number, key, line, open_):
     """Print where the page is, and open it."""
     from host_tools.sim.consent import tell
-    from passo.web.session import shown
+    from host_tools.clients.page_key import shown
 
     address = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{number}/"
     print(f"page: {address}#key={key}")

@@ -41,7 +41,7 @@ def shop(
     from host_tools.shop.book import Book
     from host_tools.shop.desk import Desk
     from host_tools.shop.shop_server import Shop
-    from passo.web import session
+    from host_tools.clients import page_key
 
     broker = make_broker(broker, user, password, ca)
     secret = _shop_key(key)
@@ -50,7 +50,7 @@ def shop(
         opened = Book(book)
     except (OSError, _database_error()) as error:
         raise Failure("cannot use the book {}: {}", book, reason(error)) from error
-    page_key = session.make_key(os.urandom)
+    page_key = page_key.make_key(os.urandom)
     desk = Desk(broker, secret, opened)
     try:
         served = Shop(desk, opened, page_key, host)
@@ -68,16 +68,16 @@ def _database_error():
 
 def _shop_key(path):
     """The key in a file, which is made if there is none. Raises Failure."""
-    from passo.web import session
+    from host_tools.clients import page_key
 
     if not path.exists():
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-                file.write(session.make_key(os.urandom) + "\n")
+                file.write(page_key.make_key(os.urandom) + "\n")
         except OSError as error:
             raise Failure("cannot write {}: {}", path, reason(error)) from error
-    return session.read_key(read_secret(path))
+    return page_key.read_key(read_secret(path))
 
 
 def _tell(host, number, page_key, path):

@@ -81,14 +81,14 @@ def checked(name, passphrase):
 def _set(mode, name, passphrase, port, new_key):
     import os
 
-    from passo.web import session
+    from host_tools.clients import page_key
 
     port = _port(port)
     if passphrase is None:
         passphrase = typer.prompt(_("passphrase"), hide_input=True, confirmation_prompt=mode == "access" and _("the passphrase again"))
     checked(name, passphrase)
     before = _saved(port)
-    key = before["key"] if before and "key" in before and not new_key else session.make_key(os.urandom)
+    key = before["key"] if before and "key" in before and not new_key else page_key.make_key(os.urandom)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / FILE
         path.touch(mode=0o600)
@@ -97,7 +97,7 @@ def _set(mode, name, passphrase, port, new_key):
     if status:
         raise Failure("the board on {} did not take the file: try again", port)
     print(_("access point {}; the board starts anew", name) if mode == "access" else _("station of {}; the board starts anew", name))
-    print(f"key: {session.shown(key)}")
+    print(f"key: {page_key.shown(key)}")
     if len(passphrase) < _WEAK:
         print(_("a passphrase of {} characters or more would be harder to guess", _WEAK), file=sys.stderr)
 
@@ -141,7 +141,7 @@ def show(port: Port = None):
 
         passo wifi show --port /dev/ttyACM0
     """
-    from passo.web import session
+    from host_tools.clients import page_key
 
     found = _saved(_port(port))
     if not found:
@@ -149,7 +149,7 @@ def show(port: Port = None):
         return
     name = found["name"]
     print(_("access point {}", name) if found["mode"] == "access" else _("station of {}", name))
-    print(f"key: {session.shown(found['key'])}")
+    print(f"key: {page_key.shown(found['key'])}")
 
 
 @app.command()
@@ -200,14 +200,14 @@ def bridge(
     from host_tools.sim.consent import Consent, GuestLine, tell
     from host_tools.sim.serial_line import PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
-    from passo.web import session
+    from host_tools.clients import page_key
 
     if websocket is not None:
         line = GuestLine(WebSocketLine(websocket), Consent())
     else:
         line = GuestLine(TcpLine(tcp), Consent()) if tcp is not None else PtyLine(link)
     try:
-        made = Bridge(host, tcp_port, session.read_key(key), line)
+        made = Bridge(host, tcp_port, page_key.read_key(key), line)
         tell(line)
         try:
             while True:

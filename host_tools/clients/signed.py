@@ -21,7 +21,7 @@ _LONGEST = 4096  # bytes of a sender's line
 
 class Bridge:
     def __init__(self, host, port, key, line):
-        """`key`: as session.read_key gives it. Raises Failure if no board of Passo answers there."""
+        """`key`: as page_key.read_key gives it. Raises Failure if no board of Passo answers there."""
         self._hmac = Hmac(key.encode())
         self._line = line
         self._count = 0

@@ -58,7 +58,7 @@ class PanelPages(ServedPages):
 
     def about(self, more):
         """What the first message to a page says, with `more`."""
-        told = {"can": self.api.can(), "axes": self.api.machine.axes, "turns": self.api.machine.turns, "language": self.api.machine.language, "travel": self.api.machine.travel}
+        told = self.api.hello()
         told.update(more)
         return told
 

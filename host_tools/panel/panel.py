@@ -14,7 +14,6 @@ from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
 from host_tools.resources import FIRMWARE
 from passo import errors
-from passo.web import session
 
 _HALF_WAY = ("Hold", "Door")  # stands, but with motion that is to be gone on with
 FOLDER = FIRMWARE / "passo" / "web" / "page"
@@ -58,7 +57,7 @@ class Panel:
         self._proving = Proving(proved, self._lend, self._tell) if proved else None
         self._jobs = jobs
         self._machines = list(machines)
-        self.key = session.make_key(os.urandom)
+        self.key = page_key.make_key(os.urandom)
         self._speak(language, board)
         self.server = Server(self.api, self.key, names_of(host), str(FOLDER), self._about)
         self._stopped = asyncio.Event()

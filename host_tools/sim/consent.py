@@ -17,7 +17,8 @@ import sys
 from host_tools.language import _
 from passo import errors
 from host_tools.page.guest import ALWAYS, QUESTIONS
-from passo.web.session import make_key, read_key, same, shown
+from host_tools.clients.page_key import make_key, read_key, shown
+from passo.web.session import same
 
 _LONGEST = 256  # bytes of a line that is kept
 _MOST = 256  # lines

@@ -12,7 +12,8 @@ from passo.protocols.page.jog import Limits
 from passo.protocols.page.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace
 from passo.protocols.page.orders import too_deep
-from passo.web.session import Hmac, Session, make_key, read_key, shown
+from passo.web.session import Hmac, Session
+from host_tools.clients.page_key import make_key, read_key, shown
 from host_tools.page.teach import lines_of
 from host_tools.clients.grbl_wire import PAGE, Wire, dwell_ms
 

@@ -81,9 +81,9 @@ def measure(folder, count, each):
     from host_tools.shop.book import Book
     from host_tools.shop.desk import Desk
     from host_tools.shop.link import Broker
-    from passo.web import session
+    from host_tools.clients import page_key
 
-    port, key = free_port(), session.make_key(os.urandom)
+    port, key = free_port(), page_key.make_key(os.urandom)
     (folder / "mosquitto.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
     broker = subprocess.Popen([MOSQUITTO, "-c", folder / "mosquitto.conf"], stderr=subprocess.DEVNULL)
     book = Book(folder / "shop.sqlite")

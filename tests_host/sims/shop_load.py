@@ -283,7 +283,7 @@ class Load:
         from host_tools.shop.book import Book
         from host_tools.shop.desk import Desk
         from host_tools.shop.link import Broker
-        from passo.web import session
+        from host_tools.clients import page_key
 
         self.folder = folder
         self.random = random.Random(seed)
@@ -302,7 +302,7 @@ class Load:
         (folder / "mosquitto.conf").write_text(f"listener {self.broker_port} 127.0.0.1\nallow_anonymous true\n")
         self.start_broker()
         self.proxy = Proxy(self.broker_port)
-        key = session.make_key(os.urandom)
+        key = page_key.make_key(os.urandom)
         self.key_file = folder / "shop.key"
         self.key_file.write_text(key)
         self.key_file.chmod(0o600)

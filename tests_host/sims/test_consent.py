@@ -14,7 +14,7 @@ from hypothesis import given, strategies
 from host_tools.sim.consent import Consent, GuestLine
 from panel_process import PanelProcess
 from host_tools.page.guest import ALWAYS, QUESTIONS
-from passo.web.session import shown
+from host_tools.clients.page_key import shown
 
 LIMIT_S = 60
 ORDERS = [b"G0X1", b"$LINK=0", b"$X", b"$J=G91X10F1000", b"$H", b"$110=5", b"$SLP", b"$JR", b"M3S100", b"$token=", b"$TOKEN=ABCD"]

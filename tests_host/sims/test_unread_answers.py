@@ -27,7 +27,7 @@ def served(tmp_path):
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
     listener.bind(("127.0.0.1", 0))
     listener.listen(50)
-    server = Server(listener, Folder(str(tmp_path) + "/"), Open())
+    server = Server(listener, Folder(str(tmp_path) + "/"), Open(), None, False)
     server.calls[b"/stop"] = lambda body: b"{}"
     return server, listener.getsockname()
 

@@ -10,6 +10,7 @@ import socket
 import subprocess
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 import requests
@@ -148,6 +149,9 @@ def test_a_stop_that_overtakes_an_order():
 class Proven:
     """A guard that takes everybody for proven, but for STOP."""
 
+    def admit(self, admitted, free):
+        pass
+
     def wrong(self, connection, browser):
         return 0
 
@@ -165,8 +169,9 @@ def test_orders_that_wait_are_refused_by_a_stop(tmp_path):
     listener = socket.socket()
     listener.bind(("127.0.0.1", 0))
     listener.listen(9)
-    server = Server(listener, Folder(str(tmp_path) + "/"), Proven())
-    server.serve((b"/COMMAND", b"/HALT"), (b"/INFO",), "torch.html")
+    server = Server(listener, Folder(str(tmp_path) + "/"), Proven(), lambda: 0, False)
+    language = SimpleNamespace(POSTS=(b"/COMMAND", b"/HALT"), GETS=(b"/INFO",), FREE=(), PAGE="torch.html")
+    server.join(SimpleNamespace(protocol=language), None)
     wires = []
     for line in (b"POST /COMMAND", b"GET /INFO", b"POST /COMMAND", b"POST /HALT"):
         wires.append(socket.create_connection(listener.getsockname(), LIMIT_S))
@@ -177,7 +182,7 @@ def test_orders_that_wait_are_refused_by_a_stop(tmp_path):
     for _ in range(200):
         server.poll(0)
     assert [wire.recv(1000)[9:12] for wire in (wires[0], wires[2])] == [b"409"] * 2
-    assert [server.take()[2:].split(b" ")[0] for _ in range(3)] == [b"/HALT", b"/INFO", b""]
+    assert [server.read()[2:].split(b" ")[0] for _ in range(3)] == [b"/HALT", b"/INFO", b""]
     for wire in wires:
         wire.close()
     server.close()

@@ -18,6 +18,7 @@ import requests
 from test_agent import Shop, needs_broker
 
 from host_tools import language
+from host_tools.clients import page_key
 from host_tools.failure import Failure
 from host_tools.language import error_text
 from host_tools.shop import drop
@@ -144,7 +145,7 @@ class Bench(Shop):
 
         super().__init__(folder)
         self.folder = folder
-        self.key = session.make_key(os.urandom)
+        self.key = page_key.make_key(os.urandom)
         self.key_file = folder / "shop.key"
         self.key_file.write_text(self.key)
         self.key_file.chmod(0o600)

@@ -15,7 +15,7 @@ from test_agent import LIMIT_S, MOSQUITTO, Shop, free_port
 from host_tools.shop.book import Book
 from host_tools.shop.desk import Desk
 from host_tools.shop.link import Broker
-from passo.web import session
+from host_tools.clients import page_key
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "sims"))
 import shop_load  # noqa: E402
@@ -158,7 +158,7 @@ def test_made_again_it_keeps_authority_and_users(guarded):
 @pytest.mark.slow
 def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
     """The users shop and pc-1 of the ACL, over TLS: the file, the order and what the machine tells pass."""
-    key = session.make_key(os.urandom)
+    key = page_key.make_key(os.urandom)
     key_file = tmp_path / "shop.key"
     key_file.touch(0o600)
     key_file.write_text(key)

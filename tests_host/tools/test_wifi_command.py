@@ -9,7 +9,8 @@ from typer.testing import CliRunner
 from host_tools.cli import wifi
 from host_tools.cli.main import app
 from host_tools.failure import Failure
-from passo.web import radio, session
+from host_tools.clients import page_key
+from passo.web import radio
 
 
 @pytest.fixture
@@ -45,8 +46,8 @@ def test_a_board_gets_its_network(board, monkeypatch):
     said = passo("access", "tocha", said="a good passphrase\na good passphrase\n")
     saved = json.loads((board / "wifi.json").read_text())
     assert saved["mode"] == "access" and saved["name"] == "tocha" and saved["passphrase"] == "a good passphrase"
-    assert len(saved["key"]) == 16 and session.shown(saved["key"]) in said and "good passphrase" not in said
-    assert passo("show") == f"access point tocha\nkey: {session.shown(saved['key'])}\n"
+    assert len(saved["key"]) == 16 and page_key.shown(saved["key"]) in said and "good passphrase" not in said
+    assert passo("show") == f"access point tocha\nkey: {page_key.shown(saved['key'])}\n"
     monkeypatch.chdir(board)
     assert radio.saved() == saved  # the board can use it
     passo("station", "workshop", "--passphrase", "another passphrase")

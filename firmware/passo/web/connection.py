@@ -49,7 +49,7 @@ class Connection:
         self.number = 0  # of its request, while ASKED
         self.wrong = 0
         self.method = self.path = b""
-        self.query = self.body = b""
+        self.body = b""
         self.host = self.origin = None
         self.proof = b""
         self.json = False
@@ -67,7 +67,6 @@ class Connection:
         self._rest = []  # what follows it, in parts: a board may have no piece of memory for the whole
         self._file = None
         self._left = 0  # bytes of it
-        self.taken = 0  # bytes that the network has taken
         self.waits = False  # for room in the network
         self.taken_ms = now_ms  # when it was seen to have taken some
 
@@ -121,10 +120,9 @@ class Connection:
             self._refuse(400)
             return
         self.method = parts[0]
-        self.path, _, self.query = parts[1].partition(b"?")
-        self.path = self.path.replace(b"%2B", b"+")
-        if self.query == b"json":
-            self.json = True
+        path, _, query = parts[1].partition(b"?")
+        self.path = path.replace(b"%2B", b"+")
+        self.json = query == b"json"
 
     def _read_field(self, line):
         name, colon, value = line.partition(b":")
@@ -187,7 +185,7 @@ class Connection:
         """It is a WebSocket from now on; `owner` is told what comes."""
         self.owner = owner
         self._frames = Frames(_MESSAGE_BYTES)
-        self.method = self.path = self.body = self.query = self.host = self.origin = self.proof = b""
+        self.method = self.path = self.body = self.host = self.origin = self.proof = b""
         self._out = b"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: %s\r\n\r\n" % (
             accept_of(self.key)
         )
@@ -214,7 +212,6 @@ class Connection:
             if len(self._out) + len(data) > UNSENT:
                 raise OSError(0)
             self._out += data
-        taken = self.taken
         while self._out or self._rest or self._file is not None:
             if not self._out and self._rest:
                 self._out = self._rest.pop(0)
@@ -222,29 +219,25 @@ class Connection:
                 self._out = self._file.read(min(_SENT, self._left))
                 self._left -= len(self._out)
                 if not self._out or not self._left:
-                    self._close_file()
+                    self._file.close()
+                    self._file = None
             if self._out:
                 try:
                     sent = self.socket.send(self._out if len(self._out) <= _SENT else self._out[:_SENT])
-                    self.taken += sent
                     self._out = self._out[sent:] if sent < len(self._out) else b""
+                    if sent:
+                        self.taken_ms = now_ms
                 except OSError as error:
                     if error.errno not in AGAIN:
                         raise
             if self._out or not self._rest:
                 break
-        if self.taken != taken:
-            self.taken_ms = now_ms
         if self._out or self._rest or self._file is not None:
             return True
         self.since_ms = now_ms
         return False
 
-    def _close_file(self):
+    def close(self):
         if self._file is not None:
             self._file.close()
-            self._file = None
-
-    def close(self):
-        self._close_file()
         self.socket.close()

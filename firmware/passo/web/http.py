@@ -1,9 +1,9 @@
 """A small HTTP server inside the main loop: a request at a time for the machine, files, and pushed events.
 
-    server = Server(listener, files, guard)
+    server = Server(listener, files, guard, clock_ms, legacy)
     server.poll(now_ms)             # once a cycle
-    request = server.take()         # for the language: number, flags, path and body; b"" if there is none
-    server.answer(b"…")             # its answer: the number, and what it says
+    request = server.read()         # polls, too; for the language: number, flags, path and body; b"" if there is none
+    server.write(b"…")              # its answer: the number, and what it says
     server.sockets[b"/ws"] = owner  # WebSockets: owner.open(), .heard() and .gone(), see page_line.py
     server.calls[b"/stop"] = stop   # POST: stop(body) gives the answer, JSON
 
@@ -40,8 +40,9 @@ _STOPPED = b"dropped: the machine was stopped\n"
 
 
 class Server:
-    def __init__(self, listener, files, guard):
-        """`listener`: a socket that listens; `files`: a Folder; `guard`: says who may."""
+    def __init__(self, listener, files, guard, clock_ms, legacy):
+        """`listener`: a socket that listens; `files`: a Folder; `guard`: says who may; `clock_ms()`: the links' clock; `legacy`: who has no
+        key may be admitted."""
         listener.setblocking(False)
         self._listener = listener
         self._listener_fd = listener.fileno() if hasattr(listener, "fileno") else None
@@ -51,6 +52,8 @@ class Server:
         self._found = []
         self.files = files
         self._guard = guard
+        self._clock_ms = clock_ms
+        self._legacy = legacy
         self._posts = self._gets = ()
         self._page = None
         self.sockets = {}  # path: owner
@@ -64,22 +67,24 @@ class Server:
         self._second_ms = 0
         self._count = 0
 
-    def serve(self, posts, gets, page):
-        """`posts`, `gets`: paths that the language answers; `gets` begins with the one that is shown at / and pushed to pages.
-        `page`: the file of the folder that stands behind each answer in HTML."""
-        self._posts = posts
-        self._gets = gets
-        self._page = page
+    # --- the app's side: a line of requests and answers
 
-    # --- the language's side
+    def join(self, link, controller):
+        """The language of `link` answers requests: it says which paths, and its GETS begin with the one that is shown at / and pushed to
+        pages; its PAGE is the file of the folder that stands behind each answer in HTML."""
+        protocol = link.protocol
+        self._guard.admit(controller.features["admission"].admitted if self._legacy else None, protocol.FREE)
+        self._posts, self._gets, self._page = protocol.POSTS, protocol.GETS, protocol.PAGE
 
-    def take(self):
-        return self._requests.pop(0) if self._requests else b""
-
-    def waiting(self):
+    def any(self):
         return bool(self._requests)
 
-    def answer(self, data):
+    def read(self):
+        """The next request, or b""."""
+        self.poll(self._clock_ms())
+        return self._requests.pop(0) if self._requests else b""
+
+    def write(self, data):
         number = data[0]
         data = data[1:]
         if number == _PUSHED:
@@ -119,17 +124,14 @@ class Server:
                         break
         if (now_ms - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
             self._looked_ms = now_ms
-            self._end_late(now_ms)
+            for connection in self.connections:
+                if self._late(connection, now_ms):
+                    self.drop(connection)
+                    break
         if self._gets and not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
             self._pushed_ms = now_ms
             self._pushing = True
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
-
-    def _end_late(self, now_ms):
-        for connection in self.connections:
-            if self._late(connection, now_ms):
-                self.drop(connection)
-                break
 
     def _late(self, connection, now_ms):
         """True if it takes too long."""
@@ -156,15 +158,12 @@ class Server:
     def _pages(self):
         return len([1 for each in self.connections if each.state == EVENTS])
 
-    def _asking(self):
-        """Connections that are no page's."""
-        return len([1 for each in self.connections if each.state < EVENTS])
-
     def _accept(self, now_ms):
         """Take a connection. It waits if all that there are are being answered."""
-        if self._asking() >= SLOTS:
+        if len([1 for each in self.connections if each.state < EVENTS]) >= SLOTS:  # the others are pages
             for connection in self.connections:
-                if connection.state in (HEAD, BODY) or self._unread(connection, now_ms):
+                unread = connection.state == ANSWERED and (now_ms - connection.taken_ms) & COUNT_MASK > _UNREAD_MS
+                if connection.state in (HEAD, BODY) or unread:
                     self.drop(connection)
                     break
             else:
@@ -180,10 +179,6 @@ class Server:
         self.connections.append(connection)
         self._poll.register(socket, POLLIN)
         self._advance(connection, now_ms)
-
-    def _unread(self, connection, now_ms):
-        """True if nothing of an answer has been taken for a second."""
-        return connection.state == ANSWERED and (now_ms - connection.taken_ms) & COUNT_MASK > _UNREAD_MS
 
     def _advance(self, connection, now_ms):
         """What can be done now of a connection."""
@@ -253,7 +248,6 @@ class Server:
             self._show(connection, path, now_ms)
 
     def _open(self, connection, owner, now_ms):
-        """A WebSocket."""
         hello = owner.open(connection, now_ms)
         if hello is None:
             self._say(connection, 503)
@@ -263,7 +257,6 @@ class Server:
         self.send(connection, hello)
 
     def _show(self, connection, path, now_ms):
-        """A file, or events."""
         found = self.files.find(path)
         if not found and not (self._gets and path in (b"/", b"/EVENTS")):
             self._say(connection, 404)

@@ -30,7 +30,7 @@ def make(board, radio, clock_ms, page_line):
     server = None
     if listener:
         guard = Guard(radio.names, radio.key, nonce(), radio.own)
-        server = Server(listener, Folder(getattr(radio, "folder", _FOLDER)), guard)
+        server = Server(listener, Folder(getattr(radio, "folder", _FOLDER)), guard, clock_ms, board["network"]["legacy_http"])
     for link in links:
         name = link["name"]
         lines[name] = Silent()
@@ -39,7 +39,7 @@ def make(board, radio, clock_ms, page_line):
             if wired or server:
                 lines[name] = SignedLine(wired, radio.key, server)
         elif server and link["port"] == "http":
-            lines[name] = HttpLine(server, guard, board["network"]["legacy_http"], clock_ms)
+            lines[name] = server
         elif server:
             lines[name] = page_line()(server, radio.key, clock_ms)
     return lines
@@ -62,36 +62,3 @@ class Silent:
 
     def close(self):
         pass
-
-
-class HttpLine:
-    def __init__(self, server, guard, legacy, clock_ms):
-        """`legacy`: who has no key may be admitted."""
-        self._clock_ms = clock_ms
-        self._legacy = legacy
-        self._guard = guard
-        self._server = server
-
-    def join(self, link, controller):
-        """What the server is to know of the machine and the link's language."""
-        admission = controller.features["admission"]
-        protocol = link.protocol
-        self._guard.admit(admission.admitted if self._legacy else None, protocol.FREE)
-        self._server.serve(protocol.POSTS, protocol.GETS, protocol.PAGE)
-
-    def any(self):
-        return self._server.waiting()
-
-    def read(self):
-        """The next request, or b""."""
-        self._server.poll(self._clock_ms())
-        return self._server.take()
-
-    def write(self, data):
-        self._server.answer(data)
-
-    def watched(self):
-        return self._server.watched()
-
-    def close(self):
-        self._server.close()

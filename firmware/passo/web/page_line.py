@@ -151,7 +151,6 @@ class PageLine:
             self._messages.append((None, bytes((page.number, GONE))))
 
     def stop(self, *_):
-        """STOP by a broker."""
         self._stop(b"")
 
     def _stop(self, body):

@@ -71,7 +71,6 @@ class Pages:
         return page
 
     def leave(self, page):
-        """A page has gone."""
         if page in self.pages:
             self.pages.remove(page)
 

@@ -12,8 +12,6 @@ from binascii import hexlify
 
 from micropython import const
 
-KEY_LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # none looks like another
-_KEY_LENGTH = const(16)  # of 32 letters: 80 bits
 _BLOCK = const(64)  # bytes of a block of SHA-256
 _DIGITS = const(12)
 
@@ -37,21 +35,6 @@ class Hmac:
         return hexlify(outer.digest()).decode()
 
 
-def make_key(random):
-    """A new key of 80 bits. `random(count)`: so many random bytes, from the system."""
-    return "".join([KEY_LETTERS[byte & 31] for byte in random(_KEY_LENGTH)])
-
-
-def shown(key):
-    """The key as people read it: groups of four."""
-    return "-".join([key[at : at + 4] for at in range(0, len(key), 4)])
-
-
-def read_key(text):
-    """The key in what a person has typed: dashes, blanks and small letters do not matter."""
-    return "".join([letter for letter in text.upper() if letter in KEY_LETTERS])
-
-
 def same(one, other):
     """True if two texts are equal; how long that takes says nothing of where they differ."""
     # As bytes: MicroPython keeps each letter taken out of a text as a name for good, and its table of names may grow by 1280 bytes.
@@ -66,7 +49,7 @@ def same(one, other):
 
 class Session:
     def __init__(self, key, nonce):
-        """`key`: text of KEY_LETTERS; `nonce`: text, never the same twice."""
+        """`key`: text (host_tools/clients/page_key.py makes it); `nonce`: text, never the same twice."""
         self._hmac = Hmac(key.encode())
         self.nonce = nonce
         self.opened = False  # a message has proven the key

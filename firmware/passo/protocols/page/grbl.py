@@ -198,11 +198,9 @@ class GrblPage(PageMachine):
         return self.still() or self._say(word + ("S%d" % rpm if name[:9] == "spindle_c" else ""))
 
     def set(self, number, text):
-        """Change a setting."""
         return self.still() or self._say("$%d=%s" % (number, text))
 
     def line(self, text):
-        """A line as typed."""
         return self.still() or self._say(text)
 
     def override(self, what, to):

@@ -97,6 +97,11 @@ class Orders:
         """What a page may ask for."""
         return list(self.machine.can)
 
+    def hello(self):
+        """What a page is told first, a dict."""
+        machine = self.machine
+        return {"can": self.can(), "axes": machine.axes, "turns": machine.turns, "language": machine.language, "travel": machine.travel}
+
     def order(self, order, proven):
         """The answer to an order. `proven`: its session has the key."""
         name = order.get("do") if isinstance(order, dict) else None

@@ -78,7 +78,6 @@ class PageMachine:
         return self.do(first, lambda error: self.finished(error) if error else self.do(second))
 
     def pending(self):
-        """True if there is something to be carried out."""
         return self.said
 
     def commands(self):
@@ -117,7 +116,6 @@ class PageMachine:
         return self._record.busy_with(kind)
 
     def runs_stored(self):
-        """True while a stored job runs."""
         return self._record.lender >= 0
 
     # --- what the machine says
@@ -270,6 +268,14 @@ class PageMachine:
 
     zero = go = step = override = output = set = line = play = run = _wordless
 
+    def _steps_by(self, way):
+        """The way {axis: mm} in steps."""
+        return [round(way.get(self.axes[axis], 0) * self.scale[axis]) for axis in range(len(self.scale))]
+
+    def _steps_to(self, position, at):
+        """The position {axis: mm} in steps; axes that it leaves out stay where they are, `at`."""
+        return [round(position[self.axes[axis]] * self.scale[axis]) if self.axes[axis] in position else at[axis] for axis in range(len(self.scale))]
+
     # --- the jog
 
     def begin_jog(self, number, beat, direction, speed):
@@ -288,11 +294,9 @@ class PageMachine:
         self.jog.begin(direction, speed, self._limits(), self.position)
 
     def renew(self, number, beat):
-        """True if the jog's lease lasts on."""
         return self.lease.renew(number, beat, self._now_ms)
 
     def end_jog(self):
-        """Brake now."""
         self.lease.end()
         if self.jog.active:
             self.jog.end()

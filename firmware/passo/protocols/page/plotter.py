@@ -9,7 +9,6 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.orders import number
-from passo.protocols.page.steps import steps_by, steps_to
 
 MOST_PLACE = const(65535)  # steps, as the language of packets has it
 
@@ -71,13 +70,13 @@ class PlotterPage(PageMachine):
         """{axis: mm} from here."""
         if self._steps is None:
             return errors.BUSY
-        return self._move([at + by for at, by in zip(self._steps, steps_by(way, self.axes, self.scale))])
+        return self._move([at + by for at, by in zip(self._steps, self._steps_by(way))])
 
     def go(self, position, speed):
         """{axis: mm}."""
         if self._steps is None:
             return errors.BUSY
-        return self._move(steps_to(position, self.axes, self.scale, self._steps))
+        return self._move(self._steps_to(position, self._steps))
 
     # --- the jog
 

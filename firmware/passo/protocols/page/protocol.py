@@ -52,15 +52,11 @@ class Page:
         self._jobs = None
         self._machine = machine_of(self.tell)
         self._orders = Orders(self._machine)
+        self.hello = self._orders.hello  # hello(): what a page is told first, a dict
 
     def keep(self, jobs_of, language, name_fits):
         """The board stores jobs, of that language."""
         self._jobs = jobs_of(self._machine, self.tell, language, name_fits)
-
-    def hello(self):
-        """What a page is told first, a dict."""
-        machine = self._machine
-        return {"can": self._orders.can(), "axes": machine.axes, "turns": machine.turns, "language": machine.language, "travel": machine.travel}
 
     def tell(self, event):
         """Something for every page, a dict."""

@@ -12,7 +12,6 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.orders import number
-from passo.protocols.page.steps import steps_by, steps_to
 
 _MOST_STEPS = const(999_999)  # of one axis in one jog
 _FASTEST = const(900_000)  # mm/min
@@ -96,13 +95,13 @@ class PulsesPage(PageMachine):
 
     def step(self, way, speed):
         """{axis: mm} from here."""
-        return self._move(steps_by(way, self.axes, self.scale))
+        return self._move(self._steps_by(way))
 
     def go(self, position, speed):
         """{axis: mm}, one axis after the other."""
         if self._steps is None:
             return errors.BUSY
-        wanted = steps_to(position, self.axes, self.scale, self._steps)
+        wanted = self._steps_to(position, self._steps)
         return self._move([to - at for to, at in zip(wanted, self._steps)])
 
     def _may_jog(self, direction):

@@ -140,7 +140,7 @@ class TorchPage(PageMachine):
 
     def step(self, way, speed):
         """{axis: mm} from here."""
-        return self._straight([round(way.get("xy"[axis], 0) * self.scale[axis]) for axis in range(2)], speed)
+        return self._straight(self._steps_by(way), speed)
 
     def go(self, position, speed):
         """{axis: mm}, straight."""
