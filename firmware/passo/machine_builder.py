@@ -78,21 +78,18 @@ def load_all(board):
     if board["gantry"]:
         from passo.drives import gantry
     names = wanted(board, languages(board))
-    modules = _OF_ALL
-    if "program" in names:
-        modules += _OF_PROGRAM
-    if "independent" in names:
-        modules += ("motion.independent",)
-    if board["gantry"] and board["gantry"]["sensor"]:
-        modules += ("control.squaring",)
-    if board["homing"] and board["homing"]["latch"]:
-        modules += ("control.quality",)
-    if board["homing"] and not board["interlock"]:
-        modules += ("ports.limit_watch",)
-    if board["jobs"]:
-        modules += ("config.job_store",)
-    for module in modules:
-        __import__("passo." + module)
+    homing = board["homing"]
+    for asked, modules in (
+        (True, _OF_ALL),
+        ("program" in names, _OF_PROGRAM),
+        ("independent" in names, ("motion.independent",)),
+        (board["gantry"] and board["gantry"]["sensor"], ("control.squaring",)),
+        (homing and homing["latch"], ("control.quality",)),
+        (homing and not board["interlock"], ("ports.limit_watch",)),
+        (board["jobs"], ("config.job_store",)),
+    ):
+        for module in modules if asked else ():
+            __import__("passo." + module)
     make_drive(board)
     load(names, board)
     if [link for link in board["links"] if link["frames"]]:

@@ -33,10 +33,10 @@ RULES = {
 
 def check(board):
     config = board["drivers"]
+    owners = dict(claimed_pins(board))
     for key in ("tx", "rx"):
-        for pin, who in claimed_pins(board):
-            if pin == config[key]:
-                raise BoardError("pin %d is claimed by %s and by %s" % (pin, who, "drivers " + key))
+        if config[key] in owners:
+            raise BoardError("pin %d is claimed by %s and by %s" % (config[key], owners[config[key]], "drivers " + key))
     want_step_dir(board)
     taken = [(link["port"], "link " + link["name"]) for link in board["links"]]
     if board["inverter"]:

@@ -42,13 +42,12 @@ def check(board):
         claim = "spi_drivers cs", motor["cs"]
         if claim not in claims:
             claims.append(claim)
-    taken = claimed_pins(board)
+    owners = dict(claimed_pins(board))
     for who, pin in claims:
         check_pin(board["chip"], pin, who, who != "spi_drivers rx")
-        for other, whose in taken:
-            if other == pin:
-                raise BoardError("pin %d is claimed by %s and by %s" % (pin, whose, who))
-        taken.append((pin, who))
+        if pin in owners:
+            raise BoardError("pin %d is claimed by %s and by %s" % (pin, owners[pin], who))
+        owners[pin] = who
     check_motors(board, "spi_drivers", ("axis",), lambda current_ma: scale(current_ma, config))
     board["features"]["drives"] = "spi_drives"
     feel = [motor for motor in config["motors"] if motor["stall"] != NO_STALL]
