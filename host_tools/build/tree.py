@@ -130,10 +130,7 @@ BLACKBOX = (
     Path("passo", "config", "blackbox_keys.py"), Path("passo", "control", "blackbox.py"), Path("passo", "protocols", "grbl", "log.py"),
     Path("passo", "ports", "rp2", "remains.py"),
 )  # fmt: skip
-PARKING = (
-    Path("passo", "config", "parking_keys.py"), Path("passo", "control", "parking.py"), Path("passo", "steps", "detour.py"),
-    Path("passo", "protocols", "gcode", "park.py"),
-)  # fmt: skip
+PARKING = Path("passo", "config", "parking_keys.py"), Path("passo", "control", "parking.py"), Path("passo", "steps", "detour.py")
 MAPPED = (
     Path("passo", "motion", "mapped.py"), Path("passo", "control", "mapped_queue.py"), Path("passo", "config", "kinematics_keys.py"),
 )  # fmt: skip

@@ -30,7 +30,9 @@ from passo.protocols.gcode.parse_viper import accept
 from passo.protocols.gcode.reader import MAX_LINE, MAX_TOOL, NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, N, S, T, rounded
 from passo.protocols.gcode.parse_records import *
-from passo.records import BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M
+from passo.records import (
+    BIAS, FARTHEST, FASTEST_NM_S, NM_PER_M, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_END, SETTING_PARKING_TARGET,
+)  # fmt: skip
 
 # `fields`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
@@ -42,7 +44,7 @@ _ROUNDING = const(0x18000)  # P and Q: of G64 how far corners may be rounded; th
 
 
 class GCode(Motions):
-    retracts = False  # M2 and M30 may park, see park.py
+    retracts = False  # M2 and M30 may park
 
     def __init__(self, axes, offsets, machine):
         """`axes`: the names of the machine's axes in their order, the first of "xyza"."""
@@ -384,13 +386,20 @@ class GCode(Motions):
         return command
 
     def _stop_programme(self, code):
+        """M0, M1, M2, M30. Of a board with `parking` and $142 the last two go up to the target, $58, before spindle and coolant go off; as
+        for the door only if $41 is set, the machine is homed, no laser, and the axis stands below the target."""
         if code in (0, 100):
             self.commands.append(Command(commands.PAUSE))
             return
         if self.retracts:
-            from passo.protocols.gcode.park import append
-
-            append(self)
+            value = self.machine.settings.value
+            axis = value(SETTING_PARKING_AXIS)
+            height = value(SETTING_PARKING_TARGET) * 1000  # nm
+            target = list(self.position)
+            if value(SETTING_PARKING) and value(SETTING_PARKING_END) and self.machine.homed and not self.laser and target[axis] < height:
+                self._prepare(0, 0, 0, self.number, self.spindle, self.rpm)
+                target[axis] = height
+                self._go(commands.LINE, target, 0)
         self.motion = 100  # from here on: what M2 and M30 put back
         self.plane = 17
         self.absolute = self.per_minute = self.initial = self.ended = True

@@ -14,8 +14,6 @@ def _axes(board):
 
 
 def check(board):
-    if board["encoders"]:
-        from passo.protocols.grbl import encoders  # noqa: F401
     if board["homing"] and board["homing"]["latch"]:
         from passo.protocols.grbl import homing  # noqa: F401
     if board["tool_change"]:
