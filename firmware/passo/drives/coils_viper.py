@@ -1,5 +1,4 @@
-"""From the step form to coil levels, and back to steps. One text for all interpreters: a board compiles it to machine code,
-elsewhere it is ordinary Python."""
+"""From the step form to coil levels, and back to steps."""
 
 import micropython
 

@@ -1,5 +1,4 @@
-"""From the step form to the pins of a machine that has a gantry, and back to steps. One text for all interpreters: a board
-compiles it to machine code, elsewhere it is ordinary Python.
+"""From the step form to the pins of a machine that has a gantry, and back to steps.
 
     step form      steps z y x            dirs z y x            `axes` bits each
     pins           steps x2 z y x         dirs x2 z y x         one more each
