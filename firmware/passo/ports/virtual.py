@@ -120,13 +120,10 @@ class VirtualPort:
             self.lines[name] = MemoryLine()
         return self.lines[name]
 
-    def writing(self, on):
+    def writing(self, on=False):
         """Flash is about to be written, or has been: here that takes no time."""
 
-    def feed_watchdog(self):
-        pass
-
-    put_off = catch_up = feed_watchdog  # do nothing: no interrupt calls the feeder here
+    feed_watchdog = put_off = catch_up = writing  # do nothing: no interrupt calls the feeder here
 
     def input(self, name):
         return self.world.input(self.now, name) == self._inputs[name]

@@ -14,7 +14,7 @@ from machine import mem32
 
 from passo.ports.rp2.chip import RP2350
 
-PIO_IRQ_1 = 16 if RP2350 else 8  # the second one of PIO block 0; the next block's is two more. MicroPython has the first one
+PIO_IRQ_1 = 16 if RP2350 else 8  # the second one of PIO block 0; MicroPython has the first one
 IRQ1_INTE = 0x17C if RP2350 else 0x138  # register of a PIO block: the causes of its second interrupt
 _ENABLE = 0xE000E100
 _DISABLE = 0xE000E180
