@@ -4,9 +4,8 @@
     words = run(state)                  # set up the next run; 0: the circle has come to its end
     walk(out, at, count, state)         # the masks of `count` words of it
 
-The method stands in circle.py, the fields of `plan` and `state` in records.py. One text for all interpreters: a board
-compiles it to machine code, elsewhere it is ordinary Python; block_viper.py says what that asks of integers. None reaches
-2³⁰. A number that may be negative, within ±2²⁹, is read out of an array by signed().
+The method stands in circle.py, the fields of `plans` and `state` in records.py. One text for all interpreters; see block_viper.py. No
+integer reaches 2³⁰. A number that may be negative, within ±2²⁹, is read out of an array by signed().
 """
 
 import micropython

@@ -14,16 +14,15 @@ At the end of an open program it goes on as soon as there is more. Its index is 
 plays them knows how many have played.
 """
 
-from passo.motion.block import STEP_PROGRAM
 from passo.motion.step_program import STATION
 from passo.motion.step_program_words import StepProgramWords
-from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
+from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, KIND_STEP_PROGRAM
 
 
 class StepProgramWalker(StepProgramWords):
     """What the main loop does with it."""
 
-    kind = STEP_PROGRAM
+    kind = KIND_STEP_PROGRAM
 
     # --- while no interrupt walks it
 
