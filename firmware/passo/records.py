@@ -16,13 +16,10 @@ FARTHEST = const(0x1FFFFFFF)  # position in steps
 FASTEST_NM_S = const(0x3FFFFFFF)  # feed of a line that is dealt with in short
 BIAS = const(0x20000000)  # makes it positive
 INT_MOST = const(0x3FFFFFFF)  # the largest integer that a board keeps off its heap
-INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF reads a negative one on every interpreter
 TICKS_PER_S = const(12_500_000)  # a tick is 80 ns
 TICKS_PER_MS = const(12_500)
 HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
-FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
 LONG_TICKS = const(375_000)  # 30 ms of motion queued: with less a stream is slowed down
-MANY_LINES = const(48)  # but not with so many lines, however short: half of all that the queue holds
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 REST_MS = const(1000)  # a machine that stands for so long rests: a sender that counts has sent all it may
@@ -41,9 +38,15 @@ SETTING_PARKING_AXIS = const(42)
 SETTING_PARKING_TARGET = const(58)
 SETTING_PARKING_END = const(142)
 
-# A block as a row of Planner.rows, which begins at `row`. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
+# A block, a line, arc or wait on its way from the planner to the feeder, as a row of Planner.rows, which begins at `row`: an object
+# with two dozen attributes would take twice the memory. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
 # square (motion/limits.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.
-ROW_KIND = const(0)  # LINE, WAIT, INDEPENDENT, ARC or STEP_PROGRAM, of motion/block.py
+KIND_LINE = const(0)
+KIND_WAIT = const(1)
+KIND_INDEPENDENT = const(2)  # axes that run independently of each other
+KIND_ARC = const(3)
+KIND_STEP_PROGRAM = const(4)  # a path written down step by step
+ROW_KIND = const(0)  # KIND_LINE … KIND_STEP_PROGRAM
 ROW_TOOL = const(1)  # the tool bit from this block's first word on
 ROW_TICKS = const(2)  # WAIT: its length; others: whole ticks a dominant step, of an arc: a step of path
 ROW_TICKS_REST = const(3)  # LINE: ticks that remain over all dominant steps, spread evenly; ARC: 128ths of a tick
@@ -146,7 +149,6 @@ LIMIT_WHOLE = const(10)  # the fastest speed, nm/s; 0 if it is 2³⁰ or more
 LIMIT_STEP = const(16)  # one number an axis, as are the next four: length of a step
 LIMIT_FASTEST = const(20)  # highest speed
 LIMIT_FASTEST_SHIFT = const(24)
-LIMIT_SHIFTS = const(4)  # from a value to its exponent
 LIMIT_STRONGEST = const(28)  # highest acceleration
 LIMIT_STRONGEST_SHIFT = const(32)
 LIMIT_FIELDS = const(36)
@@ -229,7 +231,6 @@ PACE_TICK = const(1)  # one tick in a word
 PACE_REST = const(2)  # PACE_REST / PACE_OVER: the share of the intervals that are a tick longer
 PACE_OVER = const(3)
 PACE_CARRY = const(4)
-PACE_FIELDS = const(5)
 FEED_BITS = const(5)  # of a word's levels
 FEED_AXES = const(6)
 FEED_MASK = const(7)  # the ring's size − 1

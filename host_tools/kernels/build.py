@@ -19,7 +19,7 @@ RUNTIME = (Path(__file__).parent / "runtime.c").read_text(encoding="utf-8")
 # What is loaded together is one module, for calls within it are C's; all else is a module of its own.
 STEPS = (
     "passo.steps.segments_viper", "passo.steps.pace_viper", "passo.steps.position_viper", "passo.motion.line_viper", "passo.motion.row_viper",
-    "passo.motion.block", "passo.motion.integers", "passo.ports.rp2.pio_player",
+    "passo.motion.integers", "passo.ports.rp2.pio_player",
     "passo.steps.dots_viper", "passo.steps.power",
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import

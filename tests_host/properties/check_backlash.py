@@ -2,8 +2,7 @@
 
 from draws import Random
 from passo.motion import backlash
-from passo.motion.block import LINE
-from passo.records import QUEUE_ADDED, ROW_STEPS, TICKS_PER_S
+from passo.records import KIND_LINE, QUEUE_ADDED, ROW_STEPS, TICKS_PER_S
 from random_motion import MM, Machine, hold_against_limits, hold_axes_against_limits, reference_seconds
 from rig import Rig
 
@@ -28,7 +27,7 @@ class Played(Machine):
 
     def __init__(self, seed, kind):
         Machine.__init__(self, seed, kind)
-        self.program = [move for move in self.program if move[0] == LINE]
+        self.program = [move for move in self.program if move[0] == KIND_LINE]
         self.play = [(um * per_m + 500_000) // 1_000_000 for um, per_m in zip(self.um, self.steps_per_m)]
 
     def add(self, move):
@@ -41,7 +40,7 @@ class Played(Machine):
         for number in range(begun, begun + added):
             row = number % len(planner._walkers) * planner._stride + ROW_STEPS
             ways = tuple([int(way) for way in planner.rows[row : row + 3]])
-            self.facts.append(self._facts((LINE, ways, move[2]), max([abs(way) for way in ways])))
+            self.facts.append(self._facts((KIND_LINE, ways, move[2]), max([abs(way) for way in ways])))
 
 
 class Carriages:
@@ -124,7 +123,7 @@ def check_a_change_of_play(seed):
     machine.um = [machine.random.choice((0, 10, 200)) for _ in range(3)]
     machine.limited(machine.steps_per_m, machine.speeds, machine.accelerations, machine.deviation)
     assert told(machine) == before == machine.place
-    machine.program = [(LINE, (30, -20, 10), 5 * MM), (LINE, (-30, 20, -10), 5 * MM), (LINE, (9, 9, 9), 5 * MM)]
+    machine.program = [(KIND_LINE, (30, -20, 10), 5 * MM), (KIND_LINE, (-30, 20, -10), 5 * MM), (KIND_LINE, (9, 9, 9), 5 * MM)]
     place, machine.facts = machine.place, []
     for move in machine.program:
         machine.add(move)

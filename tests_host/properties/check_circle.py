@@ -7,8 +7,7 @@ from draws import Random
 from passo.motion.arc import TooSteep, plan
 from passo.motion.arc import MAX_RADIUS
 from passo.motion.circle_viper import LEADS
-from passo.motion.block import COARSE
-from passo.motion.circle import Circle
+from passo.motion.circle import COARSE, Circle
 from passo.motion.line import MAX_RUN
 from passo.records import (
     ARC_FIELDS, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, ARC_Z_HIGH, ARC_Z_STEPS, CIRCLE_PATH, CIRCLE_U_AXIS,

@@ -4,9 +4,9 @@ from math import sqrt
 
 from draws import Random
 from passo.motion import corexy
-from passo.motion.block import LINE
 from passo.motion.limits import Limits
 from passo.motion.mapped import Planner
+from passo.records import KIND_LINE
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, reference_seconds
 from rig import Rig
@@ -38,12 +38,12 @@ class Belt(Machine):
     def _facts(self, move, steps):
         """Of the move as the motors see it; those of a line are within the axes' limits too."""
         move = (move[0], turned(move[1])) + move[2:]
-        if move[0] == LINE:
+        if move[0] == KIND_LINE:
             steps = max([abs(by) for by in move[1]])
         else:
             move = move[:3] + (turned(move[3] + (0,))[:2], not move[4]) + move[5:]
         facts = Machine._facts(self, move, steps)
-        if move[0] == LINE:
+        if move[0] == KIND_LINE:
             x, y, z = move[1]
             per_m, speeds, accelerations = self.own
             way = [by / (each / 1000) for by, each in zip(((x + y) / 2, (x - y) / 2, z), per_m)]

@@ -1,7 +1,7 @@
 """Four axes, the last a slide or one that turns (its mm are degrees): ends to the step, the limits of each, arcs while it stands."""
 
 import check_motion
-from passo.motion.block import ARC
+from passo.records import KIND_ARC
 from random_motion import MM, Machine
 
 CASES = {"check_limits": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "reversals", "arcs"))}
@@ -28,7 +28,7 @@ class Four(Machine):
         alone = random.between(0, 3) == 0
         for number in range(before, len(self.program)):
             move = self.program[number]
-            if move[0] == ARC:
+            if move[0] == KIND_ARC:
                 ways = move[1] + (0,)
             else:
                 by = random.choice((0, random.between(-size, size), size if number % 2 else -size))

@@ -3,7 +3,7 @@
 from math import sqrt
 
 from draws import Random
-from passo.motion.block import ARC, LINE
+from passo.records import KIND_ARC, KIND_LINE
 from passo.steps.word import COUNT_MASK, TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, path_of
 
@@ -75,13 +75,13 @@ def check_slows_at_once(seed, kind, part):
     machine.limited([100_000] * 3, [200 * MM] * 3, [acceleration * MM] * 3, 10_000)
     length = speed * speed // acceleration + speed // 2  # mm: up, half a second, down
     if kind == "line":
-        machine.program = [(LINE, (80 * length, 60 * length, 0), speed * MM)]
+        machine.program = [(KIND_LINE, (80 * length, 60 * length, 0), speed * MM)]
     elif kind == "arc":
         radius = max(100 * length // 6, 100 * speed * speed // acceleration + 100)
-        machine.program = [(ARC, (0, 0, 0), speed * MM, (radius, 0), False)]
+        machine.program = [(KIND_ARC, (0, 0, 0), speed * MM, (radius, 0), False)]
         length = radius * 628 // 10_000
     else:
-        machine.program = [(LINE, (16, 12, 0), speed * MM)] * (5 * length)
+        machine.program = [(KIND_LINE, (16, 12, 0), speed * MM)] * (5 * length)
     held = (length * 1000 // speed + 1000 * speed // acceleration) * part * (TICKS_PER_S // 1_000_000)
     rig = machine.rig
     machine.facts, machine.place = [], [0, 0, 0]

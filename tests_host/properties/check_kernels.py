@@ -7,9 +7,8 @@ from check_line import seek
 from draws import Random
 from passo.drives import coils_viper
 from passo.motion import line, line_viper, speed_viper
-from passo.motion.block import WAIT
 from passo.records import (
-    PACE_CARRY, PACE_FIELDS, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_STEPS, ROW_TAG, ROW_TOP,
+    KIND_WAIT, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_STEPS, ROW_TAG, ROW_TOP,
     SEEN_FASTEST, SEEN_FIELDS, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW, SEEN_SHIFT,
 )  # fmt: skip
 from passo.steps import pace_viper, position_viper
@@ -30,7 +29,7 @@ PLAIN_LINE, PLAIN_PACE, PLAIN_POSITION, PLAIN_COILS = map(plain, (line_viper, pa
 
 def terms_of(steps, ticks, base, bits):
     """PACE_… of a segment of `steps` that last `ticks`, `base` being ORed to their levels."""
-    terms = array("i", [0] * PACE_FIELDS)
+    terms = array("i", [0] * (PACE_CARRY + 1))
     terms[PACE_SHORT] = ticks // steps << bits | base
     terms[PACE_TICK] = 1 << bits
     terms[PACE_REST] = ticks % steps
@@ -161,6 +160,6 @@ def check_along(seed):
         seen[SEEN_FASTEST], seen[SEEN_SHIFT] = fastest, shift
         speed_viper.progress(rows, seen)
         assert (seen[SEEN_LINE], 1_000_000 * seen[SEEN_MM_S] + seen[SEEN_NM_S]) == (line, told << shift)
-    rows[at + ROW_KIND] = WAIT
+    rows[at + ROW_KIND] = KIND_WAIT
     speed_viper.progress(rows, seen)
     assert not seen[SEEN_LINE] and not seen[SEEN_MM_S] and not seen[SEEN_NM_S]

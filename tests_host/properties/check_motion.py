@@ -1,8 +1,8 @@
 """Acceleration: limits kept, corners by the junction formula, ends exact, and hardly slower than a planner in floats."""
 
-from passo.motion.block import LINE
 from passo.motion.planner import Planner
 from passo.motion.speed_viper import spread
+from passo.records import KIND_LINE
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of, reference_seconds
 
@@ -167,7 +167,7 @@ def check_a_stand_in_a_live_stream_is_seen():
 def check_first_step_from_rest_is_at_once():
     machine = Machine(5, "lines", 1)
     machine.facts, machine.place = [], [0, 0, 0]
-    machine.add((LINE, (1000, 0, 0), 50 * MM))
+    machine.add((KIND_LINE, (1000, 0, 0), 50 * MM))
     machine.rig.planner.flush()
     words = machine.rig.take(125_000)
     before = 0

@@ -8,9 +8,9 @@ from math import sqrt
 
 from check_hold import LEAD_TICKS, hold_at_random, override_at_random
 from draws import Random
-from passo.motion.block import ARC, LINE
 from passo.motion.limits import Limits
 from passo.motion.s_curve_block import cube_root, quotient, ratio, scaled
+from passo.records import KIND_ARC, KIND_LINE
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of
 
@@ -66,9 +66,9 @@ def alone(seed, kind="line"):
     machine.limited([per_m] * 3, [500 * MM] * 3, [acceleration * MM] * 3, 10_000)
     size = random.choice((20, 100, 500, 2000, 10_000))
     if kind == "arc":
-        machine.program = [(ARC, (0, 0, 0), speed * MM, (size, 0), False)]
+        machine.program = [(KIND_ARC, (0, 0, 0), speed * MM, (size, 0), False)]
     else:
-        machine.program = [(LINE, (size, 0, 0), speed * MM)]
+        machine.program = [(KIND_LINE, (size, 0, 0), speed * MM)]
     return machine, 1000 / per_m
 
 
@@ -143,10 +143,10 @@ def check_one_ramp(seed, kind):
 def check_speeds_up_over_blocks(seed):
     """A line in many pieces is begun as one in one piece, and its jerk is kept as long as it gains speed."""
     whole, step = alone(seed)
-    whole.program = [(LINE, (4000, 0, 0), whole.program[0][2])]
+    whole.program = [(KIND_LINE, (4000, 0, 0), whole.program[0][2])]
     whole.run()
     pieces, _ = alone(seed)
-    pieces.program = [(LINE, (8, 0, 0), whole.program[0][2])] * 500
+    pieces.program = [(KIND_LINE, (8, 0, 0), whole.program[0][2])] * 500
     pieces.run()
     fastest = 0.0
     last = 0  # the segments up to the fastest: slowing down over several blocks may set in harder
@@ -228,7 +228,7 @@ def check_a_hold_stands(seed, part):
     length = int(speed * seconds) + 2
     machine.facts, machine.place = [], [0, 0, 0]
     for _ in range(2):
-        machine.add((LINE, (80 * length, 60 * length, 0), speed * MM))
+        machine.add((KIND_LINE, (80 * length, 60 * length, 0), speed * MM))
     rig = machine.rig
     rig.planner.flush()
     made = 0

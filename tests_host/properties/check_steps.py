@@ -3,11 +3,10 @@
 from array import array
 
 from check_kernels import terms_of
-from passo.motion.block import LINE
 from passo.motion.integers import length_nm
 from passo.motion.independent import IndependentAxes
 from passo.motion.planner import LOOK_AHEAD
-from passo.records import COUNT_MASK, ENDLESS, FEED_DEBT, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S
+from passo.records import COUNT_MASK, ENDLESS, FEED_DEBT, HOLD_TICKS, KIND_LINE, TICKS_PER_MS, TICKS_PER_S
 from passo.steps import position as asked
 from passo.steps.pace_viper import pace, repay
 from passo.steps.ring import Ring
@@ -270,7 +269,7 @@ def check_look_ahead_holds_back_until_full_or_flushed():
         rig.planner.line((1, 0), 20_000, False)
         assert rig.planner.next() is None
     rig.planner.line((1, 0), 20_000, False)
-    assert rig.planner.next().kind == LINE
+    assert rig.planner.next().kind == KIND_LINE
     assert rig.planner.next() is None
     rig.planner.flush()
     for count in range(LOOK_AHEAD - 1):

@@ -12,11 +12,11 @@ from math import atan2, cos, pi, sin, sqrt
 from check_circle import about
 from draws import Random
 from passo.motion.arc import TooSteep
-from passo.motion.block import ARC, COARSE, LINE
+from passo.motion.circle import COARSE
 from passo.motion.limits import Limits
 from passo.records import (
     ARC_FIELDS, ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, CIRCLE_FALL, CIRCLE_PATH, CIRCLE_RISE, CIRCLE_U_AXIS,
-    CIRCLE_WORDS, FEED_KIND, LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS, TICKS_PER_S,
+    CIRCLE_WORDS, FEED_KIND, KIND_ARC, KIND_LINE, LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS, TICKS_PER_S,
 )  # fmt: skip
 from rig import Rig
 
@@ -59,24 +59,24 @@ class Machine:
         speed = random.between(1, 250) * MM
         if kind == "lines":
             size = random.choice((20, 400, 3000))
-            self.program.append((LINE, tuple([random.between(-size, size) for _ in range(3)]), speed))
+            self.program.append((KIND_LINE, tuple([random.between(-size, size) for _ in range(3)]), speed))
         elif kind == "tiny":
             x, y = random.between(-20, 20), random.between(-20, 20)
             for _ in range(random.between(1, 30)):
                 x += random.between(-2, 2)
                 y += random.between(-2, 2)
-                self.program.append((LINE, (x, y, random.between(-1, 1)), speed))
+                self.program.append((KIND_LINE, (x, y, random.between(-1, 1)), speed))
         elif kind == "reversals":
             size = random.between(1, 600)
             for i in range(random.between(1, 6)):
-                self.program.append((LINE, (size if i % 2 else -size, 0, 0), speed))
+                self.program.append((KIND_LINE, (size if i % 2 else -size, 0, 0), speed))
         else:
             start = about(random.choice((5, 60, 700)), random.between(0, 6283) / 1000)
             end = about(sqrt(start[0] ** 2 + start[1] ** 2), random.between(0, 6283) / 1000)
             rise = random.choice((0, 0, random.between(-300, 300)))
             deltas = (end[0] - start[0], end[1] - start[1], rise)
             clockwise = random.choice((False, True))
-            self.program.append((ARC, deltas, speed, (-start[0], -start[1]), clockwise))
+            self.program.append((KIND_ARC, deltas, speed, (-start[0], -start[1]), clockwise))
 
     def _listen(self):
         """Have every segment noted as it is cut."""
@@ -101,7 +101,7 @@ class Machine:
 
     def _note(self, ramp):
         planner = self.rig.planner
-        arc = self.rig.feeder.state[FEED_KIND] == ARC
+        arc = self.rig.feeder.state[FEED_KIND] == KIND_ARC
         walker = planner._circle if arc else planner._line
         steps, ticks = int(ramp.state[RAMP_STEPS]), int(ramp.state[RAMP_TICKS])
         if not steps:
@@ -114,7 +114,7 @@ class Machine:
         """Queue one move; its facts go to `facts`: (length mm, path steps, speed, acceleration, corner)."""
         planner = self.rig.planner
         before = planner.indices[0]
-        if move[0] == LINE:
+        if move[0] == KIND_LINE:
             planner.line(move[1], 0, False, speed_nm_s=move[2])
         else:
             try:
@@ -125,8 +125,8 @@ class Machine:
         if planner.indices[0] != before:
             steps = max([abs(delta) for delta in move[1]])
             place = before % len(planner._walkers)
-            if planner.rows[place * planner._stride] == LINE:  # an arc too short for a step along the circle, too
-                move = (LINE, move[1], move[2])
+            if planner.rows[place * planner._stride] == KIND_LINE:  # an arc too short for a step along the circle, too
+                move = (KIND_LINE, move[1], move[2])
             else:
                 first = planner._walkers[place]
                 plan = planner._arcs.plans[first : first + ARC_FIELDS]
@@ -139,7 +139,7 @@ class Machine:
         mm = [delta / (per_m / 1000) for delta, per_m in zip(move[1], self.steps_per_m)]
         speeds = [speed / MM for speed in self.speeds]
         accelerations = [acceleration / MM for acceleration in self.accelerations]
-        if move[0] == LINE:
+        if move[0] == KIND_LINE:
             length = sqrt(sum([part * part for part in mm]))
             start = end = [part / length for part in mm]
             speed = min([move[2] / MM] + [speeds[i] / abs(start[i]) for i in range(self.axes) if start[i]])

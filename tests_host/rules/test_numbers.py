@@ -10,9 +10,6 @@ pytestmark = pytest.mark.quick
 PASSO = Path(__file__).resolve().parents[2] / "firmware" / "passo"
 CONSTANT = re.compile(r"^([A-Z][A-Z0-9_]*) = const\((-?(?:0x)?[0-9A-Fa-f]+)\)", re.MULTILINE)
 
-# A distance between fields.
-SHARED = [("LIMIT_GAIN", "LIMIT_SHIFTS")]
-
 
 def groups(text, of_rows):
     """Lists of (name, number) that stand together: a paragraph; of fields of rows from each 0 and each prefix on."""
@@ -43,7 +40,7 @@ def twice(text, of_rows=False):
 def test_numbers_are_unique(module):
     text = (PASSO / module).read_text()
     assert len(CONSTANT.findall(text)) > 50
-    assert [fault[:2] for fault in twice(text, of_rows=module == "records.py")] == (SHARED if module == "records.py" else [])
+    assert [fault[:2] for fault in twice(text, of_rows=module == "records.py")] == []
 
 
 def test_kinds_are_one_paragraph():

@@ -11,8 +11,7 @@ A hold leaves them as they are. The door switches them off until the machine goe
 
 from passo import commands, errors
 from passo.control.feature import ANEW, HOMING, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
-from passo.motion.block import WAIT
-from passo.records import COUNT_HALF, COUNT_MASK, QUEUE_SIZE, ROW_KIND, SCRATCH_STRIDE
+from passo.records import COUNT_HALF, COUNT_MASK, KIND_WAIT, QUEUE_SIZE, ROW_KIND, SCRATCH_STRIDE
 from passo.steps.switching import Switches
 from passo.steps.switching import SWITCH_MOST
 
@@ -99,7 +98,7 @@ class DigitalOutputs(Feature):
         """Return the number of the first block from `count` on that moves."""
         queue = self._queue
         planner = queue.planner
-        while count != queue.added() and planner.rows[count % QUEUE_SIZE * planner.scratch[SCRATCH_STRIDE] + ROW_KIND] == WAIT:
+        while count != queue.added() and planner.rows[count % QUEUE_SIZE * planner.scratch[SCRATCH_STRIDE] + ROW_KIND] == KIND_WAIT:
             count = (count + 1) & COUNT_MASK
         return count
 

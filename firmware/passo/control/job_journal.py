@@ -29,8 +29,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_INDEX, SPOT_TIMES
 from passo.control.feature import QUEUE_GONE, Feature
-from passo.motion.block import WAIT
-from passo.records import COUNT_MASK, JOURNAL_BYTES, REST_MS, ROW_KIND, ROW_TAG
+from passo.records import COUNT_MASK, JOURNAL_BYTES, KIND_WAIT, REST_MS, ROW_KIND, ROW_TAG
 
 _WAITS = const(8)  # blocks that wait for a tool, behind a line
 DONE = const(1)  # flags: the line has been played to its end, the position is there
@@ -249,7 +248,7 @@ class JobJournal(Feature):
         for back in range(count):
             at = planner.last(back)
             line = planner.rows[at + ROW_TAG]
-            if line or planner.rows[at + ROW_KIND] != WAIT:
+            if line or planner.rows[at + ROW_KIND] != KIND_WAIT:
                 break
         if line <= self._done:
             return

@@ -4,9 +4,8 @@ RS274/NGC and LinuxCNC define F this way. If the axis homes at no sensor, it has
 """
 
 from passo.control.stream_queue import StreamQueue
-from passo.motion.block import LINE
 from passo.motion.integers import length_nm
-from passo.records import FARTHEST, ROW_KIND, ROW_STEPS, SEEN_MM_S, SEEN_NM_S, SEEN_ROW
+from passo.records import FARTHEST, KIND_LINE, ROW_KIND, ROW_STEPS, SEEN_MM_S, SEEN_NM_S, SEEN_ROW
 
 
 class Queue(StreamQueue):
@@ -38,7 +37,7 @@ class Queue(StreamQueue):
         seen, rows = self.seen, self._planner.rows
         at = seen[SEEN_ROW]
         nm_s = seen[SEEN_MM_S] * 1_000_000 + seen[SEEN_NM_S]
-        if nm_s and rows[at + ROW_KIND] == LINE and rows[at + ROW_STEPS + self._last]:
+        if nm_s and rows[at + ROW_KIND] == KIND_LINE and rows[at + ROW_STEPS + self._last]:
             nm_s = nm_s * 1_000_000_000 // (self._along(rows[at + ROW_STEPS : at + ROW_STEPS + self._last + 1], 1_000_000_000) or 1)
             seen[SEEN_MM_S] = nm_s // 1_000_000
             seen[SEEN_NM_S] = nm_s % 1_000_000

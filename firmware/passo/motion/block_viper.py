@@ -3,8 +3,8 @@
     planned = plan_block(rows, at, scratch, limits)  # the row that begins at rows[at]; a line's steps are in it
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python. So it keeps to 32-bit
-integers, none of which reaches 2³¹, and gives the same bits everywhere. `rows` are block.py's, `limits` limits.Limits',
-`scratch` the planner's; records.py names their fields. Where viper is 64 bits wide it reads a negative number as a positive one:
+integers, none of which reaches 2³¹, and gives the same bits everywhere. `rows` and `scratch` are the planner's,
+`limits` limits.Limits'; records.py names their fields. Where viper is 64 bits wide it reads a negative number as a positive one:
 bit 30 tells. Exponents are kept 1000 too large instead.
 
 Numbers come in three kinds:

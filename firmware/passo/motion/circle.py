@@ -32,12 +32,14 @@ of 2³⁰. The kernels are in circle_viper.py.
 from array import array
 
 import micropython
+from micropython import const
 
 from passo.motion import line
-from passo.motion.block import COARSE
 from passo.motion.circle_viper import load, run, walk
 from passo.motion.line import MAX_RUN
 from passo.records import *
+
+COARSE = const(13)  # fraction bits of CIRCLE_PATH
 
 
 def turns_off(cross, dot, over_half):

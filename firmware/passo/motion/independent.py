@@ -26,7 +26,6 @@ from array import array
 
 import micropython
 
-from passo.motion.block import INDEPENDENT
 from passo.motion.independent_viper import FAR, MOST_STEPS, walk
 from passo.motion.limits import TOP  # of speed units, so that q, and the sum of two, stay below 2³⁰
 from passo.records import *
@@ -35,7 +34,7 @@ from passo.records import *
 class IndependentAxes:
     """A geometry that makes whole words, of `axes` axes, no two words nearer than `least` ticks; `setup` as the feeder's."""
 
-    kind = INDEPENDENT
+    kind = KIND_INDEPENDENT
 
     def __init__(self, axes, least, setup=0):
         self.axes = axes

@@ -2,8 +2,8 @@
 
     count = walk(words, at, room, bits, state, made)
 
-How, stands in independent.py, the fields of `state` in records.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is
-ordinary Python; see block_viper.py for what that asks of integers. No integer reaches 2³⁰.
+The method stands in independent.py, the fields of `state` in records.py. One text for all interpreters; see block_viper.py. No integer
+reaches 2³⁰.
 """
 
 import micropython

@@ -27,8 +27,7 @@ from passo.records import (
 
 ONE = 1 << 28
 _NM_M_40_S = 25_000_000
-TOP = 16_000
-FASTEST = 32_000  # twice TOP: its square is the largest q
+TOP = 16_000  # the square of twice that is the largest q
 MOST = (1 << 29) - 1
 BIAS = 1000  # of exponents, so that none is negative
 
@@ -61,10 +60,6 @@ class Limits:
     def part(self, speed):
         """`speed` in nm/s as a fraction of the fastest, 1 at least."""
         return (speed << 28) // self.fastest or 1
-
-    def speed(self, part):
-        """The other way round."""
-        return part * self.fastest >> 28
 
     def _fields(self):
         """LIMIT_… of records.py, for plan_block(): numbers, or floats as two of them."""

@@ -3,8 +3,8 @@
     total = begin(rows, at, state)      # make ready for the vector rows[at : at + axes]; its dominant steps
     walk(out, at, count, state)         # the masks of the next `count` of them
 
-The method stands in line.py, the fields of `state` in records.py. One text for all interpreters: a board compiles it to
-machine code, elsewhere it is ordinary Python; see block_viper.py for what that asks of integers. None reaches 2³⁰.
+The method stands in line.py, the fields of `state` in records.py. One text for all interpreters; see block_viper.py. No integer
+reaches 2³⁰.
 """
 
 import micropython

@@ -185,7 +185,7 @@ def plan_lines(batch: ptr32, done: int, count: int, rows: ptr32, scratch: ptr32,
             corner(rows, at, scratch, limits)
             flags = batch[line + BATCH_FLAGS]
             tag = batch[line + BATCH_TAG]
-            if int(close(rows, at, scratch, indices, 0, flags, tag, batch[line + BATCH_POWER], batch[line + BATCH_FIRST])):
+            if int(close(rows, at, scratch, indices, KIND_LINE, flags, tag, batch[line + BATCH_POWER], batch[line + BATCH_FIRST])):
                 look_back(rows, scratch, indices)
         line += BATCH_FIELDS
         done += 1

@@ -26,7 +26,6 @@ import micropython
 from micropython import const
 
 from passo.memory import zeros
-from passo.motion.block import ARC, LINE, WAIT, Block
 from passo.motion.limits import MOST
 from passo.motion.line import Line
 from passo.motion.row_viper import close, room, take
@@ -39,13 +38,24 @@ FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
 
 
+class Block:
+    """The block fetched last. The planner fills it in again and again, so nothing is allocated when one is fetched."""
+
+    def __init__(self, rows):
+        self.kind = KIND_WAIT
+        self.walker = None  # its geometry: the planner's line or circle, independent axes, a step program; a wait has none
+        self.start = 0  # q at which it may be begun and ended without a ramp
+        self.rows = rows  # its row begins at rows[at]
+        self.at = 0
+
+
 class Planner:
     def __init__(self, axes):
         self.axes = axes
         self.dynamic = False  # see set_power()
         self._stride = ROW_STEPS + axes
-        self.rows = zeros(QUEUE_SIZE * self._stride)  # of Block, one after the other
-        self._walkers = [None] * QUEUE_SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
+        self.rows = zeros(QUEUE_SIZE * self._stride)  # ROW_…, and the deltas of each axis
+        self._walkers = [None] * QUEUE_SIZE  # of an arc where its plan begins in Plans.plans; of what paces itself what is walked
         self._plan_arc = self._set_arc_speed = self._limit_jerk = None
         self._arcs = None  # their plans; made by load()
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
@@ -163,7 +173,7 @@ class Planner:
                     refuse(result)
                 return
             self._corner(rows, at, scratch, self._fields)
-        self._add(at, LINE, tool, tag, rapid)
+        self._add(at, KIND_LINE, tool, tag, rapid)
 
     def lines(self, done, count):
         """Queue rows `done` … count − 1 of `batch`, for which there is room, and none of which line() would refuse: also if the
@@ -254,7 +264,7 @@ class Planner:
             number = self.indices[QUEUE_ADDED]
             self._walkers[number % QUEUE_SIZE] = self._arcs.keep(number)
             self.indices[QUEUE_ARC] = self._arcs.oldest
-            self._add(at, ARC, tool, tag)
+            self._add(at, KIND_ARC, tool, tag)
             if not room(self.indices):
                 self.start()  # no more can come before it moves
 
@@ -262,7 +272,7 @@ class Planner:
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
         at = self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
         self._stand(at, ticks)
-        self._add(at, WAIT, tool, tag)
+        self._add(at, KIND_WAIT, tool, tag)
 
     def walk(self, walker, tool, tag=0):
         """Queue what paces itself: an IndependentAxes with its axes set, or a StepProgramWalker that has begun."""
@@ -324,13 +334,13 @@ class Planner:
         block = self._under_way
         kind = rows[at + ROW_KIND]
         walker = None
-        if kind == LINE:
+        if kind == KIND_LINE:
             walker = self._line
             walker.load(rows, at + ROW_STEPS)
-        elif kind == ARC:
+        elif kind == KIND_ARC:
             walker = self._circle
             walker.load(self._arcs.plans, self._walkers[at // self._stride])
-        elif kind != WAIT:
+        elif kind != KIND_WAIT:
             walker = self._walkers[at // self._stride]
         block.kind = kind
         block.at = at
@@ -340,7 +350,7 @@ class Planner:
         return block
 
     def row(self):
-        """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
+        """Where the oldest block not yet played to its last word stands in `rows`; -1: there is none."""
         indices = self.indices
         retired = indices[QUEUE_RETIRED]
         return -1 if retired == indices[QUEUE_FETCHED] else retired % QUEUE_SIZE * self._stride

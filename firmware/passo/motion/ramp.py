@@ -28,10 +28,9 @@ from array import array
 
 import micropython
 
-from passo.motion.block import LINE
 from passo.motion.ramp_viper import begin, cut
 from passo.motion.steady import Steady
-from passo.records import RAMP_FIELDS, ROW_GAIN
+from passo.records import KIND_LINE, RAMP_FIELDS, ROW_GAIN
 
 
 class Ramp(Steady):
@@ -49,7 +48,7 @@ class Ramp(Steady):
         rows = block.rows
         at = block.at
         gain = rows[at + ROW_GAIN]
-        total = block.walker.total if block.kind == LINE else 0
+        total = block.walker.total if block.kind == KIND_LINE else 0
         if total and not gain:
             Steady.begin(self, block)
             return

@@ -4,13 +4,11 @@
     cut(rows, at, state, walker, left, percent, hold)   # its next segment: RAMP_STEPS, RAMP_TICKS and RAMP_PACE of `state`
 
 What it computes, and why, stands in ramp.py, the fields of the arrays in records.py; `walker` is Line.state or Circle.state.
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; block_viper.py says
-what that asks of integers. None reaches 2³⁰.
+One text for all interpreters; see block_viper.py. No integer reaches 2³⁰.
 """
 
 import micropython
 
-from passo.motion.block import ARC
 from passo.motion.scale_viper import drop, signed
 from passo.motion.speed_viper import gained, path_ticks, q_of, root_of, spread, step_ticks
 from passo.records import *
@@ -22,7 +20,7 @@ def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, s_curve: i
     every run of a tight one costs a board is up to half a millisecond, and `s_curve`, with limited jerk, 3, because the
     pace is even in a segment, off the curve by acceleration · t² / 8. `start`: the q that takes no ramp."""
     state[RAMP_TOTAL] = total
-    state[RAMP_LENGTH] = 37500 if s_curve else 75000 if rows[at + ROW_KIND] == ARC else 12500
+    state[RAMP_LENGTH] = 37500 if s_curve else 75000 if rows[at + ROW_KIND] == KIND_ARC else 12500
     state[RAMP_S_CURVE] = s_curve
     if rows[at + ROW_GAIN] == 0:
         state[RAMP_Q] = 0
@@ -63,7 +61,7 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
     path = steps << 17
     togo = left - steps
     state[RAMP_PART] = 0
-    if rows[at + ROW_KIND] == ARC:
+    if rows[at + ROW_KIND] == KIND_ARC:
         path = int(run_path(walker, steps))
         togo = int(arc_to_go(state, walker, togo))
     state[RAMP_STEPS] = steps
@@ -122,7 +120,7 @@ def count_steps(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, ho
         if most > 255:
             most = 255
     steps = length // each
-    if rows[at + ROW_KIND] == ARC:
+    if rows[at + ROW_KIND] == KIND_ARC:
         words = walker[CIRCLE_WORDS]
         path = walker[CIRCLE_PATH]
         if path == 0:
@@ -173,7 +171,7 @@ def finish(rows: ptr32, at: int, state: ptr32, togo: int, percent: int):  # ISR:
     peak = int(peak_of(state, aim))
     after = int(root_of(aim, speed))
     top = rows[at + ROW_TOP]
-    if q == aim and q == peak and percent == 100 and q == top * top and rows[at + ROW_KIND] != ARC:
+    if q == aim and q == peak and percent == 100 and q == top * top and rows[at + ROW_KIND] != KIND_ARC:
         state[RAMP_TICKS] = int(even_ticks(rows, at, state))
     else:
         fast = after if peak == aim else int(root_of(peak, speed))

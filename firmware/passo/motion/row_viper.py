@@ -4,8 +4,7 @@
     row = take(rows, scratch, indices, moving, lines)                               # the next one released, for the feeder
     count = room(indices)                                                           # how many more may be added
 
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see block_viper.py.
-Fields: records.py.
+One text for all interpreters; see block_viper.py. Fields: records.py.
 """
 # Shared with interrupts: indices
 
@@ -56,7 +55,7 @@ def close(rows: ptr32, at: int, scratch: ptr32, indices: ptr32, kind: int, flags
     rows[at + ROW_POWER] = power | dots
     rows[at + ROW_DYNAMIC] = flags >> 2 & 1
     lasts = LONG_TICKS
-    if kind == 0 and rows[at + ROW_TICKS] < 0x4000 and scratch[SCRATCH_STEPS] < 0x4000:
+    if kind == KIND_LINE and rows[at + ROW_TICKS] < 0x4000 and scratch[SCRATCH_STEPS] < 0x4000:
         lasts = rows[at + ROW_TICKS] * scratch[SCRATCH_STEPS]
         if lasts > LONG_TICKS:
             lasts = LONG_TICKS

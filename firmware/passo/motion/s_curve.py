@@ -28,7 +28,6 @@ from array import array
 
 import micropython
 
-from passo.motion.block import LINE
 from passo.motion.integers import divide, isqrt
 from passo.motion.ramp_viper import cut
 from passo.motion.s_curve_block import at_end, grown, half_ramp, load, mean, need, ratio, step_from_rest
@@ -294,7 +293,7 @@ def finish(rows, at, state):  # ISR: no allocation
     if b < 0 and (b * b >> 7) > after:
         b = -(root_of(after << 7, -b << 7) >> 7)
     if aim and not ticks:
-        if q == aim == state[RAMP_CAP] and rows[at + ROW_KIND] == LINE and q == rows[at + ROW_TOP] * rows[at + ROW_TOP]:
+        if q == aim == state[RAMP_CAP] and rows[at + ROW_KIND] == KIND_LINE and q == rows[at + ROW_TOP] * rows[at + ROW_TOP]:
             steps = state[RAMP_STEPS]
             rest = state[RAMP_CARRY] + steps * rows[at + ROW_TICKS_REST]
             state[RAMP_CARRY] = rest % state[RAMP_TOTAL]

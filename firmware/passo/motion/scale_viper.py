@@ -6,8 +6,11 @@ One text for all interpreters; block_viper.py says what that asks of integers. `
 """
 
 import micropython
+from micropython import const
 
-from passo.records import INT_HALF, INT_MOST
+from passo.records import INT_MOST
+
+INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF reads a negative one on every interpreter
 
 
 @micropython.viper

@@ -11,7 +11,6 @@ A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py s
 
 import micropython
 
-from passo.motion.block import WAIT
 from passo.motion.scale_viper import signed
 from passo.records import *
 
@@ -106,7 +105,7 @@ def progress(rows: ptr32, seen: ptr32):
     seen[SEEN_LINE] = 0
     speed = 0
     at = int(signed(seen[SEEN_ROW]))
-    if at >= 0 and rows[at + ROW_KIND] != WAIT:
+    if at >= 0 and rows[at + ROW_KIND] != KIND_WAIT:
         seen[SEEN_LINE] = rows[at + ROW_TAG]
         pace = seen[SEEN_PACE]
         if pace and seen[SEEN_FASTEST]:

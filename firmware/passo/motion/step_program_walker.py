@@ -22,9 +22,8 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import STEP_PROGRAM
 from passo.motion.step_program import DWELL, SPEED, STATION, TOOL, WAS
-from passo.records import COUNT_MASK, ENDLESS, TICKS_PER_MS
+from passo.records import COUNT_MASK, ENDLESS, KIND_STEP_PROGRAM, TICKS_PER_MS
 
 _SEGMENT_TICKS = const(25_000)
 _PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
@@ -35,7 +34,7 @@ _LONGEST_US = const(40_000_000)
 class StepProgramWalker:
     """A geometry that makes whole words."""
 
-    kind = STEP_PROGRAM
+    kind = KIND_STEP_PROGRAM
 
     def __init__(self, program, lengths, tool_ticks):
         """`lengths`: for each mask of axes how far a step goes, in nm × 60 and below 2³⁰; `tool_ticks`: what (off, on) take."""

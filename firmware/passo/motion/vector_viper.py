@@ -117,10 +117,10 @@ def allow(scratch: ptr32, limits: ptr32, axis: int, along: int):
     if shift > 13:
         shift = 13
     part = (along << shift >> 13) + 1
-    most = int(limit_along(limits[LIMIT_FASTEST + axis], part, limits[LIMIT_FASTEST + LIMIT_SHIFTS + axis] - 1000 + shift))
+    most = int(limit_along(limits[LIMIT_FASTEST + axis], part, limits[LIMIT_FASTEST_SHIFT + axis] - 1000 + shift))
     if most < scratch[SCRATCH_ALONG]:
         scratch[SCRATCH_ALONG] = most
-    most = int(limit_along(limits[LIMIT_STRONGEST + axis], part, limits[LIMIT_STRONGEST + LIMIT_SHIFTS + axis] - 1000 + shift))
+    most = int(limit_along(limits[LIMIT_STRONGEST + axis], part, limits[LIMIT_STRONGEST_SHIFT + axis] - 1000 + shift))
     if most < scratch[SCRATCH_STRENGTH]:
         scratch[SCRATCH_STRENGTH] = most
 

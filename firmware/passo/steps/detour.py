@@ -10,7 +10,6 @@ planner, ramp and feeder know of the block under way is kept here. A hold meanwh
 If all is dropped, forget(). Costs 2 kB of memory while it lasts.
 """
 
-from passo.motion.block import WAIT
 from passo.records import *
 
 # Of the feeder's state, what belongs to the block under way.
@@ -39,7 +38,7 @@ class Detour:
             planner.line_state[:], ramp.state[:], planner.power, planner.dynamic, feeder._geometry,
         )  # fmt: skip
         state[FEED_LEFT] = state[FEED_WAIT] = state[FEED_FAST] = state[FEED_BEGINS] = 0
-        state[FEED_KIND] = WAIT
+        state[FEED_KIND] = KIND_WAIT
         ramp.stall()
         for field in (QUEUE_FETCHED, QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_ARC):
             indices[field] = indices[QUEUE_ADDED]  # of QUEUE_ARC: no room, once the line is there

@@ -17,7 +17,6 @@ drops words, retire() and cancel(), only while `open` is cleared.
 
 import micropython
 
-from passo.motion.block import INDEPENDENT, LINE, STEP_PROGRAM, WAIT
 from passo.motion.line import MAX_RUN
 from passo.records import *
 from passo.steps.pace_viper import repay
@@ -64,7 +63,7 @@ class Feeder(Position):
         self.stood = False
         self._geometry = None
         state = self.state
-        state[FEED_KIND] = WAIT
+        state[FEED_KIND] = KIND_WAIT
         state[FEED_LEFT] = state[FEED_WAIT] = state[FEED_FAST] = state[FEED_BEGINS] = 0
         state[FEED_POWER] = POWER_UNKNOWN
         state[FEED_HEAD] = played
@@ -128,7 +127,7 @@ class Feeder(Position):
         if not (self.hold or self.brake) or self.ramp.moving():
             return False
         state = self.state
-        return not state[FEED_LEFT] or state[FEED_KIND] != INDEPENDENT or not self._geometry.rolling()
+        return not state[FEED_LEFT] or state[FEED_KIND] != KIND_INDEPENDENT or not self._geometry.rolling()
 
     def amid(self):  # ISR: no allocation
         """True while a block has been begun that has words to come."""
@@ -158,17 +157,17 @@ class Feeder(Position):
         state[FEED_KIND] = kind
         state[FEED_BEGINS] = 1
         state[FEED_FAST] = 0
-        if kind == WAIT:
+        if kind == KIND_WAIT:
             state[FEED_LEFT] = 0
             state[FEED_WAIT] = rows[row + ROW_TICKS]
             ramp.stall()
-        elif kind == INDEPENDENT or kind == STEP_PROGRAM:
+        elif kind == KIND_INDEPENDENT or kind == KIND_STEP_PROGRAM:
             state[FEED_LEFT] = 1
             ramp.stall()
         else:
             ramp.begin(block)
             state[FEED_LEFT] = geometry.left
-            if kind == LINE and rows[row + ROW_GAIN]:
+            if kind == KIND_LINE and rows[row + ROW_GAIN]:
                 state[FEED_FAST] = 1
         return True
 

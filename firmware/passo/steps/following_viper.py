@@ -6,7 +6,7 @@
 only if it is so for both. Each check adds what has changed since the one before, so nothing is rounded and nothing adds up; the
 counts between two checks have to stay below 2²⁸. Takes about 3 µs an encoder on an RP2040, and allocates nothing.
 
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
+One text for all interpreters; see motion/block_viper.py.
 """
 
 import micropython

@@ -5,14 +5,13 @@
 
 `count` steps share `ticks` evenly: each interval is the floor or the ceiling of ticks / count, and the total is exact.
 A segment that runs over the end of the ring is paced in two calls; the second goes on with the first one's carry. `interval`:
-PACE_… of records.py, with which the feeder's state begins. One text for all interpreters: a board compiles it to machine
-code, elsewhere it is ordinary Python.
+PACE_… of records.py, with which the feeder's state begins. One text for all interpreters; see motion/block_viper.py.
 """
 # Shared with interrupts: interval
 
 import micropython
 
-from passo.records import PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK
+from passo.records import *
 
 
 @micropython.viper

@@ -9,7 +9,7 @@ takes about 0.5 µs a product, ahead() about 3 µs a segment until it finds some
 A segment counts with the whole of its way, so of an arc that turns round within one segment (6 ms at most) only the net
 direction is seen until the next.
 
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
+One text for all interpreters; see motion/block_viper.py.
 """
 
 # Shared with interrupts: state, marks

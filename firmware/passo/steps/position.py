@@ -5,7 +5,6 @@ from array import array
 import micropython
 
 from passo.memory import zeros
-from passo.motion.block import STEP_PROGRAM
 from passo.records import *
 from passo.steps.position_viper import find, look, see, tally
 
@@ -115,7 +114,7 @@ class Position:
         """The index in the step program under way when `played` words have appeared on the pins; None if there is none."""
         planner = self.planner
         row = planner.row()
-        if row < 0 or planner.rows[row + ROW_KIND] != STEP_PROGRAM:
+        if row < 0 or planner.rows[row + ROW_KIND] != KIND_STEP_PROGRAM:
             return None
         backward, index = planner.walker(row).backward, planner.rows[row + ROW_FIRST]
         at = self._walk(played)

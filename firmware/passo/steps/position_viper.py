@@ -4,7 +4,7 @@
     stepping = tally(words, mask, word, until, axes, position)
     look(state, marks, words, rows, indices, played, origin, position, seen)  # all that a status report wants, of one moment
 
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
+One text for all interpreters; see motion/block_viper.py.
 
 A word of three axes takes under a microsecond: the interrupt that makes words must not come too often while a segment
 is counted. So each axis has a byte in which its steps are counted, for up to 255 words.

@@ -33,7 +33,6 @@ import micropython
 from micropython import const
 
 from passo.motion import line_viper
-from passo.motion.block import ARC, INDEPENDENT, LINE, STEP_PROGRAM, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import take
 from passo.records import *
@@ -43,6 +42,8 @@ FULL = const(0)
 STANDS = const(1)
 LATER = const(2)
 ENDED = const(3)
+FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
+MANY_LINES = const(48)  # so many lines in the queue, half of all that it holds, are played at full speed, however short
 SLOWEST = const(10)  # percent of the programmed speed, where lines hardly come
 
 
@@ -80,7 +81,7 @@ def make(
             return STANDS
         made = ptr32(line_state)
         first = LINE_RISE + 2 * state[FEED_AXES]
-        if state[FEED_WAITS] == 0 and state[FEED_KIND] != LINE:
+        if state[FEED_WAITS] == 0 and state[FEED_KIND] != KIND_LINE:
             made = ptr32(geometry.made)
             first = 0
         checkpoint(state, marks, made, first)
@@ -115,7 +116,7 @@ def has_room(state: ptr32, marks: ptr32, words: ptr32, power: ptr32) -> int:  # 
         return 0
     ahead = (state[FEED_TICKS] - marks[mark + MARK_TICKS]) & COUNT_MASK
     least = state[FEED_LEAD]
-    if least > FEED_LEAST and state[FEED_KIND] == LINE:
+    if least > FEED_LEAST and state[FEED_KIND] == KIND_LINE:
         least -= state[FEED_SHORT]
     if ahead < least:
         return 1
@@ -150,7 +151,7 @@ def stands(state: ptr32, cuts, geometry) -> int:  # ISR: no allocation
     ramp = ptr32(cuts)
     if ramp[RAMP_Q] > ramp[RAMP_START]:
         return 0
-    if state[FEED_KIND] == INDEPENDENT and int(geometry.rolling()):
+    if state[FEED_KIND] == KIND_INDEPENDENT and int(geometry.rolling()):
         return 0
     return 1
 
@@ -188,20 +189,20 @@ def measure(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_stat
         take_wait(state)
         return FULL
     shape = line_state
-    if kind == LINE:
+    if kind == KIND_LINE:
         state[FEED_MOVING] = path[LINE_MOVING]
         state[FEED_NEGATIVE] = path[LINE_NEGATIVE]
     else:
-        if kind != ARC and int(geometry.ready()) == 0:
+        if kind != KIND_ARC and int(geometry.ready()) == 0:
             return LATER
         state[FEED_MOVING] = int(geometry.moving)
         state[FEED_NEGATIVE] = int(geometry.negative)
-        if kind == ARC:
+        if kind == KIND_ARC:
             shape = geometry.state
-    if kind == LINE or kind == ARC:
+    if kind == KIND_LINE or kind == KIND_ARC:
         return int(cut_segment(state, queue, scratch, indices, cuts, shape, cut))
     state[FEED_PACE] = -1
-    if kind == STEP_PROGRAM:
+    if kind == KIND_STEP_PROGRAM:
         set_tool(state, int(geometry.tool))
     return FULL
 
@@ -216,7 +217,7 @@ def take_wait(state: ptr32):  # ISR: no allocation
     state[FEED_LASTS] = ticks
     state[FEED_WAITS] = 1
     state[FEED_MOVING] = 0
-    if state[FEED_KIND] == WAIT:
+    if state[FEED_KIND] == KIND_WAIT:
         state[FEED_PACE] = 0
 
 
@@ -227,7 +228,7 @@ def percent(state: ptr32, rows: ptr32, scratch: ptr32, indices: ptr32, ramp: ptr
     asked = scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]]
     each = rows[row + ROW_TICKS]
     left = state[FEED_LEFT]
-    if scratch[SCRATCH_EAGER] < 2 or state[FEED_KIND] != LINE or ramp[RAMP_S_CURVE] or left >= 0x4000 or each >= 0x4000:
+    if scratch[SCRATCH_EAGER] < 2 or state[FEED_KIND] != KIND_LINE or ramp[RAMP_S_CURVE] or left >= 0x4000 or each >= 0x4000:
         return asked
     lasts = left * each + ((scratch[SCRATCH_LASTS] - scratch[SCRATCH_TAKEN]) & COUNT_MASK)
     count = (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & COUNT_MASK
@@ -266,7 +267,7 @@ def mark_power(state: ptr32, rows: ptr32, power: ptr32):  # ISR: no allocation
     row = state[FEED_ROW]
     speed = state[FEED_PACE]
     level = rows[row + ROW_POWER]
-    if state[FEED_WAITS] and state[FEED_KIND] != WAIT or rows[row + ROW_DYNAMIC] == 0 and state[FEED_POWER] != POWER_UNKNOWN:
+    if state[FEED_WAITS] and state[FEED_KIND] != KIND_WAIT or rows[row + ROW_DYNAMIC] == 0 and state[FEED_POWER] != POWER_UNKNOWN:
         return
     if level > POWER_MOST:
         return
@@ -336,7 +337,7 @@ def write_steps(state: ptr32, rows: ptr32, ring, line_state, power: ptr32, settl
         part = run
         if at + run > state[FEED_MASK]:
             part = state[FEED_MASK] + 1 - at
-        if state[FEED_KIND] == LINE:
+        if state[FEED_KIND] == KIND_LINE:
             line_viper.walk(words, at, part, path)
         else:
             geometry.walk(ring, at, part)
@@ -348,7 +349,7 @@ def write_steps(state: ptr32, rows: ptr32, ring, line_state, power: ptr32, settl
         at = 0
         run -= part
     state[FEED_LEFT] = state[FEED_LEFT] - steps
-    if state[FEED_KIND] == ARC:
+    if state[FEED_KIND] == KIND_ARC:
         state[FEED_LEFT] = int(geometry.left)
 
 

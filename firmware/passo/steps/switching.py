@@ -22,7 +22,6 @@ import micropython
 from micropython import const
 
 from passo.memory import zeros
-from passo.motion.block import WAIT
 from passo.records import *
 
 # Switches.marks. First how many changes were asked for and shown, for ever, modulo 2²⁹.
@@ -61,7 +60,7 @@ def find(switches: ptr32, state: ptr32, marks: ptr32, words: ptr32, rows: ptr32,
             elif count != block:
                 at = (at + 1) & COUNT_MASK
                 count = (count + marks[(at & (MARKS - 1)) * stride + MARK_ENDS]) & COUNT_MASK
-            elif rows[block % QUEUE_SIZE * switches[SWITCH_STRIDE] + ROW_KIND] == WAIT:
+            elif rows[block % QUEUE_SIZE * switches[SWITCH_STRIDE] + ROW_KIND] == KIND_WAIT:
                 switches[here + SWITCH_BLOCK] = (block + 1) & COUNT_MASK
             else:
                 word = marks[mark + MARK_WORD]
