@@ -97,7 +97,7 @@ def main():
         board = checked(BOARD)
         BOARD = None
         for name in ("board", "passo.config.boardfile", "passo.config.chip_pins", "passo.config.interlock_table"):
-            forget(name)
+            forget(name, True)
         start.keep(board)
         from passo.app import App
         from passo.config.journal import FileSlots

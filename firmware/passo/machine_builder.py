@@ -74,7 +74,7 @@ FEATURES = (
 def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
     for key in _CHECKED:
-        forget("passo.config.%s_keys" % key)
+        forget("passo.config.%s_keys" % key, True)
     if board["gantry"]:
         from passo.drives import gantry
     names = wanted(board, languages(board))

@@ -29,9 +29,9 @@ ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
 # machine code and arrays included: measured on the emulated Pico (tests_host/pico/test_pico_budget.py). Stored jobs keep 14, and want JOB_KB
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
-LANGUAGES_KB = {"grbl": 170, "pulses": 150, "torch": 122, "keys": 122, "plotter": 122}
+LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter": 122}
 KEYS_KB = {
-    "motion": 4, "backlash": 6, "rotary": 5, "parking": 5, "drives": 20, "weaving": 24, "encoders": 6, "inverter": 6, "interlock": 11, "gantry": 1,
+    "motion": 4, "backlash": 6, "rotary": 5, "parking": 5, "drives": 6, "weaving": 24, "encoders": 6, "inverter": 6, "interlock": 11, "gantry": 1,
     "journal": 4, "jobs": 14, "network": 13, "blackbox": 15,
 }  # fmt: skip
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
