@@ -38,10 +38,10 @@ def shop(
 
         passo shop --broker shop.local --user shop --password-file mqtt.txt --ca ca.crt --host 0.0.0.0
     """
+    from host_tools.clients.page_key import make_key
     from host_tools.shop.book import Book
     from host_tools.shop.desk import Desk
     from host_tools.shop.shop_server import Shop
-    from host_tools.clients import page_key
 
     broker = make_broker(broker, user, password, ca)
     secret = _shop_key(key)
@@ -50,7 +50,7 @@ def shop(
         opened = Book(book)
     except (OSError, _database_error()) as error:
         raise Failure("cannot use the book {}: {}", book, reason(error)) from error
-    page_key = page_key.make_key(os.urandom)
+    page_key = make_key(os.urandom)
     desk = Desk(broker, secret, opened)
     try:
         served = Shop(desk, opened, page_key, host)

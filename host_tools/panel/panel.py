@@ -6,6 +6,7 @@ import signal
 import socket
 import sys
 
+from host_tools.clients import page_key
 from host_tools.failure import Failure
 from host_tools.panel import languages
 from host_tools.panel.proving import Proving

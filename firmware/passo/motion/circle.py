@@ -36,7 +36,6 @@ from micropython import const
 
 from passo.motion import line
 from passo.motion.circle_viper import load, run, walk
-from passo.motion.line import MAX_RUN
 from passo.records import *
 
 COARSE = const(13)  # fraction bits of CIRCLE_PATH
