@@ -22,7 +22,7 @@ class Played(Machine):
         self.um = [self.random.choice((0, 3, 25, 60, 400)) for _ in range(3)]
         planner = backlash.Planner(3, {"settings": {0: lambda number: self.um[number - 160]}})
         rig = Rig(axes=3, planner=planner)
-        planner.follow(lambda: rig.feeder.position(rig.played))
+        planner.follow(lambda: rig.feeder.found(rig.played))
         return rig
 
     def __init__(self, seed, kind):
