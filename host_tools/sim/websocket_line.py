@@ -26,6 +26,10 @@ class _Nothing:
         return None
 
 
+def _now_ms():
+    return int(time.monotonic() * 1000) & COUNT_MASK
+
+
 class WebSocketLine:
     browser = False  # most senders name no Origin
 
@@ -35,7 +39,7 @@ class WebSocketLine:
             listener = socket.create_server((_HOST, port))
         except (OSError, OverflowError) as error:
             raise Failure("cannot serve a WebSocket on port {}: {}", port, reason(error)) from error
-        self._server = Server(listener, _Nothing(), Guard((_HOST.encode(), b"localhost"), None, "", lambda peer: False))
+        self._server = Server(listener, _Nothing(), Guard((_HOST.encode(), b"localhost"), None, "", lambda peer: False), _now_ms, False)
         self._server.sockets[b"/"] = self
         self._connection = None
         self.clients = 0  # so many have come
@@ -43,7 +47,7 @@ class WebSocketLine:
         self.name = f"ws://{_HOST}:{listener.getsockname()[1]}/"
 
     def read(self):
-        self._server.poll(int(time.monotonic() * 1000) & COUNT_MASK)
+        self._server.poll(_now_ms())
         come, self._come = self._come, b""
         return come
 

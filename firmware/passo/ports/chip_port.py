@@ -268,7 +268,8 @@ class ChipPort:
         if self._timer is not None:
             self._timer.deinit()
         for item in self._halting:
-            item.pin.irq(None)
+            if item.pin is not None:
+                item.pin.irq(None)
         for part in [self.interlock, self.encoders] + self._lines:
             if part is not None:
                 part.close()

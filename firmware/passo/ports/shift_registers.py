@@ -103,6 +103,7 @@ class RegisterInput:
     pin = None
 
     def __init__(self, entry, registers):
+        self.number = entry["pin"]
         self.level = entry["active"]
         self._registers = registers
         self._bit = entry["pin"] - REGISTER_BIT

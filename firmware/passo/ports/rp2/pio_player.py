@@ -56,7 +56,7 @@ class PioPlayer:
         out = base | layout.bits << 20
         self._state = array("I", [0] * PIO_FIELDS)
         for index, value in (
-            (PIO_BLOCK, PIO_0), (PIO_MACHINE, PIO_0 + 0xC8), (PIO_A, channels[0]), (PIO_B, channels[1]), (PIO_C, channels[2]),
+            (PIO_BLOCK, programs.PIO_0), (PIO_MACHINE, programs.PIO_0 + 0xC8), (PIO_A, channels[0]), (PIO_B, channels[1]), (PIO_C, channels[2]),
             (PIO_D, channels[0]), (PIO_ABORT, chip.ABORT),
             (PIO_COUNTS, counts), (PIO_ADDRESSES, counts + size), (PIO_WORDS, uctypes.addressof(ring.words)),
             (PIO_MASK, ring.mask), (PIO_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
@@ -77,7 +77,7 @@ class PioPlayer:
         a, b, c = self._dma
         state = self._state
         ctrl = a.pack_ctrl(size=2, inc_write=False, high_pri=True, treq_sel=0, chain_to=b.channel if after_a is None else after_a)
-        a.config(read=state[PIO_WORDS], write=PIO_0 + 4 * BLOCK_TXF, count=0, ctrl=ctrl)
+        a.config(read=state[PIO_WORDS], write=programs.PIO_0 + 4 * BLOCK_TXF, count=0, ctrl=ctrl)
         for dma, table, register, after in (
             (b, state[PIO_ADDRESSES], 0x14, c.channel),  # A's address, which does not start it
             (c, state[PIO_COUNTS], 0x1C, c.channel),  # A's length, which does, unless it is 0

@@ -11,6 +11,7 @@ processor is doing, and a spike of noise costs its own length and nothing else.
 
 import rp2
 
+PIO_0 = 0x50200000  # address of the block whose state machine 0 plays; beyond 2³⁰, so no constant that the build puts in
 PULL = 0  # addresses within each program
 OUT = 1
 

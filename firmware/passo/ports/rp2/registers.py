@@ -1,14 +1,13 @@
 """Registers of PIO blocks, state machines and DMA channels, as words from the address of each; the same on the RP2040 and the
 RP2350. Datasheets: 3.7 (PIO) and 2.5.7 (DMA) of the RP2040's, 11.7 and 12.6.10 of the RP2350's.
 
-    block = ptr32(PIO_0)
+    block = ptr32(programs.PIO_0)
     block[BLOCK_TXF + machine] = word
-    ptr32(PIO_0 + ALIAS_CLEAR)[BLOCK_CTRL] = 1 << machine
+    ptr32(programs.PIO_0 + ALIAS_CLEAR)[BLOCK_CTRL] = 1 << machine
 """
 
 from micropython import const
 
-PIO_0 = const(0x50200000)  # the block whose state machine 0 plays
 # Bytes to the aliases of a register that change only the bits written.
 ALIAS_XOR = const(0x1000)
 ALIAS_SET = const(0x2000)

@@ -38,7 +38,7 @@ class TimerPlayer:
         self._tables = array("I", [0] * 256)
         state = self._state = array("I", [0] * TIMER_FIELDS)
         for index, value in (
-            (TIMER_BLOCK, PIO_0), (TIMER_MACHINE, PIO_0 + 0xC8),
+            (TIMER_BLOCK, programs.PIO_0), (TIMER_MACHINE, programs.PIO_0 + 0xC8),
             (TIMER_WORDS, uctypes.addressof(ring.words)), (TIMER_MASK, ring.mask), (TIMER_BITS, layout.bits),
             (TIMER_TABLES, uctypes.addressof(self._tables)), (TIMER_TOOL, 1 << pins[-1]),
             (TIMER_CYCLES, pulse_ticks * cycles), (TIMER_TOGGLE, chip.TOGGLE),
@@ -55,11 +55,11 @@ class TimerPlayer:
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
         state[TIMER_FIRST] = (mem32[state[TIMER_MACHINE] + 4 * MACHINE_EXECCTRL] >> 7) & 31
         self._entry = vectors.enter(vectors.PIO_IRQ_1, _begun, state)
-        mem32[PIO_0 + vectors.IRQ1_INTE] = 256
+        mem32[programs.PIO_0 + vectors.IRQ1_INTE] = 256
 
     def close(self):
         vectors.leave(vectors.PIO_IRQ_1)
-        mem32[PIO_0 + vectors.IRQ1_INTE] = 0
+        mem32[programs.PIO_0 + vectors.IRQ1_INTE] = 0
 
     def start(self):  # ISR: no allocation
         _start(self._state, self._ring.head)
