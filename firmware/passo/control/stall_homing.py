@@ -3,11 +3,11 @@
     1 back off  away from the end: a rotor that already stands against it tells nothing
     2 seek      to the end, at the one speed that the driver's threshold was found for
     3 pull off  from where it stalled
-    4 locate    to the end again, at the same speed. 3 and 4 again, until enough places in a row lie within a full step
+    4 locate    to the end again, at the same speed. 3 and 4 again, until enough places in a row lie within a full step and an eighth
     5 pull off  to the origin
 
 Five places are enough, and one more for each that did not agree with those before it. If false stalls come at random, however often, five
-agree by chance less than twice in 100 000 homings: the way to a place is 25 full steps, half of which count, and a place is two wide. Alarm 8 is
+agree by chance less than four times in 100 000 homings: the way to a place is 25 full steps, half of which count, and a place is 2¼ wide. Alarm 8 is
 raised as soon as twenty attempts cannot bring enough. A way's first half pull-off does not count: a rotor that sets out trembles.
 
 Drivers measure once a full step, so a motor may be almost two of them behind its field when its driver tells, and at two its rotor slips to
@@ -165,7 +165,7 @@ class Homing(homing.Homing):
             self._doubt = self._doubt or slipped or sensor.late
         if not self._agree:
             self._edge = edge
-        if slipped or abs(edge - self._edge) > full:
+        if slipped or 8 * abs(edge - self._edge) > 9 * full:  # a driver's next measurement, and the eighth that an edge may be late
             self._enough += 1
             self._edge = edge
             self._agree = 0
