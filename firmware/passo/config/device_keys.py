@@ -133,8 +133,8 @@ def _check_tool_change(board, config):
 
 
 def _check_registers(board, config):
-    """Each bit once and within the chips; what has to act at once is on a pin of its own, or has the registers read at once. `config`: None
-    without registers."""
+    """Raise BoardError if two inputs or outputs share a bit, if a bit lies beyond the chips, or if something that has to act at once is on a
+    register that the main loop reads. `config`: of the registers; None: there are none."""
     prompt = _prompt(board, config)
     quick = {}  # name of an input: why not
     for name in (board["homing"]["sensors"].values() if board["homing"] else ()):

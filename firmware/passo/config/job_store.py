@@ -232,7 +232,7 @@ class JobStore:
         return found
 
     def _known(self, name):
-        """(False if this is no job, its parsed first line)."""
+        """Return (True, the parsed first line) of a stored job, (True, None) if it cannot be read, (False, None) if the file is no job."""
         try:
             with self._room.open(self._path(name), "rb") as file:
                 return True, parse_first_line(file.readline(HEAD_BYTES))

@@ -10,7 +10,7 @@ read the register, of a write what was written.
 from micropython import const
 
 from passo.config import tmc2209
-from passo.config.tmc2209 import DRV_STATUS, GSTAT, MICROSTEPS, WRITES  # noqa: F401  a TMC2130 clears GSTAT as it is read
+from passo.config.tmc2209 import DRV_STATUS, GSTAT, MICROSTEPS, WRITES  # noqa: F401  the registers that both families share; reading GSTAT clears it on a TMC2130
 
 IOIN = const(0x04)  # the chip's version in its high byte
 STEPS = const(0x40)  # of it, TMC5160: the pin SD_MODE has the chip take STEP and DIR

@@ -87,7 +87,7 @@ def farthest(start, arc, steps_per_m):
 
 
 def swept(begin, direction, end):
-    """True if `direction` lies on the way from `begin` counter-clockwise to `end`; a way of nothing is a whole turn."""
+    """True if `direction` lies on the way from `begin` counter-clockwise to `end`. If both are equal, the way is a whole turn."""
     turn = cross(begin, end)
     if not turn and begin[0] * end[0] + begin[1] * end[1] > 0:
         return True

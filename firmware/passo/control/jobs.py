@@ -25,7 +25,8 @@ _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
 
 
 class JobLine:
-    """The serial line of a stored job: reads its file, and counts what is answered; no more is read than the language may have open."""
+    """The serial line of a stored job: reads the file, counts the answers, and waits while the language has as many units unanswered
+    as it may."""
 
     def __init__(self, protocol, stored, look, damaged):
         """`look()` is called when something has been answered, `damaged(error)` if the file is damaged."""

@@ -143,15 +143,15 @@ class Program(LineBatches):
         return error
 
     def _row(self, command):
-        """Queue a line or jog as a batch's row: its travel, block and look-ahead by one kernel. False: it has to go by Planner.line(), or
-        is to be refused."""
+        """Queue a line or jog as a row of a batch: one kernel checks its travel, makes its block and plans it. Return False if the kernel
+        cannot take it: then Planner.line() queues or refuses it."""
         machine, queue, planner = self._machine, self._queue, self._planner
         if (
             not planner.ready or self._limits_of != machine.settings.version or queue.chords or machine.weave is not None
             or command.per_min or command.also or command.dots or command.feed > FASTEST_NM_S or command.tool != queue.tool
             or command.dynamic != planner.dynamic or command.power != 1000 * planner.power
             or machine.interlock is not None and machine.interlock.denied or room(planner.indices) < _BLOCKS_A_MOTION
-            or queue.turns and command.target[-1] != queue.target[-1]  # F is the linear axes'
+            or queue.turns and command.target[-1] != queue.target[-1]  # F counts for the linear axes only, see rotary_queue.py
         ):  # fmt: skip
             return False
         reach = self._travel if machine.homed else None

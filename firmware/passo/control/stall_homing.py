@@ -165,7 +165,7 @@ class Homing(homing.Homing):
             self._doubt = self._doubt or slipped or sensor.late
         if not self._agree:
             self._edge = edge
-        if slipped or 8 * abs(edge - self._edge) > 9 * full:  # a driver's next measurement, and the eighth that an edge may be late
+        if slipped or 8 * abs(edge - self._edge) > 9 * full:  # a driver may tell one measurement later, and its edge be an eighth late
             self._enough += 1
             self._edge = edge
             self._agree = 0
