@@ -2,7 +2,7 @@
 for the pen, optical barriers at X0 and Y0.
 
 GT2 belt on pulleys of 20 teeth at 1/16 step: 80 steps/mm. "x" and "y" are the pins of motors A and B: A turns as X and Y together, B as X
-without Y. If X and Y are exchanged or run backward, exchange the motors or turn them round (`$3`): see docs/corexy.md.
+without Y. If X and Y are exchanged or run backward, exchange the motors or turn them round (`$3`): see docs/use/corexy.md.
 """
 
 BOARD = {

@@ -6,7 +6,7 @@ speed. `passo engrave` sends its rows over USB, packed: 10 000 dots a second are
 
 The tool's pin is exact to the step: it is high only while the beam may burn. The power's pin carries the PWM, whose duty
 changes with the step too, or within 2 ms of it if steps are slow, and shows with the next of the PWM's 20 µs. A laser with a single input gets both: the tool's pin through
-1 kΩ to the input, and from the input a Schottky diode to the power's pin, its cathode at the pin (docs/wiring.md).
+1 kΩ to the input, and from the input a Schottky diode to the power's pin, its cathode at the pin (docs/start/wiring.md).
 """
 
 BOARD = {

@@ -1,13 +1,13 @@
 """The laser engraver of laser_xy on a Raspberry Pi Pico W that serves its own page: the Pico's pins, and Passo's UF2 for the Pico W
-(docs/build.md), because the modules as files do not fit into its memory. GP23, GP24, GP25 and GP29 are the radio's, which is off until
-`passo wifi` has given it a name and a passphrase (docs/network.md).
+(docs/inside/build.md), because the modules as files do not fit into its memory. GP23, GP24, GP25 and GP29 are the radio's, which is off until
+`passo wifi` has given it a name and a passphrase (docs/use/network.md).
 
 GT2 belts on pulleys of 20 teeth at 1/16 step: 80 steps/mm. $30=1000: S1000 is full power, and M4 has it follow the
 speed.
 
 The tool's pin is exact to the step: it is high only while the beam may burn. The power's pin carries the PWM, whose duty
 changes with the step too, or within 2 ms of it if steps are slow. A laser with a single input gets both: the tool's pin through
-1 kΩ to the input, and from the input a Schottky diode to the power's pin, its cathode at the pin (docs/wiring.md).
+1 kΩ to the input, and from the input a Schottky diode to the power's pin, its cathode at the pin (docs/start/wiring.md).
 """
 
 BOARD = {

@@ -5,7 +5,7 @@ speed.
 
 The tool's pin is exact to the step: it is high only while the beam may burn. The power's pin carries the PWM, whose duty
 changes with the step too, or within 2 ms of it if steps are slow. A laser with a single input gets both: the tool's pin through
-1 kΩ to the input, and from the input a Schottky diode to the power's pin, its cathode at the pin (docs/wiring.md).
+1 kΩ to the input, and from the input a Schottky diode to the power's pin, its cathode at the pin (docs/start/wiring.md).
 """
 
 BOARD = {

@@ -1,5 +1,5 @@
 """The plotter of 2014 on a Raspberry Pi Pico W that serves its own page: draw from a phone, without a PC. The radio is off until
-`passo wifi` has given it a name and a passphrase (docs/network.md). GP23, GP24, GP25 and GP29 are the radio's.
+`passo wifi` has given it a name and a passphrase (docs/use/network.md). GP23, GP24, GP25 and GP29 are the radio's.
 """
 
 BOARD = {

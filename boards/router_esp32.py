@@ -1,4 +1,4 @@
-"""A small router on an ESP32 DevKit and two 74HC595: see docs/wiring.md for the picture. Motors and machine as router_3axis.
+"""A small router on an ESP32 DevKit and two 74HC595: see docs/start/wiring.md for the picture. Motors and machine as router_3axis.
 
 The registers' output-enable is pulled up, and low only once the firmware has shifted zeros in: nothing steps while the chip
 starts. Pins 34 to 39 are inputs without pull-ups; 0, 2, 12 and 15 decide how the chip starts.

@@ -1,6 +1,6 @@
 """The small router of router_3axis on a Raspberry Pi Pico W that serves its own page: the Pico's pins, and Passo's UF2 for the Pico W
-(docs/build.md), because the modules as files do not fit into its memory. GP23, GP24, GP25 and GP29 are the radio's, which is off until
-`passo wifi` has given it a name and a passphrase (docs/network.md).
+(docs/inside/build.md), because the modules as files do not fit into its memory. GP23, GP24, GP25 and GP29 are the radio's, which is off until
+`passo wifi` has given it a name and a passphrase (docs/use/network.md).
 
 Ball screws of 5 mm a turn at 1/8 step: 320 steps/mm on X and Y, and 4 mm a turn: 400 steps/mm on Z. X and Y home at
 their low ends, Z at the top; machine zero is where it stands then, so Z is zero at the top and negative below it.

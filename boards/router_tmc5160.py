@@ -2,7 +2,7 @@
 
 GT2 belts of 20 teeth at 1/16 step: 80 steps/mm on X and Y; a screw of 8 mm a turn on Z: 400 steps/mm. Modules for STEP and DIR with 0.075 Ω,
 as BIGTREETECH TMC5160 Pro: SD_MODE and SPI_MODE high. SCK, SDI and SDO go to all; DIAG1 (or DIAG0) of X and Y to an input each.
-`stall`, `stall_ma` and the seek speed are values to begin with: docs/drivers.md says how to find yours.
+`stall`, `stall_ma` and the seek speed are values to begin with: docs/use/drivers.md says how to find yours.
 """
 
 BOARD = {

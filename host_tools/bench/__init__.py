@@ -1,1 +1,1 @@
-"""`python -m host_tools.bench`: the measurements of docs/benchmarks.md."""
+"""`python -m host_tools.bench`: the measurements of docs/reference/benchmarks.md."""

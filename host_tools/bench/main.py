@@ -1,4 +1,4 @@
-"""`python -m host_tools.bench`: the measurements, printed as tables and written to docs/benchmarks.md.
+"""`python -m host_tools.bench`: the measurements, printed as tables and written to docs/reference/benchmarks.md.
 
 Each part of the document stands between two markers and is replaced when its bench has run. The text around it, with method
 and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
@@ -27,7 +27,7 @@ from host_tools.failure import Failure
 from host_tools.resources import ROOT
 
 TESTS = ROOT / "tests_host"
-DOCUMENT = ROOT / "docs" / "benchmarks.md"
+DOCUMENT = ROOT / "docs" / "reference" / "benchmarks.md"
 MICROPYTHON = Path(sys.executable).parent / "micropython"
 _TIMEOUT_S = 600
 

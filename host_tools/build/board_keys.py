@@ -1,4 +1,4 @@
-"""What each key of a board file means: the texts of docs/board-file.md, which reference.py puts beside types
+"""What each key of a board file means: the texts of docs/reference/board-file.md, which reference.py puts beside types
 and bounds.
 
     MEANINGS["axes.pins"]       # the dotted path of a key; [] of lists left out
@@ -13,18 +13,18 @@ SECTIONS = {
     "shift": (
         "shift",
         "ESP32 and S3, STEP/DIR: motors and tool, and outputs as needed, are on 74HC595 shift registers. Their pins are 100 … 114: "
-        "QA … QH of the first register, then of the second. See [wiring](wiring.md#motors-on-shift-registers). Needs MicroPython 1.26.",
+        "QA … QH of the first register, then of the second. See [wiring](../start/wiring.md#motors-on-shift-registers). Needs MicroPython 1.26.",
     ),
     "axes": ("axes", "A list, one entry an axis, in the order X, Y, Z, A."),
     "tool": ("tool", "The one output that is switched exact to the step: pen, spindle relay, laser, torch contact."),
     "inputs": ("inputs", "A list of switches and sensors. The effect of each depends on its [name](#names-with-a-meaning)."),
     "outputs": ("outputs", "A list of outputs. The effect of each depends on its [name](#names-with-a-meaning) or role."),
-    "encoders": ("encoders", "A list, one entry a motor. See [encoders](encoders.md)."),
-    "gantry": ("gantry", "One axis with a motor at each side. See [encoders](encoders.md#gantries)."),
+    "encoders": ("encoders", "A list, one entry a motor. See [encoders](../use/encoders.md)."),
+    "gantry": ("gantry", "One axis with a motor at each side. See [encoders](../use/encoders.md#gantries)."),
     "homing": ("homing", "Sensors to find zero with, and how."),
     "interlock": (
         "interlock",
-        "Inputs that forbid steps in a direction, outputs or the tool. See [interlock](interlock.md). Its inputs have the polarity "
+        "Inputs that forbid steps in a direction, outputs or the tool. See [interlock](../use/interlock.md). Its inputs have the polarity "
         "of the board file; `$4` and `$5` change nothing.",
     ),
     "speed": ("speed", "Speeds of the plotter's and the torch's languages, in steps. G-code uses `max_mm_min`."),
@@ -32,27 +32,27 @@ SECTIONS = {
     "spindle": ("spindle", "Range and analogue power of the tool, for G-code's S."),
     "inverter": (
         "inverter",
-        "The spindle's frequency inverter, over Modbus RTU. See [spindle](spindle.md). `spindle.max_rpm` is S at its fastest.",
+        "The spindle's frequency inverter, over Modbus RTU. See [spindle](../use/spindle.md). `spindle.max_rpm` is S at its fastest.",
     ),
     "drivers": (
         "drivers",
-        "TMC2209 or TMC2226 drivers, set up and watched over one UART wire. See [drivers](drivers.md). Without it the drivers' own pins say "
+        "TMC2209 or TMC2226 drivers, set up and watched over one UART wire. See [drivers](../use/drivers.md). Without it the drivers' own pins say "
         "current and microsteps.",
     ),
     "drivers.motors": ("drivers.motors", "A list, one entry a driver; an axis without one has a driver that its own pins set up."),
     "spi_drivers": (
         "spi_drivers",
-        "TMC2130 or TMC5160 drivers, set up and watched over SPI. See [drivers](drivers.md#on-spi). Not beside `drivers`.",
+        "TMC2130 or TMC5160 drivers, set up and watched over SPI. See [drivers](../use/drivers.md#on-spi). Not beside `drivers`.",
     ),
     "spi_drivers.motors": ("spi_drivers.motors", "A list, one entry a driver; an axis without one has a driver that its own pins set up."),
     "tool_change": (
         "tool_change",
-        "M6 at a place of its own, and the new tool's length, in the way that `$341` says. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
+        "M6 at a place of its own, and the new tool's length, in the way that `$341` says. See [spindle](../use/spindle.md#tool-change). Without it M6 is a pause where "
         "the head stands.",
     ),
     "parking": (
         "parking",
-        "While the door is open, an axis goes up from the work, and comes back. See [parking](parking.md). Without it the tool goes off where it stands.",
+        "While the door is open, an axis goes up from the work, and comes back. See [parking](../use/parking.md). Without it the tool goes off where it stands.",
     ),
     "servo": (
         "servo",
@@ -60,26 +60,26 @@ SECTIONS = {
     ),
     "tachometer": (
         "tachometer",
-        "The spindle's speed by pulses: no cut begins before it is reached, and none goes on without. See [spindle](spindle.md#tachometer).",
+        "The spindle's speed by pulses: no cut begins before it is reached, and none goes on without. See [spindle](../use/spindle.md#tachometer).",
     ),
-    "weaving": ("weaving", "Seams walked from side to side. See [weaving](weaving.md)."),
+    "weaving": ("weaving", "Seams walked from side to side. See [weaving](../use/weaving.md)."),
     "network": (
         "network",
         "Wi-Fi of a Pico W or an ESP32: links with the port `http` (torch), `page` (the page) or `tcp` (grbl). The radio is off until `passo wifi` has given it a name and a "
-        "passphrase. See [network](network.md).",
+        "passphrase. See [network](../use/network.md).",
     ),
     "registers": (
         "registers",
         "74HC165 and 74HC595 on four pins. An input with pin 100 is input A of the first 74HC165, an output with pin 100 is "
-        "output QA of the first 74HC595. See [wiring](wiring.md#shift-registers).",
+        "output QA of the first 74HC595. See [wiring](../start/wiring.md#shift-registers).",
     ),
     "registers.edges": ("registers.edges", "A list of pins at whose edges the inputs behind registers are read at once."),
     "jog": ("jog", "Jogs of the plotter's and the torch's languages."),
     "step_program": ("step_program", "Needed by the language `pulses`: paths written down step by step."),
-    "journal": ("journal", "Keeps the state of a job in flash. See [jobs](jobs.md#after-a-power-cut)."),
-    "card": ("card", "A memory card (SD, FAT) on SPI, on which stored jobs are kept. See [jobs](jobs.md#memory-card)."),
-    "jobs": ("jobs", "Programs kept on the board, and run without a PC. See [jobs](jobs.md)."),
-    "links": ("links", "A list of the board's serial lines, one entry a line. See [README](../README.md#languages)."),
+    "journal": ("journal", "Keeps the state of a job in flash. See [jobs](../use/jobs.md#after-a-power-cut)."),
+    "card": ("card", "A memory card (SD, FAT) on SPI, on which stored jobs are kept. See [jobs](../use/jobs.md#memory-card)."),
+    "jobs": ("jobs", "Programs kept on the board, and run without a PC. See [jobs](../use/jobs.md)."),
+    "links": ("links", "A list of the board's serial lines, one entry a line. See [README](languages/README.md)."),
 }
 
 MEANINGS = {
@@ -87,12 +87,12 @@ MEANINGS = {
     "chip": "The board's chip. Decides which pins exist and what `passo build` compiles for.",
     "clock_mhz": "Processor clock. RP2040: 125, 150 or 200; RP2350: 150; 0: the first of these. Leave it out on an ESP32.",
     "psram": "ESP32: True says that the module has PSRAM, as WROVER has, and S3 modules whose name ends in R2 or R8; on a plain ESP32 it takes "
-    "pins 16 and 17. With False `passo build` refuses a board file that asks for more memory than the chip has. See [wiring](wiring.md#esp32).",
+    "pins 16 and 17. With False `passo build` refuses a board file that asks for more memory than the chip has. See [wiring](../start/wiring.md#esp32).",
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "
     "an interrupt for each step.",
-    "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](backlash.md). Without the key there are no such settings.",
-    "blackbox": "True: keep the last seconds before an alarm, a crash or a reset. See [black box](blackbox.md).",
-    "rotary": "The axis that turns, `a`; without the key none does. See [A rotary axis](rotary.md).",
+    "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](../use/backlash.md). Without the key there are no such settings.",
+    "blackbox": "True: keep the last seconds before an alarm, a crash or a reset. See [black box](../use/blackbox.md).",
+    "rotary": "The axis that turns, `a`; without the key none does. See [A rotary axis](../use/rotary.md).",
     "short_way": "An absolute word turns the axis of `rotary` by half a turn at most.",
     "parking.axis": "The axis, `$42`. It homes.",
     "parking.target_mm": "Machine coordinate that it goes up to, mm, `$58`.",
@@ -111,7 +111,7 @@ MEANINGS = {
     "drivers.motors.hold_percent": "Part of it at rest.",
     "drivers.motors.microsteps": "Microsteps a full step: 1, 2, 4 … 256, interpolated to 256.",
     "drivers.motors.stealth": "stealthChop, quiet; `False`: spreadCycle, more torque at speed.",
-    "drivers.motors.stall": "Its axis homes by stall, on the driver's DIAG pin: half the SG_RESULT below which the motor has stalled. 0: it does not. See [drivers](drivers.md#homing-by-stall).",
+    "drivers.motors.stall": "Its axis homes by stall, on the driver's DIAG pin: half the SG_RESULT below which the motor has stalled. 0: it does not. See [drivers](../use/drivers.md#homing-by-stall).",
     "drivers.motors.stall_ma": "Current meanwhile. 0: `current_ma`.",
     "spi_drivers.chip": "All are of one kind.",
     "spi_drivers.sck": "Pin to SCK of all drivers. Any pins will do.",
@@ -124,9 +124,9 @@ MEANINGS = {
     "spi_drivers.motors.hold_percent": "Part of it at rest.",
     "spi_drivers.motors.microsteps": "Microsteps a full step: 1, 2, 4 … 256, interpolated to 256.",
     "spi_drivers.motors.stealth": "stealthChop, quiet; `False`: spreadCycle, more torque at speed.",
-    "spi_drivers.motors.stall": "Its axis homes by stall, on DIAG0 or DIAG1: SGT, −64 … 63, the lower the sooner. 64: it does not. See [drivers](drivers.md#homing-by-stall-on-spi).",
+    "spi_drivers.motors.stall": "Its axis homes by stall, on DIAG0 or DIAG1: SGT, −64 … 63, the lower the sooner. 64: it does not. See [drivers](../use/drivers.md#homing-by-stall-on-spi).",
     "spi_drivers.motors.stall_ma": "Current meanwhile. 0: `current_ma`.",
-    "kinematics": "How motors move axes: `corexy`, two of them on one belt, see [CoreXY](corexy.md); else each its own.",
+    "kinematics": "How motors move axes: `corexy`, two of them on one belt, see [CoreXY](../use/corexy.md); else each its own.",
     "changeover_by": "If outputs have roles: a command or the first motion takes the motors from the other controller.",
     "changeover_ms": "Between releasing the relays of one controller and closing the other's, ms.",
     "idle_release_ms": "Motors lose their current after this time at rest, ms; 0: never. `$1` overrides it.",
@@ -163,7 +163,7 @@ MEANINGS = {
     "inputs.filter_us": "Input of the interlock, or a limit without one (0: 50): a shorter change is a glitch, and only counted, µs. A true one "
     "acts that much later.",
     "inputs.active": "Level at which the input counts as active. 1 with a switch that opens when hit: a broken wire reads as a hit.",
-    "inputs.pull": "The chip's own pull resistor. Not `down` on an rp2350: its erratum E9 ([silicon](silicon.md#rp2350)).",
+    "inputs.pull": "The chip's own pull resistor. Not `down` on an rp2350: its erratum E9 ([silicon](../inside/silicon.md#rp2350)).",
     "inputs.halt": "Becoming active stops the steps in an interrupt, within microseconds (ESP32: milliseconds), and raises "
     "alarm 201. Active at the start: nothing moves.",
     "outputs.name": "Its name.",
@@ -264,7 +264,7 @@ MEANINGS = {
     "network.presence": "Name of an input: over the network the spindle goes on, and a hold ends, only while it is active. Empty: always.",
     "network.minutes": "Minutes that the button gives.",
     "network.broker": "An MQTT broker that the board tells its state, and from which STOP comes: `192.168.1.5` or `192.168.1.5:1884`, without TLS; its topics are "
-    "`passo/HOST/…`, see [network](network.md#a-broker). Wants a link on `page`, and umqtt. Empty: none.",
+    "`passo/HOST/…`, see [network](../use/network.md#a-broker). Wants a link on `page`, and umqtt. Empty: none.",
     "network.broker_user": "The broker's user for this board; empty: none.",
     "network.broker_password": "That user's password.",
     "jog.steps": "Steps of a jog.",
@@ -298,7 +298,7 @@ MEANINGS = {
     "encoders.index": "Name of the input of its index pulse, if it has one: log entry 143 if the encoder itself loses counts.",
     "encoders.settle_ms": "Time from the last step until a motor is at rest, and its error exact, ms. The largest counts for all.",
     "links.name": "Its name: `passo board --link NAME=PATH`, the log.",
-    "links.port": "`usb`, or `uart0` …; with a [network](#network) also `http`, `page` and `tcp`. See the pins a UART may use in [wiring](wiring.md#serial-lines).",
+    "links.port": "`usb`, or `uart0` …; with a [network](#network) also `http`, `page` and `tcp`. See the pins a UART may use in [wiring](../start/wiring.md#serial-lines).",
     "links.tx": "UART: the pin that sends.",
     "links.rx": "UART: the pin that receives.",
     "links.baud": "UART: bits a second.",

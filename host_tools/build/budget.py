@@ -18,7 +18,7 @@ _BLOCK = 32  # instructions
 # from files cannot use all.
 ESP32_KB = {"esp32": (175, 209)}
 PSRAM_PINS = {"esp32": (16, 17)}  # that it takes
-# What the firmware takes of it, kB, as files and frozen (docs/build.md): (its language, with Wi-Fi, with the page). Counted on MicroPython's
+# What the firmware takes of it, kB, as files and frozen (docs/inside/build.md): (its language, with Wi-Fi, with the page). Counted on MicroPython's
 # qemu port: tests_host/cores/test_esp32_memory.py; drivers and Wi-Fi reckoned.
 ESP32_NEEDS = {
     ("plotter", False, False): (180, 64), ("plotter", True, True): (279, 121), ("torch", True, False): (268, 112),
@@ -93,7 +93,7 @@ def memory(board):
     if board["psram"]:
         return _("in the module's PSRAM")
     if there is None or found is None:
-        return _("not counted for this chip and these links: take a module with PSRAM (docs/wiring.md, ESP32)")
+        return _("not counted for this chip and these links: take a module with PSRAM (docs/start/wiring.md, ESP32)")
     return _("{} kB wanted, {} there without PSRAM", found[0], there)
 
 
@@ -102,7 +102,7 @@ def check_module(board, name):
     if board["chip"] == "rp2040":
         if heap_kb(board) + FREE_KB > _stock_kb(board):
             raise Failure(
-                "{} wants Passo's UF2 (docs/build.md, make uf2): on stock MicroPython it takes some {} kB of memory, there are {}, and {} have "
+                "{} wants Passo's UF2 (docs/inside/build.md, make uf2): on stock MicroPython it takes some {} kB of memory, there are {}, and {} have "
                 "to stay free", name, heap_kb(board), _stock_kb(board), FREE_KB
             )  # fmt: skip
         return
@@ -113,7 +113,7 @@ def check_module(board, name):
     if there and found and found[0] > there and not board["psram"]:
         raise Failure(
             "{}: {} kB of memory wanted, {} there: it does not start. Take a module with PSRAM and say \"psram\": True, or freeze the firmware into "
-            "MicroPython, where it takes {} kB (docs/build.md, An image for an ESP32)", name, found[0], there, found[1]
+            "MicroPython, where it takes {} kB (docs/inside/build.md, An image for an ESP32)", name, found[0], there, found[1]
         )  # fmt: skip
 
 

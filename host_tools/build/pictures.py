@@ -1,7 +1,7 @@
 """Makes the pictures of the documents anew: wiring drawings in both languages, and README's picture of the page.
 
-    python -m host_tools.build.pictures           # the drawings of docs/machines and docs/pt/machines
-    python -m host_tools.build.pictures --page    # docs/page.png too: by Chromium, selenium and Pillow
+    python -m host_tools.build.pictures           # the drawings of docs/start/machines and docs/pt/machines
+    python -m host_tools.build.pictures --page    # docs/start/page.png too: by Chromium, selenium and Pillow
 
 tests_host/rules/test_guides.py fails while a drawing is not that of its board file.
 """
@@ -21,11 +21,11 @@ BOARDS = (
     "plotter_2014", "router_3axis", "router_4axis", "router_ballscrew", "router_tmc2209", "router_tmc5160", "laser_xy", "laser_rotary", "corexy_plotter",
     "torch_manipulator", "mill_2004", "lpt_router", "two_motor_kit",
 )  # fmt: skip
-FOLDERS = {"en": DOCS / "machines", "pt": DOCS / "pt" / "machines"}
-PAGE = DOCS / "page.png"
+FOLDERS = {"en": DOCS / "start" / "machines", "pt": DOCS / "pt" / "machines"}
+PAGE = DOCS / "start" / "page.png"
 _SIZE = 1280, 1240
 _HOMING_S, _RUNNING_S = 40, 12
-JOB = DOCS / "machines" / "plate.gcode"
+JOB = ROOT / "examples" / "plate.gcode"
 
 
 def drawings():

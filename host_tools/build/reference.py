@@ -1,6 +1,6 @@
-"""Writes the tables of docs/ that repeat what the firmware knows: board-file keys, pins, settings, errors.
+"""Writes the tables of docs/reference that repeat what the firmware knows: board-file keys, pins, settings, errors.
 
-    python -m host_tools.build.reference          # writes board-file.md, pins.md, settings.md and errors.md of docs/ anew
+    python -m host_tools.build.reference          # writes board-file.md, pins.md, settings.md and errors.md anew
 
 Of each page only what stands between its two marks is made; the rest is written by hand. tests_host/rules/test_docs.py fails
 while a page is not current.
@@ -11,7 +11,7 @@ import re
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 
-DOCS = ROOT / "docs"
+DOCS = ROOT / "docs" / "reference"
 BEGIN = "<!-- made by python -m host_tools.build.reference: change the firmware's table, not these lines -->"
 END = "<!-- end -->"
 EXAMPLE = "router_3axis"
@@ -247,13 +247,13 @@ def settings():
         rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")
     for number in range(160, 160 + len(board["axes"])):
         name, unit, least, most = rule(number, len(board["axes"]))
-        rows.append(f"| `${number}` | {name} ([key `backlash`](backlash.md)) | {unit} | {least:g} … {backlash_keys.MOST_UM / 1000:g} | – |")
+        rows.append(f"| `${number}` | {name} ([key `backlash`](../use/backlash.md)) | {unit} | {least:g} … {backlash_keys.MOST_UM / 1000:g} | – |")
     for number in (41, 42, 56, 57, 58, 59, 142):
         name, unit, least, most = rule(number, len(board["axes"]))
-        rows.append(f"| `${number}` | {name} ([key `parking`](parking.md)) | {unit} | {least:g} … {most:.10g} | – |")
+        rows.append(f"| `${number}` | {name} ([key `parking`](../use/parking.md)) | {unit} | {least:g} … {most:.10g} | – |")
     for number in (341, 342, 343, 344):
         name, unit, least, most = rule(number, len(board["axes"]))
-        rows.append(f"| `${number}` | {name} ([key `tool_change`](spindle.md#tool-change)) | {unit} | {least:g} … {most:.10g} | – |")
+        rows.append(f"| `${number}` | {name} ([key `tool_change`](../use/spindle.md#tool-change)) | {unit} | {least:g} … {most:.10g} | – |")
     return rows
 
 
@@ -274,4 +274,4 @@ PAGES = {"board-file.md": board_keys, "pins.md": pins, "settings.md": settings, 
 if __name__ == "__main__":
     for _name in PAGES:
         (DOCS / _name).write_text(text(_name), encoding="utf-8")
-        print(f"docs/{_name}")
+        print(f"docs/reference/{_name}")

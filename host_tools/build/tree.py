@@ -435,7 +435,7 @@ def _check_flash(board, out):
     taken, there = sum(blocks) * _BLOCK_KB + _SETTINGS_KB, _STOCK_W_KB if board.get("network") else _STOCK_KB
     if taken > there:
         raise Failure(
-            "{} wants Passo's UF2 (docs/build.md, make uf2): on stock MicroPython its files take {} kB of flash, and there are {}; or leave out "
+            "{} wants Passo's UF2 (docs/inside/build.md, make uf2): on stock MicroPython its files take {} kB of flash, and there are {}; or leave out "
             "the page, and open it on a PC by passo panel", board["name"], taken, there
         )  # fmt: skip
 

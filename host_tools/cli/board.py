@@ -179,7 +179,7 @@ def _radio(config, ports, key):
     for kind in wanted:
         if not {"http": {"http", "page"}, "tcp": {"tcp"}}[kind] & set(has):
             option = "--http" if kind == "http" else "--signed"
-            raise Failure("{}: no link of the board file {} has the port {}, see docs/network.md", option, config["name"], kind)
+            raise Failure("{}: no link of the board file {} has the port {}, see docs/use/network.md", option, config["name"], kind)
     return LoopbackRadio(wanted, page_key.read_key(key) if key else page_key.make_key(os.urandom), config) if wanted else None
 
 

@@ -47,7 +47,7 @@ def calibrate(
 
     Examples:
 
-        passo calibrate docs/torch_2020.txt --board torch_manipulator
+        passo calibrate examples/torch_2020.txt --board torch_manipulator
         passo calibrate table.txt --pattern strokes_x.gcode --lengths 20,50,100,200
         passo calibrate table.txt --port /dev/ttyACM0 --write
     """

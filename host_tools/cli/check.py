@@ -51,7 +51,7 @@ def check(
     Of a folder all programs in it are checked, each a line of one table. If a process of --workers dies, its program is tried again.
 
     --dask checks on a cluster: programs, board file and tool table travel to its workers, small programs up to 16 together. If a worker dies,
-    what it had is tried again on another one. Install Passo there with pip install '.[cluster]', and start workers with docs/dask.yaml.
+    what it had is tried again on another one. Install Passo there with pip install '.[cluster]', and start workers with docs/use/dask.yaml.
 
     A million words take about a second if MicroPython is installed (pip install '.[check]', Linux), else three. Memory does not
     grow with the file.

@@ -25,7 +25,7 @@ def compile_(
 ):
     """Compile a program to plain G-code: parameters, subprograms, loops, radius compensation and canned cycles become lines and arcs.
 
-    Dialects: ngc is RS274/NGC as LinuxCNC has it, num the NUM dialect; docs/programs.md lists their words. Each line of the listing
+    Dialects: ngc is RS274/NGC as LinuxCNC has it, num the NUM dialect; docs/use/programs.md lists their words. Each line of the listing
     names the program's line that it came from, behind a semicolon. Errors have numbers, and the line.
 
     passo stream and passo check compile by themselves; this is to look at the result, or to keep it.

@@ -34,7 +34,7 @@ Lines are joined and put in an order of little travel; --keep-order leaves them 
 By G-code 0;0 is the zero of the work, and Z0 its surface. A laser burns by M4 and S; a tool on Z goes down to --depth in --passes
 and up to --lift; a machine without Z lowers its tool by M3 S and lifts it by M5. -o writes the file, for passo check and any sender.
 
-If a plotter keeps a journal (docs/jobs.md), --continue goes on amid a line, at the very step; so it does with a stored job.
+If a plotter keeps a journal (docs/use/jobs.md), --continue goes on amid a line, at the very step; so it does with a stored job.
 
 Ctrl-C stops the machine, pen up. --continue with the same options goes on from there, also after the board was unplugged or
 the PC went to sleep.

@@ -179,7 +179,7 @@ def _spot(client, objects, record, way, numbers):
         found = record_of(client.ask("$JR"))
     except Refused as refused:
         if way.strict:
-            raise Failure("the board has no journal (docs/jobs.md): {}; passo draw --continue needs none", refused) from None
+            raise Failure("the board has no journal (docs/use/jobs.md): {}; passo draw --continue needs none", refused) from None
     if found and found.job in (drawn.number_of(objects), *numbers):
         spot = drawn.spot_of(found, objects)
         job_record.find_zero(found.known, way.home, way.unverified, lambda: None)

@@ -47,7 +47,7 @@ def told(text, port):
     lines = text.splitlines()
     words = lines[0].split() if lines else []
     if len(lines) < 2 or words[0] not in ("uf2", "micropython"):
-        raise Failure("{} runs {}, and no MicroPython: docs/build.md says how a UF2 comes onto a board", port, " ".join(words) or _("nothing that answers"))
+        raise Failure("{} runs {}, and no MicroPython: docs/inside/build.md says how a UF2 comes onto a board", port, " ".join(words) or _("nothing that answers"))
     chip, stamp, version = words[1:4] if words[0] == "uf2" else (None, None, words[1])
     return Has(chip, stamp, version, int(lines[1]), lines[2].split() if len(lines) > 2 else [])
 

@@ -61,7 +61,7 @@ def _listed(client):
         said = client.ask("$F")
     except Refused as refused:
         if refused.number in _UNKNOWN:
-            raise Failure("the board keeps no jobs: its board file has no key `jobs` (docs/jobs.md)") from None
+            raise Failure("the board keeps no jobs: its board file has no key `jobs` (docs/use/jobs.md)") from None
         raise
     found = {}
     for name, size, stored, crc, language in LISTED.findall("\n".join(said)):

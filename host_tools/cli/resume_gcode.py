@@ -37,7 +37,7 @@ def go_on(client, lines, name, stored, home, unverified, yes):
     except Refused as refused:
         if refused.number == errors.COMMANDED_ELSEWHERE:
             raise Failure("another link commands the machine: {}; $LINK=0 takes the command while it stands", refused) from None
-        raise Failure("the board has no journal (docs/jobs.md): {}; passo stream --from LINE needs none", refused) from None
+        raise Failure("the board has no journal (docs/use/jobs.md): {}; passo stream --from LINE needs none", refused) from None
     number, place, known = interrupted(said, lines, stored)
     print(_("{}: interrupted before line {}", name, number) if place is None else _("{}: interrupted in line {}", name, number))
     find_zero(known, home, unverified, lambda: _home(client))

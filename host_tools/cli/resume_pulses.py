@@ -27,7 +27,7 @@ def resume(file, port, baud, home, unverified, yes):
             _settle(client, status)
             record = Record.of_job(client.ask("$JR"))
         except Refused as refused:
-            raise Failure("the board has no journal (docs/jobs.md): {}; passo pulses play --from COMMAND needs none", refused) from None
+            raise Failure("the board has no journal (docs/use/jobs.md): {}; passo pulses play --from COMMAND needs none", refused) from None
         if record.job != source.job_number():
             raise Failure("the board's journal is of another file, or the file has changed; begin at a command with passo pulses play --from")
         number, times, backward = where(record, source)

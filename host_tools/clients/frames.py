@@ -1,4 +1,4 @@
-"""The reference client of docs/languages/frames.md: a serial port whose bytes go in frames, so that none is lost, doubled or changed.
+"""The reference client of docs/reference/languages/frames.md: a serial port whose bytes go in frames, so that none is lost, doubled or changed.
 
     opened = offered(serial.Serial("/dev/ttyACM0", 115200, timeout=0.05))    # a FramedPort, or the same port if the board has no frames
     opened.write(b"G1X1\\n")                # one message: a line, a packet, a command

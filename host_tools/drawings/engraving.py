@@ -34,7 +34,7 @@ _JARVIS = 48, (
     (1, 0, 7), (2, 0, 5), (-2, 1, 3), (-1, 1, 5), (0, 1, 7), (1, 1, 5), (2, 1, 3), (-2, 2, 1), (-1, 2, 3), (0, 2, 5), (1, 2, 3), (2, 2, 1),
 )  # fmt: skip
 _SAVED_S = 0.01  # a rapid move amid a row saves at least so much
-LINES_S = 1700  # dots a second over USB, if the PC answers after 1 ms: docs/benchmarks.md
+LINES_S = 1700  # dots a second over USB, if the PC answers after 1 ms: docs/reference/benchmarks.md
 DOTS_S = 5000  # the same in rows
 PACKED_S = 10_000  # and in packed ones
 CLUSTER = 16  # dots of a line, if no machine says it

@@ -1,4 +1,4 @@
-"""A kernel as C. docs/kernels.md says which Python is accepted, and how it works.
+"""A kernel as C. docs/inside/kernels.md says which Python is accepted, and how it works.
 
     function = unit.function(kernel)    # of unit.Unit, which has those that it calls
     function.text(), function.wrapper() # C; the wrapper is what Python calls

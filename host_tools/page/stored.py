@@ -1,4 +1,4 @@
-"""The jobs that a board keeps (docs/jobs.md), beside those that come line by line: listed, run, checked, deleted, stored.
+"""The jobs that a board keeps (docs/use/jobs.md), beside those that come line by line: listed, run, checked, deleted, stored.
 
     machine.job = StoredJobs(machine, tell, packed)
     machine.orders["stored"]({"do": "stored", "what": "list"})      # the event "stored" follows: names, bytes, and bytes free

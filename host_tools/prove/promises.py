@@ -1,4 +1,4 @@
-"""What a board is promised to do: the one place of these figures. docs/benchmarks.md says how each was measured, and a test holds both
+"""What a board is promised to do: the one place of these figures. docs/reference/benchmarks.md says how each was measured, and a test holds both
 together (tests_host/rules/test_promises.py).
 
     verdict(PROMISES["stop_us"], 0.1)       # BETTER, KEPT or WORSE
@@ -17,7 +17,7 @@ class Promise:
     least: bool = False  # the bound is the least; else the most
     easy: float = 0  # from here on it is better than promised; 0: it cannot be
     advice: str = ""
-    said: str = ""  # what docs/benchmarks.md says of it, word for word
+    said: str = ""  # what docs/reference/benchmarks.md says of it, word for word
 
 
 PROMISES = {
@@ -45,7 +45,7 @@ PROMISES = {
     "watchdog_ms": Promise("watchdog of 1000 ms bites after", "ms", 1500, advice="a program that hangs is not ended: do not leave the machine alone"),
 }  # fmt: skip
 
-# Free and in one piece of docs/benchmarks.md, "Boot and memory": stock MicroPython, Passo's UF2.
+# Free and in one piece of docs/reference/benchmarks.md, "Boot and memory": stock MicroPython, Passo's UF2.
 MEMORY = {
     "laser_xy": ((59952, 33008), (123744, 101248)),
     "lpt_router": ((92112, 50832), (139952, 106464)),

@@ -33,7 +33,7 @@ def summary(rows):
     counts = {name: sum(row.verdict == name for row in rows) for name in (BETTER, KEPT, WORSE)}
     told.append(_("{} better, {} as promised, {} worse", *counts.values()))
     if not wrong:
-        told.append(_("This board does what the documents say. docs/boards.md says how to send this report."))
+        told.append(_("This board does what the documents say. docs/reference/boards.md says how to send this report."))
     return told
 
 

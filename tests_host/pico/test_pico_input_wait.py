@@ -1,4 +1,4 @@
-"""M66 on the emulated Pico: a change of a pin that lasts as long as docs/spindle.md wants lets the program go on."""
+"""M66 on the emulated Pico: a change of a pin that lasts as long as docs/use/spindle.md wants lets the program go on."""
 
 import copy
 import random

@@ -165,7 +165,7 @@ def test_functions_exist():
     classes = set(re.findall(r"^class (\w+)", text, re.MULTILINE))
     modules = {path.name for folder in ("firmware", "host_tools", "boards") for path in (ROOT / folder).rglob("*.py")}
     missing = []
-    for page in (ROOT / "docs" / "architecture.md", ROOT / "docs" / "build.md", ROOT / "CONTRIBUTING.md"):
+    for page in (ROOT / "docs" / "inside" / "architecture.md", ROOT / "docs" / "inside" / "build.md", ROOT / "CONTRIBUTING.md"):
         for span in spans(page.read_text(encoding="utf-8")):
             owner, _, name = span.partition(".")
             if re.fullmatch(r"[A-Z]\w+\.\w+", span) and not (owner in classes and name in methods):
@@ -176,8 +176,8 @@ def test_functions_exist():
 
 
 def codes_of_the_page():
-    """G and M codes in hundredths, as the firmware has them, of the table of docs/gcode.md."""
-    text = (ROOT / "docs" / "gcode.md").read_text(encoding="utf-8")
+    """G and M codes in hundredths, as the firmware has them, of the table of docs/reference/gcode.md."""
+    text = (ROOT / "docs" / "reference" / "gcode.md").read_text(encoding="utf-8")
     table = text[text.index("## Codes") : text.index("Letters:")]
     found = set()
     for cell in re.findall(r"^\| ([GM]\d[^|]*) \|", table, re.MULTILINE):
@@ -193,7 +193,7 @@ def test_the_codes_are_those_that_are_understood():
 
 
 def test_the_packets_are_those_of_the_plotter():
-    text = (ROOT / "docs" / "languages" / "plotter.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "languages" / "plotter.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| ([A-Z ]+) \| `(.+?)`(?: (\d+))? \|", text, re.MULTILINE)
     shown = {}
     for names, letters, number in rows:
@@ -203,7 +203,7 @@ def test_the_packets_are_those_of_the_plotter():
 
 
 def test_the_frames_are_those_of_the_torch():
-    text = (ROOT / "docs" / "languages" / "torch.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "languages" / "torch.md").read_text(encoding="utf-8")
     table = text[text.index("## The frames") :]
     shown = {int(code, 16) for code in re.findall(r"(?<![\w])([0-9A-F]{2})(?= |`)", table)} - {0xFF}
     assert shown >= set(torch.CODES.values())

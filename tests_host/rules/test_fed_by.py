@@ -11,7 +11,7 @@ import pytest
 
 pytestmark = pytest.mark.quick
 DOCS = Path(__file__).resolve().parents[2] / "docs"
-PAGES = [DOCS / name for name in ("benchmarks.md", "kernels.md", "network.md")]
+PAGES = [DOCS / name for name in ("reference/benchmarks.md", "inside/kernels.md", "use/network.md")]
 ROW = re.compile(r"^\|(.*)\|$")
 MEASURED = re.compile(r"\b(lines|dots|points|codes)\b[^|]*\b(a second|second)\b|\b(lines|dots|points)/s\b|`\?` (answered|in a)|\bfeed hold\b|\bfirst step after\b|\bcommand to the first step\b")
 FED_BY = re.compile(r"from (the board's )?memory|\bUSB\b|\bUART\b|\bWi-Fi\b")
@@ -42,7 +42,7 @@ def test_each_row_says_what_it_was_fed_by(page):
 
 
 def test_usb_and_the_uart_have_rows_of_their_own():
-    text = (DOCS / "benchmarks.md").read_text(encoding="utf-8")
+    text = (DOCS / "reference" / "benchmarks.md").read_text(encoding="utf-8")
     rows = [cells[0] for columns, rows in tables(text) for cells in rows if columns[0] == "G-code on router_3axis"]
     for what in ("lines", "dots"):
         for link in ("from memory", "over USB", "over a UART of 115 200 baud"):

@@ -13,14 +13,14 @@ pytestmark = pytest.mark.quick
 
 MOST_WORDS = 2500
 # What is looked up, and not read from the beginning to the end; and the one walk through the code.
-REFERENCE = {"docs/board-file.md", "docs/benchmarks.md", "docs/pins.md", "docs/architecture.md"}
-GUIDES = sorted((ROOT / "docs" / "machines").glob("*.md"))
+REFERENCE = {"docs/reference/board-file.md", "docs/reference/benchmarks.md", "docs/reference/pins.md", "docs/inside/architecture.md"}
+GUIDES = sorted((ROOT / "docs" / "start" / "machines").glob("*.md"))
 SECTIONS = ("Parts", "Wiring", "Try it without hardware", "Flash the board", "First motion", "What can go wrong")
 PT = ROOT / "docs" / "pt"
 # Page in Portuguese: that in English.
 PAIRS = {
-    PT / "README.md": ROOT / "README.md", PT / "safety.md": ROOT / "docs" / "safety.md", PT / "class.md": ROOT / "docs" / "class.md",
-    PT / "troubleshooting.md": ROOT / "docs" / "troubleshooting.md", **{PT / "machines" / guide.name: guide for guide in GUIDES},
+    PT / "README.md": ROOT / "README.md", PT / "safety.md": ROOT / "docs" / "start" / "safety.md", PT / "class.md": ROOT / "docs" / "start" / "class.md",
+    PT / "troubleshooting.md": ROOT / "docs" / "use" / "troubleshooting.md", **{PT / "machines" / guide.name: guide for guide in GUIDES},
 }  # fmt: skip
 MOST_BYTES = 150_000
 # What a Brazilian shop does not say, and what it does; `fuso` is a lead screw, so never beside a speed or M3.

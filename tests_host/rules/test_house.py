@@ -268,7 +268,7 @@ def native_functions():
 
 
 def test_native_functions_are_listed_with_their_reason():
-    text = (ROOT / "docs" / "kernels.md").read_text(encoding="utf-8").split("## What is native, and why")[1]
+    text = (ROOT / "docs" / "inside" / "kernels.md").read_text(encoding="utf-8").split("## What is native, and why")[1]
     rows = re.findall(r"^\| `(\S+)` \| (.+?) \| (.+) \|$", text, re.MULTILINE)
     assert {module: set(re.findall(r"`(\w+)`", names)) for module, names, _ in rows} == native_functions()
 

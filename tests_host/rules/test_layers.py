@@ -1,4 +1,4 @@
-"""The rooms of the firmware and what each may import (docs/architecture.md), read from the source.
+"""The rooms of the firmware and what each may import (docs/inside/architecture.md), read from the source.
 
 One table for the rooms, one for MicroPython's built-ins. A rule that stands in the way is changed there, for all.
 """

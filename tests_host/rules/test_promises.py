@@ -1,4 +1,4 @@
-"""What `passo prove` promises stands in docs/benchmarks.md."""
+"""What `passo prove` promises stands in docs/reference/benchmarks.md."""
 
 import re
 
@@ -7,7 +7,7 @@ import pytest
 from host_tools.prove.promises import BETTER, KEPT, MEMORY, PROMISES, WORSE, verdict
 from host_tools.resources import ROOT
 
-TEXT = re.sub(r"\s+", " ", (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8"))
+TEXT = re.sub(r"\s+", " ", (ROOT / "docs" / "reference" / "benchmarks.md").read_text(encoding="utf-8"))
 
 
 @pytest.mark.quick

@@ -1,4 +1,4 @@
-"""The road of one plain line of G-code, from the link's read to the ring of step words, as docs/architecture.md lists it: no more
+"""The road of one plain line of G-code, from the link's read to the ring of step words, as docs/inside/architecture.md lists it: no more
 than 12 functions. Whatever else is called on the way is named here, too; a new layer fails this test.
 """
 
@@ -159,7 +159,7 @@ def test_what_is_named_exists(name):
 
 
 def test_the_docs_list_it():
-    text = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/inside/architecture.md").read_text(encoding="utf-8")
     section = text.split("## One G1")[1].split("\n## ")[0]
     listed = re.findall(r"^\| *(\d+) \| `([^`]+)` \| `([^`]+)`", section, re.MULTILINE)
     assert [int(number) for number, _, _ in listed] == list(range(1, len(ROAD) + 1))

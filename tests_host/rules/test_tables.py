@@ -28,7 +28,7 @@ def test_inputs_have_names_for_people():
 
 
 def test_inputs_are_in_the_docs_and_have_their_feature():
-    text = (ROOT / "docs" / "board-file.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "reference" / "board-file.md").read_text(encoding="utf-8")
     named = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.+?) \|", text[text.index("## Names") : text.index("## Pendant")], re.MULTILINE)))
     assert [name for name, _, _, _ in INPUTS if name not in named] == []
     assert {feature for _, _, _, feature in INPUTS} - {""} <= {name for name, _, _ in FEATURES}

@@ -1,4 +1,4 @@
-// A client of the framed link, written from docs/languages/frames.md alone: it shares no code with Passo.
+// A client of the framed link, written from docs/reference/languages/frames.md alone: it shares no code with Passo.
 //
 //     node frames_from_the_page.js PORT      lines on stdin; what the board says, on stdout
 //

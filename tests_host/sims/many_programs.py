@@ -2,7 +2,7 @@
 
     python tests_host/sims/many_programs.py 10000
 
-The cluster is started as docs/many.md says. Prints the seconds of both and the processor's seconds, and how many times as long the cluster takes.
+The cluster is started as docs/use/many.md says. Prints the seconds of both and the processor's seconds, and how many times as long the cluster takes.
 """
 
 import csv
@@ -46,7 +46,7 @@ def checked(folder, out, *words):
 
 
 def dask(*words):
-    environment = dict(os.environ, DASK_CONFIG=str(ROOT / "docs" / "dask.yaml"))
+    environment = dict(os.environ, DASK_CONFIG=str(ROOT / "docs" / "use" / "dask.yaml"))
     return subprocess.Popen([str(Path(sys.executable).parent / "dask"), *words], env=environment, cwd=ROOT, stderr=subprocess.PIPE, text=True)
 
 

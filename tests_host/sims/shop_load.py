@@ -326,7 +326,7 @@ class Load:
         self.boards[name] = subprocess.Popen([sys.executable, __file__, "--board", str(self.folder / name), self.mode], stdout=subprocess.PIPE, stderr=open(self.folder / name / "stderr", "ab"))
 
     def start_agent(self, at):
-        """As docs/passo-agent.service does: before the boards, which have processors of their own in a shop. If this user may not, like all others."""
+        """As docs/use/passo-agent.service does: before the boards, which have processors of their own in a shop. If this user may not, like all others."""
         ports = [word for name in self.groups[at] for word in ("--port", f"{name}={self.folder}/{name}/port")]
         out = self.folder / f"agent-{at}.out"
         self.agents[at] = subprocess.Popen(

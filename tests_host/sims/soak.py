@@ -4,7 +4,7 @@
     make soak ARGS="--seed 7 --minutes 5"
     make soak ARGS="--machine feeds --minutes 600 --actions 100000"    # over both links
     make soak ARGS="--machine router --life 70012"      # one life again, as a violation has named it
-    make soak ARGS="--lives 1000 --dask tcp://192.168.1.20:8786 --table lives.csv"     # on many computers: docs/many.md
+    make soak ARGS="--lives 1000 --dask tcp://192.168.1.20:8786 --table lives.csv"     # on many computers: docs/use/many.md
 
 A *life* is a machine from its seed on: so many rounds of work and faults. The machines and what must hold are told in soak_router.py,
 soak_plotter.py, soak_mill.py and soak_pulses.py. Each process takes one life after the other, of the machine that has had the least of its share of

@@ -15,8 +15,8 @@ from noisy_wire import Pair
 from passo.protocols import HELLO_WIRE
 from passo.protocols.frames import codec
 
-PAGE = ROOT / "docs" / "languages" / "frames.md"
-REFERENCE = ROOT / "docs" / "languages" / "frames_client.py"
+PAGE = ROOT / "docs" / "reference" / "languages" / "frames.md"
+REFERENCE = ROOT / "docs" / "reference" / "languages" / "frames_client.py"
 RECOVERY_MS = 100
 MILLION = 1_000_000
 

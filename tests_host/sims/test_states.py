@@ -1,4 +1,4 @@
-"""docs/states.md against the machine: what may be done in which state."""
+"""docs/reference/states.md against the machine: what may be done in which state."""
 
 import re
 
@@ -7,7 +7,7 @@ import pytest
 from host_tools.resources import ROOT
 from host_tools.sim.machine import VirtualMachine
 
-PAGE = ROOT / "docs" / "states.md"
+PAGE = ROOT / "docs" / "reference" / "states.md"
 SOON_MS = 60  # an answer that comes later has waited for something
 
 

@@ -1,7 +1,7 @@
 """Kernels of one expression each, made at random, and what Python says that they give: for tests of the translator on every target.
 
     kernels_text()                      # a module of viper functions: one for each operator, and expressions at random
-    expected([(1, 2, 3)])               # what they give for a, b, c: in 32 bits, as docs/kernels.md defines it
+    expected([(1, 2, 3)])               # what they give for a, b, c: in 32 bits, as docs/inside/kernels.md defines it
     unit, data = module_for("rv32imc")  # the same on a target: target_code() prints checksums()
 """
 

@@ -591,7 +591,7 @@ def test_a_stop_for_all_and_one_that_was_kept(shop, tmp_path):
 
 
 PROMETHEUS = shutil.which("prometheus")
-DASHBOARD = json.loads((Path(__file__).parents[2] / "docs" / "grafana-passo.json").read_text())
+DASHBOARD = json.loads((Path(__file__).parents[2] / "docs" / "use" / "grafana-passo.json").read_text())
 
 
 def scraped():

@@ -15,7 +15,7 @@ from host_tools.programs.calibration import Row, chi2_above, fit_axis, read, squ
 from host_tools.resources import ROOT
 from host_tools.sim.job import VirtualJob
 
-DOCUMENT = ROOT / "docs" / "torch_2020.txt"
+DOCUMENT = ROOT / "examples" / "torch_2020.txt"
 
 
 def run(table, **options):

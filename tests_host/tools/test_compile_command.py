@@ -73,8 +73,8 @@ def test_the_listing_can_be_compiled_again(part, tmp_path):
 @pytest.mark.parametrize("name", ["flange.ngc", "plate.num"])
 def test_the_documents_programs(name):
     """They compile, and the router takes every line."""
-    docs = ROOT / "docs"
-    done = CliRunner().invoke(app, ["check", str(docs / name), "--tools", str(docs / "tools.tbl")])
+    examples = ROOT / "examples"
+    done = CliRunner().invoke(app, ["check", str(examples / name), "--tools", str(examples / "tools.tbl")])
     assert done.exit_code == 0 and re.search(r"^Z +-?\d", done.output, re.MULTILINE), done.output
 
 

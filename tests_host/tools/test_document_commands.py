@@ -50,7 +50,7 @@ def strokes(length):
 LONG = {"jobs.md": ("map.svg", 1), "plotter.md": ("out/contours.svg", 20)}
 ZERO = ("$H", "G53 G0 X100 Y100 Z-60", "G10 L20 P1 X0 Y0 Z0")  # of a router: at the workpiece
 REFUSED = {"send --port /tmp/plotter LINE 5000 10 STATUS": "error 104", "torch move 1 1 --port /tmp/torch": "error 117",
-           "check docs --board router_3axis --workers 2 -o table.csv": "error 340"}  # as their pages show
+           "check examples --board router_3axis --workers 2 -o table.csv": "error 340"}  # as their pages show
 TOOLS = 9  # that a program changes at most
 WRITTEN_S = 120  # until a job that homes first is in the journal
 
@@ -201,7 +201,7 @@ def documents():
 @pytest.mark.parametrize("page", [pytest.param(page, id=page.relative_to(ROOT).as_posix()) for page in documents()])
 def test_every_command_in_a_block(passo, page, tmp_path):  # noqa: F811
     folder = passo.folder
-    shutil.copytree(ROOT / "docs", folder / "docs", dirs_exist_ok=True)
+    shutil.copytree(ROOT / "examples", folder / "examples", dirs_exist_ok=True)
     for name in ("boards", "out"):
         (folder / name).mkdir(exist_ok=True)
     shutil.copyfile(ROOT / "boards" / "plotter_2014.py", folder / "boards" / "mine.py")

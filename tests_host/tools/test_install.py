@@ -150,19 +150,19 @@ def test_check_and_draw(passo):
 def by_themselves(page):
     """The commands of `passo` on a page that want no machine and no file of the reader's own."""
     for words in shown_commands(page.read_text(encoding="utf-8"), "passo"):
-        of_docs = any((ROOT / word).is_file() for word in words if word.startswith("docs/"))
+        of_docs = any((ROOT / word).is_file() for word in words if word.startswith("examples/"))
         if "--port" not in words and words[:1] != ["stream"] and (of_docs or "--help" in words):
             yield words
 
 
 # Guides are run whole, below; those in Portuguese have the same commands (tests_host/rules/test_guides.py).
-GUIDES = sorted([*(ROOT / "docs" / "machines").glob("*.md"), ROOT / "docs" / "class.md", ROOT / "README.md"])
+GUIDES = sorted([*(ROOT / "docs" / "start" / "machines").glob("*.md"), ROOT / "docs" / "start" / "class.md", ROOT / "README.md"])
 OTHERS = [page for page in PAGES if (page.name == "README.md" or page not in GUIDES) and "pt" not in page.parts and any(by_themselves(page))]
 
 
 @pytest.mark.parametrize("page", [pytest.param(page, id=page.name) for page in OTHERS])
 def test_what_a_document_shows(passo, page):
-    shutil.copytree(ROOT / "docs", passo.folder / "docs", dirs_exist_ok=True)
+    shutil.copytree(ROOT / "examples", passo.folder / "examples", dirs_exist_ok=True)
     for words in by_themselves(page):
         good(passo(*words))
 
@@ -253,7 +253,7 @@ def pictures(folder):
 ])  # fmt: skip
 def test_every_command_of_a_guide(passo, page, tmp_path):
     """In the order in which it shows them: a virtual board stands for the real one, and `flash` only says what it would copy."""
-    shutil.copytree(ROOT / "docs", passo.folder / "docs", dirs_exist_ok=True)
+    shutil.copytree(ROOT / "examples", passo.folder / "examples", dirs_exist_ok=True)
     if page.stem == "laser":
         pictures(passo.folder)
     board = board_of(page)
@@ -274,7 +274,7 @@ def test_the_readme_with_a_board(passo, tmp_path):
     """The commands of README's quick start and of everyday that want a port, each at a virtual board: a plotter for `draw`, else a router."""
     import serial
 
-    shutil.copytree(ROOT / "docs", passo.folder / "docs", dirs_exist_ok=True)
+    shutil.copytree(ROOT / "examples", passo.folder / "examples", dirs_exist_ok=True)
     (passo.folder / "out").mkdir(exist_ok=True)
     (passo.folder / "out" / "contours.svg").write_text(SVG)
     text = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -133,12 +133,12 @@ def test_what_a_filter_may_wait_for_is_known():
     assert fall == {"dx1", "dx2", "dy", "dz", "sel"}
 
 
-# --- other machines: the tables of docs/interlock.md against the rules stated beside them
+# --- other machines: the tables of docs/use/interlock.md against the rules stated beside them
 
 
 def documented():
     """[(board name, inputs, interlock, rules)] of the page."""
-    text = (ROOT / "docs" / "interlock.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "use" / "interlock.md").read_text(encoding="utf-8")
     found = []
     for part in text.split("\n### ")[1:]:
         name = part.splitlines()[0].strip("` ")

@@ -218,7 +218,7 @@ def test_words_have_the_fields_of_their_text():
 def test_words_of_options_commands_and_files_are_the_same():
     """What a reader would type."""
     for text, words in WORDS.items():
-        for typed in re.findall(r"(?<!\w)--[a-z][\w-]*|docs/[\w.]+|\bM\d+\b|\bG\d+\b", text):
+        for typed in re.findall(r"(?<!\w)--[a-z][\w-]*|docs/[\w./-]+|\bM\d+\b|\bG\d+\b", text):
             assert typed in words, f"{text}: {words}"
 
 

@@ -1,4 +1,4 @@
-"""Mosquitto as docs/mosquitto sets it up: TLS, users, who may what. Nobody without a right moves, stops or pretends anything."""
+"""Mosquitto as docs/use/mosquitto sets it up: TLS, users, who may what. Nobody without a right moves, stops or pretends anything."""
 
 import json
 import os
@@ -20,7 +20,7 @@ from host_tools.clients import page_key
 sys.path.insert(0, str(Path(__file__).parents[1] / "sims"))
 import shop_load  # noqa: E402
 
-MAKE = Path(__file__).parents[2] / "docs" / "mosquitto" / "make-broker.sh"
+MAKE = Path(__file__).parents[2] / "docs" / "use" / "mosquitto" / "make-broker.sh"
 PATH = os.environ.get("PATH", "") + ":/usr/sbin"
 pytestmark = pytest.mark.skipif(
     not MOSQUITTO or not shutil.which("openssl"), reason="there is no Mosquitto, or no openssl: apt-get install mosquitto openssl"

@@ -1,4 +1,4 @@
-"""No way through the firmware is longer than docs/benchmarks.md says."""
+"""No way through the firmware is longer than docs/reference/benchmarks.md says."""
 
 import re
 
@@ -10,7 +10,7 @@ from passo.app import App
 from passo.motion import line_viper
 
 pytestmark = pytest.mark.unmeasured
-DOCUMENT = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+DOCUMENT = (ROOT / "docs" / "reference" / "benchmarks.md").read_text(encoding="utf-8")
 
 
 def told():

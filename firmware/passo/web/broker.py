@@ -1,4 +1,4 @@
-"""The board publishes its state to an MQTT broker, and takes STOP from it: topics as in docs/shop.md.
+"""The board publishes its state to an MQTT broker, and takes STOP from it: topics as in docs/use/shop.md.
 
     broker = Broker(board, language, line.stop, umqtt.simple, text_of)     # calls stop() if a STOP comes; text_of(number of an alarm)
     broker.poll(now_ms)                         # True: the state is wanted

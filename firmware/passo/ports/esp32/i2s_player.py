@@ -19,7 +19,7 @@ then begin again after 17 ms (33), at their speed, and `under_runs` counts one. 
 
 halt() closes the I2S: the clock ends inside a frame, and words are counted by the frames latched. The registers keep their
 levels for the time that opening it again takes, less than a millisecond, or are cut off by `enable`; then zeros come.
-Measure on silicon whether a first frame of the driver's own goes before ours: FIRST_FRAMES (docs/silicon.md).
+Measure on silicon whether a first frame of the driver's own goes before ours: FIRST_FRAMES (docs/inside/silicon.md).
 """
 
 import select

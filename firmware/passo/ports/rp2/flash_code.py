@@ -6,7 +6,7 @@
     code.finish()           # what is imported from here on is loaded into memory
     print(code.text())
 
-docs/build.md says why, and what makes it safe. The interpreter is given the head of each file, which has its names and constants, and
+docs/inside/build.md says why, and what makes it safe. The interpreter is given the head of each file, which has its names and constants, and
 instead of its functions one that calls `_load()()`: that makes the module's functions here, as the interpreter would, but bytecode stays
 where it is. `host_tools/build/mpy.py` appends what is to be known of a file's functions, and sees to it that they do not cross a block.
 Blocks that hold code are not erased until the next reset: littlefs takes them for bad ones and goes on to the next. RP2040 only. Of

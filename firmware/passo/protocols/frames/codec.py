@@ -1,4 +1,4 @@
-"""The frames of docs/languages/frames.md: numbers and bytes to a frame, and back. Board and PC use the same.
+"""The frames of docs/reference/languages/frames.md: numbers and bytes to a frame, and back. Board and PC use the same.
 
     wire = delimited(frame(DATA, 0, 0, 15, b"G1X1\\n"))
     if sound(data, begin, end):                 # a bytearray; what stood between two delimiters

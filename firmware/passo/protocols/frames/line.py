@@ -3,7 +3,7 @@
     link.serial = FramedLine(link, link.serial, baud, clock, note)
 
 To the app it is a serial line like the one below it; to the link's language nothing changes: it reads and writes the
-bytes inside the frames. What they look like, and what each end does: docs/languages/frames.md.
+bytes inside the frames. What they look like, and what each end does: docs/reference/languages/frames.md.
 """
 
 import micropython

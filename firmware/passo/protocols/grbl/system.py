@@ -128,7 +128,7 @@ class System:
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
 
     def _weave(self, text):
-        """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/weaving.md; 0: off."""
+        """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/use/weaving.md; 0: off."""
         if commands.WEAVE not in self._machine.handlers:
             return errors.STATEMENT
         if text == "0":
