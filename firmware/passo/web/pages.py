@@ -22,6 +22,7 @@ _MESSAGES_S = const(100)  # orders a second, of one page
 _SECOND_MS = const(1000)
 _TOLD = const(100)  # events that wait for the next push
 _DIGITS = const(8)  # of a count
+_UNDER_WAY = const(100)  # orders of a page that has not proven them yet, at most: a STOP that names a later one is not the page's
 
 
 def refused(error):
@@ -95,11 +96,15 @@ class Pages:
 
     def overtake(self, said):
         """Refuse the orders that a page sent before its STOP, which came by a way of its own and may be the quicker one. `said`: the
-        page's nonce and how many orders it has sent, b"NONCE.COUNT"."""
+        page's nonce and how many orders it has sent, b"NONCE.COUNT". Whoever reads the wire can say that: the barrier never falls, and
+        stays within _UNDER_WAY of the last order that the page has proven."""
         nonce, _, count = said.partition(b".")
+        if not count.isdigit() or len(count) > _DIGITS:
+            return
+        count = int(count)
         for page in self.pages:
-            if page.session.nonce.encode() == nonce and count.isdigit() and len(count) <= _DIGITS:
-                page.before = int(count)
+            if page.session.nonce.encode() == nonce and page.before < count <= page.session.count + _UNDER_WAY:
+                page.before = count
 
     def look(self, page, order):
         """The answer to an order that says how often the page is told the state; None: it is another one."""
