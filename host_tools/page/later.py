@@ -9,9 +9,17 @@ of jogs, lines of a job. Where nothing runs beside, in a browser's tab, it is do
 
 
 class Later:
-    def __init__(self, work, then=lambda result: result):
+    def __init__(self, work, then=lambda result: result, job="", slow=False):
+        """`job`: the name of the job that work() reads, or makes; `slow`: it may take minutes, so others do not wait for it, except those of
+        the same job."""
         self.work = work
         self.then = then
+        self.job = job
+        self.slow = slow
+
+    def waits_for(self, name):
+        """True if this reads what a slow work makes of the file `name`: a drawing's job is called by it, with a suffix."""
+        return bool(name) and (self.job == name or self.job.startswith(name + "."))
 
 
 def at_once(work, then):

@@ -111,7 +111,7 @@ class PanelOrders(Orders):
             answer.update(found)
             return answer
 
-        return self.machine.still() or Later(lambda: self.store.about(name, settings), told)
+        return self.machine.still() or Later(lambda: self.store.about(name, settings), told, slow=True)
 
     def _job_part(self, order):
         """A piece of a job: the first has `at` 0, the last `last`."""
@@ -122,13 +122,13 @@ class PanelOrders(Orders):
             raise Wrong("text")
         if not order.get("last"):
             return self.store.add(name, at, piece, False)
-        return Later(lambda: self.store.add(name, at, piece, True))  # a drawing becomes a job
+        return Later(lambda: self.store.add(name, at, piece, True), job=name, slow=True)  # a drawing becomes a job
 
     def _job_place(self, order):
         """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
         name = text(order, "name", 64)
         place = [number(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
-        return self.machine.still() or Later(lambda: self.store.place(name, place))
+        return self.machine.still() or Later(lambda: self.store.place(name, place), job=name, slow=True)
 
     def _job_remove(self, order):
         return self.machine.still() or self.store.remove(text(order, "name", 64))
@@ -153,7 +153,7 @@ class PanelOrders(Orders):
             error = lines if isinstance(lines, int) else errors.STOPPED if self._stops != stops else self.machine.refusal() or self.machine.still()
             return error or self.machine.run(name, lines, passes, bool(order.get("check")), bool(order.get("single")))
 
-        return Later(lambda: self.store.lines(name), begin)
+        return Later(lambda: self.store.lines(name), begin, name)
 
     # --- teach-in
 

@@ -39,7 +39,7 @@ class Queue:
             name = text(order, "name", 64)
             if len(jobs) >= _MOST:
                 return errors.JOB_SIZE
-            return Later(lambda: self._look(name), lambda found: self._add(name, found))
+            return Later(lambda: self._look(name), lambda found: self._add(name, found), name)
         elif what == "run":
             return self._asked()
         elif what == "clear":
@@ -74,7 +74,7 @@ class Queue:
             return errors.NO_SUCH_JOB
         name, stops = self._jobs[0], self._stops
         return machine.refusal() or machine.still() or Later(
-            lambda: self._look(name), lambda found: errors.STOPPED if self._stops != stops else self._begin(name, found)
+            lambda: self._look(name), lambda found: errors.STOPPED if self._stops != stops else self._begin(name, found), name
         )
 
     def _begin(self, name, found):

@@ -94,7 +94,7 @@ class SetUp:
         grid = self._grid
         if not grid or not grid.whole():
             return errors.NO_SUCH_JOB
-        return Later(lambda: self._levelled(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._kept("map", *made))
+        return Later(lambda: self._levelled(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._kept("map", *made), name, True)
 
     def _levelled(self, name, grid):
         """(name, text) of a second job, which follows `grid`; or why there is none."""

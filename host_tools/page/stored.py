@@ -59,7 +59,7 @@ class StoredJobs(Job):
             return self._start(name, "check" if order.get("check") else "run")
         if what == "store" and self._packed:
             job = order.get("job")
-            return Later(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store(name, found)) if isinstance(job, str) else errors.NO_SUCH_JOB
+            return Later(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store(name, found), job) if isinstance(job, str) else errors.NO_SUCH_JOB
         return errors.UNKNOWN_COMMAND
 
     def _listed(self, error):

@@ -158,6 +158,8 @@ class Server:
         self._offline = {}
         self.app = App()
         self._worker = ThreadPoolExecutor(1)  # what takes a moment, one after the other
+        self._maker = ThreadPoolExecutor(1)  # what may take minutes: drawings that become jobs, estimates
+        self._making = []  # (name of the file, future) of those
         self._late = set()  # tasks of answers to it
         Request.max_content_length = Request.max_body_length = _BODY_BYTES
         Request.max_readline = _HEAD_BYTES // 4
@@ -254,10 +256,24 @@ class Server:
         """A future of work(), which is done while the loop goes on."""
         return asyncio.get_running_loop().run_in_executor(self._worker, work)
 
+    async def result_of(self, later):
+        """What the work of a Later gives. A slow one does not hold those of other jobs."""
+        if not later.slow:
+            waits = [future for name, future in self._making if later.waits_for(name)]
+            if waits:
+                await asyncio.wait(waits)
+            return await self.beside(later.work)
+        made = later.job, asyncio.get_running_loop().run_in_executor(self._maker, later.work)
+        self._making.append(made)
+        try:
+            return await made[1]
+        finally:
+            self._making.remove(made)
+
     async def _finish(self, page, answer):
         """Answer an order once its work is done; meanwhile the page may say something else."""
         try:
-            answer = self.pages.finish(page, answer, await self.beside(answer["error"].work))
+            answer = self.pages.finish(page, answer, await self.result_of(answer["error"]))
             if answer is not None:
                 await page.socket.send(json.dumps(answer))
         except BaseException:

@@ -1,11 +1,15 @@
 """What takes a moment is done beside the panel's loop: nobody waits for it, STOP above all, and what has been said meanwhile counts."""
 
+import asyncio
 import json
+import threading
 
 import pytest
 
 from host_tools.page.orders import PanelOrders
 from host_tools.panel import job_facts
+from host_tools.panel.panel import FOLDER
+from host_tools.panel.server import Server
 from host_tools.panel.store import Store, gcode_lines
 from panel_desk import Desk
 from panel_process import PanelProcess
@@ -44,6 +48,41 @@ def test_a_job_that_is_being_read_does_not_begin_behind_stop(desk, do, fields):
     assert desk.api.finish(*begin(desk, do, **fields))["error"] == 0
     desk.settle()
     assert desk.place() != before
+
+
+def test_a_slow_drawing_holds_run_of_its_own_job_only(desk, tmp_path):
+    """Another job runs meanwhile; the one that the drawing becomes waits for it, and is the new one."""
+    over, svg = threading.Event(), "map.svg"
+
+    def made(name, text):
+        assert not name.endswith(".svg") or over.wait(30)
+        return (name + ".gcode" if name.endswith(".svg") else name), text
+
+    desk.api.store = store = Store(tmp_path / "jobs", gcode_lines, made, facts=job_facts.gcode)
+    assert store.put(svg + ".gcode", "G21G91\nG1X1F3000\n") == 0
+    server = Server(desk.api, "A" * 16, {"127.0.0.1"}, str(FOLDER))
+
+    def later(do, **fields):
+        return desk.api.begin({"do": do, **fields}, True)["error"]
+
+    async def play():
+        piece = later("job_part", name=svg, at=0, text="G21G91\nG1X7F3000\n", last=True)
+        slow = [asyncio.ensure_future(server.result_of(work)) for work in (piece, later("job_about", name="one.gcode"))]
+        await asyncio.sleep(0)
+        for do, fields in (("run", {}), ("queue", {"what": "add"})):
+            found = await asyncio.wait_for(server.result_of(later(do, name="two.gcode", **fields)), 20)
+            assert b"G1X5F3000" in str(found).encode()
+        own = asyncio.ensure_future(server.result_of(later("run", name=svg + ".gcode")))
+        await asyncio.sleep(0.1)
+        assert not own.done() and not any(each.done() for each in slow)
+        over.set()
+        assert b"G1X7F3000" in (await asyncio.wait_for(own, 20))[1][1]
+        assert await slow[0] == 0 and (await slow[1])["lines"] == 2
+
+    try:
+        asyncio.run(play())
+    finally:
+        over.set()
 
 
 def test_what_has_begun_meanwhile_is_looked_at(desk):
