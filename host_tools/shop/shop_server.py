@@ -53,7 +53,7 @@ class Shop:
     def __init__(self, desk, book, key, host):
         self.desk, self.book = desk, book
         self._orders = {"drop": self._drop, "withdraw": self._withdraw, "again": self._again}
-        self._coming = {}  # page: (name, bytes so far)
+        self._coming = {}  # (page, name of the file): its text so far
         self._tasks = set()
         self._checks = asyncio.Lock()  # one file after the other: their order is that of the queue
         self._seen, self._jobs = None, []
@@ -92,14 +92,14 @@ class Shop:
         if not isinstance(name, str) or not isinstance(piece, str) or len(piece) > _PIECE:
             raise Wrong("text")
         at = int(number(order, "at", 0, drop.MOST_BYTES))
-        known, so_far = self._coming.get(page, ("", "")) if at else (name, "")
-        if (known, len(so_far)) != (name, at):
+        so_far = self._coming.get((page, name), "") if at else ""
+        if len(so_far) != at:
             return errors.JOB_PIECE
+        self._coming.pop((page, name), None)
         if at + len(piece) > drop.MOST_BYTES:
-            self._coming.pop(page, None)
             return errors.JOB_SIZE
-        self._coming[page] = name, so_far + piece
-        if len(self._coming) > _PAGES:  # of pages that have gone
+        self._coming[page, name] = so_far + piece
+        if len(self._coming) > _PAGES:  # of pages that have gone: the one that has waited longest for its next piece
             del self._coming[next(iter(self._coming))]
         if order.get("last"):
             kind, copies = text(order, "kind", 40), int(number(order, "copies", 1, _MOST_COPIES))
@@ -109,7 +109,7 @@ class Shop:
             if laser not in ("", *LASER_CLASSES):
                 raise Wrong("laser")
             wants = {"kind": kind, "tool": text(order, "tool", 40), "laser": laser, "material": str(order.get("material", ""))[:40]}
-            task = asyncio.ensure_future(self._queue(name, self._coming.pop(page)[1], wants, copies))
+            task = asyncio.ensure_future(self._queue(name, self._coming.pop((page, name)), wants, copies))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
         return 0

@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import re
+import resource
 import shutil
 import signal
 import sqlite3
@@ -21,6 +22,7 @@ from host_tools import language
 from host_tools.clients import page_key
 from host_tools.failure import Failure
 from host_tools.language import error_text
+from host_tools.panel.panel import FOLDER
 from host_tools.shop import drop
 from host_tools.shop.book import Book
 from host_tools.shop.desk import LASER_CLASSES, Desk, fits
@@ -465,9 +467,50 @@ def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
     assert said(1, piece, at=60_000) == errors.JOB_PIECE, "that was said before"
     assert said(1, piece, at=90_000, last=True) == errors.JOB_SIZE and said(1, "x", at=90_000) == errors.JOB_PIECE, "nothing of it is kept"
     assert said(1, piece, at=0) == 0 and said(1, piece, at=30_000, name="b") == errors.JOB_PIECE
+    for at in (0, 30_000):  # two files of one page, piece by piece
+        assert [said(1, piece, at=at, name=name) for name in "ab"] == [0, 0]
     for page in range(100):  # pages that begin and go
         assert said(page, piece, at=0) == 0
     assert len(shop._coming) <= 30 and book.counts() == {}
+
+
+def script(text):
+    """What JavaScript that imports the page's modules prints, as JSON, under node with a heap of 300 MB; and its seconds of processor time."""
+    if not shutil.which("node"):
+        pytest.skip("there is no node: the page's scripts were NOT run")
+    begun = resource.getrusage(resource.RUSAGE_CHILDREN)
+    folders = "".join(f'const {name} = await import("{path}");\n' for name, path in (("shop", PAGE / "thumbnail.js"), ("paths", FOLDER / "gcode_path.js"), ("files", PAGE / "pieces.js")))
+    told = subprocess.run(
+        ["node", "--no-warnings", "--experimental-default-type=module", "--max-old-space-size=300", "--input-type=module", "-"], input=folders + text, capture_output=True, text=True, check=True
+    )
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return json.loads(told.stdout), ended.ru_utime - begun.ru_utime
+
+
+def test_a_job_of_150_000_points_has_a_picture():
+    """Every move is in it that a pixel can show, and it is bounded in time and memory."""
+    found, seconds = script("""
+        const lines = ["G21G90G0X10Y0", "G1F6000"];
+        for (let n = 1; n <= 150000; n++) lines.push(`G1X${(10 * Math.cos(n / 100)).toFixed(3)}Y${(10 * Math.sin(n / 100) * (1 - n / 300000)).toFixed(3)}`);
+        const made = shop.thumbnail(paths.read(lines.join("\\n")));
+        let xs = [], count = 0;
+        for (const { points } of made.strokes) { count += points.length / 2; for (let n = 0; n < points.length; n += 2) xs.push(points[n], points[n + 1]); }
+        xs = xs.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [1e9, -1e9]);
+        console.log(JSON.stringify({ last: made.last, count, low: xs[0], high: xs[1], none: shop.thumbnail(paths.read("G0X5")), line: made.strokes[0].line }));
+    """)
+    assert found["last"] == 150_002 and found["line"] == 3 and found["none"] is None
+    assert 0 < found["low"] < 10 and found["high"] > 170 and found["count"] < 400_000
+    assert seconds < 5
+
+
+def test_pieces_of_a_file_fit_into_messages_whatever_its_letters():
+    texts = ["", "x" * 100_000, "é" * 60_000, "😀" * 50_000, '"' * 70_000, "\1" * 40_000, "a" * 30_000 + "漢" * 30_001]
+    found, _seconds = script(f"console.log(JSON.stringify({json.dumps(texts, ensure_ascii=False)}.map(files.pieces)))")
+    for text, pieces in zip(texts, found):
+        assert "".join(piece["text"] for piece in pieces) == text
+        assert [piece["at"] for piece in pieces] == [sum(len(each["text"]) for each in pieces[:number]) for number in range(len(pieces))]
+        assert [piece["last"] for piece in pieces] == [False] * (len(pieces) - 1) + [True]
+        assert all(len(json.dumps(piece, ensure_ascii=False).encode()) < 45_000 and len(piece["text"]) <= 32_768 for piece in pieces)
 
 
 @pytest.fixture
@@ -543,6 +586,19 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     bench.until(lambda: text("#used").split()[:2] == ["A4", "1"])
     assert "1 trabalhos na fila, 1 prontos" in text("#counts")
     press("#queue button")
+    # Two drops close together, each of several pieces: both arrive, and both are told; so is the one that is refused.
+    browser.execute_script("""
+        document.getElementById("copies").value = 1;
+        for (const [name, line] of [["one.gcode", "G1X1"], ["bad.gcode", "G99999"], ["two.gcode", "G1X2"]]) {
+            const carried = new DataTransfer();
+            carried.items.add(new File(["G21G90F600\\n" + `${line}\\n(${"x".repeat(70)})\\n`.repeat(500)], name));
+            document.dispatchEvent(new DragEvent("drop", { dataTransfer: carried, bubbles: true, cancelable: true }));
+        }""")
+    bench.until(lambda: "2 trabalhos na fila" in text("#counts"))
+    bench.until(lambda: all(f"{name}.gcode: 1 na fila" in text("#said") for name in ("one", "two")) and "linha 2" in text("#said"))
+    for left in (1, 0):
+        press("#queue button")
+        bench.until(lambda left=left: f"{left} trabalhos na fila" in text("#counts"))
     bench.until(lambda: "0 trabalhos na fila" in text("#counts"))
     browser.find_element("id", "stop").click()
     bench.until(lambda: text("#said").startswith("PARAR foi enviado"))

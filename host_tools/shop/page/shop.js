@@ -4,14 +4,16 @@ import { _, choose, preferred } from "./words.js";
 import { Link } from "./link.js";
 import { read } from "./gcode_path.js";
 import { element, said, states } from "./tiles.js";
+import { pieces } from "./pieces.js";
+import { paint, thumbnail } from "./thumbnail.js";
 
 const at = (id) => document.getElementById(id);
-const PIECE = 30000;
 const HOW = { rest: "not released", free: "free: paper is in", fetch: "its file comes", run: "draws", waits: "waits for somebody at the machine", goes: "gets ready" };
 const ENDED = { done: "done", "given up": "given up", refused: "refused" };
 const KEY = "passo-shop-key";
+const MOST_TOLD = 8;  // files of which something is said
 const KEPT = 3;  // choices of the filter that are always there
-const programs = new Map();  // sha: moves, or null while they come
+const programs = new Map();  // sha: its thumbnail, or null while it comes
 const tiles = new Map();
 let state = { machines: [], jobs: [], counts: {}, used: [], broker: true };
 let lists = "";
@@ -25,19 +27,25 @@ const link = new Link(hear, (up) => { at("lost").hidden = up; });
 
 function hear(message) {
   if (message.t === "hello") options(at("kind"), message.kinds, 0);
-  if (message.t === "dropped") say(() => said(message.text) || _("{name}: {copies} in the queue.", message));
+  if (message.t === "dropped") tell(message.name, () => said(message.text) || _("{name}: {copies} in the queue.", message));
   if (message.t === "state") {
     state = message;
     show();
   }
 }
 
-let telling = () => "";
+let telling = [];  // [file, what()], the oldest first
 
 // `what()`: the text, in the language of the page, which may be another one later.
 function say(what) {
-  telling = what;
-  at("said").textContent = what();
+  telling = [];
+  tell("", what);
+}
+
+// The same of a file: what is said of others stays.
+function tell(file, what) {
+  telling = [...telling.filter(([other]) => other && other !== file), [file, what]].slice(-MOST_TOLD);
+  at("said").textContent = telling.map(([, text]) => text()).join("\n");
 }
 
 // Those behind the first `kept` ones.
@@ -111,37 +119,19 @@ function draw(machine, shown, job, last) {
 }
 
 function picture(shown, job, progress) {
-  const moves = job ? program(job) : null;
-  const key = job && moves ? `${job.sha} ${progress} ${shown.canvas.clientWidth}` : "";
-  shown.canvas.hidden = !moves;
+  const drawing = job ? program(job) : null;
+  const key = drawing ? `${job.sha} ${progress} ${shown.canvas.clientWidth}` : "";
+  shown.canvas.hidden = !drawing;
   if (key === shown.drawn) return;
   shown.drawn = key;
-  if (!moves || !moves.length) return;
-  const points = moves.filter((move) => !move.rapid).flatMap((move) => move.points);
-  if (!points.length) return;
-  const [left, right] = [Math.min(...points.map((p) => p[0])), Math.max(...points.map((p) => p[0]))];
-  const [low, high] = [Math.min(...points.map((p) => p[1])), Math.max(...points.map((p) => p[1]))];
-  const width = shown.canvas.width = 320, height = shown.canvas.height = 180, edge = 8;
-  const scale = Math.min((width - 2 * edge) / (right - left || 1), (height - 2 * edge) / (high - low || 1));
-  const x = (value) => width / 2 + (value - (left + right) / 2) * scale, y = (value) => height / 2 - (value - (low + high) / 2) * scale;
-  const style = getComputedStyle(document.documentElement), context = shown.canvas.getContext("2d");
-  const last = moves[moves.length - 1].line * progress / 100;
-  for (const done of [false, true]) {
-    context.beginPath();
-    for (const move of moves) {
-      if (move.rapid || (move.line <= last) !== done) continue;
-      move.points.forEach((p, index) => (index ? context.lineTo(x(p[0]), y(p[1])) : context.moveTo(x(p[0]), y(p[1]))));
-    }
-    context.strokeStyle = style.getPropertyValue(done ? "--done" : "--path");
-    context.lineWidth = done ? 2.5 : 1.5;
-    context.stroke();
-  }
+  const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
+  if (drawing) paint(shown.canvas, drawing, progress, { path: colour("--path"), done: colour("--done") });
 }
 
 function program(job) {
   if (!programs.has(job.sha)) {
     programs.set(job.sha, null);
-    fetch(`job/${job.id}`).then((answer) => answer.text()).then((text) => programs.set(job.sha, read(text))).catch(() => programs.delete(job.sha));
+    fetch(`job/${job.id}`).then((answer) => answer.text()).then((text) => programs.set(job.sha, thumbnail(read(text)))).catch(() => programs.delete(job.sha));
   }
   return programs.get(job.sha);
 }
@@ -173,26 +163,25 @@ function row(job, facts, text, what) {
 let errors = {};
 fetch("texts/refused.json").then((answer) => answer.json()).then((texts) => { errors = texts; });
 
-function complain(answer) {
-  if (answer.error) say(() => _("Refused: {text}", { text: said(errors[answer.error]) || answer.error }));
+function complain(answer, file = "") {
+  const text = () => _("Refused: {text}", { text: said(errors[answer.error]) || answer.error });
+  if (answer.error && file) tell(file, () => `${file}: ${text()}`);
+  else if (answer.error) say(text);
   return answer.error;
 }
 
-async function queue(files) {
+let sending = Promise.resolve();  // one file after the other, whatever is dropped meanwhile
+
+function queue(files) {
   if (!files.length) say(() => _("Choose a file first."));
-  for (const file of [...files]) if (await refused(file)) return;
+  const more = { kind: at("kind").value, copies: Number(at("copies").value), tool: at("tool").value, laser: at("laser").value, material: at("material").value };
+  for (const file of [...files]) sending = sending.then(() => send(file, more)).catch(() => tell(file.name, () => _("{name} cannot be read.", file)));
 }
 
-// Sends a file; true: the shop does not take it.
-async function refused(file) {
+async function send(file, more) {
   const text = await file.text();
-  say(() => _("{name} is checked…", { name: file.name }));
-  const more = { kind: at("kind").value, copies: Number(at("copies").value), tool: at("tool").value, laser: at("laser").value, material: at("material").value };
-  for (let from = 0; from === 0 || from < text.length; from += PIECE) {
-    const last = from + PIECE >= text.length;
-    if (complain(await link.order({ do: "drop", name: file.name, at: from, text: text.slice(from, from + PIECE), last, ...more }))) return true;
-  }
-  return false;
+  tell(file.name, () => _("{name} is checked…", file));
+  for (const piece of pieces(text)) if (complain(await link.order({ do: "drop", name: file.name, ...piece, ...more }), file.name)) return;
 }
 
 at("add").addEventListener("submit", (event) => { event.preventDefault(); queue(at("file").files); });
@@ -219,6 +208,6 @@ function useKey(text) {
 const given = /key=([A-Z2-9]+)/.exec(location.hash);
 if (given) history.replaceState(null, "", location.pathname);
 useKey(given ? given[1] : sessionStorage.getItem(KEY) || "");
-at("language").addEventListener("change", async () => { await choose(at("language").value); lists = ""; say(telling); show(); });
+at("language").addEventListener("change", async () => { await choose(at("language").value); lists = ""; at("said").textContent = telling.map(([, text]) => text()).join("\n"); show(); });
 at("language").value = preferred();
 choose(at("language").value).then(() => { lists = ""; show(); });
