@@ -166,6 +166,7 @@ def _sheet(path, board, options, progress, several):
         place = placement.Placement(page, board, options)
         if place.factor > factor:
             page = _read(file, path, place.factor, options, progress)
+            place = placement.Placement(page, board, options)
     names = {number: page.names.get(number) for number in sorted(page.layers)}
     chosen = _chosen(page, path, options)
     scale = MM_PER_PX * place.factor
@@ -235,6 +236,7 @@ def _counted(left_out):
 
 
 def _notes_of(page):
+    yield from page.notes
     if page.left_out:
         yield _("left out, or not as it should be: {}", _counted(page.left_out))
     if page.unpainted:

@@ -4,8 +4,8 @@
     page = file.outlines(deviation_px=0.1)
 
 Blocks, splines, ellipses, bulges, dimensions, hatches and text (as outlines of its letters) are those of ezdxf. Lengths are in the unit
-that the file names, else in mm. Layers that are off or frozen are left out, and what lies
-under a wipeout, or under an area of the background's colour; pictures are counted in `left_out`.
+that $INSUNITS names; without it `notes` says which one was taken, inches if $MEASUREMENT is 0, else mm. Layers that are off or frozen are
+left out, and what lies under a wipeout, or under an area of the background's colour; pictures are counted in `left_out`.
 """
 
 import io
@@ -14,13 +14,21 @@ from pathlib import Path
 
 import numpy
 
-from host_tools.drawings.dxf_repair import repaired
+from host_tools.drawings.dxf_repair import repaired, section_cut_off
 from host_tools.drawings.page import Page
 from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 _MM_PX = 96 / 25.4
 _LEAST_PX = 1.0
-_MM = {0: 1.0, 1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 0.0254, 10: 914.4, 13: 0.001, 14: 100.0}  # $INSUNITS
+_FIRST_MM = 0.025  # chords' distance from curves of the first drawing
+_LEAST_HATCH_MM = 0.05  # between two lines of a hatch
+_INCH, _US_FOOT = 25.4, 1200 / 3937 * 1000
+_MM = {  # a unit of $INSUNITS
+    1: _INCH, 2: 304.8, 3: 1609344.0, 4: 1.0, 5: 10.0, 6: 1000.0, 7: 1e6, 8: 25.4e-6, 9: 0.0254, 10: 914.4, 11: 1e-7, 12: 1e-6, 13: 0.001,
+    14: 100.0, 15: 1e4, 16: 1e5, 17: 1e12, 21: _US_FOOT, 22: _US_FOOT / 12, 23: 3 * _US_FOOT, 24: 5280 * _US_FOOT,
+}  # fmt: skip
+_INCHES = 0  # of $MEASUREMENT
 _FARTHEST_MM = 1e9
 _BINARY = b"AutoCAD Binary DXF"
 _EXACT = 1e9  # of a size: how far away numbers are still exact enough
@@ -36,6 +44,16 @@ def is_dxf(first):
     return len(lines) > 1 and lines[0] == b"0" and lines[1] == b"SECTION"
 
 
+def _unit(header):
+    """(mm of the file's unit, [a sentence if it names none])."""
+    named = _MM.get(header.get("$INSUNITS", 0))
+    if named:
+        return named, []
+    if header.get("$MEASUREMENT") == _INCHES:
+        return _INCH, [_("the file names no unit ($INSUNITS): inches are taken, as its $MEASUREMENT says; if it is in mm, --scale {:.5g}", 1 / _INCH)]
+    return 1.0, [_("the file names no unit ($INSUNITS): mm are taken; if it is in inches, --scale {:g}", _INCH)]
+
+
 def _read(path):
     """ezdxf's document. Raises what ezdxf does."""
     import ezdxf
@@ -44,7 +62,12 @@ def _read(path):
 
     data = Path(path).read_bytes()
     if data.startswith(_BINARY):
+        if not data.rstrip(b"\0\r\n\x1a").endswith(b"EOF"):
+            raise Failure("{} is cut off: it has no end; save it again, or copy it again", path)
         return ezdxf.readfile(path)  # recover reads text only
+    section = section_cut_off(data)
+    if section:
+        raise Failure("{} is cut off: it ends amid its section {}; save it again, or copy it again", path, section)
     try:
         return recover.read(io.BytesIO(data))[0]
     except DXFError:
@@ -67,38 +90,61 @@ class DxfFile:
             raise Failure("no file {}", path) from error
         except (OSError, DXFError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
             raise Failure("{} is not a DXF file that can be read: {}", path, reason(error)) from error
-        self._mm = _MM.get(self._document.header.get("$INSUNITS", 0), 1.0)
-        # In the file's units: the size decides how fine curves have to be.
-        found = self._drawn(0.1 / self._mm, False)
-        places = numpy.concatenate([line for inks in found.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
-        box = places.real.min(), places.imag.min(), places.real.max(), places.imag.max()
-        size, far = max(box[2] - box[0], box[3] - box[1]), max(map(abs, box))
+        self._mm, self._unit_note = _unit(self._document.header)
+        self._prepare()
+        # As fine as most drawings are wanted: outlines() need not draw it anew then.
+        self._fineness = _FIRST_MM / self._mm
+        self._first = self._drawn(self._fineness, False)
+        left, bottom, right, top = self._box(self._first)
+        size, far = max(right - left, top - bottom), max(map(abs, (left, bottom, right, top)))
         # A survey lies far from its zero.
         if not (size * self._mm < _FARTHEST_MM and (far * self._mm < _FARTHEST_MM or far < _EXACT * size)):
             raise Failure("{}: {} mm is too far away for a drawing", path, far * self._mm)
-        self._left, self._bottom = box[:2]
-        self.size_px = tuple(max(_LEAST_PX, side * self._mm * _MM_PX) for side in (box[2] - box[0], box[3] - box[1]))
+        self.size_px = self._size((left, bottom, right, top))
+
+    def _prepare(self):
+        from host_tools.drawings import dxf_entities
+
+        try:
+            dxf_entities.mend(self._document)
+            dxf_entities.check_size(self._document)
+        except dxf_entities.TooMany as error:
+            raise Failure(
+                "{}: block {}, as often as it is inserted, has more entities than can be drawn: insert it less often, or smaller blocks", self._path, error
+            ) from error
+        except (ArithmeticError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+            raise Failure("{}: its numbers cannot be drawn: {}", self._path, reason(error)) from error
+
+    @staticmethod
+    def _box(drawn):
+        """Left, bottom, right, top of all lines, in the file's units."""
+        places = numpy.concatenate([line for inks in drawn.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
+        return places.real.min(), places.imag.min(), places.real.max(), places.imag.max()
+
+    def _size(self, box):
+        return tuple(max(_LEAST_PX, side * self._mm * _MM_PX) for side in (box[2] - box[0], box[3] - box[1]))
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
-        """The page; chords are at most `deviation_px` from their curves."""
+        """The page, as large as the lines on it; chords are at most `deviation_px` from their curves."""
         from shapely.affinity import affine_transform
 
         scale = self._mm * _MM_PX
-        found = self._drawn(deviation_px / scale, fills)
-        page = Page(self.size_px, by_colour=by_colour)
-        page.left_out = found.left_out
-        height = self.size_px[1]
-        for number, name in enumerate(sorted(found.inks), 1):
-            for ink in found.inks[name]:
-                ink.lines = [(line.real - self._left) * scale + 1j * (height - (line.imag - self._bottom) * scale) for line in ink.lines]
-                ink.areas = [
-                    affine_transform(area, [scale, 0, 0, -scale, -self._left * scale, height + self._bottom * scale]) for area in ink.areas
-                ]
-            page.add(number, name, found.inks[name])
+        drawn, self._first = self._first, None
+        if drawn is None or fills or not 0.5 < self._fineness * scale / deviation_px < 1.001:
+            drawn = self._drawn(deviation_px / scale, fills)
+        left, bottom, *_others = box = self._box(drawn)
+        page = Page(self._size(box), by_colour=by_colour)
+        page.left_out = drawn.left_out
+        page.notes += self._unit_note
+        height = page.size_px[1]
+        for number, name in enumerate(sorted(drawn.inks), 1):
+            for ink in drawn.inks[name]:
+                ink.lines = [(line.real - left) * scale + 1j * (height - (line.imag - bottom) * scale) for line in ink.lines]
+                ink.areas = [affine_transform(area, [scale, 0, 0, -scale, -left * scale, height + bottom * scale]) for area in ink.areas]
+            page.add(number, name, drawn.inks[name])
         return page
 
     def _drawn(self, deviation, fills):
-        from ezdxf.addons.drawing import RenderContext
         from ezdxf.addons.drawing.config import Configuration, HatchPolicy, ImagePolicy, TextPolicy
 
         from host_tools.drawings.dxf_backend import Backend, Frontend
@@ -106,13 +152,10 @@ class DxfFile:
         backend = Backend(deviation, fills)
         config = Configuration(
             max_flattening_distance=deviation, hatch_policy=HatchPolicy.NORMAL, text_policy=TextPolicy.OUTLINE,
-            image_policy=ImagePolicy.RECT, circle_approximation_count=256,
+            image_policy=ImagePolicy.RECT, min_hatch_line_distance=_LEAST_HATCH_MM / self._mm, circle_approximation_count=256,
         )  # fmt: skip
-        for entity in self._document.entitydb.values():
-            if entity.dxftype() == "INSERT" and not entity.dxf.zscale:
-                entity.dxf.zscale = 1.0  # of a flat block: ezdxf would divide by it
         try:
-            Frontend(RenderContext(self._document), backend, config=config).draw_layout(self._document.modelspace())
+            Frontend(self._document, backend, config).draw_layout(self._document.modelspace())
         except (ArithmeticError, ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
             raise Failure("{}: its numbers cannot be drawn: {}", self._path, reason(error)) from error
         return backend

@@ -5,15 +5,22 @@ from collections import Counter
 import numpy
 import shapely
 from ezdxf.addons.drawing import Frontend as BaseFrontend
+from ezdxf.addons.drawing import RenderContext
 from ezdxf.addons.drawing.backend import Backend as Base
 from ezdxf.addons.drawing.config import Configuration
+from ezdxf.entities import Insert
+from ezdxf.render.hatching import DenseHatchingLinesError
 
 from host_tools.drawings import svg_area
-from host_tools.drawings.page import Ink
+from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Ink
 from host_tools.language import N_
 
 
 class Frontend(BaseFrontend):
+    def __init__(self, document, backend, config):
+        super().__init__(RenderContext(document), backend, config=config)
+        self._frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
+
     def skip_entity(self, entity, msg):
         """Name what is not drawn, bodies of ACIS for one; ezdxf only logs it."""
         if msg != "invisible":
@@ -24,6 +31,48 @@ class Frontend(BaseFrontend):
         self.pipeline.backend.left_out[N_("picture")] += 1
         super().draw_image_entity(entity, properties)
 
+    def draw_composite_entity(self, entity, properties):
+        """Leave out a block on a frozen layer with all that is in it, as CAD programs do; on a layer that is off its other layers are shown."""
+        if not (isinstance(entity, Insert) and properties.layer.lower() in self._frozen):
+            super().draw_composite_entity(entity, properties)
+
+    def draw_text_entity(self, entity, properties):
+        self._draw_text(super().draw_text_entity, entity, properties)
+
+    def draw_mtext_entity(self, entity, properties):
+        self._draw_text(super().draw_mtext_entity, entity, properties)
+
+    def _draw_text(self, draw, entity, properties):
+        if len(entity.dxf.get("text", "")) > LONGEST_TEXT:
+            self.pipeline.backend.left_out[TOO_LONG] += 1
+        else:
+            draw(entity, properties)
+
+    def draw_hatch_pattern(self, polygon, paths, properties):
+        """Name a pattern whose lines are too near to each other: ezdxf takes its area instead."""
+        try:
+            super().draw_hatch_pattern(polygon, paths, properties)
+        except DenseHatchingLinesError:
+            self.pipeline.backend.left_out[N_("hatch of lines too near to each other (the edge of its area is drawn)")] += 1
+            raise
+
+    def draw_line_entity(self, entity, properties):
+        """Name lines without an end: ezdxf would draw 20 units of them."""
+        if entity.dxftype() == "LINE":
+            super().draw_line_entity(entity, properties)
+        else:
+            self.pipeline.backend.left_out[N_("construction line without an end (XLINE, RAY)")] += 1
+
+    def draw_curve_entity(self, entity, properties):
+        """Name a curve that leaves no ink."""
+        backend = self.pipeline.backend
+        before = backend.count
+        super().draw_curve_entity(entity, properties)
+        if backend.count == before:
+            kind = entity.dxftype()
+            without_angle = kind == "ELLIPSE" or kind == "ARC" and entity.dxf.radius
+            backend.left_out[N_("arc or ellipse of no angle") if without_angle else N_("circle or curve without a size")] += 1
+
 
 class Backend(Base):
     """`inks`: {name of a layer: [Ink]}."""
@@ -32,12 +81,14 @@ class Backend(Base):
         super().__init__()
         self._deviation, self._fills = deviation, fills
         self.inks = {}
+        self.count = 0  # of what was drawn
         self.left_out = Counter()
         self._background = None
 
     def _add(self, properties, lines, areas=()):
         given = [line for line in lines if len(line) > 1]
         lines = [line for line in given if numpy.isfinite(line).all()]
+        self.count += len(given) + len(areas)
         if len(lines) < len(given):
             self.left_out[N_("number that is none, or that cannot be read")] += len(given) - len(lines)
         if lines or areas:

@@ -1,7 +1,13 @@
-"""DXF files that ezdxf refuses: old Inkscape's, without a header, splines without their subclass, one handle for all entities.
+"""DXF files that ezdxf refuses: old Inkscape's, without a header, splines without their subclass, one handle for all entities; and those that
+it reads as empty, because they are cut off.
 
-    repaired(data)      # bytes of a text DXF -> bytes that ezdxf.recover reads, or None if they are no tags
+    repaired(data)          # bytes of a text DXF -> bytes that ezdxf.recover reads, or None if they are no tags
+    section_cut_off(data)   # the name of the section amid which the file ends, or None
 """
+
+import re
+
+_BOUND = re.compile(rb"(?:^|\n)[ \t]*0[ \t]*\r?\n[ \t]*(SECTION|ENDSEC|EOF)[ \t\r]*(?=\n|$)(?:\n[ \t]*2[ \t]*\r?\n[ \t]*(\w+))?")
 
 _HEADER = [(b"0", b"SECTION"), (b"2", b"HEADER"), (b"9", b"$ACADVER"), (b"1", b"AC1015"), (b"0", b"ENDSEC")]
 _SUBCLASS = [(b"100", b"AcDbEntity"), (b"100", b"AcDbSpline")]
@@ -24,3 +30,10 @@ def repaired(data):
             waits = False
         found.append((code, value))
     return b"".join(b"%s\n%s\n" % tag for tag in found)
+
+
+def section_cut_off(data):
+    bounds = [match.groups() for match in _BOUND.finditer(data)]
+    if bounds and bounds[-1][0] == b"SECTION":
+        return (bounds[-1][1] or b"SECTION").decode("ascii")
+    return None

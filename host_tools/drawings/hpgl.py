@@ -18,7 +18,8 @@ import numpy
 
 from host_tools.drawings import hpgl_encoded
 from host_tools.drawings.hpgl_pen import Pen
-from host_tools.drawings.page import Page
+from host_tools.drawings.hpgl_symbols import SymbolSets
+from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Page
 from host_tools.failure import Failure, reason
 from host_tools.language import N_
 
@@ -59,21 +60,25 @@ class HpglFile:
         self._instructions = list(self._parsed(data.decode("latin-1")))
         if not self._instructions:
             raise Failure("{} has no instruction of HPGL", path)
-        pen = self._drawn(1.0)
-        places = numpy.concatenate([line for inks in pen.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
-        places = numpy.append(places, pen.sheet.corners())
-        farthest = abs(places).max() / UNITS_PER_MM
+        farthest = abs(self._lay(self._drawn(1.0))).max() / UNITS_PER_MM
         if not farthest < _FARTHEST_MM:
             raise Failure("{}: {} mm is too far away for a drawing", path, farthest)
+
+    def _lay(self, pen):
+        """Make the page as large as what a pen drew, and its sheet; returns the places."""
+        places = numpy.concatenate([line for inks in pen.inks.values() for ink in inks for line in ink.lines] or [numpy.zeros(1, complex)])
+        places = numpy.append(places, pen.sheet.corners())
         self._left, self._bottom = min(0.0, places.real.min()), min(0.0, places.imag.min())
         self.size_px = (
             max(_LEAST_PX, (places.real.max() - self._left) * UNIT_PX),
             max(_LEAST_PX, (places.imag.max() - self._bottom) * UNIT_PX),
         )
+        return places
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
         """The page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
         pen = self._drawn(deviation_px / UNIT_PX)
+        self._lay(pen)
         page = Page(self.size_px, by_colour=by_colour)
         page.left_out = self._left_out + pen.left_out
         for number in sorted(pen.inks):
@@ -108,7 +113,7 @@ class HpglFile:
     def _parsed(self, text):
         """(instruction, numbers, or the text of a label)."""
         text = _ESCAPE.sub("", text)
-        at, end_of_label, drawn_end, buffered = 0, "\x03", "", ""
+        at, end_of_label, drawn_end, buffered, symbols = 0, "\x03", "", "", SymbolSets()
         while True:
             match = _INSTRUCTION.search(text, at)
             if match is None:
@@ -121,10 +126,13 @@ class HpglFile:
                 if name == "LB" or name == "BL":
                     end = text.find(end_of_label, at)
                     end = len(text) if end < 0 else end
-                    if name == "LB":
-                        yield name, text[at:end] + drawn_end
+                    letters = symbols.letters(text[at:end]) + drawn_end
+                    if len(letters) > LONGEST_TEXT:
+                        self._left_out[TOO_LONG] += 1
+                    elif name == "LB":
+                        yield name, letters
                     else:
-                        buffered = text[at:end] + drawn_end
+                        buffered = letters
                     at = end + len(end_of_label)
                 elif name == "DT":
                     match = _TERMINATOR.match(text, at)
@@ -134,7 +142,7 @@ class HpglFile:
                     quoted = text[at:].lstrip()[:1] == '"'
                     at = (text.find('"', text.find('"', at) + 1) if quoted else text.find(";", at)) + 1 or len(text)
                 else:
-                    yield name, text[at : at + 1].strip(";")
+                    yield name, symbols.letters(text[at : at + 1].strip(";"))
                     at += 1
                 continue
             if name == "PE":
@@ -147,6 +155,7 @@ class HpglFile:
             stop = stop if stop >= 0 else end.start() if end else len(text)
             given = [float(each) for each in _NUMBER.findall(text[at:stop])]
             at = stop
+            symbols.choose(name, given)
             if name in Pen.WORDS or name == "PG":
                 if all(math.isfinite(each) and abs(each) < 1e9 for each in given):
                     yield name, given

@@ -11,6 +11,9 @@ from dataclasses import dataclass, field, replace
 from host_tools.drawings import svg_area
 from host_tools.language import N_
 
+LONGEST_TEXT = 10_000  # letters of one text: a second
+TOO_LONG = N_("text of more than 10000 letters")
+
 
 @dataclass
 class Ink:
@@ -30,6 +33,7 @@ class Page:
     names: dict = field(default_factory=dict)  # number: what its groups are called
     fills: dict = field(default_factory=dict)  # number: areas
     left_out: Counter = field(default_factory=Counter)
+    notes: list = field(default_factory=list)  # sentences about the whole file
     unpainted: int = 0  # shapes with neither stroke nor fill
     lost_mm: float = 0.0  # of lines outside the page
     by_colour: bool = False  # a layer is a colour, in the order in which the file comes to them

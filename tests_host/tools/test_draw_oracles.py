@@ -22,7 +22,7 @@ from host_tools import boards
 from host_tools.drawings import hpgl_encoded, sources, svg_area, svg_style
 from host_tools.drawings.drawing import load
 from host_tools.drawings.hpgl import UNIT_PX
-from host_tools.drawings.placement import box_of
+from host_tools.drawings.placement import Options, box_of
 from host_tools.drawings.svg_file import SvgFile
 from host_tools.failure import Failure
 
@@ -537,6 +537,36 @@ def test_a_backspace_in_a_label_writes_over_the_letter_before(tmp_path):
     assert set(found[0]) == set(found[1]) == {0, 1, 2, 3}, found
 
 
+MEASURES = {"minus": "\u2212", "degree": "\u00b0", "plus or minus": "\u00b1", "micro": "\u00b5"}
+
+
+@pytest.mark.parametrize("name", MEASURES)
+@pytest.mark.parametrize("words, codec", [("SD1,277;", "hp-roman8"), ("", "hp-roman8"), ("SD1,14;", "latin-1"), ("AD1,341;SA;", "cp437"), ("SD1,14;AD1,277;SA;SS;", "latin-1"), ("", "utf-8")])
+def test_hpgl_labels_have_the_signs_of_measures(tmp_path, name, words, codec):
+    """gnuplot's pcl5 writes its minus as byte 246 of Roman-8; of a file that names no set it was taken for a letter of Latin-1."""
+    sign = {"hp-roman8": "\u2014", "latin-1": "\u00ad", "cp437": "-", "utf-8": "\u2212"}[codec] if name == "minus" else MEASURES[name]
+    path = tmp_path / "a.plt"
+    path.write_bytes(b"IN;SP1;%sSI0.5,0.7;PU1000,1000;LBI%sI\3PU;" % (words.encode(), sign.encode(codec)))
+    page = sources.opened(path).outlines(0.01)
+    lines = page.layers[1]
+    path.write_bytes(b"IN;SP1;SI0.5,0.7;PU1000,1000;LBI I\3PU;")
+    without = sources.opened(path).outlines(0.01).layers[1]
+    (left, _, right, _), inner = box_of([without]), lines[1:-1]
+    assert not page.left_out and len(without) == 2 and len(inner) == {"minus": 1, "degree": 1, "plus or minus": 3, "micro": 3}[name]
+    assert left < box_of([inner])[0] and box_of([inner])[2] < right, "between its neighbours"
+
+
+def test_the_page_of_an_hpgl_file_holds_all_that_is_drawn(tmp_path):
+    path = tmp_path / "a.plt"
+    path.write_text("IN;SP1;PU300,200;CI200;PU900,400;CI333;PU0,500;PD900,400,700,30;PU;")
+    for deviation in (0.5, 0.01, 0.0005):
+        page = sources.opened(path).outlines(deviation)
+        box = box_of(page.layers.values())
+        assert min(box[:2]) >= -1e-9 and box[2] <= page.size_px[0] + 1e-9 and box[3] <= page.size_px[1] + 1e-9
+    for board in ("plotter_2014", "router_3axis"):
+        load(path, boards.load(board), Options(crop=False))
+
+
 def test_an_hpgl_comment_without_quotes_ends_at_its_semicolon(tmp_path):
     for comment in ("CO circles; of these;", 'CO "circles; of these";'):
         path = tmp_path / "a.plt"
@@ -590,7 +620,7 @@ LAUGHS = "".join(f"<!ENTITY {chr(98 + n)} '{(chr(38) + chr(97 + n) + ';') * 10}'
     ("a.svg", "<!DOCTYPE z [<!ENTITY x SYSTEM 'file:///etc/passwd'>]>" + PAGE.format('<text y="9">&x;</text>'), "undefined entity"),
     ("a.svg", PAGE.format('<path style="' + "a:(" * 5000 + '" d="M1 1L5 5"/>'), "its numbers cannot be drawn"),
     ("a.svg", PAGE.format("<g>" * 20000 + "</g>" * 20000), "lies in more than 100 others"),
-    ("a.dxf", "", "nothing to draw|can be read"), ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1", "nothing to draw"),
+    ("a.dxf", "", "nothing to draw|can be read"), ("a.dxf", "0\nSECTION\n2\nENTITIES\n0\nLINE\n8\n0\n10\n1", "is cut off"),
     ("a.dxf", ITSELF + ENTITIES.format("0\nINSERT\n8\n0\n2\nA\n10\n1\n20\n1"), "cannot be drawn|can be read"),
     ("a.dxf", ENTITIES.format("0\nLINE\n8\n0\n10\nnan\n20\n0\n11\n5\n21\ninf"), "nothing can be drawn: number that is none"),
     ("a.gcode", "", "has no line of G-code"), ("a.gcode", "\x00\xff" * 999, "is no text"), ("a.nc", "G1XnanYinf", "error 302"),
@@ -800,7 +830,7 @@ def test_dxf_bodies_are_named(tmp_path):
 
 
 @pytest.mark.parametrize("text, message", [
-    ("0\nSECTION\n2\nENTITIES\n0\nLINE\n", "nothing to draw"), ("hello", "is not a DXF file that can be read"),
+    ("0\nSECTION\n2\nENTITIES\n0\nLINE\n", "is cut off"), ("hello", "is not a DXF file that can be read"),
     ("0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n0\n20\n0\n11\n1e30\n21\n1\n0\nENDSEC\n0\nEOF\n", "too far away"),
 ])
 def test_files_that_are_no_dxf(tmp_path, text, message):
