@@ -33,7 +33,7 @@ TEXTS = {
     errors.REPEATED_WORD: "a word stands twice: leave one out",
     errors.NO_AXIS_WORDS: "the command needs an axis word: X, Y or Z",
     errors.LINE_NUMBER: "the line number is not within 0 … 10 000 000",
-    errors.VALUE_MISSING: "the command needs a P or L word",
+    errors.VALUE_MISSING: "a word is missing: P or L; R, Z or Q of a cycle",
     errors.NO_SUCH_SYSTEM: "there is no such work coordinate system: G54 … G59",
     errors.MACHINE_COORDINATES: "G53 goes with G0 or G1 only",
     errors.AXIS_WORDS_UNUSED: "no command uses the axis words: leave them out, or give one",

@@ -164,7 +164,7 @@ def read(data, board):
         raise Failure("this is no black box, or not a whole one")
     _, _, version, platform, why = first.decode("ascii", "replace").split()
     numbers = struct.unpack(f"<{BOX_NUMBERS}i", numbers)
-    if version != "1" or numbers[0] & 0xFFFFFF00 != BOX_MAGIC_0 & 0xFFFFFF00 or numbers[1:3] != (BOX_MAGIC_1, BOX_TEXT):
+    if version != "2" or numbers[0] & 0xFFFFFF00 != BOX_MAGIC_0 & 0xFFFFFF00 or numbers[1:3] != (BOX_MAGIC_1, BOX_TEXT):
         raise Failure("this black box is of another version of Passo than these tools")
     added, taken = numbers[BOX_ADDED], numbers[BOX_TAKEN]
     oldest = max(added - BOX_ROWS, 0)

@@ -23,12 +23,14 @@ class Cycle:
     dwell: float = 0.0  # seconds
     peck: float = 0.0
     back: float | None = None
+    over: float | None = None  # of the way to the first hole; None: as the tool stands
     axes: tuple = (0, 1, 2)  # first and second of the plane, and the one along the hole
     spindle: str = ""  # M3 or M4, what it turns by
 
     def hole(self, path, position):
         """One hole at `position`, on the plane's axes."""
-        self._rapid(path, position)
+        self._go(path, (*position, self.over), True)
+        self.over = None
         self._z(path, self.above, True)
         if self.code in (73, 83):
             self._pecks(path)
@@ -65,9 +67,6 @@ class Cycle:
                 self._z(path, self.above, True)
                 self._z(path, min(self.above, reached + BACK_OFF_MM), True)
         self._z(path, self.bottom, False)
-
-    def _rapid(self, path, position):
-        self._go(path, (*position, None), True)
 
     def _z(self, path, height, rapid):
         self._go(path, (None, None, height), rapid)

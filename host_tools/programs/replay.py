@@ -12,7 +12,6 @@ millimetres in machine coordinates.
 import itertools
 import re
 from dataclasses import replace
-from functools import partial
 
 from host_tools.clients.grbl import N_WORD, explain, tagged
 from host_tools.failure import Failure
@@ -31,15 +30,6 @@ _NEAR_STEPS = 2  # from the path: what rounding may make
 _CHANGES = re.compile(rb"G0*10(?!\d)|G(28|30)\.1")  # lines that change what outlasts the program
 _OTHER_MM = 1.0
 _DOTS_A_LINE = 8  # so that it is no line too long
-
-
-def _all(made):
-    """The commands of a line; those of a canned cycle are made one by one."""
-    for command in made:
-        if command.kind == commands.MORE:
-            yield from iter(partial(next, command.value), None)
-        else:
-            yield command
 
 
 def _close(place, other):
@@ -85,7 +75,15 @@ class Replay:
                 "before line {} the machine was at {}, and by the file it is at {}: the file or zero has changed, or it began elsewhere",
                 number, self._shown(end), self._shown(self._board.target),
             )
-        return self._stages(list(self._board.target), None), self._rest(at)
+        return self._stages(self._level(), None), self._rest(at)
+
+    def _level(self):
+        """Where the program stands, steps; in a series of cycles no lower than G98 goes back to: there the series begins anew."""
+        place = list(self._board.target)
+        if CODES.get(self._gcode.motion, 0) & CYCLE:
+            height = self._gcode.cycle[1] + self._offsets.of(self._gcode.system, TOOL_AXIS)
+            place[TOOL_AXIS] = max(place[TOOL_AXIS], round(height / NM * self._machine.steps_per_mm[TOOL_AXIS]))
+        return place
 
     def from_place(self, number, place):
         """Go on amid line `number`, at `place` (steps from machine zero) on its way. What is no single line or arc is done again
@@ -94,7 +92,7 @@ class Replay:
         for index in range(at):
             self._carry_out(index)
         start = list(self._board.target)
-        before = self._stages(start, None)
+        before = self._stages(self._level(), None)
         motion = self._single(at)
         if motion is None or list(place) == start:
             return before, self._rest(at)
@@ -228,7 +226,7 @@ class Replay:
         error = self._gcode.interpret(line)
         if error:
             raise RefusedLine("line {}, {}: {}", number, line, error)
-        return list(_all(self._gcode.commands))
+        return list(commands_of(self._gcode.commands))
 
     def _carry_out(self, index):
         for command in self._interpret(index):
@@ -419,27 +417,22 @@ class Replay:
         if not self._unsaid():
             return rest
         rest = list(rest)
-        height = self._gcode.position[TOOL_AXIS] if len(self._machine.steps_per_mm) > TOOL_AXIS else 0
         for index, (number, line) in enumerate(rest):
             if line.startswith(b"$") or self._gcode.interpret(line):
                 break
             if self._gcode._found[MOTION] != NONE:
                 break
             if [command for command in self._gcode.commands if command.target is not None]:
-                rest[index] = number, b"G%d" % (mode // 100) + (self._heights(mode, line, height) if CODES[mode] & CYCLE else b"") + line
+                rest[index] = number, b"G%d" % (mode // 100) + (self._heights(mode, line) if CODES[mode] & CYCLE else b"") + line
                 break
         return rest
 
-    def _heights(self, mode, line, height):
-        """The words of a canned cycle that `line` leaves to those before it. `height`: where Z stands, nm."""
+    def _heights(self, mode, line):
+        """The words of a canned cycle that `line` leaves to those before it."""
         gcode = self._gcode
-        above, bottom, dwell, peck = gcode.cycle
+        _, _, above, bottom, dwell, peck = gcode.cycle
         unit = 25.4 * NM if gcode.inches else NM
-        zero = self._offsets.of(gcode.system, TOOL_AXIS)
-        words = {
-            "R": (above - (zero if gcode.absolute else height)) / unit,
-            "Z": (bottom - (zero if gcode.absolute else above)) / unit,
-        }
+        words = {"R": above / unit, "Z": bottom / unit}
         if mode in (G73, G83):
             words["Q"] = peck / unit
         if mode == G82:

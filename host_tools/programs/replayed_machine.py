@@ -2,8 +2,10 @@
 
 import re
 from dataclasses import dataclass, field
+from functools import partial
 
 from host_tools.programs.gcode_time import settings_of
+from passo import commands
 from passo.control import arcs
 
 NM = 1_000_000  # a millimetre
@@ -76,3 +78,12 @@ def exact(board, position, steps, axes):
             nm = round(steps[axis] * 1e8 / board.steps_per_m[axis]) * 10
         found += f"{AXES[axis]}{nm / NM:.{6 if nm % 10 else 5}f}"
     return found
+
+
+def commands_of(made):
+    """The commands of a line; those of a canned cycle are made one by one."""
+    for command in made:
+        if command.kind == commands.MORE:
+            yield from iter(partial(next, command.value), None)
+        else:
+            yield command

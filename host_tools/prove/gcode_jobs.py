@@ -76,7 +76,7 @@ def tiny():
 def drilling():
     """Holes by the canned cycle, with both ways back, dwells, and a tool change's offset."""
     lines = ["G21 G90", "G0 Z4", "M3 S3000", "G98 G81 X2 Y2 Z-3 R1 F200", "X4", "X6 Y3", "G99 X8", "X10 Y2", "G80"]
-    return [*lines, "G4 P0.05", "G43.1 Z1.5", "G98 G81 X4 Y6 Z-2 R2", "G91 X2 L3", "G90 G80", "G49", "G0 Z4", "M5", "M30"]
+    return [*lines, "G4 P0.05", "G43.1 Z1.5", "G98 G81 X4 Y6 Z-2 R2", "G91 X2 Z-4 R2.5 L3", "G90 G80", "G49", "G0 Z4", "M5", "M30"]
 
 
 def units():

@@ -148,14 +148,15 @@ class Replay(Machine):
         gcode.leave_batch()
         fast, slow = snapshot.modal[:FAST], snapshot.modal[FAST:]
         axes = gcode.axes
-        gcode.motion, gcode.number, gcode.tool, gcode.plane, modes, gcode.system, gcode.spindle, gcode.coolant = slow[:8]
+        gcode.motion, gcode.number, gcode.tool, gcode.plane, gcode.coolant, modes = slow[:6]
+        gcode.spindle, gcode.system = modes >> 6 & 7, modes >> 9
         gcode.inches, gcode.absolute, gcode.per_minute, gcode.initial = (bool(modes & bit) for bit in (1, 2, 4, 8))
-        long = [low | high << 30 for low, high in zip(slow[8::2], slow[9::2])]
+        long = [low | high << 30 for low, high in zip(slow[6::2], slow[7::2])]
         gcode.feed, gcode.rpm = long[:2]
         gcode.position[:axes] = long[2 : 2 + axes]
-        gcode.cycle = tuple(long[6:10])
-        gcode.offsets.shift = long[10 : 10 + axes]
-        gcode.offsets.tool = long[14]
+        gcode.cycle = (modes >> 4 & 3, *long[6:11])
+        gcode.offsets.shift = long[11 : 11 + axes]
+        gcode.offsets.tool = long[15]
         gcode.offsets.version += 1
         if fast[0] & 1:  # plain lines have gone on from there
             gcode.motion = fast[1] * 100

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.quick
 
 MOST_WORDS = 2500
 # What is looked up, and not read from the beginning to the end; and the one walk through the code.
-REFERENCE = {"docs/reference/board-file.md", "docs/reference/benchmarks.md", "docs/reference/pins.md", "docs/inside/architecture.md"}
+REFERENCE = {"docs/reference/board-file.md", "docs/reference/benchmarks.md", "docs/reference/pins.md", "docs/reference/errors.md", "docs/inside/architecture.md"}
 GUIDES = sorted((ROOT / "docs" / "start" / "machines").glob("*.md"))
 SECTIONS = ("Parts", "Wiring", "Try it without hardware", "Flash the board", "First motion", "What can go wrong")
 PT = ROOT / "docs" / "pt"

@@ -15,8 +15,7 @@ import subprocess
 
 import numpy as np
 
-from host_tools.programs.replay import _all
-from host_tools.programs.replayed_machine import Board, Machine, Memory
+from host_tools.programs.replayed_machine import Board, Machine, Memory, commands_of
 from passo import commands
 from passo.protocols.gcode.offsets import Offsets
 from passo.protocols.gcode.parser import GCode
@@ -147,7 +146,7 @@ def of_board(codes, short_way=False):
         error = gcode.interpret(code.replace(" ", "").encode())
         if error:
             raise ValueError(f"{code}: error {error}")
-        for command in _all(gcode.commands):
+        for command in commands_of(gcode.commands):
             if command.target is None:
                 continue
             board.target = list(command.target)

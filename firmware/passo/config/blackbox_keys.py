@@ -46,7 +46,7 @@ def check(board):
 
 def head(why):
     """The first line of a box."""
-    return ("passo blackbox 1 %s %s\n" % (sys.platform, why)).encode()
+    return ("passo blackbox 2 %s %s\n" % (sys.platform, why)).encode()
 
 
 def keep(why, numbers, text, feed=None):

@@ -238,6 +238,9 @@ class Motions(Modes):
         first, second, third = PLANES[self.plane]
         across, along = (AXES[first].lower(), AXES[second].lower()), AXES[third].lower()
         kept = self.cycle or {}
+        if kept.get("unit", self.scale) != self.scale:  # R and Z of the other unit
+            kept = {letter: value for letter, value in kept.items() if letter == "p"}
+        kept["unit"] = self.scale
         words = self.words
         for letter in along + "rpq":
             if letter in words:
@@ -270,6 +273,7 @@ class Motions(Modes):
             target = [None] * 3
             target[third] = above
             self.path.move(target, True)
+        cycle.over = cycle.back if cycle.back is not None and cycle.back > height else None
         for turn in range(times):
             words.update(way)
             to = self.target()

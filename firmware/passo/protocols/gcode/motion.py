@@ -14,6 +14,9 @@ _DEGREES = const(360_000_000)
 _LEAST_PECK = const(10_000)  # nm
 BACK_OFF_NM = const(254_000)  # 0.01 inch: what G73 goes back, and what G83 stays above the bottom so far
 _PLANES = {17: (0, 1), 18: (2, 0), 19: (1, 2)}
+# Of a series of canned cycles: 1 for G90 + 2 for G20; the height before it, R, and Z as they were read, in the program's coordinates, nm;
+# dwell; peck.
+NO_CYCLE = (0, 0, 0, 0, 0, 0)
 
 
 def new_moves():
@@ -29,7 +32,7 @@ class Motions(Reader):
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self.motion = 0
-        self.cycle = self._cycle = (0, 0, 0, 0)  # heights, dwell and peck of the canned cycle
+        self.cycle = self._cycle = NO_CYCLE
         self._absolute = self._initial = True  # as this line has them
         self._plane = 17
         self._steps = [0] * axes
@@ -206,20 +209,27 @@ class Motions(Reader):
     def _drill(self, motion):
         """G73, G81, G82, G83, an extension; returns where it ends. `commands` are the way to the tops and bottoms of the first and the
         last hole, for the machine to check; what comes behind the first of them is made by `_drilling`, one by one: a hole of many
-        pecks as a list would be more than a board has room for."""
+        pecks as a list would be more than a board has room for. As LinuxCNC's rs274: G98 goes back to the height before the first
+        line of the series, whatever was between, and goes to the hole there. R and Z mean another place if G90 or G20 changes: such a line
+        is refused without both."""
         if self.axes < 3 or self._left & 1 << A:
             raise Refused(errors.UNSUPPORTED)
         pecks = motion in (G73, G83)
-        if self.motion != motion and (1 << R | 1 << Z | pecks << Q) & ~self._left:
+        known, level, top, depth, dwell, peck = self.cycle
+        modes = (1 if self._absolute else 0) | (2 if self._inches else 0)
+        if (self.motion != motion or modes != known) and (1 << R | 1 << Z | pecks << Q) & ~self._left:
             raise Refused(errors.VALUE_MISSING)
-        has_depth = self._left >> Z & 1
-        target = self._target(False)
         x, y, z = self.position[:3]
-        above, bottom, dwell, peck = self.cycle
+        zero = self.offsets.of(self._system, 2)
+        if not CODES.get(self.motion, 0) & CYCLE:
+            level = z - zero
         if self._take(R):
-            above = self._length(R) + (self.offsets.of(self._system, 2) if self._absolute else z)
-        if has_depth:
-            bottom = target[2] if self._absolute else above + target[2] - z
+            top = self._length(R)
+        if self._left >> Z & 1:
+            depth = self._length(Z)
+        target = self._target(False)
+        above = top + zero + (0 if self._absolute else level)
+        bottom = depth + (zero if self._absolute else above)
         if pecks and self._take(Q):
             peck = self._length(Q)
             if peck < _LEAST_PECK:
@@ -231,24 +241,24 @@ class Motions(Reader):
         times = self._whole(L) if self._take(L) else 1
         if not 1 <= times <= 100 or bottom > above:
             raise Refused(errors.TARGET)
-        height = max(z, above)
-        back = height if self._initial else above
+        back = max(level + zero, above) if self._initial else above
         way = (target[0] - x, target[1] - y, 0 if self._absolute else 1)
-        if height != z:
-            self._move(commands.LINE, [x, y, height], 0)
+        if z < above:
+            self._move(commands.LINE, [x, y, above], 0)
         for hole in (1, times if way[2] else 1):
-            for level in (height, bottom, back):
-                self._move(commands.LINE, [x + hole * way[0], y + hole * way[1], level], (self._feed or 1) if level == bottom else 0)
-        self._drilling = self._holes((x, y, z), way, times, (height, above, bottom, back), motion, dwell, peck)
+            for height in (max(z, back), bottom, back):
+                self._move(commands.LINE, [x + hole * way[0], y + hole * way[1], height], (self._feed or 1) if height == bottom else 0)
+        self._drilling = self._holes((x, y, z), way, times, (above, bottom, back), motion, dwell, peck)
         next(self._drilling)  # the first of `commands`
-        self._cycle = above, bottom, dwell, peck
+        self._cycle = modes, level, top, depth, dwell, peck
         return [x + hole * way[0], y + hole * way[1], back] + self.position[3:]
 
     def _holes(self, start, way, times, heights, motion, dwell, peck):
         """All commands of a cycle, then None."""
         x, y, z = start
-        height, above, bottom, back = heights
-        if height != z:
+        above, bottom, back = heights
+        height = max(z, back)
+        if z < above:
             yield 0
         for hole in range(times):
             if not hole or way[2]:

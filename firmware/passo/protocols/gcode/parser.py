@@ -25,7 +25,7 @@ from passo.protocols.gcode.codes import (
     CODES, COOLING, CYCLE, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PATH, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
-from passo.protocols.gcode.motion import MAX_STEPS, Motions, new_moves
+from passo.protocols.gcode.motion import MAX_STEPS, NO_CYCLE, Motions, new_moves
 from passo.protocols.gcode.parse_viper import accept
 from passo.protocols.gcode.reader import MAX_LINE, MAX_TOOL, NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, N, S, T, rounded
@@ -72,7 +72,7 @@ class GCode(Motions):
         self.feed = self.rpm = self.system = self.coolant = self.tool = self.number = 0
         self.spindle = 5
         self.weaving = False  # lines become seams: the machine has to see each of them
-        self.cycle = (0, 0, 0, 0)
+        self.cycle = NO_CYCLE
         self._steps = [None] * self.axes
 
     def weave(self, on):

@@ -9,9 +9,9 @@ understood by. Only boards that have one load it.
 from passo.protocols.gcode.parse_records import *
 
 FAST = 9  # PARSE_KNOWN, PARSE_MODAL … the last PARSE_POSITION, PARSE_NUMBER, PARSE_RPM
-# Motion, line number, tool, plane, 1 G20 + 2 G90 + 4 G94 + 8 G98, G54 … as 0 …, spindle, coolant; then two numbers each, the low 30 bits
-# first: feed, S, position, cycle, G92 of four axes, tool length.
-SLOW = 8 + 2 * (2 + 4 + 4 + 4 + 1)
+# Motion, line number, tool, plane, coolant, and 1 G20 + 2 G90 + 4 G94 + 8 G98 + 16 × modes of the cycle + 64 × spindle + 512 × G54 … as 0 …;
+# then two numbers each, the low 30 bits first: feed, S, position, cycle, G92 of four axes, tool length.
+SLOW = 6 + 2 * (2 + 4 + 5 + 4 + 1)
 
 
 class Log:
@@ -54,11 +54,12 @@ class Log:
     def _write_slow(self, numbers, index):
         gcode = self._gcode
         modes = (1 if gcode.inches else 0) | (2 if gcode.absolute else 0) | (4 if gcode.per_minute else 0) | (8 if gcode.initial else 0)
-        for value in (gcode.motion, gcode.number, gcode.tool, gcode.plane, modes, gcode.system, gcode.spindle, gcode.coolant):
+        modes |= gcode.cycle[0] << 4 | gcode.spindle << 6 | gcode.system << 9
+        for value in (gcode.motion, gcode.number, gcode.tool, gcode.plane, gcode.coolant, modes):
             numbers[index] = value
             index += 1
         more = [0] * (4 - gcode.axes)
-        long = [gcode.feed, gcode.rpm] + list(gcode.position) + more + [value or 0 for value in gcode.cycle]
+        long = [gcode.feed, gcode.rpm] + list(gcode.position) + more + list(gcode.cycle[1:])
         for value in long + list(gcode.offsets.shift) + more + [gcode.offsets.tool]:
             numbers[index] = value & 0x3FFFFFFF
             numbers[index + 1] = value >> 30
