@@ -15,7 +15,7 @@ from dataclasses import replace
 
 from host_tools.clients.grbl import N_WORD, explain, tagged
 from host_tools.failure import Failure
-from host_tools.programs.replayed_machine import AXES, ENDLESS, NM, Board, Memory, exact
+from host_tools.programs.replayed_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact
 from passo import commands
 from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
