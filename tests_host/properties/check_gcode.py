@@ -214,7 +214,6 @@ ERRORS = (
     ((), b"G1 X1 F100 P2", errors.WORDS_UNUSED),
     ((), b"L2", errors.WORDS_UNUSED),
     ((), b"G0 X1 I1", errors.WORDS_UNUSED),
-    ((), b"G2 X2 I1 K1 F100", errors.WORDS_UNUSED),
     ((), b"G2 X2 R1 I1 F100", errors.WORDS_UNUSED),
     ((), b"G43.1 X1", errors.TOOL_LENGTH_AXIS),
     ((), b"G43.1", errors.TOOL_LENGTH_AXIS),
@@ -324,6 +323,36 @@ def check_a_deep_hole():
     assert shop.gcode.interpret(b"G99 G83 X1 Z-8 R2 Q0.01 F60") == 0
     assert len(shop.gcode.commands) == 2
     assert len(made_of(shop.gcode)) == 2 + 3 * 999 + 2
+
+
+def check_the_third_centre_word_means_nothing():
+    """K in G17, J in G18, I in G19 beside the plane's own, as grbl and as FreeCAD's post for it writes it; not beside R, nor alone."""
+    for plane, arc, word in ((b"G17", b"G3 X-2 Y2 I-2", b"K"), (b"G18", b"G2 X2 Z-2 K-2", b"J"), (b"G19", b"G3 Y-1.5 Z2.5 J-2 K0.5 P2", b"I")):
+        found = []
+        for value in (b"", word + b"0.000", word + b"-7.5"):
+            shop = Shop()
+            shop.do(b"F100", plane)
+            (command,) = shop.do(arc + value)
+            found.append((command.target, command.centre, command.clockwise, command.turns, command.first, command.second))
+        assert found[1] == found[0] == found[2], (plane, found)
+        for line, error in ((b"G2 X1 Y1 Z1 R5" + word + b"0", errors.WORDS_UNUSED), (b"G2 X1 Y1 Z1 " + word + b"0", errors.NO_CENTRE)):
+            assert shop.gcode.interpret(line) == error, line
+        assert shop.gcode.interpret(b"G1 X1" + word + b"0") == errors.WORDS_UNUSED
+
+
+def check_z_of_a_machine_of_two_axes():
+    """It stands at 0: Z0 moves nothing, least of all X and Y home, any other Z is refused."""
+    shop = Shop(Machine("xy"))
+    shop.do(b"G10 L2 P1 X1", b"G0 X3 Y4 Z0", b"G28.1", b"G0 X5 Y-2.0 Z-0.000", b"F100")
+    stands = shop.at()
+    for line in (b"Z0", b"G0 Z0", b"G1 Z0", b"G28 Z0", b"G91 G30 Z0", b"Z0", b"G90 G53 G0 Z0", b"G92 Z0", b"G10 L20 P1 Z0", b"G10 L2 P2 Z0"):
+        shop.do(line)
+        assert shop.at() == stands and shop.gcode.offsets.systems[0] == [1_000_000, 0] and shop.gcode.offsets.shift == [0, 0], line
+    shop.do(b"G92 X0 Z0", b"G91 G2 X1 Y1 Z0 I1", b"G28 X0 Z0", b"G90")
+    assert shop.at() == (1000, stands[1] + 250)
+    for line in (b"Z1", b"G0 X1 Z-0.001", b"G91 Z0.1", b"G92 Z5", b"G10 L2 P1 Z2", b"G81 X1 Z0 R0", b"G38.2 Z0", b"G2 Z0 I1", b"G43.1 Z0"):
+        state = shop.state()
+        assert shop.gcode.interpret(line) != 0 and shop.state() == state, line
 
 
 def check_a_refused_line_keeps_the_length():

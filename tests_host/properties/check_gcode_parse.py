@@ -61,7 +61,7 @@ def draw_line(random):
     if random.between(0, 7) == 0:
         words += random.choice((" S=", "S=", "s=")) + packed([random.between(0, random.choice((1, 1000, 1000, 1023))) for _ in range(random.between(0, 12))])
     if random.between(0, 9) == 0:
-        words += "I" + number(random) + random.choice(("", "J" + number(random), "I1"))
+        words += "I" + number(random) + random.choice(("", "J" + number(random), "I1", "K0"))
     line = bytearray(words.encode())
     if random.between(0, 3) == 0 and line:
         at = random.between(0, len(line))
@@ -80,7 +80,7 @@ def draw_arc(random):
     if random.between(0, 9) == 0:
         x += random.between(-9, 9)
     words = random.choice(("G2", "G3", "G02", "N5G3", "")) + "X%.3fY%.3f" % (x / 1000, y / 1000)
-    words += random.choice(("", "", "Z-1.5", "F300", "S200", "F0", "P2", "H90", "R1", "M8", "G17", "K0"))
+    words += random.choice(("", "", "Z-1.5", "F300", "S200", "F0", "P2", "H90", "R1", "M8", "G17", "K0", "K-2.5", "K0", "K1K2", "R1K0"))
     words += random.choice(("I%.3fJ%.3f", "I%.3f J%.3f", "J%.3fI%.3f")) % (i / 1000, j / 1000)
     return words.encode()
 
@@ -380,14 +380,14 @@ def check_the_frequent_line_is_dealt_with():
 def check_a_plain_arc_is_dealt_with():
     shop = Shop(Straight())
     shop.do(b"G91 G1 X1 F600")
-    for line in (b"G2 X2 I1", b"X1Y1J1", b"N3 G3 X0 Y0 I5 J-2 Z-1 F300", b"g03x-1y1i-1", b"G20", b"G2 X.2 I.1"):
+    for line in (b"G2 X2 I1", b"X1Y1J1", b"N3 G3 X0 Y0 I5 J-2 Z-1 F300", b"g03x-1y1i-1", b"G2 K-3 X2 I1", b"G20", b"G2 X.2 I.1"):
         lines = Lines()
         lines.take(line + b"\n")
         if line == b"G20":
             shop.do(line)
         else:
             assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), line
-    for line in (b"G2 X1 I1", b"G2 I1", b"G2 X1 R1", b"G3 X2 I1 P2", b"G2 Z1 I1", b"X1", b"G1 X1 I1", b"G2 X2 I1 I1", b"G2 X2 I1 K1", b"G2 I1 H90"):
+    for line in (b"G2 X1 I1", b"G2 I1", b"G2 X1 R1", b"G3 X2 I1 P2", b"G2 Z1 I1", b"X1", b"G1 X1 I1", b"G2 X2 I1 I1", b"G2 X2 I1 K1 K1", b"G1 X1 K1", b"G2 X2 K1", b"G2 I1 H90"):
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not waits(lines), line

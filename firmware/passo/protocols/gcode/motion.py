@@ -165,6 +165,7 @@ class Motions(Reader):
             error, i, j = arcs.centre_of(across, along, radius, clockwise)
         elif self._left >> I & in_plane:
             i, j = [self._length(I + axis) if self._take(I + axis) else 0 for axis in (first, second)]
+            self._take(I + 3 - first - second)  # along the third axis: ignored, as grbl does; FreeCAD writes K0 in XY
             if not swept:
                 error = arcs.check_centre(across, along, i, j)
             elif not sweep or not (i or j):

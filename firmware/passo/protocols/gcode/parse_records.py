@@ -37,6 +37,7 @@ HAS_X = const(16)  # then Y, Z and A
 HAS_AXES = const(240)
 HAS_I = const(256)
 HAS_J = const(512)
+HAS_K = const(1024)
 PARSE_MOTION = const(50)  # and what they say, or what holds: G
 PARSE_SPEED = const(51)  # F, nm/s
 PARSE_TURNS = const(52)  # S

@@ -48,9 +48,8 @@ def parse(text: ptr8, begin: int, count: int, fields: ptr32, batch: ptr32, dots:
         if int(set_deltas(fields)) == 0 or int(set_power(fields)) == 0:
             break
         have = fields[PARSE_HAVE]
-        centre = have & (HAS_I | HAS_J)
-        if fields[PARSE_MOTION] > 1 or centre:
-            if fields[PARSE_MOTION] > 1 and centre and fields[PARSE_ARCS] and have & (HAS_X | HAS_X << 1) and have & HAS_X << 3 == 0:
+        if fields[PARSE_MOTION] > 1 or have & (HAS_I | HAS_J | HAS_K):
+            if fields[PARSE_MOTION] > 1 and have & (HAS_I | HAS_J) and fields[PARSE_ARCS] and have & (HAS_X | HAS_X << 1) and have & HAS_X << 3 == 0:
                 fields[PARSE_ARC] = after
             break
         if row and int(add_row(fields, dots)) == 0:
@@ -196,6 +195,9 @@ def read_word(fields: ptr32, letter: int) -> int:
         return int(centre_word(fields, letter - 73))
     have = fields[PARSE_HAVE]
     value = fields[PARSE_VALUE]
+    if letter == 75:  # of an arc with I or J it means nothing
+        fields[PARSE_HAVE] = have | HAS_K
+        return 0 if have & HAS_K else 1
     if fields[PARSE_MINUS]:
         return 0
     if letter == 71:

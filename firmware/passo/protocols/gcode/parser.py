@@ -238,7 +238,7 @@ class GCode(Motions):
         self._plane = self.plane if found[PLANE] == NONE else found[PLANE] // 100
         self._system = self.system if found[SYSTEM] == NONE else found[SYSTEM] // 100 - 54
         self._initial = self.initial if found[RETURN] == NONE else found[RETURN] == 9800
-        axis_words = self._left & self._axis_mask
+        axis_words = self._left & self._axis_mask | self._flat
         moves = found[MOTION] not in (NONE, G80) or (not self._axis_command and (axis_words or self._sweeps(motion)))
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))

@@ -5,7 +5,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.gcode.codes import AXES, CODES, G43, GROUP, GROUPS, LETTER, ON, why_unknown
-from passo.protocols.gcode.words import A, F, H, L, M_CODES, P, Q, R, X, Z, Words, rounded
+from passo.protocols.gcode.words import A, F, H, L, M_CODES, P, Q, R, X, Y, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)
@@ -33,6 +33,7 @@ class Reader:
         self._found = [NONE] * GROUPS
         self._on = ()  # the line's codes that are handed on
         self._left = 0
+        self._flat = 0  # the line's words of axes that the machine has not
         self._inches = False
 
     # --- reading the line: `_left` has the words that no command has taken yet
@@ -59,9 +60,12 @@ class Reader:
             found[group] = code
             if entry & ON:
                 self._on += (code,)
-        if words.have & ~self._axis_mask & 7 << X:
-            raise Refused(errors.UNSUPPORTED)
-        self._left = words.have
+        # Z0 of a machine of two axes: Z stands there.
+        self._flat = words.have & ~self._axis_mask & 7 << X
+        for letter in (Y, Z):
+            if self._flat >> letter & 1 and words.fixed(letter, 6):
+                raise Refused(errors.UNSUPPORTED)
+        self._left = words.have & ~self._flat
 
     def _take(self, letter):
         """True if the word is there; no other command may have it then."""
