@@ -103,6 +103,8 @@ NOT_ADMITTED = const(178)
 PRESENCE = const(179)
 DRAWING = const(180)
 NOT_A_JOB = const(181)
+NOT_WRITTEN = const(182)
+NOT_SENT = const(183)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

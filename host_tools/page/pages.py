@@ -31,10 +31,19 @@ class ServedPages(Pages):
             return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
         answer = self.look(page, order)
         if answer is None:
-            answer = self.order(page, order, proven)
+            try:
+                answer = self.order(page, order, proven)
+            except OSError:  # a full disk
+                answer = self.unwritten(order)
             if isinstance(order, dict) and isinstance(order.get("id"), int):
                 answer["id"] = order["id"]
         return answer
+
+
+    def unwritten(self, order):
+        """The answer to an order, or to its first answer, on which the disk has failed."""
+        do = order.get("do") if isinstance(order, dict) else ""
+        return {"t": "answer", "do": do if isinstance(do, str) else "", "error": errors.NOT_WRITTEN}
 
 
 def _numbered(answer, said):

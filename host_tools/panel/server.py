@@ -192,7 +192,9 @@ class Server:
         @app.post("/stop")
         async def stop(request):
             self.pages.overtake(request.body)
-            return self.api.order({"do": "stop"}, False)
+            answer = self.api.begin({"do": "stop"}, False)
+            later = answer["error"]
+            return self.api.finish(answer, await asyncio.to_thread(later.work)) if isinstance(later, Later) else answer
 
         @app.get("/errors.json")
         async def texts(request):
@@ -273,7 +275,10 @@ class Server:
     async def _finish(self, page, answer):
         """Answer an order once its work is done; meanwhile the page may say something else."""
         try:
-            answer = self.pages.finish(page, answer, await self.result_of(answer["error"]))
+            try:
+                answer = self.pages.finish(page, answer, await self.result_of(answer["error"]))
+            except OSError:  # a full disk
+                answer = {**answer, "error": errors.NOT_WRITTEN}
             if answer is not None:
                 await page.socket.send(json.dumps(answer))
         except BaseException:

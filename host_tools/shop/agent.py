@@ -20,7 +20,7 @@ import time
 from host_tools.language import _
 from host_tools.panel import languages
 from host_tools.panel.server import clock_ms
-from host_tools.shop.link import SHOP
+from host_tools.shop.link import SHOP, guarded
 from host_tools.shop.telling import Telling
 from passo import errors
 
@@ -56,9 +56,11 @@ class _Board:
         link.stopped = self.stop
 
     def stop(self):
-        """Somebody at the broker says so: from the thread of the connection."""
+        """Somebody at the broker says so, from the thread of the connection; or at the machine."""
         with self._lock:
             self._machine.stop()
+            if self.work:
+                self.work.stopped()
             self.telling.stopped()
 
     def attached(self, opened):
@@ -76,15 +78,20 @@ class _Board:
             late = _LATE.search(event["text"])
             self.telling.late(int(late[1]) if late else 0)
 
+    @guarded
     def read(self):
         with self._lock:
             data = self._port.read()
             if data:
                 self._machine.feed(data, clock_ms())
 
+    @guarded
     def poll(self, now_s):
         with self._lock:
             self._poll(now_s)
+
+    def complain(self, text):
+        self._link.complain(text)
 
     def shown(self):
         """What the page at the machine shows."""

@@ -8,8 +8,13 @@ disk before the call returns.
     book.end(job, "done", line, text)
 
 A job is given to one machine, once. Only that machine's word ends it: what a broker loses or says twice changes nothing.
+
+Each call raises BookError if the disk is full, or another program has the file for longer than a moment: then nothing has changed, and the
+call may be made again.
 """
 
+import contextlib
+import errno
 import hashlib
 import json
 import os
@@ -21,6 +26,9 @@ from typing import NamedTuple, Optional
 QUEUED, GIVEN, BEGUN, WAITING = "queued", "given", "begun", "waiting"
 OPEN = (GIVEN, BEGUN, WAITING)
 DONE = "done"
+_WRONG_CALLS = sqlite3.IntegrityError, sqlite3.ProgrammingError, sqlite3.DataError, sqlite3.NotSupportedError  # no fault of the file
+_TROUBLE_S = 3.0  # longer than between two attempts
+_WAIT_MS = 200  # for another program that has the file: STOP must not wait for it
 _TABLES = """
 create table if not exists files (sha text primary key, data blob not null);
 create table if not exists jobs (
@@ -32,6 +40,10 @@ create index if not exists jobs_sha on jobs (sha);
 create unique index if not exists one_a_machine on jobs (machine) where state in ('given', 'begun', 'waiting');
 """
 _IS_OPEN = "state in ('given', 'begun', 'waiting')"  # as the index has it
+
+
+class BookError(OSError):
+    """The book could not be read or written; `strerror`: why."""
 
 
 class Job(NamedTuple):
@@ -60,20 +72,41 @@ class Book:
     def __init__(self, path):
         self._lock = threading.RLock()
         self._base = sqlite3.connect(path, check_same_thread=False, isolation_level=None)
-        self._base.executescript("pragma journal_mode=wal; pragma synchronous=full;" + _TABLES)
+        self._base.executescript("pragma journal_mode=wal; pragma synchronous=full;" + _TABLES + f"pragma busy_timeout={_WAIT_MS};")
+        self._failed = "", 0.0  # why, and when
         self.changed = 0  # counts
+
+    @property
+    def trouble(self):
+        """Why the file could not be read or written a moment ago; "": it could."""
+        why, failed_s = self._failed
+        return why if time.monotonic() - failed_s < _TROUBLE_S else ""
 
     def close(self):
         self._base.close()
 
-    def _ask(self, text, *values):
+    @contextlib.contextmanager
+    def _locked(self):
+        """The base for one thread. Raises BookError if its file cannot be read or written."""
         with self._lock:
-            return self._base.execute(text, values).fetchall()
+            try:
+                yield self._base
+            except sqlite3.DatabaseError as error:
+                if isinstance(error, _WRONG_CALLS):
+                    raise
+                self._failed = str(error), time.monotonic()
+                raise BookError(errno.EIO, str(error)) from error
+
+    def _ask(self, text, *values):
+        with self._locked() as base:
+            return base.execute(text, values).fetchall()
 
     def _write(self, text, *values):
-        with self._lock:
+        with self._locked() as base:
             self.changed += 1
-            return self._base.execute(text, values).rowcount
+            count = base.execute(text, values).rowcount
+            self._failed = "", 0.0
+            return count
 
     def _jobs(self, text, *values):
         return [_job(row) for row in self._ask("select * from jobs " + text, *values)]
@@ -83,8 +116,8 @@ class Book:
     def add(self, data, name, wants, copies=1):
         """Returns the new jobs' ids. All copies come, or none."""
         sha = hashlib.sha256(data).hexdigest()
-        with self._lock:
-            self._base.execute("begin immediate")
+        with self._locked() as base:
+            base.execute("begin immediate")
             try:
                 self._write("insert or ignore into files values (?, ?)", sha, data)
                 number = self._ask("select coalesce(max(number), 0) from jobs")[0][0]
@@ -97,20 +130,20 @@ class Book:
                             "insert into jobs (id, number, name, sha, wants, state, added) values (?, ?, ?, ?, ?, ?, ?)",
                             new, number + len(ids), name, sha, json.dumps(wants), QUEUED, time.time(),
                         )  # fmt: skip
-                self._base.execute("commit")
+                base.execute("commit")
             except BaseException:
-                self._base.execute("rollback")
+                if base.in_transaction:  # a full disk may have ended it
+                    base.execute("rollback")
                 raise
         return ids
 
     def give(self, machine, nonce, fits):
         """The first queued job that fits is the machine's from now on. None: there is none, or the machine has one."""
-        with self._lock:
+        with self._locked() as base:
             if self.open_of(machine):
                 return None
-            waiting = self._base.execute("select * from jobs where state = ? order by number", (QUEUED,))
-            job = next((job for job in map(_job, waiting) if fits(job)), None)  # without reading the rest of a long queue
-            waiting.close()
+            with contextlib.closing(base.execute("select * from jobs where state = ? order by number", (QUEUED,))) as waiting:
+                job = next((job for job in map(_job, waiting) if fits(job)), None)  # without reading the rest of a long queue
             if job is None:
                 return None
             self._write("update jobs set state = ?, machine = ?, nonce = ? where id = ? and state = ?", GIVEN, machine, nonce, job.id, QUEUED)
@@ -120,10 +153,12 @@ class Book:
         """The machine says where a job that it has stands. It will say so again: this does not wait for the disk."""
         if job.state in OPEN and (job.state, job.line, job.text) != (state, line, text):
             begun = None if state == GIVEN else time.time()
-            with self._lock:
-                self._base.execute("pragma synchronous=normal")
-                self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, begun, job.id)
-                self._base.execute("pragma synchronous=full")
+            with self._locked() as base:
+                base.execute("pragma synchronous=normal")
+                try:
+                    self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, begun, job.id)
+                finally:
+                    base.execute("pragma synchronous=full")
 
     def end(self, job, how, line, text):
         """A short job may be done before its machine could say that it has begun: it begins with its end."""

@@ -8,20 +8,32 @@
 What the broker loses is said again: a machine tells with each connection what it has, and the desk compares that with the book. An order
 is signed for the nonce of the machine's release, so it is carried out once. One for a job that was given before says so ("again"): the machine
 asks whoever stands there.
+
+If the book cannot be written (the disk is full, or another program has the file), the desk tries again each second with what each machine has
+told last. No message waits for that, and STOP neither: it is sent by the thread that hears the messages.
 """
 
 import os
+import sys
 import threading
 
 import paho.mqtt.client as mqtt
 
-from host_tools.shop.book import BEGUN, GIVEN, WAITING
-from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP
+from host_tools.shop.book import BEGUN, GIVEN, WAITING, BookError
+from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP, guarded, wrong_message
 from host_tools.shop.signed import MACHINE, Opener, sealed
 from host_tools.shop.signed import SHOP as FROM_SHOP
 from host_tools.shop.telling import GONE, LOST, TOPICS
+from passo import errors
 from passo.web.guard import nonce
 
+_AGAIN_S = 1.0  # between two attempts to write the book
+_LEFT_S = 2.0  # a STOP has been acknowledged by the broker
+_WORD, _QUEUE, _PIECES = "word", "queue", "pieces"  # what the desk does with the book: for a machine, for one or all, for a file
+# What a machine tells: the type of each field. `ended`: None or [id, how, line, text]; `area`: mm of X and Y.
+_TOLD = {"how": str, "job": str, "nonce": str, "line": int, "text": str, "ended": (list, type(None)), "area": list, "kind": str, "tool": str, "laser": str, "page": str}
+_ENDED = str, str, int, str
+_MOST_LINES = 1 << 40
 _STATES = {"fetch": GIVEN, "run": BEGUN, "waits": WAITING, "goes": WAITING}
 _TOOL = "tool"
 LASER_CLASSES = "1", "1C", "1M", "2", "2M", "3R", "3B", "4"  # of IEC 60825-1, the harmless ones first
@@ -45,6 +57,21 @@ def _is_safe(has, most):
     return not most or has in LASER_CLASSES[: LASER_CLASSES.index(most) + 1]
 
 
+def read_told(told):
+    """What a machine tells, without fields that the shop does not know; None: a field is missing, or of another type."""
+    told = {name: told[name] for name in _TOLD if name in told}
+    told = {"tool": "", "laser": "", "page": "", **told}
+    right = set(told) == set(_TOLD) and all(_is_a(value, _TOLD[name]) for name, value in told.items())
+    ended = told["ended"] if right else None
+    right = right and (ended is None or len(ended) == len(_ENDED) and all(map(_is_a, ended, _ENDED)))
+    right = right and all(0 <= line <= _MOST_LINES for line in (told["line"], *(ended or ())[2:3]))
+    return told if right and all(_is_a(each, (int, float)) for each in told["area"]) else None
+
+
+def _is_a(value, types):
+    return isinstance(value, types) and not isinstance(value, bool)
+
+
 class Desk:
     def __init__(self, broker, key, book):
         self._key, self._book = key, book
@@ -54,6 +81,11 @@ class Desk:
         self._files = set()  # SHA-256 of those on the broker
         self._lock = threading.RLock()
         self.machines = {}
+        self._told = {}  # machine: its last word
+        self._again = set()  # (what, name): not done yet, for the book could not be written
+        self._trying = None  # the thread that tries again
+        self._closed = threading.Event()
+        self._complained = ""
         self._client = broker.client(f"{ROOT}-shop-{os.urandom(4).hex()}")
         self._client.on_connect = self._connected
         self._client.on_message = self._hear
@@ -64,25 +96,75 @@ class Desk:
         return self._client.is_connected()
 
     def close(self):
+        self._closed.set()
         self._client.disconnect()
         self._client.loop_stop()
 
-    def stop_all(self):
-        self._client.publish(f"{ROOT}/{STOP}", "shop", 1)
+    def complain(self, text):
+        if text != self._complained:
+            self._complained = text
+            print(text, file=sys.stderr, flush=True)
 
+    def stop_all(self):
+        """Stop all machines. Returns 0 once the broker has the message, else NOT_SENT; waits for that, _LEFT_S at most."""
+        if not self.up:
+            return errors.NOT_SENT  # sent once it is there again, it would stop machines that somebody has started meanwhile
+        told = self._client.publish(f"{ROOT}/{STOP}", "shop", 1)
+        try:
+            told.wait_for_publish(_LEFT_S)
+        except (ValueError, RuntimeError):
+            return errors.NOT_SENT
+        return 0 if told.is_published() else errors.NOT_SENT
+
+    @guarded
     def _connected(self, client, userdata, flags, code, properties):
         if code.is_failure:
             return
         client.subscribe([(f"{ROOT}/+/work", 1)] + [(f"{ROOT}/+/{topic}", 0) for topic in (*TOPICS, "language")])
         client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
         with self._lock:  # the broker may have forgotten all
-            for sha in self._files:
-                self._put(sha)
             for name, text in self._ordered.items():
                 client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)
+            for sha in self._files:
+                self._bring(_PIECES, sha)
+
+    # --- the book
+
+    def _bring(self, what, name):
+        """Do what wants the book: at once, or once it can be written again."""
+        if not self._again and self._done(what, name):
+            return
+        self._again.add((what, name))
+        if self._trying is None:
+            self._trying = threading.Thread(target=self._try_again, daemon=True)
+            self._trying.start()
+
+    def _done(self, what, name):
+        """False if the book cannot be written now."""
+        try:
+            {_WORD: self._answer, _QUEUE: self._give, _PIECES: self._put}[what](name)
+        except BookError:
+            return False
+        except Exception as error:  # of this one only: the others go on
+            self.complain(wrong_message(error))
+        return True
+
+    def _try_again(self):
+        """A thread, as long as the book cannot be written."""
+        while not self._closed.wait(_AGAIN_S):
+            with self._lock:
+                while self._again:
+                    first = next(iter(self._again))
+                    if not self._done(*first):
+                        break
+                    self._again.discard(first)
+                else:
+                    self._trying = None
+                    return
 
     # --- what machines tell
 
+    @guarded
     def _hear(self, client, userdata, message):
         _root, name, topic = message.topic.split("/")
         text = message.payload.decode(errors="replace")
@@ -95,12 +177,14 @@ class Desk:
                 return
             opener = self._openers.setdefault(name, Opener(self._key, MACHINE, f"{self._nonce} {name}"))
             told = opener.open(text)
+            told = told and read_told(told)
             if told:
+                self._told[name] = told
                 self.machines.setdefault(name, {}).update(told)
-                self._answer(name, told)
+                self._bring(_WORD, name)
 
-    def _answer(self, name, told):
-        book = self._book
+    def _answer(self, name):
+        book, told = self._book, self._told[name]
         job = book.open_of(name)
         if told["ended"] and job and told["ended"][0] == job.id:
             book.end(job, *told["ended"][1:])
@@ -112,24 +196,27 @@ class Desk:
         elif job:
             self._order(name, job, told["nonce"])
         elif told["how"] == "free":
-            self.look(name)
+            self._give(name)
 
     def look(self, only=None):
         """Give jobs to the machines that are released: to one, or after the queue has grown."""
         with self._lock:
-            for name, told in self.machines.items():
-                if only in (None, name) and told.get("how") == "free" and told.get("state") not in _AWAY:
-                    job = self._book.give(name, told["nonce"], lambda job, told=told: fits(job, told))
-                    if job:
-                        self._order(name, job, told["nonce"])
+            self._bring(_QUEUE, only)
+
+    def _give(self, only):
+        for name, told in self.machines.items():
+            if only in (None, name) and told.get("how") == "free" and told.get("state") not in _AWAY:
+                job = self._book.give(name, told["nonce"], lambda job, told=told: fits(job, told))
+                if job:
+                    self._order(name, job, told["nonce"])
 
     # --- orders
 
     def _order(self, name, job, to):
         parts = -(-len(self._book.data(job.sha)) // PIECE)
         if job.sha not in self._files:
-            self._files.add(job.sha)
             self._put(job.sha)
+            self._files.add(job.sha)
         body = {"id": job.id, "name": job.name, "sha": job.sha, "parts": parts, "again": to != job.nonce}
         text = self._ordered[name] = sealed(self._key, FROM_SHOP, to, 1, body)
         self._client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)

@@ -13,8 +13,10 @@ Topics are passo/NAME/… A connection each: a last will belongs to one.
 """
 
 import collections
+import functools
 import hashlib
 import json
+import re
 import ssl
 import sys
 import threading
@@ -40,7 +42,27 @@ PIECE = 32_768  # bytes
 _KEEP_ALIVE_S = 10  # half as long again without a sign, and the broker publishes the last will
 _AGAIN_S = 1, 10  # until the next attempt to connect, at least and at most
 _MOST_WAITING = 1000  # events
+_MOST_TOLD = 200  # letters of an error
+_NUMBER = re.compile(r"[0-9]{1,4}")  # of a piece
 _PORT, _TLS_PORT = 1883, 8883
+
+
+def guarded(handler):
+    """A handler of the broker's messages, a method: what it raises is told by `self.complain(text)`. It would end the connection's thread, and STOP with it."""
+
+    @functools.wraps(handler)
+    def handle(self, *arguments):
+        try:
+            return handler(self, *arguments)
+        except Exception as error:
+            self.complain(wrong_message(error))
+
+    return handle
+
+
+def wrong_message(error):
+    """What is said of a message, of a broker or a board, that could not be carried out."""
+    return _("a message could not be carried out: {}", f"{type(error).__name__}: {reason(error)}"[:_MOST_TOLD])
 
 
 class Broker(NamedTuple):
@@ -93,7 +115,7 @@ class Parcel:
 
     def hear(self, topic, data):
         number = topic[len(self._topic) :]
-        if self._topic and topic.startswith(self._topic) and number.isdigit() and int(number) < len(self._pieces):
+        if self._topic and topic.startswith(self._topic) and _NUMBER.fullmatch(number) and int(number) < len(self._pieces):
             self._pieces[int(number)] = data
             self._fresh = True
 
@@ -132,10 +154,15 @@ class Link:
         self._client.will_set(self._topic + "state", GONE, 1, True)
         self._client.on_connect = self._connected
         self._client.on_message = self._hear
-        self._client.on_connect_fail = lambda client, userdata: self._fail(_("no broker answers: {}", reason(sys.exc_info()[1])))
+        self._client.on_connect_fail = self._unreached
         self._client.on_disconnect = self._disconnected
         broker.connect(self._client)
 
+    @guarded
+    def _unreached(self, client, userdata):
+        self._fail(_("no broker answers: {}", reason(sys.exc_info()[1])))
+
+    @guarded
     def _connected(self, client, userdata, flags, code, properties):
         if code.is_failure:
             self._fail(_("the broker refuses: {}", code))
@@ -150,6 +177,7 @@ class Link:
             self.parcel.subscribe()
         self._fresh.set()
 
+    @guarded
     def _disconnected(self, client, userdata, flags, code, properties):
         if code.is_failure:
             self._fail(_("the connection to the broker is lost: {}", code))
@@ -159,6 +187,9 @@ class Link:
             self._why = why
             self._refused(why)
 
+    complain = _fail
+
+    @guarded
     def _hear(self, client, userdata, message):
         what = message.topic.rpartition("/")[2]
         if what == STOP:

@@ -7,15 +7,19 @@
 import asyncio
 import json
 import signal
+import time
 from pathlib import Path
 
-from host_tools.failure import Failure
-from host_tools.language import in_languages
+from host_tools.failure import Failure, reason
+from host_tools.language import _, in_languages
+from host_tools.page.later import Later
 from host_tools.page.pages import ServedPages
 from host_tools.panel.panel import FOLDER, names_of
 from host_tools.panel.server import PUSH_MS, Server, clock_ms, error_list
 from host_tools.shop import drop
+from host_tools.shop.book import BookError
 from host_tools.shop.desk import LASER_CLASSES
+from host_tools.shop.link import wrong_message
 from microdot import Response
 from passo import errors
 from passo.protocols.page.orders import Wrong, number, text
@@ -26,6 +30,8 @@ _PAGES = 30
 _MOST_COPIES = 200
 _PIECE = 32_768
 _SHOWN = 300  # jobs
+_TRIES, _AGAIN_S = 10, 0.5  # to write a job into the book
+_READ_AGAIN_S = 1.0  # a book that could not be read
 _TOLD = ("how", "job", "line", "kind", "tool", "laser", "page", "language", "state", "progress", "left")
 _SAID = ("text", "alarm")  # in the language of the agent: a page has its own
 
@@ -41,11 +47,14 @@ class ShopPages(ServedPages):
         return {"kinds": drop.kinds()}
 
     def order(self, page, order, proven):
-        return self._shop.order(order, proven, page)
+        return self._shop.begin(order, proven, page)
+
+    def finish(self, page, answer, result):
+        return self._shop.finish(answer, result)
 
     def next_state(self, now_ms):
         state = self._shop.state()
-        self.version = json.dumps([state["jobs"], [{**each, "progress": "", "left": ""} for each in state["machines"]]])
+        self.version = json.dumps([state["jobs"], [{**each, "progress": "", "left": ""} for each in state["machines"]], state["trouble"], state["broker"]])
         return json.dumps({"t": "state", **state})
 
 
@@ -56,7 +65,8 @@ class Shop:
         self._coming = {}  # (page, name of the file): its text so far
         self._tasks = set()
         self._checks = asyncio.Lock()  # one file after the other: their order is that of the queue
-        self._seen, self._jobs = None, []
+        self._seen, self._jobs, self._counts, self._used = None, [], {}, []
+        self._look_s = 0.0  # not before: the book could not be read
         files = {path.name: str(path) for path in _OWN.iterdir()} | {name: f"{FOLDER}/{name}" for name in _SHARED}
         self.server = Server(self, key, names_of(host), "", pages=ShopPages(self, key), files={**files, "index.html": files["shop.html"]})
 
@@ -66,25 +76,38 @@ class Shop:
 
         @self.server.app.get("/job/<job_id>")
         async def program(request, job_id):
-            job = book.job(job_id)
+            try:
+                job = book.job(job_id)
+                data = job and book.data(job.sha)
+            except BookError as error:
+                return reason(error), 503
             if job is None:
                 return "not here", 404
-            return Response(book.data(job.sha), 200, {"Content-Type": "text/plain; charset=utf-8"})
+            return Response(data, 200, {"Content-Type": "text/plain; charset=utf-8"})
 
     # --- orders
 
     def order(self, order, proven, page=None):
+        answer = self.begin(order, proven, page)
+        return self.finish(answer, answer["error"].work()) if isinstance(answer["error"], Later) else answer
+
+    def begin(self, order, proven, page=None):
+        """The answer; its "error" is a Later for STOP, which waits for the broker's word: finish() has the answer then."""
         do = order.get("do") if isinstance(order, dict) else None
         if do == "stop":
-            self.desk.stop_all()
-            return {"t": "answer", "do": do, "error": 0}
+            return {"t": "answer", "do": do, "error": Later(self.desk.stop_all)}
         if not proven:
             return {"t": "answer", "do": str(do)[:20], "error": errors.NO_SESSION}
         try:
             error = self._orders[do](order, page)
-        except (Wrong, KeyError, TypeError):
+        except (Wrong, LookupError, TypeError, ValueError, ArithmeticError):
             error = errors.ORDER_FIELD
+        except OSError:
+            error = errors.NOT_WRITTEN
         return {"t": "answer", "do": str(do)[:20], "error": error}
+
+    def finish(self, answer, result):
+        return {**answer, "error": answer["error"].then(result) or 0}
 
     def _drop(self, order, page):
         """A piece of a file; with the last one it is checked, and the pages are told what came of it."""
@@ -115,15 +138,29 @@ class Shop:
         return 0
 
     async def _queue(self, name, said, wants, copies):
+        """Check a file and put it into the book. Whatever comes of it, the pages are told."""
+        why = ""
         try:
             async with self._checks:
                 made, data, facts = await asyncio.to_thread(drop.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
+            await self._add(data, made, {**wants, **facts}, copies)
         except Failure as failure:
-            self.server.pages.tell({"t": "dropped", "name": name, "text": in_languages(failure.told())})
-            return
-        self.book.add(data, made, {**wants, **facts}, copies)
-        self.server.pages.tell({"t": "dropped", "name": name, "text": "", "copies": copies})
-        self.desk.look()
+            why = failure.told()
+        except Exception as error:  # a full disk, a file on which a reader fails
+            why = _("{}: it could not be queued: {}", name, reason(error) or type(error).__name__)
+        self.server.pages.tell({"t": "dropped", "name": name, "text": in_languages(why), **({} if why else {"copies": copies})})
+        if not why:
+            self.desk.look()
+
+    async def _add(self, data, name, wants, copies):
+        """Raises BookError if the book cannot be written for some seconds."""
+        for left in reversed(range(_TRIES)):
+            try:
+                return await asyncio.to_thread(self.book.add, data, name, wants, copies)
+            except BookError:
+                if not left:
+                    raise
+            await asyncio.sleep(_AGAIN_S)
 
     def _withdraw(self, order, page):
         return 0 if self.book.withdraw(text(order, "job", 8)) else errors.NO_SUCH_JOB
@@ -140,19 +177,38 @@ class Shop:
     # --- what is shown
 
     def state(self):
-        book = self.book
-        if self._seen != book.changed:
-            self._seen = book.changed
-            self._jobs = [
-                {"id": job.id, "name": job.name, "state": job.state, "machine": job.machine, "wants": job.wants, "line": job.line, "text": in_languages(job.text), "sha": job.sha}
-                for job in book.jobs(_SHOWN)
-            ]  # fmt: skip
-            self._counts, self._used = book.counts(), book.used()
+        self._look()
+        trouble = self.book.trouble
         machines = [
             {"name": name, **{key: told.get(key, "") for key in _TOLD}, **{key: in_languages(told.get(key, "")) for key in _SAID}}
-            for name, told in sorted(self.desk.machines.items()) if told.get("state") or told.get("how")
+            for name, told in sorted(list(self.desk.machines.items())) if told.get("state") or told.get("how")
         ]  # fmt: skip
-        return {"machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.desk.up}
+        return {
+            "machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.desk.up,
+            "trouble": in_languages(_("The book of jobs cannot be written: {}. The shop tries again each second.", trouble) if trouble else ""),
+        }  # fmt: skip
+
+    def _look(self):
+        """Read the book, if it has changed."""
+        book, now_s = self.book, time.monotonic()
+        if self._seen == book.changed or now_s < self._look_s:
+            return
+        try:
+            seen, jobs, counts, used = book.changed, book.jobs(_SHOWN), book.counts(), book.used()
+        except BookError:
+            self._look_s = now_s + _READ_AGAIN_S
+            return
+        self._seen, self._counts, self._used = seen, counts, used
+        self._jobs = [
+            {"id": job.id, "name": job.name, "state": job.state, "machine": job.machine, "wants": job.wants, "line": job.line, "text": in_languages(job.text), "sha": job.sha}
+            for job in jobs
+        ]  # fmt: skip
+
+    async def _push(self):
+        try:
+            await self.server.push(clock_ms())
+        except Exception as error:  # what a machine tells may be anything: STOP goes on
+            self.desk.complain(wrong_message(error))
 
     async def run(self, host, port, ready):
         loop = asyncio.get_running_loop()
@@ -163,7 +219,7 @@ class Shop:
         try:
             ready(await self.server.listening(serving))
             while not stopped.is_set():
-                await self.server.push(clock_ms())
+                await self._push()
                 await asyncio.sleep(4 * PUSH_MS / 1000)
         finally:
             serving.cancel()

@@ -13,11 +13,12 @@ anything else (the agent or the board has begun anew, a stop, an alarm) the mach
 `how` of it: REST; FREE, released; FETCH, the job's file comes; RUN; WAITS, `text` says for what; GOES, it is made ready to go on.
 """
 
+import re
 import tempfile
 import time
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import Store
@@ -33,6 +34,8 @@ GIVEN_UP, REFUSED = "given up", "refused"  # how a job has ended; or DONE
 _RELEASED_S = 1800  # a release lapses: whoever gave it may have gone
 _SETTLE_S = 0.6  # a report has come by then
 _TRIES = 4  # to unlock, to home
+_ORDER = {"id": re.compile("[0-9a-fA-F]{1,8}"), "sha": re.compile("[0-9a-f]{64}"), "name": re.compile(r"[^\x00-\x1f]{1,200}")}
+_MOST_PARTS = 4096  # of a job's file
 _COUNTS_S = 20  # counts of messages a second, so that those of an agent that begins anew are higher
 
 
@@ -126,6 +129,7 @@ class Work:
         self._order = None  # the shop's, of the job
         self._ended = None  # [id, how, line, text] of the last one
         self._released = False  # for the job whose file comes
+        self._held_up = ""  # why it waits if it is not
         self._tries = 0
         self._quiet_s = self._since_s = 0.0
         self._said = ("", None, "")
@@ -164,12 +168,10 @@ class Work:
     def order(self, text):
         """An order of the shop; one that is not signed for this nonce, or is heard again, is nothing."""
         order = self._opener.open(text)
-        if order is None or self._order or self.how not in (REST, FREE):
-            return
-        if not 0 < int(order["id"], 16) <= 0xFFFFFFFF:
+        if order is None or self._order or self.how not in (REST, FREE) or not _is_order(order):
             return
         self._parcel.ask(order["sha"], order["parts"])
-        self._released = self.how == FREE and not order["again"]
+        self._released, self._held_up = self.how == FREE and not order["again"], _("the agent has begun anew")
         self._order = order
         self._become(FETCH)
 
@@ -224,6 +226,14 @@ class Work:
         self._end(GIVEN_UP, self.text)
         return ""
 
+    def stopped(self):
+        """Somebody has said STOP: what was released or told to go on before it begins no more."""
+        text = _("it was stopped")
+        if self.how == FETCH:
+            self._released, self._held_up = False, text
+        elif self.how in (FREE, GOES):
+            self._fall_back(text)
+
     def refused(self, text):
         """Why a job does not go on."""
         self._why = text
@@ -266,11 +276,14 @@ class Work:
         except Failure as failure:
             self._end(REFUSED, failure.told())
             return
+        except OSError as error:  # its disk is full
+            self._end(REFUSED, _("the PC beside the machine cannot keep the job's file: {}", reason(error)))
+            return
         known = self._job.record.job
         number = int(self._order["id"], 16)
         self._job.keep(self._order["name"], lines, number)
         if not self._released or known == number:
-            self._become(WAITS, _("the agent has begun anew"))
+            self._become(WAITS, self._held_up)
         elif self._machine.state["state"] != "Idle" or self._begin():
             self._become(WAITS, _("the machine was not ready"))
 
@@ -367,6 +380,14 @@ class Work:
         self._job.keep()
         self._renew()
         self._become(REST)
+
+
+def _is_order(order):
+    """True if an order has all its fields, each within its bounds."""
+    texts = [(order.get(name), pattern) for name, pattern in _ORDER.items()]
+    parts = order.get("parts")
+    right = all(isinstance(value, str) and pattern.fullmatch(value) for value, pattern in texts) and isinstance(order.get("again"), bool)
+    return right and isinstance(parts, int) and not isinstance(parts, bool) and 0 <= parts <= _MOST_PARTS and int(order["id"], 16) > 0
 
 
 def _lines_of(data):

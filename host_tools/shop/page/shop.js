@@ -77,6 +77,9 @@ function kindOf(machine) { return machine.tool ? `${machine.kind} · ${machine.t
 
 function show() {
   at("no-broker").hidden = state.broker;
+  at("trouble").hidden = !state.trouble;
+  const trouble = said(state.trouble);
+  if (at("trouble").firstElementChild.textContent !== trouble) at("trouble").firstElementChild.textContent = trouble;
   const kinds = [...new Set(state.machines.flatMap((machine) => [machine.language, kindOf(machine)]))].filter((each) => each).sort();
   if (kinds.join() !== [...at("filter").options].slice(KEPT).map((each) => each.value).join()) options(at("filter"), kinds, KEPT);
   const jobs = new Map(state.jobs.map((job) => [job.id, job]));
@@ -189,14 +192,14 @@ at("open").addEventListener("submit", (event) => { event.preventDefault(); useKe
 at("filter").addEventListener("change", show);
 document.addEventListener("dragover", (event) => event.preventDefault());
 document.addEventListener("drop", (event) => { event.preventDefault(); if (event.dataTransfer.files.length) queue(event.dataTransfer.files); });
-at("stop").addEventListener("click", async () => {
-  try {
-    const answer = await fetch("stop", { method: "POST" });
-    say(() => answer.ok ? _("STOP has been sent to all machines. Look at them.") : _("STOP was not sent. Use the emergency stops."));
-  } catch (error) {
-    say(() => _("STOP was not sent. Use the emergency stops."));
-  }
-});
+// The answer says whether the broker has it.
+async function stop() {
+  const sent = await fetch("stop", { method: "POST" }).then((answer) => answer.ok && answer.json()).then((answer) => answer && answer.error === 0).catch(() => false);
+  say(() => sent ? _("STOP has been sent to all machines. Look at them.") : _("STOP was not sent. Use the emergency stops."));
+}
+
+at("stop").addEventListener("click", stop);
+document.addEventListener("keydown", (event) => { if (event.key === "Escape" && !event.repeat) stop(); }, true);
 
 function useKey(text) {
   link.key = text.toUpperCase().replace(/[^A-Z2-9]/g, "");
