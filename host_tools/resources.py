@@ -3,6 +3,7 @@
     FIRMWARE        the folder that holds passo/, the firmware's package
     MAIN            firmware/main.py
     BOARDS          the folder of the project's board files
+    EXAMPLES        that of the files that the documents use
     version()       "0.1.0": one for tools, firmware and UF2
 """
 
@@ -17,10 +18,12 @@ if (ROOT / "firmware" / "main.py").is_file():
     FIRMWARE = ROOT / "firmware"
     MAIN = FIRMWARE / "main.py"
     BOARDS = ROOT / "boards"
+    EXAMPLES = ROOT / "examples"
 else:  # package-dir in pyproject.toml says what lies where
     FIRMWARE = ROOT
     MAIN = HOST_TOOLS / "firmware" / "main.py"
     BOARDS = ROOT / "passo_boards"
+    EXAMPLES = ROOT / "passo_examples"
 
 
 def version():

@@ -25,8 +25,10 @@ PAIRS = {
 MOST_BYTES = 150_000
 # What a Brazilian shop does not say, and what it does; `fuso` is a lead screw, so never beside a speed or M3.
 NOT_SAID = {
-    "sentiu falta": "acusou", "armazenad": "guardado", "acionamento": "driver", "deseja": "quer", "origem buscada": "referenciada",
+    "sentiu falta": "acusou", "armazenad": "guardado", " acionamento": "driver", "deseja": "quer", "origem buscada": "referenciada",
     "rotação do fuso": "rotação do spindle", "arquivo de placas": "arquivo de placa", "config.": "configuração",
+    "plotadora": "plotter", "barreira": "sensor óptico", "chave óptica": "sensor óptico", "filas compactas": "linhas compactas",
+    "filas de pontos": "linhas de pontos", "silício": "o chip real", "que porta": "qual porta", "ao subir": "estacionamento",
 }  # fmt: skip
 
 

@@ -23,7 +23,7 @@ from host_tools.resources import FIRMWARE, ROOT
 from test_docs import PAGES, shown_commands
 
 pytestmark = pytest.mark.xdist_group("install")
-COPIED = ("LICENSE", "README.md", "boards", "firmware", "host_tools", "pyproject.toml")
+COPIED = ("LICENSE", "README.md", "boards", "examples", "firmware", "host_tools", "pyproject.toml")
 GCODE = "G21G90\nG1X10F600\nG2X20Y10I10J0\nM2\n"
 SVG = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">'
@@ -97,7 +97,7 @@ def test_the_wheel_is_whole(wheel):
 
 def test_its_top_level_has_names_of_its_own(wheel):
     top = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
-    assert {name for name in top if not name.endswith(".dist-info")} == {"host_tools", "passo", "passo_boards"}
+    assert {name for name in top if not name.endswith(".dist-info")} == {"host_tools", "passo", "passo_boards", "passo_examples"}
 
 
 def test_version_and_first_steps(passo):

@@ -47,9 +47,10 @@ REASONS = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR,
            errno.EADDRINUSE, errno.EADDRNOTAVAIL, errno.ECONNREFUSED, errno.ECONNRESET, errno.ETIMEDOUT, errno.EHOSTUNREACH,
            errno.ENETUNREACH, errno.ENODEV, errno.EPIPE)  # fmt: skip
 # Words of the documents, and what an English text with them has to say in Portuguese.
-TERMS = {"spindle": "spindle", "homed": "referenciada", "drives": "drivers", "torch": "tocha", "plotter": "plotadora", "pulse": "pulso", "weave": "tecer", "homing": "origem"}
+TERMS = {"spindle": "spindle", "homed": "referenciada", "drives": "drivers", "torch": "tocha", "plotter": "plotter", "pulse": "pulso", "weave": "tecer", "homing": "origem"}
 # One word each, as a Brazilian shop has it: {what is not said: what is}; `fuso` is the lead screw.
-NOT_SAID = {"armazen": "guardado", "foi salvo": "guardado", "sentiu falta": "acusou", "acionamento": "driver", "drives": "drivers",
+NOT_SAID = {"armazen": "guardado", "foi salvo": "guardado", "sentiu falta": "acusou", " acionamento": "driver", "plotadora": "plotter", "chave óptica": "sensor óptico", "fila de pontos": "linha de pontos", "ao subir:": "estacionamento:",
+    "que porta?": "qual porta?", "drives": "drivers",
             " um ajuste": "configuração", "é ajuste": "configuração", "nem ajustes": "configurações"}
 
 

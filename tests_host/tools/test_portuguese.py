@@ -18,7 +18,7 @@ def test_the_command_in_portuguese():
     assert "Comece por aqui" in asked.stdout and asked.stdout == by_environment.stdout
     assert "Try this first" in passo("--lang", "en", LANGUAGE="pt").stdout
     for words in (("--lang", "pt", "draw", "--help"), ("draw", "--help")):
-        assert "Desenha um arquivo numa plotadora" in passo(*words, LANGUAGE="pt").stdout
+        assert "Desenha um arquivo numa plotter" in passo(*words, LANGUAGE="pt").stdout
     assert "Draw a file" in passo("--lang", "en", "draw", "--help", LANGUAGE="pt").stdout
     assert all(each in asked.stdout for each in ("Uso:", "Opções", "Comandos", "Mostrar esta mensagem"))
     assert "não foi possível ler nada.nc: arquivo ou pasta não encontrado" in passo("--lang", "pt", "check", "nada.nc").stderr
