@@ -123,6 +123,7 @@ TEXTS = {
     errors.ALARM_INVERTER_FAULT: "the spindle's inverter has a fault: the log has its number; clear it there",
     errors.ALARM_INVERTER_REFUSED: "the spindle's inverter refused a request: check its make, and that it takes commands from its serial line",
     errors.ALARM_SPINDLE_SPEED: "the spindle did not come to its speed, or lost it: check load, belt and inverter",
+    errors.ALARM_INVERTER_LATE: "replies of the spindle's inverter come late: raise timeout_ms of the board file, or shorten the delay of its replies there",
     errors.ALARM_DRIVER_SILENT: "a driver is silent: check wire, address, power",
     errors.ALARM_DRIVER_DIFFERS: "a driver is another chip, or differs",
     errors.ALARM_DRIVER_FAULT: "a driver overheated or shorted: check motor",

@@ -5,6 +5,7 @@
     inverter.hz, inverter.way           # as the motor turns now: hertz; 3 clockwise, 4 counter-clockwise, 0 not driven
     inverter.fault = 7                  # it trips: the motor runs out
     inverter.silent = True              # it does not answer any more, and goes on with what it does
+    inverter.reply_ms = 300             # so late it answers, one request after the other
 
 Speed changes by RAMP_HZ_S. The test under pymodbus replaces answer(): what a frame means is then not ours to say.
 """
@@ -26,6 +27,7 @@ class SimInverter:
         self.asked_hz = 0.0
         self.fault = 0
         self.silent = False
+        self.reply_ms = REPLY_MS
         self.requests = []  # as they came
         self._then_ms = now_ms()
         self._due = []  # (ms, bytes)
@@ -47,7 +49,7 @@ class SimInverter:
         if not self.silent:
             reply = self.answer(bytes(data))
             if reply:
-                self._due.append((self.now_ms() + REPLY_MS, reply))
+                self._due.append((self.now_ms() + self.reply_ms, reply))
 
     def read(self):
         self._run()

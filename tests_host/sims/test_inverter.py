@@ -6,6 +6,8 @@ import pytest
 from pymodbus.framer import FramerRTU
 from pymodbus.pdu import DecodePDU, ExceptionResponse
 
+from draws import Random
+
 from host_tools import boards
 from host_tools.sim.inverter import SimInverter
 from host_tools.sim.machine import VirtualMachine
@@ -236,6 +238,60 @@ def test_wrong_crc(make):
     begun = spindle.machine.now_ms()
     spindle.inverter.spoil = 100
     spindle.failed(errors.ALARM_INVERTER_GARBLED, begun)
+
+
+@pytest.mark.parametrize("make", MAKES)
+@pytest.mark.parametrize("reply_ms", [140, 180, 240, 300])
+def test_replies_that_are_always_late(make, reply_ms):
+    """One to a question for the speed is no number of a fault, an echo no garbled reply."""
+    spindle = Spindle(make)
+    spindle.start()
+    cut(spindle)
+    begun = spindle.machine.now_ms()
+    spindle.inverter.reply_ms = reply_ms
+    spindle.failed(errors.ALARM_INVERTER_LATE, begun, FAIL_MS + 131)
+
+
+@pytest.mark.parametrize("make", MAKES)
+def test_two_late_replies_are_forgiven_whatever_they_say(make):
+    spindle = Spindle(make)
+    inverter = spindle.inverter
+    spindle.start()
+    for reply_ms in (124, 126, 131, 150, 200, 240):
+        for at in range(4):  # of each kind of request
+            until = len(inverter.requests) + at
+            spindle.machine.run_until(lambda until=until: len(inverter.requests) >= until, 2000)
+            inverter.reply_ms, until = reply_ms, len(inverter.requests) + 1
+            spindle.machine.run_until(lambda until=until: len(inverter.requests) >= until, 2000)
+            inverter.reply_ms = 5
+            spindle.run(1200)
+            assert not spindle.state.alarm, (reply_ms, at)
+    if inverter.make["fault"]:
+        inverter.fault = 7
+        spindle.machine.run_until(lambda: spindle.state.alarm, 400)
+        assert spindle.state.alarm == errors.ALARM_INVERTER_FAULT
+
+
+@pytest.mark.parametrize("make", MAKES)
+def test_one_reply_in_five_is_lost_or_late(make):
+    """Three in a row end the cut; never as a fault, a speed or a garbled reply."""
+    random, spindle = Random(1), Spindle(make)
+    inverter = spindle.inverter
+    write = inverter.write
+
+    def noisy(data):
+        inverter.silent, inverter.reply_ms = random.between(0, 9) == 0, random.choice((5, 5, 5, 5, 5, 5, 5, 50, 110, 128, 200))
+        write(data)
+
+    inverter.write = noisy
+    alarms = []
+    for _again in range(4):
+        spindle.machine.send(b"$X\nM3S%d\n" % random.choice((9000, 12000, 18000)))
+        spindle.run(4000)
+        alarms.append(spindle.state.alarm)
+        spindle.machine.send(b"\x18")
+        spindle.run(2500)
+    assert set(alarms) <= {0, errors.ALARM_INVERTER_LATE, errors.ALARM_INVERTER_SILENT}, alarms
 
 
 def test_cut_replies():

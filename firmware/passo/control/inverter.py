@@ -9,6 +9,10 @@ times. What then fails while the spindle turns, or should stop, is an alarm that
 position kept, and switches the tool's pin off:
 
     240 silence     241 garbled replies     242 a fault of the inverter     243 a request refused     244 not at speed
+    245 late replies
+
+Replies come in the order of their requests, but one to a read does not say which register it has. So behind a read without a reply in time,
+a write goes out before the next read: once it is echoed, nothing older can come. Replies to older requests are dropped.
 
 From a failure of the line to the alarm: 100 ms and three time-outs, 0.5 s as the board file has them by default. After it, stop
 is sent every second until the inverter confirms it. While nothing turns a silent inverter is only logged.
@@ -28,6 +32,7 @@ _UNKNOWN = const(-1)
 _ATTEMPTS = const(3)
 _QUIET_MS = const(5)  # between two frames: 3.5 characters at 9600 baud are 4 ms
 _AGAIN_MS = const(1000)  # to the next try, after the last of _ATTEMPTS
+_LONGEST = const(8)  # bytes of a reply
 _FRAMES_BITS = const(20 * 11)  # of a request and its reply, at most
 _STANDING = const(200)  # hundredths of a hertz: the other way round only below it
 # What a request is about.
@@ -57,6 +62,9 @@ class Inverter(SpindleSpeed):
         self._about = _STOP
         self._request = None  # on its way
         self._reply = bytearray()
+        self._owed = []  # requests that had no reply in time, the newest _ATTEMPTS
+        self._unread = False  # a read had no reply in time, and none has had one since
+        self._late = False  # the reply to one of them has come since the last good one
         self._sent_ms = 0
         self._due_ms = machine.port.machine_ms()  # the next request not before
         self._tries = 0
@@ -116,7 +124,7 @@ class Inverter(SpindleSpeed):
         self._about = about
         self._request = modbus.make_request(self._address, entry[0], entry[1], value)
         self._of = self._way, self._hz
-        self._line.read()  # what came too late
+        self._drop_late(bytearray(self._line.read() or b""), None)
         self._reply = bytearray()
         self._line.write(self._request)
         self._sent_ms = now_ms
@@ -127,12 +135,11 @@ class Inverter(SpindleSpeed):
         data = self._line.read()
         if data:
             self._reply.extend(data)
-        reply = self._reply
-        wanted = modbus.reply_length(self._request)
-        if len(reply) > 1 and reply[1] & 0x80:
-            wanted = modbus.ERROR_LENGTH
-        if len(reply) >= wanted:
-            wrong = modbus.fault_of(self._request, reply)
+        reply = self._reply = self._drop_late(self._reply, self._request)
+        wrong = modbus.fault_of(self._request, reply) if len(reply) >= _wanted(self._request, reply) else None
+        if wrong == modbus.WRONG and self._owed and len(reply) < _LONGEST:
+            wrong = None  # it may be a late one, and not whole yet
+        if wrong is not None:
             if not wrong:
                 self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
                 self._heard(now_ms)
@@ -143,15 +150,34 @@ class Inverter(SpindleSpeed):
                 self._failed(now_ms, errors.ALARM_INVERTER_GARBLED, "inverter")
         elif (now_ms - self._sent_ms) & COUNT_MASK > self._timeout_ms:
             number = errors.ALARM_INVERTER_GARBLED if reply else errors.ALARM_INVERTER_SILENT
+            self._owed = self._owed[1 - _ATTEMPTS :] + [self._request]
+            if self._about >= _OUTPUT:
+                self._unread = True
+                self._told_hz = _UNKNOWN  # the write before the next read
             self._failed(now_ms, number, "inverter")
+
+    def _drop_late(self, reply, request):
+        """`reply` without what answers an older request than `request`."""
+        for index, owed in enumerate(self._owed):
+            end = _wanted(owed, reply)
+            frame = reply[:end]
+            if len(reply) < end or modbus.fault_of(owed, frame) == modbus.WRONG:
+                continue
+            if request is None or modbus.fault_of(request, frame) == modbus.WRONG:
+                self._late = True
+                self._owed = self._owed[index + 1 :]
+                return reply[end:]
+        return reply
 
     def _heard(self, now_ms):
         """A good reply."""
         request = self._request
         about = self._about
         self._request = None
-        self._tries = 0
         self._noted = False
+        if about >= _OUTPUT or not self._unread:  # a write's echo may be that of the one before
+            self._tries = 0
+            self._unread = self._late = False
         way, hz = self._of
         if about == _STOP:
             self._told_way = 0
@@ -187,6 +213,9 @@ class Inverter(SpindleSpeed):
         if self._tries < _ATTEMPTS:
             return
         self._tries = 0
+        self._unread = False
+        if self._late:
+            number = errors.ALARM_INVERTER_LATE
         turns = self._way or self._told_way > 0
         self._told_way = self._told_hz = _UNKNOWN
         self._due_ms = (now_ms + _AGAIN_MS) & COUNT_MASK
@@ -202,3 +231,8 @@ class Inverter(SpindleSpeed):
             return
         self._machine.raise_alarm(number, who)
         self._want(self._machine.port.machine_ms())  # stop: it goes out with the next cycle
+
+
+def _wanted(request, reply):
+    """Bytes of the reply to a request, as far as `reply` says what it is."""
+    return modbus.ERROR_LENGTH if len(reply) > 1 and reply[1] & 0x80 else modbus.reply_length(request)
