@@ -1,6 +1,9 @@
 # `make run` and `make test` set up what they need: .venv holds the project and its tools.
 
 PYTHON ?= python3
+# Python finds modules where it and the project are installed: neither in the current folder nor where the user's environment says.
+unexport PYTHONPATH PYTHONHOME MICROPYPATH
+export PYTHONSAFEPATH = 1
 VENV = .venv
 BIN = $(VENV)/bin
 PIP = $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check
@@ -90,7 +93,7 @@ test-all: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, the slow ones and all of t
 	$(PYTEST) --tier all $(if $(ARGS),,--cov --cov-report=term) $(ARGS)
 
 soak: $(STAMP)  ## machines for virtual days while everything fails, an hour; ARGS="--seed 7 --minutes 5", ARGS=--help
-	PYTHONPATH=tests_host/sims:tests_host/properties:tests_host/tools:. $(BIN)/python tests_host/sims/soak.py $(ARGS)
+	PYTHONPATH=$(CURDIR)/tests_host/sims:$(CURDIR)/tests_host/properties:$(CURDIR)/tests_host/tools $(BIN)/python tests_host/sims/soak.py $(ARGS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)
@@ -122,7 +125,7 @@ wheel: $(STAMP)  ## what pip installs, with the kernels compiled for every chip:
 
 # Environment or command line: DRY=1, ARGS= for the tests, CHIPS="rp2040 …", PYTHONS="python3.11 …", MICROPYTHON=.
 release:  ## a release, built in a clean clone and tried: build/release/assets; DRY=1 without a tag
-	$(PYTHON) -m host_tools.build.release
+	PYTHONSAFEPATH= $(PYTHON) -m host_tools.build.release
 
 # The versions that a lock has stay, unless UPGRADE=--upgrade.
 LOCK = $(VENV)/bin/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header $(UPGRADE)

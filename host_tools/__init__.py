@@ -4,9 +4,9 @@ Importing this package puts the stand-ins of `host_tools/shims` on the module pa
 which import `micropython`, load on a PC as they are.
 """
 
+import os
 import sys
-from pathlib import Path
 
-_SHIMS = str(Path(__file__).resolve().parent / "shims")
+_SHIMS = os.path.join(os.path.dirname(os.path.realpath(__file__)), "shims")
 if _SHIMS not in sys.path:
     sys.path.append(_SHIMS)

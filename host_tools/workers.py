@@ -21,6 +21,7 @@ import signal
 import time
 from multiprocessing import connection
 
+from host_tools import interpreter
 from host_tools.failure import Failure, reason
 from host_tools.resources import version
 
@@ -36,6 +37,7 @@ class _Worker:
     """A process that works on one item after another."""
 
     def __init__(self, work):
+        interpreter.isolate()  # the other process begins by looking for Python's own modules
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
         self._process = context.Process(target=_serve, args=(work, theirs), daemon=True)

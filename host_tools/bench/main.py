@@ -17,9 +17,9 @@ import subprocess
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 from statistics import fmean
 
+from host_tools import interpreter
 from host_tools.build.tree import unix_tree
 from host_tools.emulator import binary
 from host_tools.emulator.binary import Unavailable
@@ -28,28 +28,25 @@ from host_tools.resources import ROOT
 
 TESTS = ROOT / "tests_host"
 DOCUMENT = ROOT / "docs" / "reference" / "benchmarks.md"
-MICROPYTHON = Path(sys.executable).parent / "micropython"
+_FOLDERS = TESTS / "properties", TESTS / "sims", ROOT
+CPYTHON = interpreter.python(ROOT / "firmware", *_FOLDERS, ROOT / "host_tools" / "shims")
+MICROPYTHON = interpreter.micropython()
 _TIMEOUT_S = 600
 
 
 def _environment():
-    """Where the firmware and the tests are, for a script under any interpreter."""
-    folders = [str(TESTS / "properties"), str(TESTS / "sims"), str(ROOT)]
-    return {
-        **os.environ,
-        "MICROPYPATH": ":".join([str(unix_tree()), *folders]),
-        "PYTHONPATH": ":".join([str(ROOT / "firmware"), *folders, str(ROOT / "host_tools" / "shims")]),
-    }
+    """Where the firmware and the tests are, for a script under MicroPython."""
+    return interpreter.environment(unix_tree(), *_FOLDERS)
 
 
 def _command(program, script, *arguments):
     """A script of tests_host/properties and its arguments, under CPython or MicroPython."""
-    heap = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
-    return [program, *heap, TESTS / "properties" / script, *map(str, arguments)]
+    heap = ["-X", "heapsize=64m"] if program is MICROPYTHON else []
+    return [*program, *heap, TESTS / "properties" / script, *map(str, arguments)]
 
 
 def _interpreters():
-    return {"CPython": sys.executable, **({"MicroPython": MICROPYTHON} if MICROPYTHON.exists() else {})}
+    return {"CPython": CPYTHON, **({"MicroPython": MICROPYTHON} if MICROPYTHON else {})}
 
 
 def lines():
@@ -85,18 +82,18 @@ def _better(float_us, integer_us):
 def _run_lines(program, corners):
     """{object: [points, steps, as driven µs, integer µs, float µs]} as tests_host/properties/bench_lines.py measures them."""
     script = TESTS / "properties" / "bench_lines.py"
-    done = subprocess.run([program, script], input=corners, env=_environment(), capture_output=True, text=True,
+    done = subprocess.run(_command(program, script.name), input=corners, env=_environment(), capture_output=True, text=True,
                           timeout=_TIMEOUT_S)
     if done.returncode:
-        raise Failure(f"{script.name} under {program}: {done.stderr.strip().splitlines()[-1]}")
+        raise Failure(f"{script.name} under {program[0]}: {done.stderr.strip().splitlines()[-1]}")
     return {name: [int(number) for number in numbers] for name, *numbers in map(str.split, done.stdout.splitlines())}
 
 
 def fuzz():
     """A million lines and byte streams on the grbl link; PASSO_FUZZ_LINES is another number."""
     count = int(os.environ.get("PASSO_FUZZ_LINES", 1_000_000))
-    shares = [("CPython", sys.executable, count * 2 // 5, seed) for seed in (1, 2)]
-    if MICROPYTHON.exists():
+    shares = [("CPython", CPYTHON, count * 2 // 5, seed) for seed in (1, 2)]
+    if MICROPYTHON:
         shares.append(("MicroPython", MICROPYTHON, count - 2 * shares[0][2], 3))
     with ThreadPoolExecutor(2) as pool:
         done = list(pool.map(lambda share: _run_fuzz(*share[1:]), shares))
@@ -176,7 +173,7 @@ def _on_the_pico(part):
 
 def _apart(part, miss):
     """(header, rows) of a part of the Pico if a miss of the flash cache costs `miss` cycles."""
-    command = [sys.executable, "-m", "host_tools.bench", "--raw", part]
+    command = [*interpreter.python(), "-m", "host_tools.bench", "--raw", part]
     done = subprocess.run(command, env=dict(os.environ, PASSO_FLASH_MISS=str(miss)), stdout=subprocess.PIPE, text=True)
     if done.returncode == UNAVAILABLE:
         raise Unavailable("see above")

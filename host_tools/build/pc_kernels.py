@@ -27,6 +27,7 @@ import tempfile
 from functools import lru_cache
 from pathlib import Path
 
+from host_tools import interpreter
 from host_tools.build.constants import numbered_only
 from host_tools.failure import Failure
 from host_tools.kernels import module as modules
@@ -70,7 +71,7 @@ def compiler():
     for name in ("cc", "gcc", "clang"):
         if shutil.which(name):
             return [name]
-    return [sys.executable, "-m", "ziglang", "cc", "-fno-sanitize=all"] if importlib.util.find_spec("ziglang") else None
+    return [*interpreter.python(), "-m", "ziglang", "cc", "-fno-sanitize=all"] if importlib.util.find_spec("ziglang") else None
 
 
 def library():

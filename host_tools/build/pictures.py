@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from host_tools import boards, language
+from host_tools import boards, interpreter, language
 from host_tools.resources import ROOT
 
 DOCS = ROOT / "docs"
@@ -47,7 +47,7 @@ def page(file):
     """A picture of the page of a virtual router that has homed and is at a job."""
     with tempfile.TemporaryDirectory() as jobs:
         shutil.copy(JOB, jobs)
-        command = [sys.executable, "-m", "host_tools.cli.main", "panel", "--demo", "--http", "0", "--jobs", jobs]
+        command = [*interpreter.passo(), "panel", "--demo", "--http", "0", "--jobs", jobs]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as panel:
             try:
                 address = next(found[0] for line in panel.stdout if (found := re.search(r"http://\S+#key=\S+", line)))

@@ -24,6 +24,7 @@ import time
 import zipfile
 from pathlib import Path
 
+from host_tools import interpreter
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import ROOT, version
@@ -55,7 +56,7 @@ class Release:
         self._out, self._clone, self._again, self._tools = out, out / "passo", out / "again", out / "tools"
         self._python = python_of(self._tools)
         self._commit_s = int(said("git", "log", "-1", "--format=%ct", folder=ROOT))
-        kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV", "PASSO_KERNELS", "DRY")}
+        kept = {name: value for name, value in interpreter.environment().items() if name not in ("VIRTUAL_ENV", "PASSO_KERNELS", "DRY")}
         self._user = kept
         cache = os.environ.get("PIP_CACHE_DIR") or Path.home() / ".cache" / "pip"  # what comes out of it is checked by its hash
         self._clean = {name: value for name, value in kept.items() if not name.startswith(("PASSO_", "MAKE", "MFLAGS", "XDG_"))}
@@ -90,7 +91,7 @@ class Release:
             run(str(self._clone / ".ci" / "run"), folder=self._clone, environment=self._user)
 
     def prepare(self):
-        run(sys.executable, "-m", "venv", str(self._tools), environment=self._clean)
+        run(*interpreter.python(), "-m", "venv", str(self._tools), environment=self._clean)
         self._pip("--no-deps", "--require-hashes", "-r", "locks/release.txt")
         self._pip("--no-deps", "--no-build-isolation", "-e", ".")
 

@@ -16,6 +16,7 @@ import threading
 import urllib.request
 from pathlib import Path
 
+from host_tools import interpreter
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import version
@@ -53,7 +54,7 @@ def main():
 
 
 def command(*words):
-    return [sys.executable, "-m", "host_tools.cli.main", *words]
+    return [*interpreter.passo(), *words]
 
 
 def passo(*words, wait_s=WAIT_S):

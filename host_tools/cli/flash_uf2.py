@@ -10,12 +10,12 @@ on Windows it gets a letter.
 import os
 import shutil
 import subprocess
-import sys
 import tempfile
 import time
 from collections import namedtuple
 from pathlib import Path
 
+from host_tools import interpreter
 from host_tools.build.frozen import CHIPS
 from host_tools.build.uf2 import told_by
 from host_tools.emulator.filesystem import location
@@ -35,7 +35,7 @@ Has = namedtuple("Has", "chip stamp version files_at names")
 
 
 def mpremote(port):
-    return [sys.executable, "-m", "mpremote", "connect", port]
+    return interpreter.mpremote(port)
 
 
 def asking(port):

@@ -5,13 +5,13 @@ import hashlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from host_tools import interpreter
 from host_tools.build.budget import check_module
 from host_tools.build.tree import FILE_LIST, STAMP, build_tree, default_out
 from host_tools.cli import flash_uf2
@@ -39,7 +39,7 @@ _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
 
 def _mpremote(port):
-    return [sys.executable, "-m", "mpremote", "connect", port]
+    return interpreter.mpremote(port)
 
 
 def _run(port, call, *more):

@@ -5,6 +5,12 @@
 
 import os
 import sys
+
+from host_tools import interpreter
+
+interpreter.leave_current_folder()  # before all that follows is looked for
+
+# ruff: noqa: E402
 from functools import lru_cache
 from importlib import import_module
 from typing import Annotated, Optional
@@ -149,6 +155,7 @@ def asked(words):
 
 def main():
     """Run `passo`. Failures and errors of the system become one line on stderr and exit status 1."""
+    interpreter.isolate()
     try:
         command = typer.main.get_command(made(asked(sys.argv[1:])))
         language.speak(command)

@@ -11,7 +11,7 @@ import sys
 import time
 from pathlib import Path
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.clients.plotter import PlotterClient
 from host_tools.drawings import contours, drawing, objects, plot
 from host_tools.failure import Failure
@@ -36,7 +36,7 @@ def jobs(out):
 
 def draw(name, job, trace):
     """Draw one job on a virtual board that writes `trace`. Returns the client, closed, for its counts."""
-    command = [sys.executable, "-m", "host_tools.cli", "board", "--board", BOARD, "--time", "fast"]
+    command = [*interpreter.passo(), "board", "--board", BOARD, "--time", "fast"]
     process = subprocess.Popen([*command, "--trace", str(trace), "--no-idle"], stdout=subprocess.PIPE, text=True)
     try:
         with PlotterClient(_port(process)) as client:

@@ -9,6 +9,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools import interpreter
 from host_tools.failure import Failure
 from host_tools.language import _
 
@@ -41,7 +42,7 @@ def _mpremote(port, *words):
     from host_tools.cli.flash import check_port, no_answer
 
     check_port(port)
-    command = [sys.executable, "-m", "mpremote", "connect", port, *words]
+    command = [*interpreter.mpremote(port), *words]
     try:
         result = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S)
     except subprocess.TimeoutExpired:

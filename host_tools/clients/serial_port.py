@@ -134,9 +134,10 @@ def _command(process):
     words = (process / "cmdline").read_bytes().decode("utf-8", "replace").split("\0")
     words = [word for word in words if word]
     if words and Path(words[0]).name.startswith("python"):
-        words = words[1:]
-        if words[:1] == ["-m"]:
-            words = words[1:]
+        del words[0]
+        while words and words[0].startswith("-") and words[0] not in ("-c", "-m"):
+            del words[: 2 if words[0] in ("-W", "-X") else 1]
+        del words[: {"-c": 2, "-m": 1}.get(words[0], 0) if words else 0]
     if words:
         words[0] = {"host_tools.cli": "passo"}.get(words[0], Path(words[0]).name)
     return " ".join(words)[:80] or "another program"

@@ -18,12 +18,12 @@ import platform
 import shutil
 import struct
 import subprocess
-import sys
 import tempfile
 from collections import namedtuple
 from functools import lru_cache
 from pathlib import Path
 
+from host_tools import interpreter
 from host_tools.failure import Failure
 from host_tools.kernels.shift import functions_at, sections, shifted
 
@@ -76,7 +76,7 @@ def _compiler(march, asked):
     if asked in (None, "gcc") and gcc and shutil.which(gcc[0]):
         return "gcc", [*gcc, *GCC_ONLY.split()], OPTIONS, _version([gcc[0], "-dumpfullversion"])
     if asked in (None, "zig") and march in ZIG and importlib.util.find_spec("ziglang"):
-        command = [sys.executable, "-m", "ziglang"]
+        command = [*interpreter.python(), "-m", "ziglang"]
         return "zig", [*command, "cc", *ZIG[march].split(), *ZIG_ONLY.split()], ZIG_OPTIONS, _version([*command, "version"])
     return None
 

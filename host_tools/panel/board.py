@@ -2,10 +2,9 @@
 
 import os
 import subprocess
-import sys
 import time
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.clients.serial_port import LinkError, open_exclusively
 from host_tools.failure import Failure
 from host_tools.sim.stock import Stock
@@ -91,7 +90,7 @@ class Demo:
 
     def _start(self):
         stock = ["--stock"] if Stock.fits(boards.load(self.board)) else []
-        words = [sys.executable, "-m", "host_tools.cli", "board", "--board", self.board, *stock, *self._options]
+        words = [*interpreter.passo(), "board", "--board", self.board, *stock, *self._options]
         # The board ends when this pipe does: also if this program is killed.
         environment = {**os.environ, END_WITH_STDIN: "1"}
         self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)

@@ -9,8 +9,8 @@ All pages are told how far it is, {"t": "prove", …}; a page that comes later a
 
 import asyncio
 import json
-import sys
 
+from host_tools import interpreter
 from host_tools.language import LANGUAGES
 from passo import errors
 from passo.protocols.page.orders import text
@@ -70,7 +70,7 @@ class Proving:
     async def _measured(self, words):
         pipe = asyncio.subprocess.PIPE
         self._process = process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "host_tools.cli", *words, stdin=pipe, stdout=pipe, stderr=asyncio.subprocess.STDOUT, limit=_LINE_BYTES
+            *interpreter.passo(), *words, stdin=pipe, stdout=pipe, stderr=asyncio.subprocess.STDOUT, limit=_LINE_BYTES
         )  # fmt: skip
         try:
             if self._given_up:

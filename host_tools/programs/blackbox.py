@@ -7,14 +7,14 @@
     box.start()                             # the snapshot from which it can be replayed
 """
 
-import ast
 import io
 import struct
 import zipfile
 from dataclasses import dataclass
 from functools import cached_property
 
-from host_tools.failure import Failure
+from host_tools import boards
+from host_tools.failure import Failure, reason
 from passo.config.blackbox_keys import (
     BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD,
     BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW, BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT,
@@ -124,13 +124,10 @@ class Box:
 def board_of(text):
     """(table, the same checked) of a board file's text, which is data: nothing of it runs. Raises Failure."""
     try:
-        for node in ast.parse(text).body:
-            if isinstance(node, ast.Assign) and [target.id for target in node.targets if isinstance(target, ast.Name)] == ["BOARD"]:
-                table = ast.literal_eval(node.value)
-                return table, check(table)
-    except (ValueError, SyntaxError, BoardError) as error:
-        raise Failure("the board file beside the black box: {}", error) from error
-    raise Failure("the board file beside the black box: {}", "BOARD = {…}")
+        table = boards.table(text, "board.py")
+        return table, check(table)
+    except (Failure, BoardError) as error:
+        raise Failure("the board file beside the black box: {}", error if isinstance(error, Failure) else reason(error)) from error
 
 
 def written(why, numbers, text):

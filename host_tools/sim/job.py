@@ -18,18 +18,15 @@ words are the same.
 """
 
 import ast
-import importlib.util
 import itertools
-import os
 import re
 import struct
 import subprocess
-import sys
 import threading
 
 import numpy as np
 
-from host_tools import boards, language
+from host_tools import boards, interpreter, language
 from host_tools.build.pc_kernels import use_compiled
 from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
@@ -63,15 +60,6 @@ def due_of_array(words, mask, bits, first, count, ticks, store, at, box):
     np.frombuffer(store, np.uint32)[at : at + done] = found[:done]
     box[0] = int(ends[done - 1])
     return done
-
-
-def micropython():
-    """The command that runs MicroPython, or None. It is a module of CPython, which starts in 6 ms instead of 18 if it looks for no others."""
-    found = importlib.util.find_spec("micropython_unix")
-    if not found:
-        return None
-    start = f"import sys; sys.path.append({os.path.dirname(found.origin)!r}); import micropython_unix; micropython_unix.main()"
-    return [sys.executable, "-I", "-S", "-c", start]
 
 
 def _blocks(lines):
@@ -116,7 +104,7 @@ class VirtualJob:
         self._progress = None
         self._runner = None
         self._process = None
-        command = None if inside else micropython()
+        command = None if inside else interpreter.micropython()
         if command:
             self._start(command)
         else:
@@ -181,7 +169,7 @@ class VirtualJob:
         folder, arguments = compiled_with(tuple(command), job_runner.__file__)
         self._process = subprocess.Popen(
             [*command, "-X", "heapsize=8m", *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE, env={**os.environ, "MICROPYPATH": str(folder)},
+            stderr=subprocess.PIPE, env=interpreter.environment(folder), cwd=folder,
         )  # fmt: skip
         self._process.stdin.write(repr(self._setup).encode() + b"\n")
         self._process.stdin.flush()

@@ -5,19 +5,19 @@ import re
 import signal
 import struct
 import subprocess
-import sys
 import time
 
 import pytest
 import serial
 from emulated import make_machine, uf2  # noqa: F401
 from patience import patience
-from test_board_command import ROOT, Board, environment
+from test_board_command import ROOT, Board
 
+from host_tools import interpreter
 from host_tools.emulator.binary import Unavailable, find_uf2
 from passo.protocols.plotter.host import COMMANDS, packet
 
-COMMAND = [sys.executable, "-m", "host_tools.cli", "emulate"]
+COMMAND = [*interpreter.passo(), "emulate"]
 
 
 class Emulator(Board):
@@ -29,7 +29,7 @@ class Emulator(Board):
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            env=dict(environment(), PASSO_UF2=str(uf2)),
+            env=interpreter.environment(PASSO_UF2=str(uf2)),
         )
         self.ports = {}
         for _ in range(2 if "--tcp" in options else 1):
@@ -39,7 +39,7 @@ class Emulator(Board):
 
     def mpremote(self, *arguments, timeout=120):
         """What mpremote printed. Raises CalledProcessError."""
-        command = [sys.executable, "-m", "mpremote", "connect", self.ports["usb"], *map(str, arguments)]
+        command = [*interpreter.mpremote(self.ports["usb"]), *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True, timeout=timeout).stdout
 
 
@@ -109,10 +109,10 @@ def test_a_blank_pico_is_flashed(uf2, tmp_path, show):
         recipe = subprocess.run(make, cwd=ROOT, capture_output=True, text=True).stdout.splitlines()
         verb, *options = next(line.split()[1:] for line in recipe if "/passo " in line)
         assert (verb, options) == ("flash", ["--board", BOARD, "--port", port])
-        command = [sys.executable, "-m", "host_tools.cli", verb, *options]
+        command = [*interpreter.passo(), verb, *options]
         begun = time.monotonic()
         done = subprocess.run(
-            command, cwd=tmp_path, capture_output=True, text=True, timeout=FLASH_LIMIT_S, env=environment()
+            command, cwd=tmp_path, capture_output=True, text=True, timeout=FLASH_LIMIT_S, env=interpreter.environment()
         )
         assert done.returncode == 0, done.stderr
         assert f"{BOARD} runs on {port}" in done.stdout
@@ -137,7 +137,7 @@ def test_a_blank_pico_is_flashed(uf2, tmp_path, show):
     ],
 )
 def test_one_clear_line(uf2, options, text):
-    environ = dict(environment(), PASSO_UF2=str(uf2))
+    environ = interpreter.environment(PASSO_UF2=str(uf2))
     done = subprocess.run([*COMMAND, *options], capture_output=True, text=True, timeout=60, env=environ)
     assert done.returncode == 1 and done.stdout == ""
     assert text in done.stderr and done.stderr.count("\n") == 1, done.stderr
@@ -165,7 +165,7 @@ def test_answers_come_from_then_on(make_machine):
 @pytest.mark.parametrize("said", ["building", "starts"])
 def test_it_ends_whatever_it_is_at(uf2, said):
     process = subprocess.Popen([*COMMAND, "--board", BOARD], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-                               env=dict(environment(), PASSO_UF2=str(uf2)))  # fmt: skip
+                               env=interpreter.environment(PASSO_UF2=str(uf2)))  # fmt: skip
     while said not in (line := process.stderr.readline()):
         assert line, "it has ended by itself"
     process.send_signal(signal.SIGTERM)
@@ -207,11 +207,11 @@ def test_a_whole_uf2_is_taken(tmp_path, monkeypatch):
 def test_a_file_that_is_no_uf2_ends_at_once(tmp_path):
     path = tmp_path / "pico.uf2"
     path.write_bytes(bytes(5120))
-    done = subprocess.run(COMMAND, capture_output=True, text=True, timeout=60, env=dict(environment(), PASSO_UF2=str(path)))
+    done = subprocess.run(COMMAND, capture_output=True, text=True, timeout=60, env=interpreter.environment(PASSO_UF2=str(path)))
     assert done.returncode == 1 and done.stderr.startswith(f"passo: {path} is no UF2 file"), done.stderr
 
 
 def test_without_a_binary():
-    environ = dict(environment(), PASSO_UF2="/nosuch/pico.uf2")
+    environ = interpreter.environment(PASSO_UF2="/nosuch/pico.uf2")
     done = subprocess.run([*COMMAND, "--blank"], capture_output=True, text=True, timeout=60, env=environ)
     assert done.returncode == 1 and done.stderr == "passo: PASSO_UF2 names /nosuch/pico.uf2, which is no file\n"

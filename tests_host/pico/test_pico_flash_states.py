@@ -6,14 +6,13 @@ import os
 import signal
 import struct
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from emulated import uf2  # noqa: F401
-from test_board_command import environment
 from test_pico_frozen import frozen  # noqa: F401
 
+from host_tools import interpreter
 from host_tools.build.frozen import CHIPS, stamp
 from host_tools.build.uf2 import told_by, uf2_of
 from host_tools.resources import version
@@ -33,20 +32,20 @@ class Pico:
     def __init__(self, uf2, folder, *options):
         self.drive = folder / "RPI-RP2"
         script = Path(__file__).with_name("boot_loader.py")
-        self.process = subprocess.Popen([sys.executable, script, uf2, self.drive, *map(str, options)], stdout=subprocess.PIPE, text=True)
+        self.process = subprocess.Popen([*interpreter.python(), script, uf2, self.drive, *map(str, options)], stdout=subprocess.PIPE, text=True)
         self.port = self.process.stdout.readline().strip().partition(": ")[2]
-        self.environment = dict(environment(), PASSO_BOOT_DRIVE=str(self.drive))
+        self.environment = interpreter.environment(PASSO_BOOT_DRIVE=str(self.drive))
         self.folder = folder
 
     def flash(self, *options):
         return self.passo("flash", *options)
 
     def passo(self, *arguments):
-        command = [sys.executable, "-m", "host_tools.cli", *map(str, arguments), "--port", self.port]
+        command = [*interpreter.passo(), *map(str, arguments), "--port", self.port]
         return subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True, timeout=LIMIT_S)
 
     def mpremote(self, *arguments):
-        command = [sys.executable, "-m", "mpremote", "connect", self.port, *map(str, arguments)]
+        command = [*interpreter.mpremote(self.port), *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True, timeout=LIMIT_S).stdout
 
     def bootsel(self):

@@ -1,7 +1,6 @@
 """Kernels as C on a PC hold what plain Python and viper hold: the digests, and the properties, under CPython by ctypes, and under
 MicroPython as machine code of the PC."""
 
-import os
 import subprocess
 import sys
 
@@ -10,6 +9,7 @@ import tiers
 from test_digest import GOLDEN, HEX_JOBS, PULSES, digest, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, MODULES, ROOT
 
+from host_tools import interpreter
 from host_tools.prove.gcode_jobs import MACHINES, all_jobs
 from host_tools.build import pc_kernels
 from host_tools.build.pc_kernels import Library, library, use_compiled
@@ -66,14 +66,14 @@ def jobs(folder):
 @pytest.mark.quick
 def test_digests_under_cpython(in_c, tmp_path):
     for arguments, want in jobs(tmp_path)[:: 9 if tiers.current == "check" else 1]:
-        assert digest(sys.executable, "digest.py", *arguments, script=COMPILED) == want, arguments[0].name
+        assert digest(CPYTHON, "digest.py", *arguments, script=COMPILED) == want, arguments[0].name
 
 
 @pytest.mark.parametrize("checks", modules(QUICK))
 def test_properties_under_cpython(in_c, checks):
-    path = os.pathsep.join(str(folder) for folder in (ROOT / "firmware", *MODULE_PATH[1:], ROOT / "host_tools" / "shims"))
-    command = [sys.executable, COMPILED, "micro_runner.py", *FEW, checks]
-    done = subprocess.run(command, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True)
+    python = interpreter.python(ROOT / "firmware", *MODULE_PATH[1:], ROOT / "host_tools" / "shims")
+    command = [*python, COMPILED, "micro_runner.py", *FEW, checks]
+    done = subprocess.run(command, env=interpreter.environment(), capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 
@@ -94,9 +94,8 @@ def test_digests_under_micropython(machine_code, tmp_path):
 
 @pytest.mark.parametrize("checks", modules(tried=QUICK))
 def test_properties_under_micropython(machine_code, checks):
-    path = os.pathsep.join(str(folder) for folder in (machine_code, *MODULE_PATH[1:]))
     command = [MICROPYTHON, "-X", "heapsize=64m", CHECKS / "micro_runner.py", *FEW, checks]
-    done = subprocess.run(command, env={**os.environ, "MICROPYPATH": path}, capture_output=True, text=True)
+    done = subprocess.run(command, env=interpreter.environment(machine_code, *MODULE_PATH[1:]), capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

@@ -9,11 +9,11 @@ traces, or print the words in `Sink.start`.
 
 import os
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
+from host_tools import interpreter
 from host_tools.build.constants import folded
 from host_tools.build.tree import FIRMWARE, module_files
 from host_tools.cli import run
@@ -30,6 +30,7 @@ HEX_GOLDEN = TESTS / "golden" / "hex_digests.txt"
 GCODE_GOLDEN = TESTS / "golden" / "gcode_digests.txt"
 CORPUS_STEPS_MM = 10  # instead of the router's 320: its files are large
 SHIMS = ROOT / "host_tools" / "shims"
+CPYTHON = "CPython"
 
 
 def job_of(drawings):
@@ -49,7 +50,7 @@ def golden_of_gcode():
 
 def compare_gcode(name, *job):
     """The programme's digest on both interpreters, and in the golden file."""
-    made = digest(sys.executable, *job)
+    made = digest(CPYTHON, *job)
     if os.environ.get("PASSO_GOLDEN") == "write":
         golden = {**(golden_of_gcode() if GCODE_GOLDEN.exists() else {}), name: made}
         GCODE_GOLDEN.write_text("".join(f"{name} {' '.join(golden[name])}\n" for name in sorted(golden)))
@@ -61,11 +62,9 @@ def compare_gcode(name, *job):
 def digest(program, *job, firmware=None, script=CHECKS / "digest.py"):
     """(hex digest, words, stepping words …) of a job (see digest.py's arguments), as `program` computes them."""
     firmware = firmware or (MODULE_PATH[0] if program == MICROPYTHON else ROOT / "firmware")
-    path = os.pathsep.join(str(folder) for folder in (firmware, *MODULE_PATH[1:]))
-    environment = {**os.environ, "MICROPYPATH": path, "PYTHONPATH": os.pathsep.join([path, str(SHIMS)])}
-    options = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
-    command = [program, *options, script, *job]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600)
+    folders = firmware, *MODULE_PATH[1:]
+    program = [MICROPYTHON, "-X", "heapsize=64m"] if program == MICROPYTHON else interpreter.python(*folders, SHIMS)
+    done = subprocess.run([*program, script, *job], env=interpreter.environment(*folders), capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout.split()
 
@@ -83,7 +82,7 @@ def jobs(tmp_path_factory):
 
 @pytest.mark.quick
 def test_digests_are_those_of_the_golden_file(jobs):
-    lines = [" ".join([name, *digest(sys.executable, jobs[name])]) for name in objects()]
+    lines = [" ".join([name, *digest(CPYTHON, jobs[name])]) for name in objects()]
     assert lines == GOLDEN.read_text().split("\n")[:-1]
 
 
@@ -91,7 +90,7 @@ def test_digests_are_those_of_the_golden_file(jobs):
 def test_both_interpreters_make_the_same_words(jobs):
     assert len(jobs) > len(objects())
     for name, job in jobs.items():
-        assert digest(MICROPYTHON, job) == digest(sys.executable, job), name
+        assert digest(MICROPYTHON, job) == digest(CPYTHON, job), name
 
 
 def test_what_a_board_gets_makes_the_same_words(jobs, tmp_path):
@@ -105,8 +104,8 @@ def test_what_a_board_gets_makes_the_same_words(jobs, tmp_path):
     job = tmp_path / "job.gcode"
     job.write_text("".join(f"{line}\n" for line in lines))
     where = {"firmware": tmp_path, "script": tmp_path / "digest.py"}
-    assert digest(sys.executable, job, board, **where) == golden_of_gcode()["pico"]
-    triangle = digest(sys.executable, jobs["triangle"], **where)
+    assert digest(CPYTHON, job, board, **where) == golden_of_gcode()["pico"]
+    triangle = digest(CPYTHON, jobs["triangle"], **where)
     assert " ".join(["triangle", *triangle]) in GOLDEN.read_text().splitlines()
 
 
@@ -115,7 +114,7 @@ def test_a_job_that_differs_by_one_step_has_another_digest(tmp_path):
     for x in (100, 101):
         job = Path(tmp_path / "job.bin")
         job.write_bytes(job_of([[(True, x, 50)]]))
-        digests.add(digest(sys.executable, job)[0])
+        digests.add(digest(CPYTHON, job)[0])
     assert len(digests) == 2
 
 
@@ -215,7 +214,7 @@ def test_bytes_of_other_languages(tmp_path, name):
     _, *options = HEX_JOBS[name]
     job = tmp_path / "job.hex"
     job.write_text(hex_job(name))
-    made = digest(sys.executable, job, *options)
+    made = digest(CPYTHON, job, *options)
     assert made == golden_of_hex()[name]
     if MICROPYTHON.exists():
         assert digest(MICROPYTHON, job, *options) == made

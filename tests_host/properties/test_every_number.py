@@ -1,6 +1,5 @@
 """Every number of every word, setting and packet, at the powers of two and ten: MicroPython answers and moves as CPython does."""
 
-import os
 import subprocess
 
 import pytest
@@ -8,6 +7,8 @@ import tiers
 
 import every_number
 from test_micropython import MICROPYTHON, MODULE_PATH, needs_micropython
+
+from host_tools import interpreter
 
 STEPS = {"check": {"grbl": 401, "laser": 101, "torch": 41}, "test": {"grbl": 17, "laser": 3, "torch": 5}}
 TIMEOUT_S = 1500
@@ -22,7 +23,7 @@ def test_micropython_does_the_same(language, show):
     told = every_number.run(language, 3 % step, step)
     path = ":".join(str(folder) for folder in MODULE_PATH)
     words = [MICROPYTHON, "-X", "heapsize=64m", every_number.__file__, language, str(3 % step), str(step)]
-    result = subprocess.run(words, env={**os.environ, "MICROPYPATH": path}, capture_output=True, text=True, timeout=TIMEOUT_S)
+    result = subprocess.run(words, env=interpreter.environment(*MODULE_PATH), capture_output=True, text=True, timeout=TIMEOUT_S)
     assert result.stdout == "%08x %d %d\n" % told, result.stdout + result.stderr
     show(f"numbers of {language}", f"{told[1]} sent, {told[2]} refused, the same under MicroPython")
 

@@ -1,11 +1,12 @@
 """A machine's memory over 100 000 orders, ten uploads and 200 resets, under MicroPython in a heap with little to spare."""
 
-import os
 import re
 import subprocess
 
 import pytest
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, needs_micropython
+
+from host_tools import interpreter
 
 HEAP = "1000k"  # for loading; soak_memory.py leaves a tenth of what is taken free at the start, as on a Pico. Objects are twice as large
 BLOCK_BYTES = 32
@@ -21,7 +22,7 @@ TIMEOUT_S = 800
 def test_memory_stays_in_as_large_a_piece(board, show):
     done = subprocess.run(
         [MICROPYTHON, "-X", "heapsize=" + HEAP, CHECKS / "soak_memory.py", board, "100000", "10", "200"],
-        env={**os.environ, "MICROPYPATH": ":".join(str(folder) for folder in MODULE_PATH)},
+        env=interpreter.environment(*MODULE_PATH),
         capture_output=True, text=True, timeout=TIMEOUT_S,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-500:] + done.stderr

@@ -1,6 +1,5 @@
 """Every check module also holds under real MicroPython (the unix port): the same functions, another generator."""
 
-import os
 import re
 import subprocess
 import sys
@@ -9,6 +8,7 @@ from pathlib import Path
 import pytest
 import tiers
 
+from host_tools import interpreter
 from host_tools.build.tree import unix_tree
 
 CHECKS = Path(__file__).resolve().parent
@@ -29,7 +29,7 @@ def micro_run(folders, *arguments):
     slow = ["--slow"] if tiers.current == "all" else []
     return subprocess.run(
         [MICROPYTHON, "-X", "heapsize=64m", CHECKS / "micro_runner.py", *few, *slow, *arguments],
-        env={**os.environ, "MICROPYPATH": path},
+        env=interpreter.environment(*MODULE_PATH),
         capture_output=True,
         text=True,
         timeout=TIMEOUT_S,

@@ -1,10 +1,11 @@
 """The soaks of soak_*.py and fuzz_grbl.py, shorter than `make bench` runs them, under MicroPython."""
 
-import os
 import subprocess
 
 import pytest
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, needs_micropython
+
+from host_tools import interpreter
 
 pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, needs_micropython]
 TIMEOUT_S = 800
@@ -23,7 +24,7 @@ def test_soak(script, arguments, show):
     path = ":".join(str(folder) for folder in MODULE_PATH)
     done = subprocess.run(
         [MICROPYTHON, "-X", "heapsize=64m", CHECKS / script, *map(str, arguments)],
-        env={**os.environ, "MICROPYPATH": path}, capture_output=True, text=True, timeout=TIMEOUT_S,
+        env=interpreter.environment(*MODULE_PATH), capture_output=True, text=True, timeout=TIMEOUT_S,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
     show(f"{script} {' '.join(map(str, arguments))}", done.stdout.strip())

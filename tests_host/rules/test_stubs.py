@@ -14,6 +14,8 @@ from pathlib import Path
 
 import pytest
 
+from host_tools import interpreter
+
 ROOT = Path(__file__).resolve().parents[2]
 TYPINGS = Path(sys.prefix) / "typings"
 SHARED = ("passo.ports.chip_port", "passo.ports.uart_line", "passo.ports.usb_line", "passo.ports.start")
@@ -48,7 +50,7 @@ def complaints(chip, tmp_path, *modules):
     asked = modules or ("-p", f"passo.ports.{chip}", *[part for name in SHARED for part in ("-m", name)])
     done = subprocess.run(
         [
-            sys.executable, "-m", "mypy", "--config-file", configuration, "--custom-typeshed-dir", TYPINGS / "stdlib",
+            *interpreter.python(), "-m", "mypy", "--config-file", configuration, "--custom-typeshed-dir", TYPINGS / "stdlib",
             "--cache-dir", tmp_path / "cache", *asked,
         ],
         cwd=ROOT / "firmware", env={**os.environ, "MYPYPATH": f"{TYPINGS / chip}:{TYPINGS / 'stdlib'}"},

@@ -3,13 +3,16 @@
 import os
 import re
 import subprocess
-import sys
+from pathlib import Path
 
 import pytest
 import tiers
 from test_board_command import ROOT
 
+from host_tools import interpreter
+
 pytestmark = pytest.mark.quick
+PYTEST = [*interpreter.python(ROOT / "tests_host"), Path(pytest.__file__).with_name("__main__.py")]
 
 CHECKS = """
 tried = []
@@ -90,9 +93,9 @@ def test_what_runs(tmp_path, tier):
     (tmp_path / "check_sample.py").write_text(CHECKS)
     (tmp_path / "test_file.py").write_text(FILE)
     (tmp_path / "test_plain.py").write_text(PLAIN)
-    environ = {**os.environ, "PYTHONPATH": str(ROOT / "tests_host"), "CI": "1"}
+    environ = {**os.environ, "CI": "1"}
     options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-s", "-v", "-c", ROOT / "pyproject.toml", "--rootdir", "."]
-    command = [sys.executable, "-m", "pytest", *options, "--tier", tier]
+    command = [*PYTEST, *options, "--tier", tier]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     ran = set(re.findall(r"::(\w+) (?:PASSED|examples)", done.stdout))
@@ -102,13 +105,14 @@ def test_what_runs(tmp_path, tier):
 
 MEASURED = """
 import subprocess
-import sys
 import threading
 import time
 
 import pytest
 import sample
 import tiers
+
+from host_tools import interpreter
 
 
 def pass_time():
@@ -152,7 +156,7 @@ def test_a_thread():
 
 
 def run(name):
-    subprocess.run([sys.executable, "-c", f"import sample; sample.{name}()"], check=True)
+    subprocess.run([*interpreter.python(), "-c", f"import sys; sys.path.insert(0, '.'); import sample; sample.{name}()"], check=True)
 
 
 def test_a_program():
@@ -180,10 +184,10 @@ def test_coverage_sees_the_beginning_of_each_test(tmp_path):
     (tmp_path / "sample.py").write_text("".join(f"def {name}():\n    return 1\n\n\n" for name in names))
     (tmp_path / "test_file.py").write_text(MEASURED)
     (tmp_path / "measuring").write_text(MEASURING)
-    environ = {**os.environ, "PYTHONPATH": f"{ROOT / 'tests_host'}{os.pathsep}{tmp_path}", "CI": "1"}
+    environ = {**os.environ, "CI": "1"}
     options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-c", os.devnull, "--rootdir", "."]
     measure = ["--cov=sample", "--cov-config=measuring", "--cov-report=term-missing"]
-    command = [sys.executable, "-m", "pytest", *options, *measure, "test_file.py"]
+    command = [*PYTEST, *options, *measure, "test_file.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
     assert done.returncode == 0, done.stdout + done.stderr
     missing = ", ".join(str(4 * number + 2) for number in range(len(SEEN), len(names)))
@@ -213,8 +217,7 @@ def test_of_a_group(number):
 
 def test_those_of_a_group_run_in_one_worker(tmp_path):
     (tmp_path / "test_file.py").write_text(GROUPED)
-    environ = {**os.environ, "PYTHONPATH": str(ROOT / "tests_host")}
     options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "2", "--dist", "loadgroup", "-v", "-c", os.devnull, "--rootdir", "."]
-    done = subprocess.run([sys.executable, "-m", "pytest", *options], cwd=tmp_path, capture_output=True, text=True, env=environ)
+    done = subprocess.run([*PYTEST, *options], cwd=tmp_path, capture_output=True, text=True)
     ran = set(re.findall(r"\[(gw\d)\].* PASSED .*::(test_\w+)", done.stdout))
     assert len(ran) == 2 and len({name for _, name in ran}) == 2, done.stdout + done.stderr

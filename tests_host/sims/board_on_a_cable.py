@@ -17,6 +17,8 @@ import threading
 import tty
 from pathlib import Path
 
+from host_tools import interpreter
+
 FAKE_BOARD = Path(__file__).with_name("fake_board.py")
 MICROPYTHON = Path(sys.executable).parent / "micropython"
 CTRL_C = b"\x03"
@@ -38,7 +40,7 @@ class BoardOnACable:
     def _start(self):
         """The machine of board.py, as after a reset."""
         (self.folder / ".reset").unlink(missing_ok=True)
-        words = [sys.executable, "-m", "host_tools.cli", "board", "--board", str(self.folder / "board.py")]
+        words = [*interpreter.passo(), "board", "--board", str(self.folder / "board.py")]
         self._child = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
         line = self._child.stdout.readline()
         assert line.startswith("port: "), line

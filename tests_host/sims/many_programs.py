@@ -23,6 +23,8 @@ from pathlib import Path
 import psutil
 from shop_load import free_port
 
+from host_tools import interpreter
+
 ROOT = Path(__file__).parents[2]
 WORKERS = 2
 STARTS_S = 15
@@ -39,7 +41,7 @@ def program(number):
 def checked(folder, out, *words):
     """(table's rows, seconds) of `passo check`."""
     begun = time.monotonic()
-    done = subprocess.run([sys.executable, "-m", "host_tools.cli", "check", str(folder), "-o", str(out), *words], stdout=subprocess.DEVNULL, cwd=ROOT)
+    done = subprocess.run([*interpreter.passo(), "check", str(folder), "-o", str(out), *words], stdout=subprocess.DEVNULL, cwd=ROOT)
     assert done.returncode == 0
     with open(out, newline="") as file:
         return list(csv.DictReader(file)), time.monotonic() - begun

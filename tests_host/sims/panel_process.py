@@ -11,11 +11,11 @@ import csv
 import json
 import re
 import subprocess
-import sys
 import time
 
 import websocket
 
+from host_tools import interpreter
 from passo.web.session import Session
 
 TICK_US = 0.08
@@ -28,7 +28,7 @@ class PanelProcess:
         self.trace_file = folder / "trace.csv"
         self.jobs = folder / "jobs"
         demo = [] if "--port" in options else ["--demo", "--trace", str(self.trace_file)]
-        words = [sys.executable, "-m", "host_tools.cli", "panel", "--http", "0", "--jobs", str(self.jobs), *demo, *options]
+        words = [*interpreter.passo(), "panel", "--http", "0", "--jobs", str(self.jobs), *demo, *options]
         self._process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
         said = ""
         while "Ctrl-C" not in said:

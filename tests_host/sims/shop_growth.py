@@ -17,6 +17,8 @@ from pathlib import Path
 
 from shop_load import MOSQUITTO, free_port, program, usage
 
+from host_tools import interpreter
+
 JOB_S = 2.0
 A_PROCESS = 250  # machines
 
@@ -89,7 +91,7 @@ def measure(folder, count, each):
     book = Book(folder / "shop.sqlite")
     desk = Desk(Broker("127.0.0.1", port), key, book)
     programs = [
-        subprocess.Popen([sys.executable, __file__, "--agents", str(port), key, str(first), str(min(A_PROCESS, count - first))], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        subprocess.Popen([*interpreter.python(), __file__, "--agents", str(port), key, str(first), str(min(A_PROCESS, count - first))], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         for first in range(0, count, A_PROCESS)
     ]
     try:

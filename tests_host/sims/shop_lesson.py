@@ -17,6 +17,8 @@ import requests
 from selenium import webdriver
 from shop_load import MOSQUITTO, free_port
 
+from host_tools import interpreter
+
 AN_AGENT = 5
 LIMIT_S = 900
 SIZES = (320, 720), (768, 1024), (1920, 1080), (3840, 2160)
@@ -49,7 +51,7 @@ class Lesson:
         return self.programs[-1]
 
     def passo(self, verb, *words):
-        return self.start([sys.executable, "-m", "host_tools.cli", verb, "--broker", f"127.0.0.1:{self.port}", *map(str, words)])
+        return self.start([*interpreter.passo(), verb, "--broker", f"127.0.0.1:{self.port}", *map(str, words)])
 
     def said(self, program, pattern):
         for line in program.stdout:

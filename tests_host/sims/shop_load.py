@@ -24,6 +24,8 @@ from pathlib import Path
 
 import requests
 
+from host_tools import interpreter
+
 MOSQUITTO = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
 BITS = 10
 FIRST_MM, APART_MM, SHORT_MM, LONG_MM = 5, 3, 5, 10
@@ -323,14 +325,14 @@ class Load:
         self.broker = subprocess.Popen([MOSQUITTO, "-c", self.folder / "mosquitto.conf"], stderr=subprocess.DEVNULL)
 
     def start_board(self, name):
-        self.boards[name] = subprocess.Popen([sys.executable, __file__, "--board", str(self.folder / name), self.mode], stdout=subprocess.PIPE, stderr=open(self.folder / name / "stderr", "ab"))
+        self.boards[name] = subprocess.Popen([*interpreter.python(), __file__, "--board", str(self.folder / name), self.mode], stdout=subprocess.PIPE, stderr=open(self.folder / name / "stderr", "ab"))
 
     def start_agent(self, at):
         """As docs/use/passo-agent.service does: before the boards, which have processors of their own in a shop. If this user may not, like all others."""
         ports = [word for name in self.groups[at] for word in ("--port", f"{name}={self.folder}/{name}/port")]
         out = self.folder / f"agent-{at}.out"
         self.agents[at] = subprocess.Popen(
-            ["nice", "-n", "-10", sys.executable, "-m", "host_tools.cli", "agent", *ports, "--protocol", "grbl", "--board", str(self.board_file), "--broker", f"127.0.0.1:{self.proxy.port}",
+            ["nice", "-n", "-10", *interpreter.passo(), "agent", *ports, "--protocol", "grbl", "--board", str(self.board_file), "--broker", f"127.0.0.1:{self.proxy.port}",
              "--shop-key", str(self.key_file), "--at-machine", "0"],
             stdout=open(out, "wb"), stderr=open(self.folder / f"agent-{at}", "ab"),
         )  # fmt: skip

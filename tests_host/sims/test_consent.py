@@ -5,12 +5,12 @@ import pty
 import re
 import socket
 import subprocess
-import sys
 import time
 
 import pytest
 from hypothesis import given, strategies
 
+from host_tools import interpreter
 from host_tools.sim.consent import Consent, GuestLine
 from panel_process import PanelProcess
 from host_tools.page.guest import ALWAYS, QUESTIONS
@@ -113,9 +113,9 @@ def ask(client, line):
 @pytest.mark.parametrize("answer", ["y", "n"])
 def test_asked_in_the_terminal(tmp_path, answer):
     ours, theirs = pty.openpty()
-    words = [sys.executable, "-m", "host_tools.cli", "panel", "--demo", "--http", "0", "--jobs", str(tmp_path), "--guest", "0"]
-    script = f"import os, sys; os.setsid(); import fcntl, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); os.execv(sys.executable, {words!r})"
-    process = subprocess.Popen([sys.executable, "-c", script], stdin=theirs, stdout=theirs)
+    words = [*interpreter.passo(), "panel", "--demo", "--http", "0", "--jobs", str(tmp_path), "--guest", "0"]
+    script = f"import os, sys; os.setsid(); import fcntl, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); os.execv({words[0]!r}, {words!r})"
+    process = subprocess.Popen([*interpreter.python(), "-c", script], stdin=theirs, stdout=theirs)
     try:
         begun = said(ours, "Ctrl-C")
         assert "token" not in begun

@@ -1,10 +1,11 @@
 """The firmware's own main.py on the fake ESP32, as it starts from flash: good and bad board files, Ctrl-C, a crash."""
 
 import subprocess
-import sys
 
 import pytest
-from test_board_command import ROOT, environment
+from test_board_command import ROOT
+
+from host_tools import interpreter
 
 PROGRAM = """
 import sys
@@ -36,8 +37,8 @@ print("pins", chip.level.get(13), chip.level.get(26), "watchdog", chip.watchdog 
 def run(tmp_path, change="", end="raise KeyboardInterrupt"):
     paths = [str(ROOT / folder) for folder in ("tests_host/sims", "host_tools/shims", "firmware", ".")]
     source = PROGRAM.format(paths=paths, change=change, end=end, main=str(ROOT / "firmware" / "main.py"))
-    command = [sys.executable, "-c", source]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=environment(), cwd=tmp_path)
+    command = [*interpreter.python(), "-c", source]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, env=interpreter.environment(), cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout
 

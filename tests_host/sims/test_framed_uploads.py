@@ -4,7 +4,6 @@ import contextlib
 import os
 import select
 import subprocess
-import sys
 import threading
 import time
 import tty
@@ -12,6 +11,7 @@ import tty
 import pytest
 
 import framed_uploads
+from host_tools import interpreter
 from host_tools.programs import stored_job
 from host_tools.resources import ROOT
 from noisy_wire import NoisyWire
@@ -80,7 +80,7 @@ def test_passo_itself_over_a_noisy_cable(language, tmp_path):
     board = tmp_path / "board.py"
     board.write_text(f"BOARD = {framed_uploads.board(language)!r}\n")
     link = tmp_path / "port"
-    passo = [sys.executable, "-m", "host_tools.cli"]
+    passo = interpreter.passo()
     flash = tmp_path / "flash"
     process = subprocess.Popen([*passo, "board", "--board", str(board), "--link", str(link), "--flash", str(flash)], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     relay = None

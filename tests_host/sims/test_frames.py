@@ -3,12 +3,12 @@
 import re
 import shutil
 import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
 from framed_job import MachineAndClient
+from host_tools import interpreter
 from host_tools.clients.frames import OFFER_S, SURE_S
 from host_tools.resources import ROOT
 from noisy_wire import Pair
@@ -259,7 +259,7 @@ def virtual_board(tmp_path):
     path.write_text(text.replace('"port": "usb", "protocol": "grbl"', '"port": "usb", "protocol": "grbl", "frames": True'))
     link = tmp_path / "port"
     process = subprocess.Popen(
-        [sys.executable, "-m", "host_tools.cli", "board", "--board", str(path), "--time", "fast", "--link", str(link), "--trace", str(tmp_path / "trace.csv")],
+        [*interpreter.passo(), "board", "--board", str(path), "--time", "fast", "--link", str(link), "--trace", str(tmp_path / "trace.csv")],
         stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
     assert process.stdout.readline().startswith("port:")
@@ -296,7 +296,7 @@ def test_the_reference_client_moves_a_board(tmp_path):
         job = tmp_path / "job.gcode"
         job.write_bytes(b"$X\nG21G91\nG1X1F6000\nG1Y2\nG4P0\nG1XY\n")
         for _ in range(2):
-            said = subprocess.run([sys.executable, str(REFERENCE), str(link), str(job)], stdout=subprocess.PIPE, check=True, text=True, timeout=60).stdout
+            said = subprocess.run([*interpreter.python(), str(REFERENCE), str(link), str(job)], stdout=subprocess.PIPE, check=True, text=True, timeout=60).stdout
             assert re.findall(r"ok|error:\d+", said) == ["ok"] * 5 + ["error:2"]
     finally:
         process.terminate()

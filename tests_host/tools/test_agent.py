@@ -7,7 +7,6 @@ import shutil
 import signal
 import socket
 import subprocess
-import sys
 import threading
 import time
 from pathlib import Path
@@ -15,7 +14,7 @@ from pathlib import Path
 import pytest
 import requests
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.cli import agent as command
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
@@ -493,7 +492,7 @@ class Shop:
 
     def run(self, *words, stderr=None):
         """Start a program of Passo's."""
-        program = subprocess.Popen([sys.executable, "-m", "host_tools.cli", *words], stdout=subprocess.PIPE, stderr=stderr, text=True)
+        program = subprocess.Popen([*interpreter.passo(), *words], stdout=subprocess.PIPE, stderr=stderr, text=True)
         self.programs.append(program)
         return program
 

@@ -2,19 +2,18 @@
 
 import importlib
 import json
-import os
 import signal
 import subprocess
 import sys
 import time
-from pathlib import Path
 
 import pytest
 from test_agent import GONE, Shop, needs_broker
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.build.budget import heap_kb
 from host_tools.clients.grbl import GrblClient
+from host_tools.resources import HOST_TOOLS
 from passo import error_texts
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
@@ -62,7 +61,7 @@ class Told(Shop):
         path = folder / "mine.py"
         path.write_text(f"BOARD = {board_with(broker=f'127.0.0.1:{self.port}', **network)!r}\n")
         words = ["board", "--board", str(path), "--time", "real", "--http", "0", "--link", str(folder / "pc")]
-        program = subprocess.Popen([sys.executable, "-m", "host_tools.cli", *words], stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": str(UMQTT)})
+        program = subprocess.Popen([*interpreter.python(UMQTT), HOST_TOOLS / "cli" / "__main__.py", *words], stdout=subprocess.PIPE, text=True)
         self.programs.append(program)
         assert program.stdout.readline().startswith("port: ")
         return program
@@ -280,5 +279,5 @@ def test_a_stored_job(alone):
 def test_umqtt_is_wanted(tmp_path):
     path = tmp_path / "mine.py"
     path.write_text(f"BOARD = {board_with(broker='1.2.3.4')!r}\n")
-    done = subprocess.run([sys.executable, "-m", "host_tools.cli", "board", "--board", str(path), "--http", "0"], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*interpreter.passo(), "board", "--board", str(path), "--http", "0"], capture_output=True, text=True, timeout=60)
     assert done.returncode == 1 and "mpremote mip install umqtt.simple" in done.stderr

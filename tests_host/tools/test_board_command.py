@@ -16,23 +16,18 @@ from unittest import mock
 import pytest
 import serial
 
+from host_tools import boards, interpreter
 from host_tools.cli.main import main
 from passo.protocols.torch import protocol as torch
 from patience import patience
 from test_virtual_machine import LOG_2014
 
 ROOT = Path(__file__).resolve().parents[2]
-COMMAND = [sys.executable, "-m", "host_tools.cli", "board"]
+COMMAND = [*interpreter.passo(), "board"]
 HELLO = bytes.fromhex(LOG_2014[0][0])
 SAFE_S = 2.0
 LIMIT_S = 60  # after which something hangs
 pytestmark = pytest.mark.programs_measured
-
-
-def environment():
-    """The project's own folders first, installed or not."""
-    paths = [str(ROOT), str(ROOT / "firmware"), os.environ.get("PYTHONPATH", "")]
-    return dict(os.environ, PYTHONPATH=os.pathsep.join(path for path in paths if path))
 
 
 class Board:
@@ -44,7 +39,7 @@ class Board:
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            env=environment(),
+            env=interpreter.environment(),
         )
         ready, _, _ = select.select([self.process.stdout], [], [], LIMIT_S)
         assert ready, f"no port within {LIMIT_S} s"
@@ -84,7 +79,7 @@ def rows(path):
 
 def failure(*options):
     command = [*COMMAND, *map(str, options)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=environment())
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=interpreter.environment())
     assert done.returncode != 0 and done.stdout == ""
     return done.stderr
 
@@ -184,11 +179,8 @@ def test_idle_board_sleeps(connected):
 
 def two_links(tmp_path):
     path = tmp_path / "two.py"
-    path.write_text(
-        "from runpy import run_path\n"
-        f"BOARD = run_path({str(ROOT / 'boards' / 'plotter_2014.py')!r})['BOARD']\n"
-        "BOARD['links'].append({'name': 'usb', 'port': 'usb', 'protocol': 'plotter'})\n"
-    )
+    board = boards.load("plotter_2014")
+    path.write_text(f"BOARD = {({**board, 'links': [*board['links'], {'name': 'usb', 'port': 'usb', 'protocol': 'plotter'}]})!r}\n")
     return path
 
 

@@ -6,13 +6,16 @@ import contextlib
 import copy
 import importlib
 import pkgutil
+import pprint
 from random import Random
 
 import pytest
 
 import boards
+from host_tools import boards as project
 from host_tools.cli.main import main
 from host_tools.failure import Failure
+from host_tools.programs import blackbox
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 
@@ -184,6 +187,77 @@ def test_every_command_says_what_is_wrong_with_a_board_file(verb, tmp_path, caps
     assert ended.value.code == 1
     said = capsys.readouterr().err
     assert "mine.py: name: missing" in said and len(said.splitlines()) == 1, said
+
+
+# --- a board file is data
+
+ROUTER = "BOARD = " + pprint.pformat(project.load("router_3axis"))
+RAN = "open('ran', 'w').close()"
+CODE = {
+    "a statement before": (f"{RAN}\n{ROUTER}\n", 1),
+    "a statement behind": (f"# A comment.\n{ROUTER}\n\n{RAN}\n", ROUTER.count("\n") + 4),
+    "a call among the values": (ROUTER.replace("'router_3axis'", f"({RAN} or 'router_3axis')"), None),
+    "a comprehension": ("BOARD = {name: 1 for name in\n'ab'}\n", 1),
+    "arithmetic": ("BOARD = {\n'name': 'mine',\n'clock_mhz': 2 * 100}\n", 3),
+    "a name": ("BOARD = {'name':\nname}\n", 2),
+    "a text with values in it": ("BOARD = {\n'name': f'{1}'}\n", 2),
+    "another board's": ("from boards.router_3axis import BOARD\n", 1),
+    "a changed one": (ROUTER + "\nBOARD['name'] = 'mine'\n", ROUTER.count("\n") + 2),
+    "a second name": ("OTHER = BOARD = {}\n", 1),
+    "another name": ("NUMBER = 3\nBOARD = {}\n", 1),
+    "a class": ("class BOARD:\n    pass\n", 1),
+}
+
+
+@pytest.mark.parametrize("kind", CODE)
+def test_code_in_a_board_file_is_refused_with_its_line_and_not_run(kind, tmp_path, monkeypatch):
+    text, line = CODE[kind]
+    (tmp_path / "mine.py").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(Failure, match=rf"board file mine.py, line {line or '[0-9]+'}: this is code; "):
+        project.load("mine.py")
+    with pytest.raises(Failure, match="the board file beside the black box: .* this is code"):
+        blackbox.board_of(text)
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("verb", ("wiring FILE", "flash --dry-run --board FILE", "build --board FILE", "check part.gcode --board FILE", "board --board FILE",
+                                  "interlock FILE", "panel --demo --board FILE", "agent --broker x --emulated m=FILE", "machine add FILE --port /dev/null"))  # fmt: skip
+def test_no_command_runs_the_code_of_a_board_file(verb, tmp_path, capsys, monkeypatch):
+    (tmp_path / "mine.py").write_text(f"{RAN}\n{ROUTER}\n")
+    (tmp_path / "part.gcode").write_text("G1X1F100\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["passo", *verb.replace("FILE", "mine.py").split()])
+    with pytest.raises(SystemExit):
+        main()
+    said = capsys.readouterr().err
+    assert "line 1: this is code" in said and len(said.splitlines()) == 1, said
+    assert not (tmp_path / "ran").exists()
+
+
+def test_a_board_file_may_have_comments_and_say_what_it_is(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(f'"""What it is, with a \\d in it."""\n# A comment.\n\n{ROUTER}  # another\n"more"\n')
+    assert project.load(str(path)) == project.load("router_3axis")
+
+
+@pytest.mark.parametrize("text, said", [
+    ("", "has no BOARD"), ("BOARD = 3\n", "has no BOARD"), ("# nothing\n", "has no BOARD"), ("BOARD = {\n", r"cannot be read: .*\(line 1\)"),
+    ("BOARD = {'a': 1\n'b': 2}\n", r"cannot be read: .*\(line [12]\)"), ("BOARD = {" + "[" * 1000, "cannot be read"), ("BOARD = " + "-" * 100_000 + "1\n", "."),
+    ("BOARD = \0{}\n", "cannot be read"), ("BOARD = {[1]: 2}\n", "this is code"),
+])  # fmt: skip
+def test_a_board_file_that_cannot_be_read_is_one_sentence(text, said, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(text)
+    with pytest.raises(Failure, match=rf"^board file {path}.*{said}"):
+        project.load(str(path))
+
+
+def test_a_board_file_that_is_no_text_is_one_sentence(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_bytes(b"# caf\xe9\nBOARD = {}\n")
+    with pytest.raises(Failure, match="cannot be read"):
+        project.load(str(path))
 
 
 def test_half_a_character_is_shown_by_its_number():

@@ -2,12 +2,11 @@
 
 import re
 import subprocess
-import sys
 
 import pytest
-from test_board_command import environment
 from test_package import project
 
+from host_tools import interpreter
 from host_tools.cli import main as cli
 
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys({names!r})); sys.argv = {words!r}; from host_tools.cli.main import main; main()"
@@ -17,8 +16,8 @@ A_BASH = "bash", "-c", '"$0" "$@"; exit $?'  # which stays the parent of what it
 
 def passo(*words, without=(), shell=(), **more):
     """Run `passo` in a process in which the packages `without` are not installed, by `shell`; `more`: of its environment."""
-    program = [*shell, sys.executable, "-c", BLOCKED.format(names=list(without), words=["passo", *words])]
-    return subprocess.run(program, capture_output=True, text=True, env={**environment(), **more}, timeout=60)
+    program = [*shell, *interpreter.python(), "-c", BLOCKED.format(names=list(without), words=["passo", *words])]
+    return subprocess.run(program, capture_output=True, text=True, env=interpreter.environment(**more), timeout=60)
 
 
 def test_alone_it_says_what_to_try_first():

@@ -2,7 +2,6 @@
 
 import json
 import math
-import os
 import pprint
 import re
 import signal
@@ -20,7 +19,7 @@ from hypothesis import strategies as st
 from shapely import STRtree
 from shapely import points as shapely_points
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.clients.grbl import GrblClient
 from host_tools.clients.plotter import PlotterClient
 from host_tools.drawings import contours, drawing
@@ -307,12 +306,11 @@ def test_the_contour_map_is_a_real_drawing(tmp_path):
 @pytest.fixture
 def start():
     """Starts `passo …` as a process of its own; ends those still running after the test."""
-    environment = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'firmware'}"}
     processes = []
 
     def run(*words, **options):
-        command = [sys.executable, "-m", "host_tools.cli", *map(str, words)]
-        process = subprocess.Popen(command, env=environment, text=True, stdout=subprocess.PIPE,
+        command = [*interpreter.passo(), *map(str, words)]
+        process = subprocess.Popen(command, text=True, stdout=subprocess.PIPE,
                                    stderr=subprocess.PIPE, **options)
         processes.append(process)
         return process

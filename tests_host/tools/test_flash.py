@@ -17,6 +17,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from host_tools import interpreter
 from host_tools.build.tree import write_package
 from host_tools.cli import flash
 from host_tools.failure import Failure
@@ -42,7 +43,7 @@ def run_flash(*arguments):
 def test_dry_run_transcript(folder):
     result = run_flash("--port", "/dev/ttyACM0", "--dry-run")
     assert result.exit_code == 0, result.output
-    mpremote = shlex.join([sys.executable, "-m", "mpremote", "connect", "/dev/ttyACM0"])
+    mpremote = shlex.join(interpreter.mpremote("/dev/ttyACM0"))
     assert result.output.splitlines()[-2:] == [
         f"{mpremote} run {shlex.quote(str(flash.flash_uf2.ASK))}",
         f"{mpremote} run {shlex.quote(str(flash.REMOVE_STAMP))} + cp build/plotter_2014/main.py :"

@@ -1,15 +1,15 @@
 """Senders that people use, against the firmware on a pseudo-terminal; each skips where it is not installed."""
 
 import importlib.util
-import os
 import subprocess
-import sys
 import time
 from pathlib import Path
 
 import pytest
 
 from running_router import Running
+
+from host_tools import interpreter
 
 
 @pytest.fixture
@@ -88,10 +88,10 @@ class Bcnc:
     """bcnc_sender.py in a process of its own."""
 
     def __init__(self, home):
-        command = [sys.executable, Path(__file__).with_name("bcnc_sender.py")]
+        command = [*interpreter.python(), Path(__file__).with_name("bcnc_sender.py")]
         self._process = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
-            env={**os.environ, "HOME": str(home), "PYTHONPATH": ""},
+            env=interpreter.environment(HOME=str(home)),
         )  # fmt: skip
 
     def do(self, line):
@@ -177,7 +177,7 @@ def test_bcnc_with_four_axes(tmp_path):
     if importlib.util.find_spec("bCNC") is None:
         pytest.skip("bCNC is not installed")
     trace, job = tmp_path / "trace.csv", tmp_path / "job.gcode"
-    command = [sys.executable, "-m", "host_tools.cli.main", "board", "--board", "router_4axis", "--trace", trace, "--link", tmp_path / "port"]
+    command = [*interpreter.passo(), "board", "--board", "router_4axis", "--trace", trace, "--link", tmp_path / "port"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
         bcnc = Bcnc(tmp_path)
 

@@ -15,11 +15,12 @@ from types import SimpleNamespace
 import pytest
 import requests
 
+from host_tools import interpreter
 from passo.protocols.torch import protocol as torch
 from passo.web.files import Folder
 from passo.web.http import Server
 from passo.web.session import Hmac
-from test_board_command import COMMAND, Board, environment
+from test_board_command import COMMAND, Board
 
 KEY = "ABCDEFGHJKLMNPQR"
 LIMIT_S = 60
@@ -398,6 +399,6 @@ def test_stop_among_200_idle_connections():
 
 def test_no_http_where_no_link_has_it():
     process = subprocess.run(
-        [*COMMAND, "--http", "0"], capture_output=True, text=True, timeout=LIMIT_S, env=environment()
+        [*COMMAND, "--http", "0"], capture_output=True, text=True, timeout=LIMIT_S, env=interpreter.environment()
     )
     assert process.returncode and "no link of the board file plotter_2014 has the port http" in process.stderr

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.resources import FIRMWARE, ROOT
 from test_docs import PAGES, shown_commands
 
@@ -46,7 +46,7 @@ def wheel(tmp_path_factory):
     modules = source / "host_tools" / "kernels" / "modules"  # as `make wheel` fills it
     modules.mkdir(exist_ok=True)
     (modules / "0123.mpy").write_bytes(b"M")
-    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-index", "--no-build-isolation"]
+    command = [*interpreter.python(), "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-index", "--no-build-isolation"]
     done = subprocess.run([*command, "-w", folder, source], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     return next(folder.glob("passo-*.whl"))
@@ -59,7 +59,7 @@ def passo(wheel, tmp_path_factory):
     environment = folder / "environment"
     venv.create(environment, with_pip=False)
     python = environment / "bin" / "python"
-    command = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "--python", python, "install"]
+    command = [*interpreter.python(), "-m", "pip", "--quiet", "--disable-pip-version-check", "--python", python, "install"]
     done = subprocess.run([*command, "--no-deps", "--no-index", "--no-compile", wheel], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
     site = next((environment / "lib").glob("python*/site-packages"))
@@ -67,7 +67,7 @@ def passo(wheel, tmp_path_factory):
     (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
     elsewhere = folder / "elsewhere"
     elsewhere.mkdir()
-    kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
+    kept = {name: value for name, value in interpreter.environment().items() if name != "VIRTUAL_ENV"}
 
     def run(*arguments, start=False, keys=""):
         words = [environment / "bin" / "passo", *arguments]

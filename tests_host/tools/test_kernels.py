@@ -9,7 +9,6 @@ import signal
 import struct
 import subprocess
 import symtable
-import sys
 from array import array
 from pathlib import Path
 
@@ -18,7 +17,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from expressions import EDGES, expected, expressions, kernels_text, wrapped
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.build import frozen, mpy, ship, tree
 from host_tools.failure import Failure
 from host_tools.kernels import build, module, translate
@@ -141,7 +140,7 @@ def test_an_unaligned_access_ends_the_process(native, bytes_off, ends):
     """Under the sanitiser; on the emulated Pico it is a fault, as on the chip (test_pico_kernels.py)."""
     code = f"import ctypes\nk = ctypes.CDLL({native._name!r})\nb = (ctypes.c_int32 * 8)()\n"
     code += f"k.tried_add(ctypes.c_void_p(ctypes.addressof(b) + {bytes_off}), 1)"
-    assert subprocess.run([sys.executable, "-c", code]).returncode == ends
+    assert subprocess.run([*interpreter.python(), "-c", code]).returncode == ends
 
 
 REFUSED = {

@@ -3,16 +3,16 @@
 import os
 import pty
 import subprocess
-import sys
 import time
 
 import pytest
 
+from host_tools import interpreter
 from host_tools.cli.keys import Kit, parse
 from host_tools.failure import Failure
-from test_board_command import Board, environment, passo, rows
+from test_board_command import Board, passo, rows
 
-COMMAND = [sys.executable, "-m", "host_tools.cli", "keys"]
+COMMAND = [*interpreter.passo(), "keys"]
 
 
 class FakeSerial:
@@ -52,7 +52,7 @@ def test_the_board_turns(tmp_path):
         assert sent.stdout == "motor 1: off   motor 2: off\n", sent.stderr
         piped = subprocess.run(
             [*COMMAND, "--port", board.port], input="D # on\n200ms J\n", capture_output=True, text=True, timeout=120,
-            env=environment(),
+            env=interpreter.environment(),
         )  # fmt: skip
         assert piped.stdout.splitlines()[0].startswith("motor 1: off   motor 2: clockwise")
         time.sleep(0.2)
@@ -65,7 +65,7 @@ def test_keys_are_sent_as_they_are_pressed():
     master, terminal = pty.openpty()
     with Board("--board", "two_motor_kit") as board:
         command = [*COMMAND, "--port", board.port]
-        process = subprocess.Popen(command, stdin=terminal, stdout=subprocess.PIPE, text=True, env=environment())
+        process = subprocess.Popen(command, stdin=terminal, stdout=subprocess.PIPE, text=True, env=interpreter.environment())
         assert process.stdout.readline().startswith("A n, B n: speed")
         for pressed in ("c", "a12\r", "b200\r", "h", "q"):
             time.sleep(0.1)

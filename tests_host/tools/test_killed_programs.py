@@ -2,11 +2,12 @@
 
 import random
 import subprocess
-import sys
 
 import pytest
 
 from running_router import Running
+
+from host_tools import interpreter
 
 MM = 320  # steps
 LINES = 300
@@ -16,7 +17,7 @@ KILLS = 12
 
 
 def passo(*arguments):
-    return [sys.executable, "-m", "host_tools.cli", *map(str, arguments)]
+    return [*interpreter.passo(), *map(str, arguments)]
 
 
 def running():

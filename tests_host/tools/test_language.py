@@ -8,7 +8,6 @@ import re
 import string
 import subprocess
 import symtable
-import sys
 
 import pytest
 from parsed import Trees, parse

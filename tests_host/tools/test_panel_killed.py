@@ -3,11 +3,11 @@
 import os
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
 
+from host_tools import interpreter
 from host_tools.cli import panel
 from host_tools.panel.board import Demo
 
@@ -31,7 +31,7 @@ def alive(pid):
 
 @pytest.mark.skipif(not os.path.isdir("/proc"), reason="looks at Linux's processes")
 def test_the_board_ends_with_its_panel():
-    process = subprocess.Popen([sys.executable, "-c", PROGRAM], stdout=subprocess.PIPE, text=True)
+    process = subprocess.Popen([*interpreter.python(), "-c", PROGRAM], stdout=subprocess.PIPE, text=True)
     pid = int(process.stdout.readline().split()[1])
     assert alive(pid)
     process.send_signal(signal.SIGKILL)

@@ -7,14 +7,13 @@ Firefox is driven by its own port (marionette.py); without it its walks skip. PA
 import os
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
 from marionette import FIREFOX, firefox
 from test_panel_page import CHROMIUM, DRIVER, Browser, chromium
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from panel_process import PanelProcess
 
 pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, pytest.mark.xdist_group("panel")]
@@ -257,7 +256,7 @@ def test_a_crash_and_its_recovery(hand, tmp_path, show):
     (tmp_path / "pocket.gcode").write_text(POCKET)
     board = {**boards.load("router_3axis"), "journal": {"every_ms": 500}}
     (tmp_path / "board.py").write_text(f'"""A router with a journal."""\n\nBOARD = {board!r}\n')
-    words = [sys.executable, "-m", "host_tools.cli", "board", "--board", str(tmp_path / "board.py"), "--link", str(tmp_path / "machine"), "--trace", str(tmp_path / "steps.csv")]
+    words = [*interpreter.passo(), "board", "--board", str(tmp_path / "board.py"), "--link", str(tmp_path / "machine"), "--trace", str(tmp_path / "steps.csv")]
     process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     try:
         process.stdout.readline()

@@ -3,14 +3,14 @@
 import os
 import re
 import subprocess
-import sys
 
+from host_tools import interpreter
 from host_tools.resources import ROOT
 
 
 def passo(*words, **environment):
-    command = [sys.executable, "-m", "host_tools.cli.main", *words]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env={**os.environ, "PYTHONIOENCODING": "utf-8", **environment})
+    command = [*interpreter.passo(), *words]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env={**os.environ, **environment})
 
 
 def test_the_command_in_portuguese():

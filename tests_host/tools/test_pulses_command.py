@@ -5,19 +5,18 @@ import csv
 import os
 import select
 import subprocess
-import sys
 import time
 
 import pytest
 from typer.testing import CliRunner
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.cli.main import app
 from host_tools.failure import Failure
 from host_tools.programs import pulse_file, pulse_shapes
 from passo.config.boardfile import check
 from passo.motion.line import Line
-from test_board_command import Board, environment
+from test_board_command import Board
 
 # As the document has them, whatever the firmware thinks.
 VECTOR = "80 86 86 84 DC D8 81 F1 D1 E5 F5 D5 80 00".split()
@@ -83,8 +82,8 @@ class Terminal:
 
     def __init__(self, *words):
         self._master, slave = os.openpty()
-        command = [sys.executable, "-m", "host_tools.cli", "pulses", *map(str, words)]
-        self.process = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, env=environment())
+        command = [*interpreter.passo(), "pulses", *map(str, words)]
+        self.process = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, env=interpreter.environment())
         os.close(slave)
         self.text = ""
 

@@ -2,11 +2,12 @@
 
 import os
 import subprocess
-import sys
 
 import pytest
 
+from host_tools import interpreter
 from host_tools.cli.keys import Kit
+from host_tools.clients import serial_port
 from host_tools.clients.grbl import GrblClient
 from host_tools.clients.plotter import PlotterClient
 from host_tools.clients.pulses import PulsesClient
@@ -31,7 +32,7 @@ def line(request, tmp_path):
 @pytest.fixture
 def holder(line):
     """Another process that has the port open."""
-    process = subprocess.Popen([sys.executable, "-c", HOLDER, line.name], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+    process = subprocess.Popen([*interpreter.python(), "-c", HOLDER, line.name], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
     assert process.stdout.readline() == b"1\n"
     yield process
     process.kill()
@@ -42,6 +43,16 @@ def holder(line):
 def test_a_port_in_use_is_refused_and_its_user_named(line, holder, client):
     with pytest.raises(LinkError, match=rf"port {line.name} is in use by .*process {holder.pid}\)"):
         client(line.name)
+
+
+@pytest.mark.parametrize("words, said", [
+    ("python3 -P -E -X utf8 -m host_tools.cli draw map.svg", "passo draw map.svg"), ("/usr/bin/python3.11 -m mpremote repl", "mpremote repl"),
+    ("python /home/me/.venv/bin/passo stream a.nc", "passo stream a.nc"), ("python -c code", "another program"), ("python", "another program"),
+    ("/opt/cncjs -p 1", "cncjs -p 1"),
+])  # fmt: skip
+def test_a_program_is_named_as_it_was_typed(tmp_path, words, said):
+    (tmp_path / "cmdline").write_bytes(words.replace(" ", "\0").encode() + b"\0")
+    assert serial_port._command(tmp_path) == said
 
 
 def test_the_first_program_notices_nothing(line):

@@ -18,7 +18,7 @@ import pytest
 import requests
 from test_agent import Shop, needs_broker
 
-from host_tools import language
+from host_tools import interpreter, language
 from host_tools.clients import page_key
 from host_tools.failure import Failure
 from host_tools.language import error_text
@@ -161,7 +161,7 @@ class Bench(Shop):
         self.agent_process = None
 
     def start_board(self):
-        self.board = subprocess.Popen([sys.executable, shop_load.__file__, "--board", str(self.folder / "m"), "fast"], stdout=subprocess.PIPE, text=True)
+        self.board = subprocess.Popen([*interpreter.python(), shop_load.__file__, "--board", str(self.folder / "m"), "fast"], stdout=subprocess.PIPE, text=True)
         assert self.board.stdout.readline() == "ready\n"
         self.programs.append(self.board)
 

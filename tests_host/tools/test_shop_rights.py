@@ -12,6 +12,7 @@ import pytest
 import requests
 from test_agent import LIMIT_S, MOSQUITTO, Shop, free_port
 
+from host_tools import interpreter
 from host_tools.shop.book import Book
 from host_tools.shop.desk import Desk
 from host_tools.shop.link import Broker
@@ -164,7 +165,7 @@ def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
     key_file.write_text(key)
     board_file = shop_load.board_file(tmp_path)
     (tmp_path / "mill").mkdir()
-    board = subprocess.Popen([sys.executable, shop_load.__file__, "--board", str(tmp_path / "mill"), "fast"], stdout=subprocess.PIPE, text=True)
+    board = subprocess.Popen([*interpreter.python(), shop_load.__file__, "--board", str(tmp_path / "mill"), "fast"], stdout=subprocess.PIPE, text=True)
     guarded.programs.append(board)
     assert board.stdout.readline() == "ready\n"
     book = Book(tmp_path / "shop.sqlite")

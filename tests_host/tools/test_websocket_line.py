@@ -3,7 +3,6 @@
 import hmac
 import re
 import subprocess
-import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 
@@ -11,7 +10,7 @@ import pytest
 import websocket
 
 from board_browser import LINKS
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.sim.websocket_line import WebSocketLine
 from panel_process import LIMIT_S, PanelProcess
 from test_board_command import Board
@@ -166,7 +165,7 @@ def test_behind_the_bridge(tmp_path):
     path.write_text(f'"""A router."""\n\nBOARD = {config!r}\n')
     with Board("--board", path, "--signed", 0, "--key", KEY, links=3) as board:
         port = board.lines[1].rsplit(":", 1)[1]
-        words = [sys.executable, "-m", "host_tools.cli", "wifi", "bridge", "127.0.0.1", "--tcp-port", port, "--key", KEY, "--websocket", "0"]
+        words = [*interpreter.passo(), "wifi", "bridge", "127.0.0.1", "--tcp-port", port, "--key", KEY, "--websocket", "0"]
         bridge = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
         try:
             sender = Sender(re.match(r"port: (ws:\S+)", bridge.stdout.readline())[1])

@@ -3,7 +3,6 @@
 import copy
 import re
 import subprocess
-import sys
 import xml.etree.ElementTree as ElementTree
 from functools import lru_cache
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from host_tools import boards, language
+from host_tools import boards, interpreter, language
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 from host_tools.wiring import table
@@ -244,7 +243,7 @@ def test_a_sheet_too_small():
 
 
 def passo(*words):
-    return subprocess.run([sys.executable, "-m", "host_tools.cli.main", *words], cwd=ROOT, capture_output=True, text=True)
+    return subprocess.run([*interpreter.passo(), *words], cwd=ROOT, capture_output=True, text=True)
 
 
 def test_the_command(tmp_path):

@@ -5,6 +5,7 @@
 Lengths are mm inside, A is degrees in G20 and G21 alike. G20 and G21 hold for their whole line, its F too.
 """
 
+from host_tools import interpreter
 from host_tools.language import _
 from host_tools.programs.ngc.blocks import read, whole
 from host_tools.programs.ngc.codes import (

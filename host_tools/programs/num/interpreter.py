@@ -8,6 +8,7 @@ G91, or a radius.
 
 import math
 
+from host_tools import interpreter
 from host_tools.language import _
 from host_tools.programs.compensation import LEFT, RIGHT
 from host_tools.programs.drilling import Cycle
