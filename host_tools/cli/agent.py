@@ -14,8 +14,6 @@ import typer
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 
-_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9._-]{0,39}")
-
 
 def agent(
     broker: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="The MQTT broker, for example Mosquitto.")],
@@ -189,12 +187,14 @@ def read_secret(path):
 
 def _named(ports, emulated):
     """{name: (port or board file, whether it is virtual)}. Raises Failure."""
+    from host_tools.shop.machines import NAME
+
     found = {}
     for text, virtual in [*((each, False) for each in ports), *((each, True) for each in emulated)]:
         name, equals, where = text.partition("=")
         if not equals or "/" in name:
             name, where = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(text).stem).strip("-._"), text
-        if not _NAME.fullmatch(name):
+        if not NAME.fullmatch(name):
             raise Failure("{!r} is no machine's name: at most 40 letters, digits, '.', '_' and '-'", name)
         if name in found:
             raise Failure("two machines are called {}: give names, NAME=…", name)

@@ -26,6 +26,7 @@ from typing import NamedTuple, Optional
 QUEUED, GIVEN, BEGUN, WAITING = "queued", "given", "begun", "waiting"
 OPEN = (GIVEN, BEGUN, WAITING)
 DONE = "done"
+LEFT = "left"  # ended on the shop's page, for its machine was not reached
 _WRONG_CALLS = sqlite3.IntegrityError, sqlite3.ProgrammingError, sqlite3.DataError, sqlite3.NotSupportedError  # no fault of the file
 _TROUBLE_S = 3.0  # longer than between two attempts
 _WAIT_MS = 200  # for another program that has the file: STOP must not wait for it
@@ -167,6 +168,12 @@ class Book:
             begun = now if how == DONE else None
             self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?), ended = ? where id = ?", how, line, text, begun, now, job.id)
 
+    def reopen(self, job_id, machine):
+        """A machine tells of a job that was ended on the page: it was not gone for good, and has it as before."""
+        job = job_id and self.job(job_id)
+        if job and job.state == LEFT and job.machine == machine and not self.open_of(machine):
+            self._write("update jobs set state = ?, text = '', ended = null where id = ?", BEGUN if job.begun else GIVEN, job_id)
+
     def withdraw(self, job_id):
         """Remove a job from the queue. Return False if a machine has it already."""
         return self._write("delete from jobs where id = ? and state = ?", job_id, QUEUED) > 0
@@ -193,7 +200,7 @@ class Book:
 
     def used(self):
         """[[material, jobs done, seconds from begin to end]] of what is done."""
-        return self._ask("select coalesce(json_extract(wants, '$.material'), ''), count(*), sum(ended - begun) from jobs where state = 'done' group by 1 order by 1")
+        return self._ask("select coalesce(json_extract(wants, '$.material'), ''), count(*), sum(max(ended - begun, 0)) from jobs where state = 'done' group by 1 order by 1")
 
     def data(self, sha):
         """The bytes of a job's file."""

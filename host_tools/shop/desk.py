@@ -9,6 +9,9 @@ What the broker loses is said again: a machine tells with each connection what i
 is signed for the nonce of the machine's release, so it is carried out once. One for a job that was given before says so ("again"): the machine
 asks whoever stands there.
 
+What machines tell is counted by the clocks of their PCs, so that nothing is heard twice. If something comes that is signed right, but older than
+the last, a clock may have been set back: the shop tells another nonce, and all machines tell anew, signed for that.
+
 If the book cannot be written (the disk is full, or another program has the file), the desk tries again each second with what each machine has
 told last. No message waits for that, and STOP neither: it is sent by the thread that hears the messages.
 """
@@ -19,14 +22,17 @@ import threading
 
 import paho.mqtt.client as mqtt
 
-from host_tools.shop.book import BEGUN, GIVEN, WAITING, BookError
+from host_tools.language import _
+from host_tools.shop.book import BEGUN, GIVEN, LEFT, OPEN, WAITING, BookError
 from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP, guarded, wrong_message
-from host_tools.shop.signed import MACHINE, Opener, sealed
+from host_tools.shop.machines import Machines
+from host_tools.shop.signed import sealed
 from host_tools.shop.signed import SHOP as FROM_SHOP
 from host_tools.shop.telling import GONE, LOST, TOPICS
 from passo import errors
 from passo.web.guard import nonce
 
+_RENEW_S = 2.0  # between two nonces, at least
 _AGAIN_S = 1.0  # between two attempts to write the book
 _LEFT_S = 2.0  # a STOP has been acknowledged by the broker
 _WORD, _QUEUE, _PIECES = "word", "queue", "pieces"  # what the desk does with the book: for a machine, for one or all, for a file
@@ -72,15 +78,21 @@ def _is_a(value, types):
     return isinstance(value, types) and not isinstance(value, bool)
 
 
+def is_reached(machine):
+    """True if a machine, as it tells of itself, has proven the key and is there: it may have its job."""
+    return bool(machine and machine.get("how") and machine.get("state") != GONE)
+
+
 class Desk:
     def __init__(self, broker, key, book):
         self._key, self._book = key, book
         self._nonce = nonce()
-        self._openers = {}
+        self._heard = Machines(key, self._nonce)
+        self._renewing = None  # the timer of the next nonce
         self._ordered = {}  # machine: the text of its order, while it has not been taken
         self._files = set()  # SHA-256 of those on the broker
         self._lock = threading.RLock()
-        self.machines = {}
+        self.machines = self._heard.known
         self._told = {}  # machine: its last word
         self._again = set()  # (what, name): not done yet, for the book could not be written
         self._trying = None  # the thread that tries again
@@ -97,6 +109,8 @@ class Desk:
 
     def close(self):
         self._closed.set()
+        if self._renewing:
+            self._renewing.cancel()
         self._client.disconnect()
         self._client.loop_stop()
 
@@ -120,13 +134,16 @@ class Desk:
     def _connected(self, client, userdata, flags, code, properties):
         if code.is_failure:
             return
-        client.subscribe([(f"{ROOT}/+/work", 1)] + [(f"{ROOT}/+/{topic}", 0) for topic in (*TOPICS, "language")])
+        self._subscribe()
         client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
         with self._lock:  # the broker may have forgotten all
             for name, text in self._ordered.items():
                 client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)
             for sha in self._files:
                 self._bring(_PIECES, sha)
+
+    def _subscribe(self):
+        self._client.subscribe([(f"{ROOT}/+/work", 1)] + [(f"{ROOT}/+/{topic}", 0) for topic in (*TOPICS, "language")])
 
     # --- the book
 
@@ -170,21 +187,36 @@ class Desk:
         text = message.payload.decode(errors="replace")
         with self._lock:
             if topic != "work":
-                before = self.machines.setdefault(name, {}).get(topic)
-                self.machines[name][topic] = text
+                before = self._heard.put(name, topic, text)
                 if topic == "state" and before in _AWAY:  # it may have been released meanwhile, or have said so before it said that it is back
                     self.look(name)
                 return
-            opener = self._openers.setdefault(name, Opener(self._key, MACHINE, f"{self._nonce} {name}"))
-            told = opener.open(text)
+            told = self._heard.open(name, text)
             told = told and read_told(told)
             if told:
                 self._told[name] = told
-                self.machines.setdefault(name, {}).update(told)
+                self.machines[name].update(told)
                 self._bring(_WORD, name)
+            if self._heard.missed:  # the broker tells all again
+                self._heard.missed = False
+                self._subscribe()
+            if self._heard.stale and not self._renewing:
+                self._renewing = threading.Timer(_RENEW_S, self._renew)
+                self._renewing.daemon = True
+                self._renewing.start()
+
+    @guarded
+    def _renew(self):
+        with self._lock:
+            self._renewing = None
+            self._nonce = nonce()
+            self._heard.renew(self._nonce)
+            self._client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
 
     def _answer(self, name):
         book, told = self._book, self._told[name]
+        for job_id in (told["job"], *(told["ended"] or ())[:1]):
+            book.reopen(job_id, name)
         job = book.open_of(name)
         if told["ended"] and job and told["ended"][0] == job.id:
             book.end(job, *told["ended"][1:])
@@ -197,6 +229,18 @@ class Desk:
             self._order(name, job, told["nonce"])
         elif told["how"] == "free":
             self._give(name)
+
+    def end(self, job_id):
+        """End a job whose machine is not reached, for somebody who has looked at it: 0 or an error."""
+        with self._lock:
+            job = self._book.job(job_id)
+            if job is None or job.state not in OPEN:
+                return errors.NO_SUCH_JOB
+            if is_reached(self.machines.get(job.machine)):
+                return errors.BUSY
+            self._book.end(job, LEFT, job.line, _("ended on the shop's page: {} was not reached", job.machine))
+            self._forget(job.machine, job)
+        return 0
 
     def look(self, only=None):
         """Give jobs to the machines that are released: to one, or after the queue has grown."""

@@ -17,8 +17,8 @@ from host_tools.page.pages import ServedPages
 from host_tools.panel.panel import FOLDER, names_of
 from host_tools.panel.server import PUSH_MS, Server, clock_ms, error_list
 from host_tools.shop import drop
-from host_tools.shop.book import BookError
-from host_tools.shop.desk import LASER_CLASSES
+from host_tools.shop.book import OPEN, BookError
+from host_tools.shop.desk import LASER_CLASSES, is_reached
 from host_tools.shop.link import wrong_message
 from microdot import Response
 from passo import errors
@@ -30,6 +30,7 @@ _PAGES = 30
 _MOST_COPIES = 200
 _PIECE = 32_768
 _SHOWN = 300  # jobs
+_HEARD_S = 15.0  # every machine that is there has told by then, or is gone
 _TRIES, _AGAIN_S = 10, 0.5  # to write a job into the book
 _READ_AGAIN_S = 1.0  # a book that could not be read
 _TOLD = ("how", "job", "line", "kind", "tool", "laser", "page", "language", "state", "progress", "left")
@@ -54,18 +55,19 @@ class ShopPages(ServedPages):
 
     def next_state(self, now_ms):
         state = self._shop.state()
-        self.version = json.dumps([state["jobs"], [{**each, "progress": "", "left": ""} for each in state["machines"]], state["trouble"], state["broker"]])
+        self.version = json.dumps([state["jobs"], [{**each, "progress": "", "left": ""} for each in state["machines"]], state["trouble"], state["broker"], state["adrift"]])
         return json.dumps({"t": "state", **state})
 
 
 class Shop:
     def __init__(self, desk, book, key, host):
         self.desk, self.book = desk, book
-        self._orders = {"drop": self._drop, "withdraw": self._withdraw, "again": self._again}
+        self._orders = {"drop": self._drop, "withdraw": self._withdraw, "again": self._again, "end": self._end}
         self._coming = {}  # (page, name of the file): its text so far
         self._tasks = set()
         self._checks = asyncio.Lock()  # one file after the other: their order is that of the queue
         self._seen, self._jobs, self._counts, self._used = None, [], {}, []
+        self._begun_s = time.monotonic()
         self._look_s = 0.0  # not before: the book could not be read
         files = {path.name: str(path) for path in _OWN.iterdir()} | {name: f"{FOLDER}/{name}" for name in _SHARED}
         self.server = Server(self, key, names_of(host), "", pages=ShopPages(self, key), files={**files, "index.html": files["shop.html"]})
@@ -174,6 +176,10 @@ class Shop:
         self.desk.look()
         return 0
 
+    def _end(self, order, page):
+        """A job whose machine is not reached, because it has another name now, or is no more."""
+        return self.desk.end(text(order, "job", 8))
+
     # --- what is shown
 
     def state(self):
@@ -185,8 +191,13 @@ class Shop:
         ]  # fmt: skip
         return {
             "machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.desk.up,
+            "adrift": self._adrift() if self.desk.up and time.monotonic() - self._begun_s > _HEARD_S else [],
             "trouble": in_languages(_("The book of jobs cannot be written: {}. The shop tries again each second.", trouble) if trouble else ""),
         }  # fmt: skip
+
+    def _adrift(self):
+        """Numbers of jobs that no machine has any more: an order of the page may end them."""
+        return [job["id"] for job in self._jobs if job["state"] in OPEN and not is_reached(self.desk.machines.get(job["machine"]))]
 
     def _look(self):
         """Read the book, if it has changed."""

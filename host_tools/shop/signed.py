@@ -25,7 +25,13 @@ def sealed(key, end, nonce, count, body):
 
 class Opener:
     def __init__(self, key, end, nonce):
+        self._about = key, end, nonce
         self._session = _session(key, end, nonce)
+
+    def is_older(self, text):
+        """True if a message is signed right, and counted lower than the last: it is repeated, or the clock of its PC has been set back."""
+        fresh = _session(*self._about)
+        return fresh.open(text) is not None and fresh.count < self._session.count
 
     def open(self, text):
         body = self._session.open(text)

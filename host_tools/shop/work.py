@@ -36,6 +36,7 @@ _SETTLE_S = 0.6  # a report has come by then
 _TRIES = 4  # to unlock, to home
 _ORDER = {"id": re.compile("[0-9a-fA-F]{1,8}"), "sha": re.compile("[0-9a-f]{64}"), "name": re.compile(r"[^\x00-\x1f]{1,200}")}
 _MOST_PARTS = 4096  # of a job's file
+_MOST_COUNT = 10**11  # beyond the year 2100; a count has twelve digits at most
 _COUNTS_S = 20  # counts of messages a second, so that those of an agent that begins anew are higher
 
 
@@ -152,7 +153,7 @@ class Work:
         if not shop:
             return ""
         if (shop, body) != self._said[:2]:
-            self._count = max(self._count + 1, int(time.time() * _COUNTS_S))
+            self._count = max(self._count + 1, int(time.time() * _COUNTS_S) % _MOST_COUNT)
             self._said = shop, body, sealed(self._key, MACHINE, f"{shop} {self._name}", self._count, body)
         return self._said[2]
 

@@ -16,7 +16,7 @@ from types import SimpleNamespace
 
 import pytest
 import requests
-from test_agent import Shop, needs_broker
+from test_agent import Late, Shop, agent_of, needs_broker
 
 from host_tools import interpreter, language
 from host_tools.clients import page_key
@@ -26,6 +26,7 @@ from host_tools.panel.panel import FOLDER
 from host_tools.shop import drop
 from host_tools.shop.book import Book
 from host_tools.shop.desk import LASER_CLASSES, Desk, fits
+from host_tools.shop.machines import MOST_STRANGERS
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
 from passo import errors
 from passo.web import session
@@ -338,10 +339,21 @@ class Nothing:
     """A broker's client that keeps what is published."""
 
     def __init__(self):
-        self.published = []
+        self.published, self.subscribed = [], []
 
     def client(self, name):
         return self
+
+    def is_connected(self):
+        return True
+
+    def disconnect(self):
+        pass
+
+    loop_stop = disconnect
+
+    def subscribe(self, topics):
+        self.subscribed.append(topics)
 
     def connect(self, client):
         pass
@@ -369,6 +381,108 @@ def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
         assert job and [topic for topic, _text in broker.published if topic.endswith("order")][-1:] == ["passo/m/order"]
         hear("state", "run")
         book.end(job, "done", 1, "")
+    assert book.counts() == {"done": 2}
+
+
+@pytest.fixture
+def heard(book):
+    """(desk, its broker, hear(machine, topic, text), told(machine, count, …)): what a machine tells, signed."""
+    broker = Nothing()
+    desk = Desk(broker, KEY, book)
+
+    def hear(name, topic, text):
+        desk._hear(None, None, SimpleNamespace(topic=f"passo/{name}/{topic}", payload=text.encode()))
+
+    def told(name, count, **fields):
+        body = {"how": "rest", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k", **fields}
+        hear(name, "work", sealed(KEY, MACHINE, f"{desk._nonce} {name}", count, body))
+
+    yield desk, broker, hear, told
+    desk.close()
+
+
+def test_strangers_names_are_bounded_and_take_no_room_of_machines(heard):
+    desk, broker, hear, told = heard
+    told("before", 1)
+    for number in range(5000):
+        hear(f"s{number}", "state", "idle")
+        hear(f"s{number}", "work", "1.0.{}")
+    for name in ("", "x" * 41, "é", "a b", "-"):
+        hear(name, "state", "idle")
+        told(name, 1)
+    assert len(desk.machines) == 1 + MOST_STRANGERS
+    asked = len(broker.subscribed)
+    hear("after", "state", "idle")
+    told("after", 1)
+    assert desk.machines["after"]["how"] == "rest" and len(broker.subscribed) == asked + 1, "the broker tells its state again"
+    hear("after", "state", "idle")
+    hear("before", "alarm", "x" * 3000)
+    assert desk.machines["after"]["state"] == "idle" and "alarm" not in desk.machines["before"]
+    for number in range(1000):
+        told(f"own{number}", 1)
+    assert len(desk.machines) == 1002 + MOST_STRANGERS
+
+
+def test_a_clock_that_is_set_back_silences_no_machine(heard, book, monkeypatch):
+    desk, broker, hear, told = heard
+    monkeypatch.setattr("host_tools.shop.desk._RENEW_S", 0.01)
+    book.add(b"G0X1", "a", {"kind": "k"})
+    for name in ("m", "other"):
+        told(name, 10**9)
+    told("m", 10**9)  # repeated, as a broker may
+    assert desk._renewing is None
+    before = desk._nonce
+    for name in ("m", "other"):
+        told(name, 5, how="free", nonce=name)
+    limit = time.monotonic() + 20
+    while desk._nonce == before:
+        assert time.monotonic() < limit
+        time.sleep(0.01)
+    assert ("passo/shop", desk._nonce) in broker.published and not book.open_of("m")
+    told("other", 6)
+    told("m", 6, how="free", nonce="m")
+    assert book.open_of("m") and desk.machines["other"]["how"] == "rest"
+
+
+@pytest.mark.parametrize("now_s", [0.0, 1.0, 1.8e9, 4.2e9, 2.5e11])
+def test_a_count_has_twelve_digits_whatever_the_clock_says(now_s, monkeypatch):
+    board, _port, _run = agent_of(Late)
+    monkeypatch.setattr(time, "time", lambda: now_s)
+    assert Opener("KEY", MACHINE, "n m").open(board.work.told("n"))["how"] == "rest"
+
+
+def test_a_job_of_a_machine_that_has_another_name_now_is_ended_on_the_page(heard, book, monkeypatch):
+    from host_tools.shop.shop_server import Shop
+
+    desk, broker, hear, told = heard
+    shop = Shop(desk, book, KEY, "127.0.0.1")
+    (job,) = book.add(b"G0X1", "a", {"kind": "k"})
+    told("old", 1, how="free")
+    told("old", 2, how="run", job=job, line=3)
+
+    def end(job):
+        return shop.order({"do": "end", "job": job}, True)["error"]
+
+    monkeypatch.setattr("host_tools.shop.shop_server._HEARD_S", -1.0)
+    assert end(job) == errors.BUSY and shop.state()["adrift"] == [], "its machine has it"
+    hear("old", "state", "gone")
+    told("new", 1, how="free")
+    assert shop.state()["adrift"] == [job] and book.open_of("old").id == job
+    assert shop.order({"do": "end", "job": job}, False)["error"] == errors.NO_SESSION
+    assert end(job) == 0 and end(job) == end("0" * 8) == errors.NO_SUCH_JOB
+    assert shop.state()["adrift"] == [] and book.counts() == {"left": 1}
+    assert shop.state()["jobs"][0]["text"]["pt"] != shop.state()["jobs"][0]["text"]["en"]
+    # It was only out of reach, and has drawn on: its word counts.
+    hear("old", "state", "run")
+    told("old", 3, how="run", job=job, line=9)
+    assert book.open_of("old").line == 9
+    told("old", 4, ended=[job, "done", 12, ""])
+    assert book.counts() == {"done": 1}
+    (again,) = book.add(b"G0X1", "a", {"kind": "k"})
+    told("old", 5, how="free")
+    hear("old", "state", "gone")
+    assert end(again) == 0
+    told("old", 6, ended=[again, "done", 12, ""])
     assert book.counts() == {"done": 2}
 
 

@@ -9,13 +9,13 @@ import { paint, thumbnail } from "./thumbnail.js";
 
 const at = (id) => document.getElementById(id);
 const HOW = { rest: "not released", free: "free: paper is in", fetch: "its file comes", run: "draws", waits: "waits for somebody at the machine", goes: "gets ready" };
-const ENDED = { done: "done", "given up": "given up", refused: "refused" };
+const ENDED = { done: "done", "given up": "given up", refused: "refused", left: "ended here" };
 const KEY = "passo-shop-key";
 const MOST_TOLD = 8;  // files of which something is said
 const KEPT = 3;  // choices of the filter that are always there
 const programs = new Map();  // sha: its thumbnail, or null while it comes
 const tiles = new Map();
-let state = { machines: [], jobs: [], counts: {}, used: [], broker: true };
+let state = { machines: [], adrift: [], jobs: [], counts: {}, used: [], broker: true };
 let lists = "";
 
 const clock = (seconds) => {
@@ -93,7 +93,7 @@ function show() {
   at("counts").textContent = _("{machines} machines, {free} free, {waits} wait for somebody; {queued} jobs in the queue, {done} done.", {
     machines: state.machines.length, free, waits, queued: state.counts.queued || 0, done: state.counts.done || 0,
   });
-  const text = JSON.stringify([state.jobs, state.used, document.documentElement.lang, !link.key]);
+  const text = JSON.stringify([state.jobs, state.adrift, state.used, document.documentElement.lang, !link.key]);
   if (text !== lists) {
     lists = text;
     showLists();
@@ -144,8 +144,11 @@ function program(job) {
 function showLists() {
   const waits = state.jobs.filter((job) => job.state === "queued");
   const ended = state.jobs.filter((job) => job.state in ENDED);
-  at("queue").replaceChildren(...waits.map((job) => row(job, [job.wants.kind, job.wants.tool, laser(job.wants), job.wants.seconds ? clock(job.wants.seconds) : ""], "Withdraw", "withdraw")));
-  at("history").replaceChildren(...ended.map((job) => row(job, [_(ENDED[job.state]), job.machine, said(job.text)], "Again", "again")));
+  const adrift = state.jobs.filter((job) => state.adrift.includes(job.id));
+  at("adrift").hidden = !adrift.length;
+  at("adrift").querySelector("ul").replaceChildren(...adrift.map((job) => row(job, [job.machine, job.line ? _("It stopped behind line {line}.", job) : "", said(job.text)], _("End the job"), "end")));
+  at("queue").replaceChildren(...waits.map((job) => row(job, [job.wants.kind, job.wants.tool, laser(job.wants), job.wants.seconds ? clock(job.wants.seconds) : ""], _("Withdraw"), "withdraw")));
+  at("history").replaceChildren(...ended.map((job) => row(job, [_(ENDED[job.state]), job.machine, said(job.text)], _("Again"), "again")));
   at("used").replaceChildren(...state.used.map(([material, jobs, seconds]) => {
     const made = element("tr");
     made.append(element("td", "", material || _("not named")), element("td", "", jobs), element("td", "", clock(seconds)));
@@ -156,7 +159,7 @@ function showLists() {
 }
 
 function row(job, facts, text, what) {
-  const made = element("li"), button = element("button", "", _(text));
+  const made = element("li"), button = element("button", "", text);
   made.append(element("strong", "", job.name), document.createTextNode(` ${facts.filter((each) => each).join(" · ")} `));
   button.addEventListener("click", async () => complain(await link.order({ do: what, job: job.id })));
   if (link.key) made.append(button);
