@@ -20,6 +20,7 @@ Examples:
     passo draw map.plt --pens layers --marks --port /dev/ttyACM0
     passo draw part.dxf --hatch 45,1 --hatch 2:0,0.5,crossed --preview -
     passo draw a.svg b.svg c.svg --gap 3 --board laser_xy -o sheet.gcode
+    passo draw outline.svg --unseen --board laser_xy -o outline.gcode
     passo draw label.svg --copies 4x6 --gap 2 --place outlines --port /dev/ttyACM0
     passo draw sign.svg --board router_3axis --depth 1.5 --passes 3 --for 2:depth=0.3,passes=1
 
@@ -28,6 +29,8 @@ lines beyond it. Several drawings are nested on the table, their outlines --gap 
 
 --pens layers draws one layer after the other, and waits for the next pen in between; --pens colours does that by the colour of lines.
 Layers that are drawn one by one, by --layer, fall on each other if the options of size and position are the same.
+
+What nobody sees in an SVG file is left out and named, a white background too: --unseen draws it.
 
 Lines are joined and put in an order of little travel; --keep-order leaves them as they are in the file.
 

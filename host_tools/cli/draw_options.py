@@ -43,6 +43,9 @@ class Said:
     ] = None
     marks: Annotated[bool, typer.Option("--marks", help="Draw crosses at the corners, with each pen.")] = False
     keep_order: Annotated[bool, typer.Option("--keep-order", help="Draw lines in the order of the file.")] = False
+    unseen: Annotated[
+        bool, typer.Option("--unseen", help="SVG: draw what nobody sees, too: shapes without stroke and fill, and a white background over the page.")
+    ] = False
     speed: Annotated[Optional[int], typer.Option(min=1, max=65535, help="Drawing speed, in the board file's unit.")] = None
     points: Annotated[int, typer.Option(min=2, max=60000, help="Most points of an object sent before it is drawn.")] = 1000
     home: Annotated[bool, typer.Option("--home/--no-home", help="Seek the origin before drawing.")] = True
@@ -78,6 +81,6 @@ class Said:
 
 # Of drawing.Options, but for `origin`, `layer` and `hatch`, which are said otherwise.
 PLACED = (
-    "fit", "center", "scale", "place", "margin", "tolerance", "crop", "pens", "repeat", "copies", "gap", "turn", "nesting", "marks", "keep_order",
+    "fit", "center", "scale", "place", "margin", "tolerance", "crop", "pens", "repeat", "copies", "gap", "turn", "nesting", "marks", "keep_order", "unseen",
 )  # fmt: skip
 KEPT = ("board", "speed", "points", "origin", "layer", "hatch", *PLACED)

@@ -180,14 +180,14 @@ def _sheet(path, board, options, progress, several):
     }
     return layout.Sheet(
         layers, fills, names, names, place.factor, place.corner_px, place.origin_mm, place.on_table((0.0, 0.0, *page.size_px)),
-        [*_notes_of(page), *place.notes],
+        [*_notes_of(page, options), *place.notes],
     )  # fmt: skip
 
 
 def _read(file, path, factor, options, progress):
     """The page, cropped; curves as fine as `options.tolerance` after scaling by `factor`."""
     deviation_px = options.tolerance / 4 / MM_PER_PX / max(factor, 1e-3)
-    page = file.outlines(deviation_px, lambda share: progress(N_("reading"), share), options.pens == "colours", bool(options.hatch))
+    page = file.outlines(deviation_px, lambda share: progress(N_("reading"), share), options.pens == "colours", bool(options.hatch), options.unseen)
     page.layers = {number: lines for number, lines in page.layers.items() if lines or page.fills.get(number)}
     if not any(page.layers.values()):
         raise Failure("{}: nothing to draw: {}", path, _why_empty(page))
@@ -226,21 +226,30 @@ def _chosen(page, path, options):
 
 
 def _why_empty(page):
-    if page.left_out:
-        return _("of what it has, nothing can be drawn: {}", _counted(page.left_out))
+    reasons = [_counted(page.left_out)] if page.left_out else []
+    reasons += _unseen_of(page)
+    if reasons:
+        return _("of what it has, nothing can be drawn: {}", "; ".join(reasons))
     return _("the file has no lines, curves or shapes")
+
+
+def _unseen_of(page):
+    if page.unseen:
+        yield _("{} × a shape that nobody sees (no stroke and no fill, width or opacity 0) is left out; --unseen draws it", page.unseen)
+    if page.backgrounds:
+        yield _("a white background over the whole page is left out; --unseen draws its edge")
 
 
 def _counted(left_out):
     return ", ".join(f"{count} × {_(what)}" if count > 1 else _(what) for what, count in sorted(left_out.items()))
 
 
-def _notes_of(page):
+def _notes_of(page, options):
     yield from page.notes
     if page.left_out:
         yield _("left out, or not as it should be: {}", _counted(page.left_out))
-    if page.unpainted:
-        yield _("{} × a shape without stroke and fill, which a viewer does not show, is drawn", page.unpainted)
+    if not options.unseen:
+        yield from _unseen_of(page)
     if page.lost_mm > 0.1:
         yield _("{:g} mm of lines lie outside the page and are left out; --no-crop draws them", round(page.lost_mm, 1))
 

@@ -124,7 +124,7 @@ class DxfFile:
     def _size(self, box):
         return tuple(max(_LEAST_PX, side * self._mm * _MM_PX) for side in (box[2] - box[0], box[3] - box[1]))
 
-    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
+    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page, as large as the lines on it; chords are at most `deviation_px` from their curves."""
         from shapely.affinity import affine_transform
 

@@ -53,7 +53,7 @@ class GcodeFile:
         size = places.real.max() - places.real.min(), places.imag.max() - places.imag.min()
         self.size_px = tuple(max(_LEAST_PX, float(side) * _MM_PX) for side in size)
 
-    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
+    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page. Arcs are as fine as the compiler makes them, 0.01 mm."""
         page = Page(self.size_px, by_colour=by_colour)
         for tool, lines in sorted(self._lines.items()):

@@ -75,7 +75,7 @@ class HpglFile:
         )
         return places
 
-    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
+    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
         pen = self._drawn(deviation_px / UNIT_PX)
         self._lay(pen)

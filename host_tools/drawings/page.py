@@ -34,7 +34,8 @@ class Page:
     fills: dict = field(default_factory=dict)  # number: areas
     left_out: Counter = field(default_factory=Counter)
     notes: list = field(default_factory=list)  # sentences about the whole file
-    unpainted: int = 0  # shapes with neither stroke nor fill
+    unseen: int = 0  # shapes without stroke and fill, of width or opacity 0
+    backgrounds: int = 0  # white shapes over the whole page
     lost_mm: float = 0.0  # of lines outside the page
     by_colour: bool = False  # a layer is a colour, in the order in which the file comes to them
 

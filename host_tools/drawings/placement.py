@@ -38,6 +38,7 @@ class Options:
     marks: bool = False  # crosses at the corners, of each pen
     repeat: int = 1  # how often each line is gone along
     keep_order: bool = False
+    unseen: bool = False  # draw what nobody sees, too: shapes without stroke and fill, a background
 
 
 def box_of(layers):

@@ -17,7 +17,7 @@ from xml.etree import ElementTree
 
 import numpy
 
-from host_tools.drawings import svg_area, svg_geometry, svg_paint, svg_style, svg_text
+from host_tools.drawings import svg_area, svg_geometry, svg_paint, svg_style, svg_text, svg_transform
 from host_tools.drawings.page import Page, cut
 from host_tools.drawings.svg_faults import by_letters, name_of, told, unreadable
 from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
@@ -87,9 +87,15 @@ class SvgFile:
     def _size(self):
         """Width and height of the page; from the viewBox if they are missing or in %."""
         box = self._view_box(self._root)
-        width = svg_geometry.length(self._root.get("width"), default=None)
-        height = svg_geometry.length(self._root.get("height"), default=None)
+        style = self._sheet.style(self._root, {})
+        width, height = (
+            svg_geometry.length(style.get(name), default=svg_geometry.length(self._root.get(name), default=None)) for name in ("width", "height")
+        )
         shape = (box[2], box[3]) if box else (_DEFAULT_PX, _DEFAULT_PX)
+        return tuple(map(svg_geometry.bounded, self._size_by(width, height, shape, box)))
+
+    @staticmethod
+    def _size_by(width, height, shape, box):
         if width is None and height is None:
             return shape
         if width is None:
@@ -98,15 +104,15 @@ class SvgFile:
             return width, (width * shape[1] / shape[0] if box else _DEFAULT_PX)
         return width, height
 
-    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False):
+    def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page; chords are at most `deviation_px` from their curves. `progress(share)` is called now and then, 0…1. `by_colour`:
-        a layer is a colour; `fills`: with the areas that are filled."""
-        self._fills = fills
+        a layer is a colour; `fills`: with the areas that are filled; `unseen`: with shapes that nobody sees."""
+        self._fills, self._unseen, self._boxes = fills, unseen, {}
         self._deviation = deviation_px
         self._progress = progress
         self._done = 0
         self._page = Page(self.size_px, by_colour=by_colour)
-        self._shapes.begin(self._page, deviation_px, fills)
+        self._shapes.begin(self._page, deviation_px, fills, unseen)
         if self._sheet.unknown:
             self._page.left_out[N_("style rule that cannot be read")] += len(self._sheet.unknown)
         width, height = self.size_px
@@ -172,15 +178,21 @@ class SvgFile:
         if context.depth == _DEEPEST:
             raise Failure("{}: {} lies in more than {} others", self._path, name_of(element), _DEEPEST)
         style = self._style(element, context.style)
-        if style.get("display") == "none" or ink and svg_style.invisible(style.get("opacity")) or not _suits(element):
+        if style.get("display") == "none" or not _suits(element):
             return None
+        if ink and svg_style.invisible(style.get("opacity")):
+            self._page.unseen += 1
+            if not self._unseen:
+                return None
         faults = unreadable(element)
         if faults:
             self._page.left_out[N_("number that is none, or that cannot be read")] += faults
+        if style.get(svg_style.UNREAD):
+            self._page.left_out[N_("value of a style that cannot be read, or lacks its unit")] += style[svg_style.UNREAD]
         lengths = by_letters(element)
         if lengths:
             self._page.left_out[N_("length in rem, ex or ch (by the size of letters alone)")] += lengths
-        return replace(context, matrix=self._matrix(style, context), style=style, depth=context.depth + 1)
+        return replace(context, matrix=self._matrix(element, style, context), style=style, depth=context.depth + 1)
 
     def _name_paints(self, style, tag):
         """Note what of the paint of something shown is not drawn."""
@@ -222,6 +234,11 @@ class SvgFile:
         stretch = svg_geometry.stretch(context.matrix)
         if not stretch:
             return []
+        if not svg_style.painted(context.style, "fill") and not svg_style.painted(context.style, "stroke"):
+            self._page.unseen += 1
+            if not self._unseen:
+                return []
+        svg_geometry.bounded(context.style["font-size"] * stretch)
         letters = svg_text.collect(element, context.style, self._style, context.viewport, self._page.left_out, self._way_of(context))
         lines = svg_text.outlines(letters, self._deviation / stretch, self._page.left_out)
         lines = svg_geometry.placed(lines, context.matrix)
@@ -234,9 +251,11 @@ class SvgFile:
             target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
             if target is None or local_name(target.tag) not in SHAPES:
                 return None
-            matrix = self._matrix(self._style_in_place(target), replace(context, matrix=svg_geometry.IDENTITY))
-            segments = self._shapes.segments(local_name(target.tag), target, context, svg_geometry.stretch(matrix))
-            return svg_geometry.placed(svg_geometry.flattened(segments, _WAY_PX), matrix)
+            style = self._style_in_place(target)
+            matrix = self._matrix(target, style, replace(context, matrix=svg_geometry.IDENTITY))
+            stretch = svg_geometry.stretch(svg_geometry.compose(context.matrix, matrix))
+            segments = self._shapes.segments(local_name(target.tag), target, replace(context, style=style), stretch)
+            return svg_geometry.placed(svg_geometry.flattened(segments, _WAY_PX / stretch), matrix) if stretch else None
 
         return way
 
@@ -248,8 +267,7 @@ class SvgFile:
         if target in context.used:
             raise Failure("{}: {} leads to itself", self._path, name_of(element))
         self._lead(element)
-        moved = (1.0, 0.0, 0.0, 1.0, length(element.get("x"), "x", context),
-                 length(element.get("y"), "y", context))  # fmt: skip
+        moved = (1.0, 0.0, 0.0, 1.0, length(context.style.get("x"), "x", context), length(context.style.get("y"), "y", context))
         inner = replace(context, matrix=svg_geometry.compose(context.matrix, moved), used=(*context.used, target))
         if local_name(target.tag) not in ("symbol", "svg"):
             return self._lines(target, inner)
@@ -315,7 +333,7 @@ class SvgFile:
         if clip.get("clipPathUnits") == "objectBoundingBox":
             matrix = svg_geometry.compose(matrix, svg_geometry.box_matrix(lines, matrix))
         style = self._style_in_place(clip)
-        around = replace(context, matrix=self._matrix(style, replace(context, matrix=matrix)), style=style, used=(*context.used, clip))
+        around = replace(context, matrix=self._matrix(clip, style, replace(context, matrix=matrix)), style=style, used=(*context.used, clip))
         area = svg_area.filled([], "nonzero")
         for child in clip:
             part = self._area_of(child, around)
@@ -335,7 +353,7 @@ class SvgFile:
             target = self._by_id.get((child.get("href") or child.get(_HREF) or "").removeprefix("#"))
             if target is None or local_name(target.tag) == "use":
                 return None
-            moved = (1.0, 0.0, 0.0, 1.0, length(child.get("x"), "x", inner), length(child.get("y"), "y", inner))
+            moved = (1.0, 0.0, 0.0, 1.0, length(inner.style.get("x"), "x", inner), length(inner.style.get("y"), "y", inner))
             return self._area_of(target, replace(inner, matrix=svg_geometry.compose(inner.matrix, moved)))
         stretch = svg_geometry.stretch(inner.matrix)
         if tag == "text":
@@ -369,22 +387,51 @@ class SvgFile:
         parent = self._parents.get(element)
         return self._style(element, {} if parent is None else self._style_in_place(parent))
 
-    def _matrix(self, style, context):
+    def _matrix(self, element, style, context):
         """The matrix of an element of `style` in a context."""
-        own, origin = style.get("transform"), style.get("transform-origin")
-        if not own:
-            return context.matrix
-        if origin and style.get("transform-box", "view-box") != "view-box":
-            self._page.left_out[N_("transform about a shape's own box")] += 1
         try:
-            size = style["font-size"]
-            inner = svg_geometry.matrix(own, context.viewport, size)
-            return svg_geometry.compose(context.matrix, svg_geometry.around(inner, origin, context.viewport, size) if origin else inner)
+            own = svg_transform.of_style(style, context.viewport, lambda with_stroke: self._box(element, style, context, with_stroke))
+            return context.matrix if own is svg_geometry.IDENTITY else svg_geometry.compose(context.matrix, own)
         except svg_geometry.TooFar:
             raise
         except ValueError:
             self._page.left_out[N_("transform that cannot be read")] += 1
             return context.matrix
+
+    # --- boxes, of what a transform is about
+
+    def _box(self, element, style, context, with_stroke):
+        """Left, top, width and height of an element in its own coordinates, painted or not; None if it has no extent."""
+        key = id(element), context.viewport, style["font-size"], with_stroke
+        if key not in self._boxes:
+            page, self._page = self._page, Page(self.size_px)
+            self._shapes.begin(self._page, self._deviation, False, True)
+            inner = replace(context, matrix=svg_geometry.IDENTITY, style=style, depth=context.depth + 1)
+            fine = self._deviation / (svg_geometry.stretch(context.matrix) or 1.0)
+            places = numpy.concatenate([numpy.zeros(0, complex), *self._extent(element, inner, fine)])
+            self._page = page
+            self._shapes.begin(page, self._deviation, self._fills, self._unseen)
+            grown = length(style.get("stroke-width", "1"), None, inner) / 2 if with_stroke and svg_style.painted(style, "stroke") else 0.0
+            sides = (places.real, places.imag) if len(places) else ()
+            lows, sizes = [each.min() - grown for each in sides], [each.max() - each.min() + 2 * grown for each in sides]
+            self._boxes[key] = (*map(float, lows), *map(float, sizes)) or None
+        return self._boxes[key]
+
+    def _extent(self, element, context, fine):
+        """The lines of an element, and of those in it, in its own coordinates; chords are at most `fine` from their curves."""
+        tag = local_name(element.tag)
+        if tag in SHAPES:
+            segments = self._shapes.segments(tag, element, context, svg_geometry.stretch(context.matrix))
+            return svg_geometry.placed(svg_geometry.flattened(segments, fine), context.matrix)
+        if tag == "text":
+            return [line for ink in self._text(element, context) for line in ink.lines]
+        if tag == "use":
+            return [line for ink in self._use(element, context) for line in ink.lines]
+        lines = []
+        for child in self._chosen(element) if tag in ("g", "a", "svg", "switch") else ():
+            inner = self._inside(child, context)
+            lines += self._extent(child, inner, fine) if inner else []
+        return lines
 
 
 def _suits(element):

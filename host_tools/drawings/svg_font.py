@@ -4,11 +4,12 @@
     ascent, descent, height_of_x = heights(font)    # parts of its size
     count = missing(font, "text")                   # letters that neither it nor those that stand in for it have
 
-A font that is not installed is replaced by the one that fontconfig takes for it, so that letters are as in librsvg, browsers and Inkscape on
-the same computer; without fontconfig's `fc-match` matplotlib chooses. `left_out` is told so. Letters that a font has not come from one that
-has them, also as fontconfig takes it.
+A font that is not installed is replaced by the one that fontconfig takes for its list of names, so that letters are as in librsvg, browsers and
+Inkscape on the same computer; without fontconfig's `fc-match` matplotlib chooses. `left_out` names each stand-in. A font that was installed
+after matplotlib made its list is found by fontconfig. Letters that a font has not come from one that has them, also as fontconfig takes it.
 """
 
+import contextlib
 import logging
 import re
 import subprocess
@@ -37,17 +38,16 @@ def heights(font):
 def of(style, left_out, text=""):
     """matplotlib's font of a style, and of those letters of `text` that it has not; what stands for one that is not installed is named in
     `left_out`."""
-    families = tuple(
-        part.strip().strip("'\"") for part in style.get("font-family", _USUAL).split(",") if part.strip()
-    )
+    named = tuple(part.strip().strip("'\"") for part in style.get("font-family", "").split(",") if part.strip())
+    families = named or tuple(_USUAL.split(","))
     slant = style.get("font-style", "normal")
     chosen, font, replaced = _found(families, style.get("font-weight", 400), slant)
     if slant in _SLANTED and not _is_slanted(font):
         left_out[N_("slanted letters that the font has not (drawn upright)")] = 1
     strange = "".join(sorted(each for each in set(text) if missing(font, each)))
     if strange:
-        font = _with(font, (chosen, *(_fontconfig(families, f":charset={ord(each):x}") for each in strange)))
-    if replaced:
+        font = _with(font, (chosen, *(_installed(families, f":charset={ord(each):x}") for each in strange)))
+    if replaced and named:
         left_out[_("the font {}, which is not on this computer ({} is drawn)", families[0], replaced)] = 1
     return font
 
@@ -57,22 +57,40 @@ def _found(families, weight, slant):
     """(name, matplotlib's font) of a CSS family list, and the name of what stands for it if none of them is installed."""
     from matplotlib import font_manager
 
-    known = {name.lower(): name for name in font_manager.get_font_names()}
+    known = _known()
+    wanted = families[0].lower()
+    found = known.get(wanted) or _GENERIC.get(wanted) or _installed(families)
     listed = next((name.lower() for name in families if name.lower() in known or name.lower() in _GENERIC), None)
-    chosen = known.get(listed) or known.get(_fontconfig(families).lower()) or _GENERIC.get(listed, "sans-serif")
+    chosen = found or known.get(listed) or _GENERIC.get(listed, "sans-serif")
     font = font_manager.FontProperties(family=[chosen], style=slant if slant in _SLANTED else "normal", weight=weight, size=EM)
     logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)  # a weight that no font has is no news
     name = font_manager.get_font(font_manager.findfont(font)).family_name
-    return chosen, font, None if listed else name
+    return chosen, font, None if wanted in _GENERIC or chosen.lower() == wanted else name
+
+
+def _known():
+    """{name in small letters: name} of matplotlib's list."""
+    from matplotlib import font_manager
+
+    return {name.lower(): name for name in font_manager.get_font_names()}
+
+
+def _installed(families, of_which=""):
+    """The family that fontconfig takes for a list, made known to matplotlib, whose own list may be older; "" without one."""
+    from matplotlib import font_manager
+
+    name = _fontconfig(families, of_which)
+    if name and name.lower() not in _known():
+        for file in _files_of(name):
+            with contextlib.suppress(OSError, RuntimeError, ValueError, KeyError):  # a kind of font that matplotlib does not read
+                font_manager.fontManager.addfont(file)
+    return _known().get(name.lower(), "")
 
 
 def _with(font, families):
     """The same, of several families: a letter comes from the first that has it."""
-    from matplotlib import font_manager
-
-    known = set(font_manager.get_font_names())
     font = font.copy()
-    font.set_family([name for name in dict.fromkeys(families) if name in known] or font.get_family())
+    font.set_family([name for name in dict.fromkeys(families) if name] or font.get_family())
     return font
 
 
@@ -104,9 +122,20 @@ def _is_slanted(font):
 @lru_cache(maxsize=1024)
 def _fontconfig(families, of_which=""):
     """Name of the font that fontconfig takes for a family list, "" without it. `of_which`: what more is asked of it."""
-    names = ",".join(re.sub(r"([\\,:=-])", r"\\\1", name) for name in families) + of_which
+    return _asked("fc-match", "-f", "%{family[0]}", _pattern(families) + of_which)
+
+
+def _files_of(name):
+    """The files of a family, as fontconfig lists them."""
+    return [file for file in _asked("fc-list", "-f", "%{file}\n", _pattern([name])).splitlines() if file]
+
+
+def _pattern(families):
+    return ",".join(re.sub(r"([\\,:=-])", r"\\\1", name) for name in families)
+
+
+def _asked(*words):
     try:
-        found = subprocess.run(["fc-match", "-f", "%{family[0]}", names], capture_output=True, text=True, timeout=10, check=True)
+        return subprocess.run(words, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
     except (OSError, subprocess.SubprocessError):
         return ""
-    return found.stdout.strip()

@@ -23,6 +23,8 @@ _APART = re.compile(r"[\s,]+|(?<=[\d.])(?=[-+])(?<![eE])")
 _TURN = {"deg": 1.0, "rad": 180 / math.pi, "grad": 0.9, "turn": 360.0}
 _STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
 _FARTHEST_PX = 1e7  # 2.6 km: what lies beyond is a mistake in the file
+_LARGEST = 1e15  # of numbers in units of the file's own: KiCad's are nanometres
+_MOST_REACH_PX = 1e10  # of a shape that a matrix takes back to the page: a curve of it has 300 000 chords at most
 _MOST_DASHES = 100_000  # of one line: more are a mistake in the file
 
 
@@ -30,11 +32,29 @@ class TooFar(ValueError):
     """A number that is none, or too large for a drawing. Its text says which."""
 
 
-def bounded(value):
-    """The same number. Raises TooFar."""
-    if not -_FARTHEST_PX <= value <= _FARTHEST_PX:
+def bounded(value, most=_FARTHEST_PX):
+    """The same number, of px on the page. Raises TooFar."""
+    if not -most <= value <= most:
         raise TooFar(f"{value:g}")
     return value
+
+
+def finite(value):
+    """The same number, in units of the file's own. Raises TooFar."""
+    return bounded(value, _LARGEST)
+
+
+def reached(size):
+    """The same size of a shape, in px. Raises TooFar."""
+    return bounded(size, _MOST_REACH_PX)
+
+
+def on_page(lines):
+    """The same lines, in px of the page. Raises TooFar."""
+    for line in lines:
+        for places in (line.real, line.imag) if len(line) else ():
+            bounded(float(places[numpy.argmax(abs(places))]))
+    return lines
 
 
 def length(text, whole=None, font_size=16.0, default=0.0):
@@ -44,10 +64,10 @@ def length(text, whole=None, font_size=16.0, default=0.0):
         return default
     number, unit = float(match[1]), match[2].lower()
     if unit == "%":
-        return default if whole is None else bounded(number * whole / 100)
+        return default if whole is None else finite(number * whole / 100)
     if unit in _OF_LETTERS:
-        return bounded(number * font_size * _OF_LETTERS[unit])
-    return bounded(number * _PX[unit]) if unit in _PX else default
+        return finite(number * font_size * _OF_LETTERS[unit])
+    return finite(number * _PX[unit]) if unit in _PX else default
 
 
 def are_lengths(text):
@@ -60,14 +80,14 @@ def up_to_a_mistake(text):
     """(numbers of a list of points up to its first mistake, True if there is none). Raises TooFar."""
     text, found, at = text or "", [], 0
     while match := _NEXT.match(text, at):
-        found.append(bounded(float(match[1])))
+        found.append(finite(float(match[1])))
         at = match.end()
     return found, len(found) % 2 == 0 and not text[at:].strip(", \t\r\n")
 
 
 def numbers(text):
     """Raises TooFar."""
-    return [bounded(float(each)) for each in _NUMBER.findall(text or "")]
+    return [finite(float(each)) for each in _NUMBER.findall(text or "")]
 
 
 # --- matrices
@@ -95,15 +115,15 @@ def _argument(name, index, text, viewport, font_size):
         raise ValueError(f"{text!r} is no number")
     unit = match[2].lower()
     if unit in _TURN:
-        return bounded(float(match[1]) * _TURN[unit])
+        return finite(float(match[1]) * _TURN[unit])
     if name.startswith(("translate", "rotate")):
         down = name == "translateY" or index == (2 if name == "rotate" else 1)
         return length(text, viewport[down], font_size, math.nan)
     if unit == "%" and name.startswith("scale"):
-        return bounded(float(match[1]) / 100)
+        return finite(float(match[1]) / 100)
     if unit:
         raise ValueError(f"{text!r} is no number")
-    return bounded(float(match[1]))
+    return finite(float(match[1]))
 
 
 def _step(name, given):
@@ -146,7 +166,7 @@ def compose(outer, inner):
     """The matrix that first does `inner`, then `outer`."""
     a, b, c, d, e, f = outer
     p, q, r, s, t, u = inner
-    return tuple(bounded(each) for each in (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f))
+    return tuple(finite(each) for each in (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f))
 
 
 def inverse(of):

@@ -13,6 +13,7 @@ from host_tools.drawings import svg_area, svg_geometry, svg_style
 from host_tools.drawings.page import Ink
 from host_tools.language import N_
 
+_EDGE_PX = 1.0  # sizes are rounded to whole px
 SHAPES = frozenset("path rect circle ellipse line polyline polygon".split())
 
 
@@ -27,9 +28,9 @@ class Shapes:
     def __init__(self):
         self._segments = {}  # (id of an element, viewport): read once for all sizes
 
-    def begin(self, page, deviation, fills):
-        """For a page, which counts what is wrong with shapes."""
-        self._page, self._deviation, self._fills = page, deviation, fills
+    def begin(self, page, deviation, fills, unseen):
+        """For a page, which counts what is wrong with shapes. `unseen`: draw what nobody sees, too."""
+        self._page, self._deviation, self._fills, self._unseen = page, deviation, fills, unseen
 
     def shape(self, tag, element, context):
         style = context.style
@@ -41,11 +42,17 @@ class Shapes:
         segments = self.segments(tag, element, context, stretch)
         lines = svg_geometry.flattened(segments, self._deviation / stretch)
         stroked, filled = svg_style.painted(style, "stroke"), svg_style.painted(style, "fill")
-        if not filled and not stroked:
-            self._page.unpainted += 1
+        if not stroked and (not filled or all(len(line) < 3 for line in lines)):
+            self._page.unseen += 1
+            if not self._unseen:
+                return []
         if filled and not stroked:  # the edge of an area is closed
             lines = [numpy.append(line, line[0]) if len(line) > 2 and line[0] != line[-1] else line for line in lines]
         edges = svg_geometry.placed(lines, context.matrix) if filled and tag != "line" else []
+        if edges and self._is_background(style, stroked, edges):
+            self._page.backgrounds += 1
+            if not self._unseen:
+                return []
         rings = edges if self._fills else []
         for name in ("marker-start", "marker-mid", "marker-end"):
             if style.get(name, "none") != "none":
@@ -56,9 +63,21 @@ class Shapes:
             lines = self._dashed(lines, context)
         return self.inks(svg_geometry.placed(lines, context.matrix), rings, style, edges)
 
+    def _is_background(self, style, stroked, edges):
+        """True of a white area over the whole page, a px at its edge aside."""
+        if not svg_style.is_white(_colour(style, "fill")) or stroked and not svg_style.is_white(_colour(style, "stroke")):
+            return False
+        width, height = self._page.size_px
+        places = numpy.concatenate(edges)
+        if places.real.min() > _EDGE_PX or places.imag.min() > _EDGE_PX or places.real.max() < width - _EDGE_PX or places.imag.max() < height - _EDGE_PX:
+            return False
+        inner = svg_area.rectangle(_EDGE_PX, _EDGE_PX, max(width - _EDGE_PX, _EDGE_PX), max(height - _EDGE_PX, _EDGE_PX))
+        return svg_area.filled(edges, style.get("fill-rule", "nonzero")).covers(inner)
+
     def inks(self, lines, rings, style, edges=()):
         """Lines in the colour of their stroke, or else of their fill, and the area that is filled. `edges`: of the area under a stroke."""
         rule = style.get("fill-rule", "nonzero")
+        svg_geometry.on_page(lines)
         if svg_style.painted(style, "stroke"):
             inks = [Ink(_colour(style, "stroke"), lines, under=Ink(_colour(style, "fill"), edges, rule=rule) if edges else None)]
         else:
@@ -70,23 +89,24 @@ class Shapes:
 
     def segments(self, tag, element, context, stretch):
         """The segments of a shape, read once. Raises TooFar."""
-        key = id(element), context.viewport
+        key = id(element), context.viewport, context.style["font-size"]
         if key not in self._segments:
-            data = element.get("d") if tag == "path" else self._basic(tag, element, context)
+            data = context.style.get("d") if tag == "path" else self._basic(tag, element, context)
+            data = None if data == "none" else data
             reach = max(map(abs, svg_geometry.numbers(data)), default=0.0)
             segments, whole = svg_geometry.path_segments(data) if data else ([], True)
             if tag in ("polyline", "polygon"):
                 whole = svg_geometry.up_to_a_mistake(element.get("points"))[1]
             self._segments[key] = segments, whole, reach
         segments, whole, reach = self._segments[key]
-        svg_geometry.bounded(reach * stretch)
+        svg_geometry.reached(reach * stretch)
         if not whole:
             self._page.left_out[N_("rest of a path behind a mistake in it")] += 1
         return segments
 
     def _basic(self, tag, element, context):
         def lengths(name, axis, default=0.0):
-            return length(element.get(name), axis, context, default)
+            return length(context.style.get(name, element.get(name)), axis, context, default)
 
         return svg_geometry.shape_path(tag, lengths, element.get("points"))
 

@@ -11,6 +11,7 @@ import math
 import re
 from functools import lru_cache
 
+from host_tools.drawings import svg_transform
 from host_tools.drawings.svg_geometry import length
 
 _LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
@@ -21,9 +22,21 @@ _INHERITED = frozenset(
 )
 _OWN = frozenset("display clip-path mask filter overflow baseline-shift alignment-baseline text-decoration shape-inside opacity transform transform-origin transform-box".split())
 _KNOWN = _INHERITED | _OWN
+_GEOMETRY = {  # of which elements an attribute is a property, too
+    "rect": frozenset("x y width height rx ry".split()), "svg": frozenset("width height".split()), "use": frozenset("x y".split()),
+    "circle": frozenset("cx cy r".split()), "ellipse": frozenset("cx cy rx ry".split()), "path": frozenset("d"),
+}  # fmt: skip
+_OF_SHEETS = svg_transform.OF_STYLE | {"transform"}
+_KEYWORDS = ("inherit", "initial", "unset")
+_SIGNED = ("x", "y", "cx", "cy")
+_SIDE = re.compile(r"([-+]?)(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?:px|mm|cm|q|in|pt|pc|r?em|ex|ch|%)?", re.I)
+_PATH = re.compile(r"path\(\s*(?:(?:nonzero|evenodd)\s*,)?\s*(['\"])(.*)\1\s*\)", re.I | re.S)
+UNREAD = "unread"  # how many values of an element's style cannot be read, or are none in a style sheet
 _SIZES = {"xx-small": 9.0, "x-small": 10.0, "small": 13.0, "medium": 16.0, "large": 18.0, "x-large": 24.0, "xx-large": 32.0, "xxx-large": 48.0}
 _STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
-_SHORTHANDS = {"marker": ("marker-start", "marker-mid", "marker-end")}
+_SHORTHANDS = {
+    "marker": ("marker-start", "marker-mid", "marker-end"), "-webkit-transform": ("transform",), "-webkit-transform-origin": ("transform-origin",),
+}  # fmt: skip
 _SILENT = frozenset("charset namespace font-face keyframes -webkit-keyframes page".split())  # nothing to draw by
 _QUERY = re.compile(r"(?:(?:(not)|only)\s+)?(\w[\w-]*)?(?:\s*and\s*)?(\(.*\))?$", re.S)
 _ZERO = re.compile(r"[-+]?0*\.?0*(?:[eE]\d+)?\s*[a-z%]*$")
@@ -54,7 +67,14 @@ def _read(text):
     return found
 
 
-def _declare(found, name, value):
+def _is_side(name, value):
+    """True of a length that a style sheet may give a property of geometry; browsers take one without a unit."""
+    match = _SIDE.fullmatch(value)
+    return bool(match and (name in _SIGNED or match[1] != "-")) or value == "auto" and name in ("width", "height", "rx", "ry")
+
+
+def _declare(found, name, value, geometry):
+    """`geometry`: the properties that are the element's own attributes."""
     if name == "font":
         match = _FONT.match(value)
         if match:
@@ -64,7 +84,13 @@ def _declare(found, name, value):
             found["font-weight"] = next((word for word in words if word == "bold" or word.isdigit()), "normal")
         return
     for each in _SHORTHANDS.get(name, (name,)):
-        if each in _KNOWN:
+        if each in geometry or each in _OF_SHEETS:
+            path = _PATH.fullmatch(value)
+            if value in _KEYWORDS or (svg_transform.checked(each, value) if each in _OF_SHEETS else value == "none" or path if each == "d" else _is_side(each, value)):
+                found[each] = path[2] if path else value
+            else:
+                found[UNREAD] = found.get(UNREAD, 0) + 1
+        elif each in _KNOWN:
             found[each] = value
 
 
@@ -144,18 +170,19 @@ class Sheet:
         """The properties of `element` within a parent of the properties `inherited`, as texts."""
         style = {name: value for name, value in inherited.items() if name in _INHERITED}
         own = {}
+        geometry = _GEOMETRY.get(local_name(element.tag), frozenset())
         for name, value in element.attrib.items():
-            if name in _KNOWN:
+            if name in _KNOWN or name in geometry:
                 own[name] = value.strip()
         bodies = [*self._of.get(id(element), ()), element.get("style", "")]
         for important in (False, True):
             for body in bodies:
                 for name, value in _read(body)[important]:
-                    _declare(own, name, value)
+                    _declare(own, name, value, geometry)
         if own.get("dominant-baseline") == "no-change":
             del own["dominant-baseline"]
         for each, value in own.items():
-            if value in ("inherit", "unset", "initial"):
+            if value in _KEYWORDS:
                 value = inherited.get(each) if value == "inherit" or value == "unset" and each in _INHERITED else None
                 style.pop(each, None)
             if value is not None:
@@ -197,6 +224,13 @@ def _alpha(value):
 
     colour = parse_color(value)
     return getattr(colour, "alpha", 1)
+
+
+def is_white(value):
+    from tinycss2.color3 import parse_color
+
+    colour = parse_color(value)
+    return isinstance(colour, tuple) and min(colour[:3]) > 0.999
 
 
 def invisible(opacity):

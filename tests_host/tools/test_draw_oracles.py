@@ -286,7 +286,7 @@ def test_the_root_s_clip_path_cuts_all(tmp_path):
     ("url(#shape) black", True), ("url(#pattern)", True),
 ])  # fmt: skip
 def test_paints_that_lead_nowhere(tmp_path, paint, shown):
-    """Of a shape that no paint is left of `passo draw` says that no viewer shows it."""
+    """A shape that no paint is left of is left out, and named."""
     path = tmp_path / "a.svg"
     path.write_text(
         f'{HEAD}<linearGradient id="empty"/><linearGradient id="full"><stop/></linearGradient><linearGradient id="leads" xlink:href="#full"/>'
@@ -294,7 +294,7 @@ def test_paints_that_lead_nowhere(tmp_path, paint, shown):
         f'</pattern><defs><path id="shape"/></defs><rect x="10" y="10" width="99" height="99" stroke="none" fill="{paint}"/></svg>'
     )
     page = SvgFile(path).outlines(0.02)
-    assert bool(len(rsvg_ink(path, tmp_path))) == shown == (not page.unpainted)
+    assert bool(len(rsvg_ink(path, tmp_path))) == shown == (not page.unseen) == bool(page.layers)
     assert page.left_out == ({"pattern (the edge of its area is drawn)": 1} if "pattern" in paint else {})
 
 

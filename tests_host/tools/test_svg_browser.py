@@ -1,0 +1,225 @@
+"""SVG files beside Chromium: transforms, boxes and geometry by style sheets, units of the file's own; and what nobody sees."""
+
+import re
+import shutil
+import subprocess
+
+import numpy
+import pytest
+from matplotlib import font_manager
+from PIL import Image
+from test_draw_oracles import agreement, rsvg_ink
+
+from host_tools import boards
+from host_tools.drawings import drawing, svg_area, svg_font
+from host_tools.drawings.placement import MM_PER_PX, Options, box_of
+from host_tools.drawings.svg_file import SvgFile
+from host_tools.failure import Failure
+
+HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="200" height="120" fill="none" stroke="black">'
+SIDE, COLUMNS, SCALE = (200, 120), 6, 3
+RECT = '<rect x="80" y="50" width="40" height="20" style="{}"/>'
+AS_BROWSERS = {
+    **{style: RECT.format(style) for style in (
+        "rotate:45deg", "rotate:-.1turn", "translate:20px 5px", "translate:10%", "scale:2 1", "scale:50%", "rotate:z 30deg", "rotate:1 0 0 60deg", "rotate:y 60deg",
+        "translate:20px;rotate:20deg;scale:1.5 .5;transform:skewX(20deg)", "translate:20px;transform:rotate(10deg)", "transform:translate(20px 5px)", "transform:translate(20,5)",
+        "transform:rotate(30)", "rotate:30", "translate:9 9", "scale:2px", "transform:rotateZ(30deg)", "transform:translate3d(9px,9px,0)", "transform:rotateX(60deg)",
+        "transform:rotate(45deg);transform-origin:center;transform-box:fill-box", "transform:rotate(45deg);transform-box:fill-box", "rotate:45deg;transform-origin:right top;transform-box:fill-box",
+        "translate:50% 100%;transform-box:fill-box", "scale:.5;transform-origin:50% 50%;transform-box:fill-box;stroke-width:6", "scale:.5;transform-origin:0 0;transform-box:stroke-box;stroke-width:6",
+        "transform:rotate(45deg);transform-origin:center", "transform:rotate(45deg);transform-origin:100px 60px;transform-box:view-box", "-webkit-transform:rotate(20deg)",
+        "width:90px;rx:9px", "width:90;height:9px", "x:10px;y:1cm", "width:auto", "x:25%", "rx:auto;ry:5px", "x:-5px;width:-5px",
+    )},
+    "an attribute's transform is another": '<rect x="9" y="9" width="40" height="20" transform="translate(20,5) rotate(20)"/><text x="9" y="90" font-size="1" rotate="45"/>',
+    "a sheet's circle": "<style>circle{r:8px;cx:40px;cy:30px}</style><circle/><circle cx='99' cy='90' r='5' style='r:20px'/>",
+    "a sheet without units": "<style>circle{r:8;cx:40px}</style><circle cx='9' cy='60' r='30'/>",
+    "an ellipse": "<ellipse style='cx:90px;cy:50px;rx:40px'/><ellipse cx='50' cy='90' rx='9' ry='9' style='rx:auto;ry:20px'/>",
+    "a path": "<style>#p{d:path('M10 10L150 100H20')}</style><path id='p' d='M0 0L10 20'/><path d='M9 110h90' style='d:none'/><path d='M9 115h90' style='d:inherit'/>",
+    "a use that is moved": "<defs><rect id='r' width='30' height='20'/></defs><use href='#r' style='x:50px;y:40px'/><use href='#r' x='5' y='5' style='rotate:10deg'/>",
+    "an svg inside": "<svg x='9' y='9' width='20' height='20' viewBox='0 0 10 10' style='x:60px;width:80px;height:80px'><circle cx='5' cy='5' r='4' stroke-width='.1'/></svg>",
+    "a group about its own box": "<g style='rotate:30deg;transform-origin:center;transform-box:fill-box'><rect x='50' y='40' width='40' height='20'/><g transform='translate(50 0)'><circle cx='80' cy='60' r='10'/></g></g>",
+    "boxes in boxes": "<style>g,rect{transform-box:fill-box;transform-origin:100% 50%}</style><g style='scale:.8'><rect style='rotate:20deg' x='50' y='40' width='40' height='20'/><rect style='rotate:-20deg' x='90' y='80' width='40' height='20'/></g>",
+    "hidden shapes count for a box": "<g style='scale:.5;transform-origin:center;transform-box:fill-box'><rect x='20' y='20' width='100' height='80' stroke='none'/><rect x='40' y='30' width='40' height='20'/></g>",
+    "a turned box of a viewBox": "<svg viewBox='0 0 1000 600'><rect x='400' y='250' width='200' height='100' stroke-width='5' style='rotate:45deg;transform-origin:center;transform-box:fill-box'/></svg>",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory):
+    """{name: ink of Chromium}, all on one page."""
+    if not shutil.which("chromium"):
+        pytest.skip("chromium is not installed")
+    folder = tmp_path_factory.mktemp("chromium")
+    rows = -(-len(AS_BROWSERS) // COLUMNS)
+    cells = "".join(
+        f'<iframe srcdoc="" style="position:absolute;border:0;left:{index % COLUMNS * SIDE[0]}px;top:{index // COLUMNS * SIDE[1]}px;width:{SIDE[0]}px;height:{SIDE[1]}px" '
+        f'src="{index}.svg"></iframe>'.replace('srcdoc="" ', "")
+        for index in range(len(AS_BROWSERS))
+    )
+    for index, body in enumerate(AS_BROWSERS.values()):
+        (folder / f"{index}.svg").write_text(f"{HEAD}{body}</svg>")
+    (folder / "page.html").write_text(f'<body style="margin:0">{cells}</body>')
+    subprocess.run(
+        ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--allow-file-access-from-files", f"--force-device-scale-factor={SCALE}",
+         f"--window-size={COLUMNS * SIDE[0]},{rows * SIDE[1]}", f"--user-data-dir={folder / 'profile'}", f"--screenshot={folder / 'page.png'}", (folder / "page.html").as_uri()],
+        check=True, capture_output=True, timeout=120,
+    )  # fmt: skip
+    black = numpy.asarray(Image.open(folder / "page.png").convert("L")) < 128
+    wide, high = SIDE[0] * SCALE, SIDE[1] * SCALE
+    found = {}
+    for index, name in enumerate(AS_BROWSERS):
+        top, left = index // COLUMNS * high, index % COLUMNS * wide
+        rows_of, columns_of = numpy.nonzero(black[top : top + high, left : left + wide])
+        found[name] = numpy.column_stack((columns_of + 0.5, rows_of + 0.5)) / SCALE
+    return found
+
+
+@pytest.mark.parametrize("name", AS_BROWSERS)
+def test_shapes_stand_where_a_browser_has_them(tmp_path, pictures, name):
+    path = tmp_path / "a.svg"
+    path.write_text(f"{HEAD}{AS_BROWSERS[name]}</svg>")
+    page = SvgFile(path).outlines(0.02)
+    shown = svg_area.rectangle(0, 0, *SIDE)
+    lines = svg_area.clipped([line for lines in page.layers.values() for line in lines], shown)
+    ink = pictures[name]
+    near = 3.6 if "stroke-width:6" in name else 2.2 if "scale:2" in name or "inside" in name else 1.2
+    assert min(agreement(ink, lines, near)) > 0.99, lines and box_of([lines])
+
+
+NANOMETRES = {
+    "shapes of KiCad": "<path d='M{20} {20} L{140} {20} {140} {90}Z'/><circle cx='{60}' cy='{70}' r='{20}'/><rect x='{100}' y='{30}' width='{20}' height='{20}' transform='translate({20} {10})'/>",
+    "text": "<text x='{20}' y='{60}' font-family='DejaVu Sans' font-size='{40}' stroke='none' fill='black'>Pa</text>",
+    "a clip path, dashes and a use": "<clipPath id='c'><circle cx='{100}' cy='{60}' r='{50}'/></clipPath><defs><path id='p' d='M0 0h{200}'/></defs>"
+        "<use href='#p' y='{60}' clip-path='url(#c)'/><path d='M0 {20}h{200}' stroke-dasharray='{20} {10}'/>",
+    "text along a path": "<path id='w' d='M{10} {60}h{180}'/><text font-family='DejaVu Sans' font-size='{20}' stroke='none' fill='black'><textPath href='#w'>Passo</textPath></text>",
+    "a style": "<rect x='{20}' y='{20}' width='{40}' height='{30}' style='translate:{10}px;rx:{5}px;rotate:20deg;transform-box:fill-box;transform-origin:center'/>",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NANOMETRES)
+def test_drawings_in_nanometres_are_where_those_in_mm_are(tmp_path, name):
+    """KiCad's: the bound on coordinates holds on the page, not in the file's units."""
+    path, found = tmp_path / "a.svg", []
+    for unit in (1, 10**6):
+        body = re.sub(r"{(\d+)}", lambda match, unit=unit: str(int(match[1]) * unit), NANOMETRES[name])
+        path.write_text(f"{HEAD}<svg viewBox='0 0 {200 * unit} {120 * unit}' stroke-width='{unit}'>{body}</svg></svg>")
+        page = SvgFile(path).outlines(0.02)
+        found.append([line for lines in page.layers.values() for line in lines])
+        assert not page.left_out
+    assert len(found[0]) == len(found[1]) and all(one == pytest.approx(other, abs=0.05) for one, other in zip(*found))
+    if name.startswith("shapes"):
+        assert min(agreement(rsvg_ink(path, tmp_path), found[1], 0.9)) > 0.99
+
+
+def test_a_page_far_from_zero_and_one_of_no_size(tmp_path):
+    path = tmp_path / "a.svg"
+    path.write_text(f"{HEAD}<svg viewBox='1000000000 2000000000 200 120'><path d='M1000000020 2000000020h100v60'/></svg></svg>")
+    assert box_of(SvgFile(path).outlines(0.02).layers.values()) == pytest.approx((20, 20, 120, 80), abs=1e-3)
+    for body in ('<path id="p" d="M0 0H1e8"/>', '<path id="p" transform="translate(1e8 0)" d="M0 0H9"/>', '<text id="p" font-size="1e8" y="9">a</text>', '<circle id="p" r="1e11"/>'):
+        path.write_text(f"{HEAD.replace('stroke=', 'fill=')}{body}</svg>".replace('fill="none"', 'stroke="black"', 1))
+        with pytest.raises(Failure, match='id="p">: .* px is too far away'):
+            SvgFile(path).outlines(0.02)
+
+
+# --- what nobody sees
+
+VISIBLE = '<path d="M20 40h60" stroke="#000"/>'
+UNSEEN = {
+    "no paint": '<rect width="30" height="30" stroke="none" fill="none"/>', "a fill of no area": '<line x2="9" y2="9" stroke="none" fill="#000"/>',
+    "a fill of a line": '<path d="M0 0L9 9" stroke="none" fill="#000"/>', "no width": '<rect width="30" height="30" stroke-width="0"/>', "no width in mm": '<rect width="30" height="30" style="stroke-width:0mm"/>',
+    "clear stroke": '<rect width="30" height="30" stroke-opacity="0"/>', "clear": '<g opacity="0"><rect width="30" height="30"/></g>', "clear colours": '<rect width="30" height="30" stroke="rgba(0,0,0,0)" fill="#0000"/>',
+    "text": '<text y="30" stroke="none" fill="none">Passo</text>',
+}  # fmt: skip
+PAGES = {
+    "white": '<rect width="200" height="120" fill="#fff" stroke="none"/>', "of per cent": '<rect width="100%" height="100%" style="fill:white;stroke:none"/>',
+    "a path": '<path d="M0 120H200V0H0Z" fill="rgb(255,255,255)" stroke="none"/>', "a polygon of graphviz": '<g transform="translate(4 116)"><polygon fill="white" stroke="transparent" points="-4,4 -4,-116 196,-116 196,4"/></g>',
+    "a white edge": '<rect width="200" height="120" fill="#fff" stroke="#fff"/>', "a px larger": '<rect x="-1" y="-1" width="202" height="122" fill="#ffffff" stroke="none"/>',
+    "by currentColor": '<g color="white"><rect width="200" height="120" fill="currentColor" stroke="none"/></g>', "by a use": '<defs><rect id="r" width="200" height="120"/></defs><use href="#r" fill="#fff" stroke="none"/>',
+}  # fmt: skip
+
+
+def page_of(tmp_path, body, **options):
+    path = tmp_path / "a.svg"
+    path.write_text(f"{HEAD}{body}{VISIBLE}</svg>")
+    page = SvgFile(path).outlines(0.02, **options)
+    return page, [line for lines in page.layers.values() for line in lines]
+
+
+@pytest.mark.parametrize("name", [*UNSEEN, *PAGES])
+def test_what_nobody_sees_is_left_out_and_named(tmp_path, name):
+    body = {**UNSEEN, **PAGES}[name]
+    page, lines = page_of(tmp_path, body)
+    assert len(lines) == 1 and (page.unseen, page.backgrounds) == ((1, 0) if name in UNSEEN else (0, 1)) and not page.left_out
+    ink = rsvg_ink(tmp_path / "a.svg", tmp_path)
+    assert min(agreement(ink, lines, 0.9)) > 0.99, "nobody sees it in librsvg's picture either"
+    plan = drawing.load(tmp_path / "a.svg", boards.load("plotter_2014"))
+    assert any("--unseen draws it" in note for note in plan.notes) and len(plan.lines) == 1
+    plan = drawing.load(tmp_path / "a.svg", boards.load("plotter_2014"), Options(unseen=True, crop=False, place="outlines"))
+    assert len(plan.lines) > 1 and not any("--unseen" in note for note in plan.notes)
+
+
+@pytest.mark.parametrize("body", [
+    '<rect width="200" height="120" fill="#fff"/>', '<rect width="200" height="120" fill="#eee" stroke="none"/>', '<rect width="150" height="120" fill="#fff" stroke="none"/>',
+    '<rect x="9" y="9" width="182" height="102" fill="#fff" stroke="none"/>', '<path d="M0 0L200 120V0L0 120Z" fill="#fff" stroke="none"/>', '<rect width="200" height="120"/>',
+])  # fmt: skip
+def test_frames_and_smaller_areas_are_drawn(tmp_path, body):
+    page, lines = page_of(tmp_path, body)
+    assert len(lines) > 1 and not page.backgrounds and not page.unseen
+
+
+def test_a_drawing_of_nothing_visible_says_how_to_draw_it(tmp_path):
+    path = tmp_path / "a.svg"
+    path.write_text(f'{HEAD}<rect width="30" height="30" stroke="none"/><rect width="200" height="120" fill="#fff" stroke="none"/></svg>')
+    with pytest.raises(Failure, match="1 × a shape that nobody sees.*--unseen draws it.*white background.*--unseen"):
+        drawing.load(path, boards.load("plotter_2014"))
+
+
+def test_the_size_of_the_page_by_css(tmp_path):
+    path = tmp_path / "a.svg"
+    for attributes, size in (
+        ('viewBox="0 0 4 3" style="width:100mm;height:75mm"', (100, 75)), ('viewBox="0 0 4 3" width="100mm" height="75mm" style="width:100%;height:auto"', (100, 75)),
+        ('viewBox="0 0 4 3" width="9mm" style="width:40mm"', (40, 30)),
+    ):  # fmt: skip
+        path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {attributes}><path stroke="black" d="M0 0h1"/></svg>')
+        assert [each * MM_PER_PX for each in SvgFile(path).size_px] == pytest.approx(size)
+
+
+# --- fonts
+
+
+@pytest.fixture
+def old_list(monkeypatch):
+    """matplotlib's list from before DejaVu Sans Mono was installed."""
+    if not shutil.which("fc-match"):
+        pytest.skip("fontconfig is not installed: apt-get install fontconfig")
+    manager = font_manager.fontManager
+    monkeypatch.setattr(manager, "ttflist", [each for each in manager.ttflist if "Mono" not in each.name])
+    manager._findfont_cached.cache_clear()
+    caches = (svg_font._found, svg_font._letters, svg_font._is_slanted, svg_font.heights)
+    for cache in caches:
+        cache.cache_clear()
+    yield
+    manager._findfont_cached.cache_clear()
+    for cache in caches:
+        cache.cache_clear()
+
+
+def text_of(tmp_path, style):
+    path = tmp_path / "a.svg"
+    path.write_text(f'{HEAD}<text x="9" y="60" font-size="30" stroke="none" fill="black" style="{style}">Damped</text></svg>')
+    return SvgFile(path).outlines(0.02)
+
+
+@pytest.mark.parametrize("weight", ["normal", "bold"])
+def test_a_font_that_was_installed_later_is_drawn(tmp_path, old_list, weight):
+    page = text_of(tmp_path, f"font-family:DejaVu Sans Mono;font-weight:{weight}")
+    assert not page.left_out and min(agreement(rsvg_ink(tmp_path / "a.svg", tmp_path), page.layers[1], 1.9 if weight == "normal" else 3.0)) > 0.99
+
+
+@pytest.mark.parametrize("families, named", [
+    ("Never Seen, sans-serif", True), ("Never Seen, DejaVu Serif", True), ("Never Seen", True), ("'DejaVu Serif', Never Seen", False), ("serif", False), ("dejavu sans", False),
+])  # fmt: skip
+def test_a_stand_in_is_always_said(tmp_path, families, named):
+    page = text_of(tmp_path, f"font-family:{families}")
+    assert [each.startswith("the font Never Seen, which is not") for each in page.left_out] == [True] * named
+    if named:
+        assert min(agreement(rsvg_ink(tmp_path / "a.svg", tmp_path), page.layers[1], 1.9)) > 0.99
