@@ -364,13 +364,48 @@ def check_overrides():
 
 
 def check_real_time_bytes_inside_lines():
-    """They are taken out wherever they stand; what else is above 0x7F is dropped."""
+    """They are taken out wherever they stand."""
     machine = Machine().ready()
-    machine.put(b"G1?X\x91\xff\x801F6?00\n")
+    machine.put(b"G1?X\x911F6?00\n")
     said = machine.cycles(3)
     assert answers(said) == ["ok"] and len([line for line in said if line.startswith("<")]) == 1
     machine.settle()
     assert machine.controller.position() == [320, 0, 0] and machine.controller.machine.overrides[0] == 110
+
+
+# (line, what real-time bytes change in it, as the message says it; None: nothing is told)
+LETTERS = (
+    ("X\u22125", "feed 90 %"), ("X1\xb75", None), ("G1\xa0X3", "flood on"), ("\u2212", "feed 90 %"), ("%\u2212", "feed 90 %"),
+    ("$X\u2212", "feed 90 %"), ("$J=G91X\u22121F100", "feed 90 %"), ("G1 X1 (\u0431" + 300 * "\u0431" + ") Y\u2212", "feed 90 %"),
+    ("X1" + 300 * " " + "\u2212", "feed 90 %"), ("X\u0417\u041c\u0450", "feed 100 %, rapids 25 %, spindle 101 %"), ("S\u04a1\u041e", "spindle stop, mist on"),
+)  # fmt: skip
+
+
+def check_letters_beyond_ascii():
+    """A byte that is no real-time byte is error 1 of its line, wherever the line is cut; what real-time bytes in it have done is told. The
+    lines around it are done, and comments may have any letters."""
+    for text, changed in LETTERS:
+        line = text.encode()
+        for cut in (0, 1, 2, 3, 4, len(line) - 1):
+            machine = Machine().ready()
+            machine.put(b"G0X1\n" + line[:cut])
+            said = machine.cycles(2)
+            machine.put(line[cut:] + b"\nG0Y1\n")
+            said += machine.cycles(8)
+            wanted = ["[MSG:Letters beyond ASCII acted: %s]" % changed] if changed else []
+            assert [part for part in said if part] == ["ok"] + wanted + ["error:1", "ok"], (text, cut, said)
+            machine.settle()
+            assert machine.controller.position()[:2] == [320, 320], (text, cut)
+
+
+def check_letters_in_comments():
+    """They cost nothing; a real-time byte among them acts, and is told."""
+    machine = Machine().ready()
+    for text, wanted in (("X2 (\xe9)", []), ("(\xe9 \u0431) X3 ; \xff", []), ("; " + 300 * "\u0431", []), ("X4 (\u0417)", ["[MSG:Letters beyond ASCII acted: rapids 25 %]"])):
+        machine.put(b"G0" + text.encode() + b"\n")
+        assert [part for part in machine.cycles(8) if part] == wanted + ["ok"], text
+    machine.settle()
+    assert machine.controller.position()[0] == 4 * 320 and machine.controller.machine.overrides == [100, 25, 100]
 
 
 SQUARE = ["G1 X%d.%d Y%d F4000" % (5 + i % 7, i % 10, i % 5) for i in range(150)] + ["G1 X1 Y2 Z-1"]

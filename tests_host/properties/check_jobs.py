@@ -126,7 +126,7 @@ def check_who_commands():
     machine.put("!")
     machine.cycles(200)
     assert machine.status()["state"] == "Hold:0"
-    machine.put("~\x91")
+    machine.put(b"~\x91")
     machine.cycles(5)
     assert machine.status()["state"] == "Run"
     text = "".join([machine.status()["text"] for _ in range(40)])
@@ -154,6 +154,25 @@ def check_a_refused_line_ends_it():
     machine.cycles(100)
     assert machine.world.place == before
     machine.do("G1X1F600")
+    remove(machine)
+
+
+def check_no_byte_of_a_job_acts_at_once():
+    """Letters beyond ASCII, `!` and Ctrl-X cost nothing in comments; elsewhere they are error 1 of their line."""
+    machine = home(make().ready())
+    assert store(machine, "LETTERS", b"G21 (\xd0\x97\xc2\xa0 ! ~ \x18 \x84)\nG1X2F600 ; \xe2\x88\x92\nG1X4\nM30\n") == "ok"
+    machine.do("$F=LETTERS")
+    assert ended(run(machine)) == "[MSG:Job LETTERS done]"
+    machine.settle()
+    assert machine.controller.position()[0] == 4 * 320 and machine.controller.machine.overrides == [100, 100, 100]
+    for at, line in enumerate((b"X\xe2\x88\x925", b"X!5", b"X\x185", b"X1\xc2\xb75", b"\xc2\xa0X9")):
+        name = "ODD%d" % at
+        assert store(machine, name, b"G1X5F600\n" + line + b"\nX9\n") == "ok"
+        machine.do("$F=" + name)
+        assert ended(run(machine)) == "[MSG:Job %s: error 1 in line 2]" % name, line
+        machine.settle()
+        assert machine.controller.position()[0] <= 5 * 320, line
+        assert machine.controller.machine.overrides == [100, 100, 100] and machine.world.outputs["flood"] == 0
     remove(machine)
 
 

@@ -179,13 +179,13 @@ class Words:
 
 
 def bare(line, unfinished=False):
-    """The characters of a line that count: without blanks and comments, but with each 00. Where it is `unfinished`, the
-    beginning of a comment that has not ended stays as its last character."""
+    """The characters of a line that count: without blanks and comments, but with each 00, and 7F, which stands for a byte that is no ASCII.
+    Where it is `unfinished`, marks of real-time bytes stay, and the beginning of a comment that has not ended as its last character."""
     kept = bytearray()
     comment = 0
     for byte in line:
-        if byte <= 32 or byte > 126 or byte == 47:
-            if not byte:
+        if byte <= 32 or byte > 127 or byte == 47:
+            if not byte or unfinished and byte < 7:
                 kept.append(0)
             continue
         if comment:

@@ -29,6 +29,7 @@ from passo.protocols.gcode.words import LONGEST, bare
 from passo.records import LINES_BYTES
 
 RX_BYTES = const(512)  # that a sender may have under way
+ODD = const(0x7F)  # stands in a line for a byte from 0x80 on that is no real-time byte
 REAL_TIME = const(-1)  # what keep() says: there are real-time bytes but `?`; nothing is kept
 SLOWLY = const(-2)  # take_each() has to keep it
 LONG = const(-3)  # it is kept; the line that has not ended yet has grown long
@@ -108,6 +109,25 @@ def real_time(byte):
     else:
         command.power = _AMOUNTS[index]
     return command
+
+
+def mark_of(command):
+    """The blank that stands for a real-time byte from 0x80 on within a line: 1 … 6, as what_acted() reads it; 0: none."""
+    if command.kind == commands.OVERRIDE:
+        return 1 + command.value
+    return 0 if command.kind != commands.TOGGLE else 4 if command.value == commands.SPINDLE_STOP else 4 + command.value
+
+
+def what_acted(line, machine):
+    """What the real-time bytes within a line have changed, as text, if it has odd bytes, too: letters beyond ASCII have done it."""
+    found = []
+    for which, name in enumerate(("feed", "rapids", "spindle")):
+        if bytes((which + 1,)) in line:
+            found.append("%s %d %%" % (name, machine.overrides[which]))
+    for bit, name in ((0, "spindle stop"), (1, "flood"), (2, "mist")):
+        if bytes((bit + 4,)) in line:
+            found.append(name + (" on" if machine.coolant & bit else " off" if bit else ""))
+    return ", ".join(found)
 
 
 def plain_text(line):

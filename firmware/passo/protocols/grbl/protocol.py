@@ -31,7 +31,7 @@ from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare, longest, rounded
-from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, Lines, keep, plain_text, real_time
+from passo.protocols.grbl.lines import ARC, LEFT, LONG, REAL_TIME, RX_BYTES, SLOWLY, ODD, Lines, keep, mark_of, plain_text, real_time, what_acted
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
 from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, SETTING_PARKING_END, TRACE_TAKEN
@@ -68,6 +68,7 @@ class Grbl:
         self._asked = (asked,)
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
+        self._stored = False  # it reads a file, in which no byte acts at once
         self._configure()
         self._forget()
 
@@ -99,6 +100,7 @@ class Grbl:
         """A stored job begins: modal state as after power-up, offsets stay; of what has come so far nothing is left."""
         self._forget()
         self._stale = 0
+        self._stored = True
         self.gcode.reset()
 
     @micropython.native
@@ -234,7 +236,8 @@ class Grbl:
             yield self._under_way
 
     def _peel(self, data):
-        """Take the real-time bytes out; those from 0x80 on are never anything else."""
+        """Take the real-time bytes out. Within a line those from 0x80 on leave a mark, and other bytes from there on ODD: letters beyond
+        ASCII may be made of both."""
         plain = bytearray()
         asked = False
         for byte in data:
@@ -245,15 +248,18 @@ class Grbl:
                     yield self._asked[0]
                 continue
             command = real_time(byte) if byte > 0x7D or byte < 0x40 else None
-            if command is None:
-                if byte < 0x80:
-                    plain.append(byte)
+            if command is None or self._stored:
+                plain.append(byte if byte < 0x80 and command is None else ODD)
             elif command.kind == commands.RESET:
                 plain = bytearray()
                 self._forget()
                 self._stale = 0
                 yield command
             else:
+                if byte > 0x7F and (plain[-1] not in (10, 13) if plain else self._lines.begun()):
+                    mark = mark_of(command)
+                    if mark:
+                        plain.append(mark)
                 yield command
         self._lines.take(plain)
 
@@ -280,6 +286,12 @@ class Grbl:
             line = line.replace(HELLO_WIRE, b"")  # this link has no frames
             if b"\0" in line:
                 return [Command(commands.BAD, error=errors.LETTER)]
+        acted = []
+        if b"\x7f" in line:  # ODD
+            acted = what_acted(line, self._machine)
+            acted = answer(grbl_report.message(grbl_report.LETTERS % acted)) if acted else []
+            if b"\x7f" in bare(line):
+                return acted + [Command(commands.BAD, error=errors.LETTER)]
         if b"$" in line and bare(line)[:1] == b"$":
             result = self.system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
@@ -290,7 +302,7 @@ class Grbl:
             result = errors.LOCKED if bare(line) else answer("")
         else:
             result = self.gcode.interpret(line) or self.gcode.commands or answer("")
-        return [Command(commands.BAD, error=result)] if isinstance(result, int) else result
+        return acted + ([Command(commands.BAD, error=result)] if isinstance(result, int) else result)
 
     # --- events to bytes
 

@@ -20,6 +20,7 @@ NOTICES = (
     "Gantry: %s",
 )  # fmt: skip
 PROGRAMME_END = "Pgm End"
+LETTERS = "Letters beyond ASCII acted: %s"
 RESTORING = "Restoring defaults"
 
 _STATES = {
