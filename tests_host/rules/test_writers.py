@@ -37,7 +37,7 @@ FACE = {
     # what it is
     "about", "arcs", "encoders", "handlers", "links", "settings", "steps_per_m",
     # what it does
-    "alarm", "blocks", "busy_with", "checking", "coolant", "homed", "log", "state", "target",
+    "alarm", "blocks", "busy_with", "checking", "coolant", "homed", "log", "overrides", "state", "target",
     # who commands, and on whose behalf a stored job runs
     "commander", "lender",
 }  # fmt: skip
