@@ -17,7 +17,6 @@ from host_tools.failure import Failure, reason
 from host_tools.language import line_text
 from host_tools.resources import BOARDS
 from passo.config.boardfile import BoardError, check
-from passo.config.spi_drivers_keys import NO_STALL
 
 
 def names():
@@ -103,14 +102,6 @@ def _why(error):
     if isinstance(error, SyntaxError) and error.lineno:
         return f"{error.msg} ({line_text(error.lineno)})"
     return reason(error) if str(error) else type(error).__name__
-
-
-def stalling(board):
-    """The board file's key, `drivers` or `spi_drivers`, of drivers by whose stall an axis homes; None if no axis does."""
-    for key, none in (("drivers", 0), ("spi_drivers", NO_STALL)):
-        if any(motor.get("stall", none) != none for motor in (board.get(key) or {}).get("motors", ())):
-            return key
-    return None
 
 
 def steps_per_mm(board):

@@ -3,6 +3,8 @@
 A board forgets this module when that is done: it has better uses for the memory.
 """
 
+import sys
+
 from passo.commands import INPUTS
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
@@ -30,7 +32,7 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
-_CHECKED = ("motor", "device", "shift", "network", "drivers", "spi_drivers", "backlash", "kinematics", "parking", "rotary")
+_CHECKED = ("motor", "device", "shift", "network")
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.arcs")  # fmt: skip
@@ -57,7 +59,6 @@ FEATURES = (
     ("digital", "DigitalOutputs", lambda board: _numbered(board["outputs"])),
     ("wait", "Inputs", lambda board: _numbered(board["inputs"])),
     ("inverter", "Inverter", lambda board: board["inverter"]),
-    ("drives", "Motors", lambda board: board.get("drives")),
     ("tachometer", "Tachometer", lambda board: board["tachometer"]),
     ("servo", "PenServo", lambda board: board["servo"]),
     ("pins", "Pins", None),
@@ -75,6 +76,9 @@ def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
     for key in _CHECKED:
         forget("passo.config.%s_keys" % key, True)
+    for name in list(sys.modules):
+        if name[:14] == "passo.options." and name[-9:] == ".manifest":
+            forget(name, True)
     if board["gantry"]:
         from passo.drives import gantry
     names = wanted(board, languages(board))
@@ -151,16 +155,26 @@ def wanted(board, languages):
     needed = []
     for language in languages:
         needed += language.NEEDS
-    return [name for name, _, rule in FEATURES if name in needed or rule and rule(board)]
+    return [name for name, _, _, rule in rows(board) if name in needed or rule and rule(board)]
+
+
+def rows(board):
+    """[(name, module, class, rule)] of all features. An option's manifest writes those of its own into board["features"], by name; the
+    name of a feature above is that of the class it stands in for."""
+    own = dict(board.get("features") or {})
+    found = []
+    for name, kind, rule in FEATURES:
+        module, kind = own.pop(name, ("passo.control." + name, kind))
+        found.append((name, module, kind, rule))
+    return found + [(name, own[name][0], own[name][1], bool) for name in own]
 
 
 def load(names, board):
-    """[(name, class)] of features; `board["features"]` may name other modules, as parking_keys.py says. Raises BoardError."""
-    other = board.get("features") or {}
+    """[(name, class)] of features. Raises BoardError."""
     try:
         return [
-            (name, getattr(__import__("passo.control." + other.get(name, name), None, None, (kind,)), kind))
-            for name, kind, _ in FEATURES if name in names
+            (name, getattr(__import__(module, None, None, (kind,)), kind))
+            for name, module, kind, _ in rows(board) if name in names
         ]  # fmt: skip
     except ImportError as missing:
         raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)
@@ -168,22 +182,15 @@ def load(names, board):
 
 def planner(board, axes):
     """The planner of a board's motors, in steps of its axes."""
-    name = board.get("motion")  # as kinematics_keys.py and backlash_keys.py say
-    if not name:
-        return Planner(axes)
-    module = __import__("passo.motion." + name, None, None, ("axes",))
-    own = getattr(module, "Planner", None)
-    if own:
-        return own(axes, board)
-    return __import__("passo.motion.mapped", None, None, ("Planner",)).Planner(axes, module)
+    name = board.get("motion")  # an option's module
+    return __import__(name, None, None, ("Planner",)).Planner(axes, board) if name else Planner(axes)
 
 
 def queue(board, streamed):
     """The class of a board's queue; `streamed`: lines of G-code queue in it, one behind the other."""
-    if board.get("motion"):
-        return __import__("passo.control." + board["queue"], None, None, ("Queue",)).Queue
-    if board.get("turns"):  # as rotary_keys.py says
-        return __import__(board["turns"], None, None, ("Queue",)).Queue
+    name = board.get("queue")  # an option's module
+    if name:
+        return __import__(name, None, None, ("Queue",)).Queue
     if streamed:
         from passo.control.stream_queue import StreamQueue as Queue
     else:

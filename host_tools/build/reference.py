@@ -7,14 +7,17 @@ while a page is not current.
 """
 
 import re
+from importlib import import_module
 
+from host_tools.build import tree
 from host_tools.failure import Failure
-from host_tools.resources import ROOT
+from host_tools.resources import FIRMWARE, ROOT
 
 DOCS = ROOT / "docs" / "reference"
 BEGIN = "<!-- made by python -m host_tools.build.reference: change the firmware's table, not these lines -->"
 END = "<!-- end -->"
 EXAMPLE = "router_3axis"
+WRITTEN = ("drives", "features", "keep", "motion", "queue", "settings", "stalls")  # by an option's check(), no key of a board file
 
 
 def text(name):
@@ -57,14 +60,18 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import backlash_keys, blackbox_keys, device_keys, drivers_keys, kinematics_keys, motor_keys, parking_keys, rotary_keys, shift_keys, spi_drivers_keys
+    from passo.config import device_keys, motor_keys, shift_keys
     from passo.config.job_keys import JOBS
 
-    rare = {module.__name__.rsplit(".", 1)[1][:-5]: module for module in (backlash_keys, blackbox_keys, drivers_keys, kinematics_keys, parking_keys, rotary_keys, spi_drivers_keys)}
-    own = {key: module.RULES[key] for key, module in rare.items()} | {"short_way": rotary_keys.RULES["short_way"]}
+    own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items() if key not in WRITTEN}
     rules = {**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS}
     shift_keys.extend(rules)
     return rules
+
+
+def manifests():
+    """{key: manifest} of all options."""
+    return {folder.name: import_module(f"passo.options.{folder.name}.manifest") for folder in sorted((FIRMWARE / tree.OPTIONS).iterdir()) if (folder / tree.MANIFEST).is_file()}
 
 
 def keys(rules, prefix=""):
@@ -89,7 +96,7 @@ def _section(boardfile, name):
     optional = " May be left out."
     if isinstance(rule, list):
         return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)
-    return rule, optional if name in (*boardfile._OPTIONAL, "drivers", "parking", "spi_drivers") else " Needed."
+    return rule, optional if name in (*boardfile._OPTIONAL, *manifests()) else " Needed."
 
 
 def spi_pins(board):
@@ -234,7 +241,8 @@ def _active(item):
 
 def settings():
     """A row a setting, with its value on the example board; it has not those of rare keys."""
-    from passo.config import backlash_keys, boardfile, setting_numbers
+    from passo.config import boardfile, setting_numbers
+    from passo.options.backlash.manifest import MOST_UM
 
     from host_tools import boards
     from host_tools.clients.setting_names import rule
@@ -247,7 +255,7 @@ def settings():
         rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")
     for number in range(160, 160 + len(board["axes"])):
         name, unit, least, most = rule(number, len(board["axes"]))
-        rows.append(f"| `${number}` | {name} ([key `backlash`](../use/backlash.md)) | {unit} | {least:g} … {backlash_keys.MOST_UM / 1000:g} | – |")
+        rows.append(f"| `${number}` | {name} ([key `backlash`](../use/backlash.md)) | {unit} | {least:g} … {MOST_UM / 1000:g} | – |")
     for number in (41, 42, 56, 57, 58, 59, 142):
         name, unit, least, most = rule(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} ([key `parking`](../use/parking.md)) | {unit} | {least:g} … {most:.10g} | – |")

@@ -94,6 +94,8 @@ QUICK = (
 )  # fmt: skip
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
+MANIFEST = "manifest.py"
+PORT_OF = "port_"  # how the name of an option's file for one of them begins
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
 WEB = Path("passo", "web")
 NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
@@ -110,30 +112,7 @@ OF_KEYS = {
     "registers": ("shift_registers.py", "rp2/shift_registers.py"), "tachometer": ("pulses.py",),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
-# Only machines whose backlash is taken up have these.
-OF_BACKLASH = (
-    Path("passo", "motion", "backlash.py"), Path("passo", "control", "backlash_queue.py"), Path("passo", "config", "backlash_keys.py"),
-)  # fmt: skip
-# Only machines whose drivers are set up have these.
-OF_DRIVERS = (
-    Path("passo", "config", "drivers_keys.py"), Path("passo", "control", "drives.py"), Path("passo", "config", "tmc2209.py"),
-)  # fmt: skip
-OF_SPI = (
-    Path("passo", "config", "spi_drivers_keys.py"), Path("passo", "config", "tmc_spi.py"), Path("passo", "control", "spi_drives.py"),
-    Path("passo", "ports", "spi_line.py"),
-)  # fmt: skip
-_STALLS = Path("passo", "control", "stall_homing.py"), Path("passo", "control", "stall_drives.py")  # and feel where their axes end
-STALLS = {None: (), "drivers": _STALLS, "spi_drivers": (*_STALLS, Path("passo", "control", "stall_spi_drives.py"))}
-# Only boards with the key have these, by name: an axis that turns; motors that are not the axes.
-ROTARY = Path("passo", "control", "rotary_queue.py"), Path("passo", "config", "rotary_keys.py")
-BLACKBOX = (
-    Path("passo", "config", "blackbox_keys.py"), Path("passo", "control", "blackbox.py"), Path("passo", "protocols", "grbl", "log.py"),
-    Path("passo", "ports", "rp2", "remains.py"),
-)  # fmt: skip
-PARKING = Path("passo", "config", "parking_keys.py"), Path("passo", "control", "parking.py"), Path("passo", "steps", "detour.py")
-MAPPED = (
-    Path("passo", "motion", "mapped.py"), Path("passo", "control", "mapped_queue.py"), Path("passo", "config", "kinematics_keys.py"),
-)  # fmt: skip
+OPTIONS = Path("passo", "options")  # a folder a key of the board file: only boards with the key have it
 # Only boards with outputs for the programme, M62 to M65, have these.
 DIGITAL = (
     Path("passo", "ports", "rp2", "switching.py"), Path("passo", "steps", "switching.py"),
@@ -151,12 +130,38 @@ def runs_on(path, chip=None):
     """Whether a module runs on `chip`; without one, whether it runs on any chip at all."""
     if path.parts == OF_ESP32:
         return chip is None or chip.startswith("esp32")
-    if path.parts[:2] != ("passo", "ports"):
+    in_option = path.is_relative_to(OPTIONS) and path.stem.startswith(PORT_OF)
+    if path.parts[:2] != ("passo", "ports") and not in_option:
         return True
-    family = next((name for name in PORT_FAMILIES if path.parts[2].startswith(name)), None)
+    name = path.stem.removeprefix(PORT_OF) if in_option else path.parts[2]
+    family = next((family for family in PORT_FAMILIES if name.startswith(family)), None)
     if family is None or chip is None:
         return family != "virtual"
     return chip.startswith(family)
+
+
+def option_of(path):
+    """`parking` for a file of passo/options/parking; None for one that is no option's."""
+    return path.parts[2] if path.is_relative_to(OPTIONS) and len(path.parts) > 3 else None
+
+
+def options_of(board, firmware=FIRMWARE):
+    """The options whose keys a board file has, those whose files these share, and None, for what is no option's."""
+    found = {None}
+    asked = [key for key in board if (firmware / OPTIONS / key / MANIFEST).is_file()]
+    while asked:
+        key = asked.pop()
+        if key not in found:
+            found.add(key)
+            asked += _shared((firmware / OPTIONS / key / MANIFEST).read_text(encoding="utf-8"))
+    return found
+
+
+@lru_cache(maxsize=64)
+def _shared(manifest):
+    """SHARES of an option's manifest: the options whose files it shares."""
+    values = [node.value for node in ast.parse(manifest).body if isinstance(node, ast.Assign) and node.targets[0].id == "SHARES"]
+    return ast.literal_eval(values[0]) if values else ()
 
 
 def language_name(path):
@@ -225,16 +230,11 @@ def selected(board, firmware=FIRMWARE, spared=None):
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     laser = (board.get("spindle") or {}).get("laser")
-    kinematics = board.get("kinematics", "none")
-    mapped = kinematics != "none"
-    absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,)) + (() if mapped else MAPPED)
-    absent += (() if board.get("backlash") else OF_BACKLASH) + (() if board.get("drivers") or board.get("spi_drivers") else OF_DRIVERS)
-    absent += () if board.get("spi_drivers") else OF_SPI
-    absent += tuple({*STALLS["spi_drivers"]} - {*STALLS[boards.stalling(board)]})
-    absent += (() if board.get("rotary") else ROTARY) + (() if board.get("parking") else PARKING) + (() if board.get("blackbox") else BLACKBOX)
+    absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,))
     switching = DIGITAL if digital(board) else ()
     absent += tuple(set(DIGITAL) - set(switching))
-    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent]
+    options = options_of(board, firmware)
+    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent and option_of(path) in options]
     if board.get("network"):
         unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
         files = [path for path in files if path not in unused]
@@ -247,7 +247,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     modules = {}  # name: path
     for path in files:
         modules[".".join(path.with_suffix("").parts).removesuffix(".__init__")] = path
-    chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports"}
+    chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports" or option_of(path)}
     chosen -= {path for path in files if language_name(path) not in wanted | {None}}
     if board.get("network"):
         chosen.add(NETWORK)
@@ -256,12 +256,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
                 chosen |= {BROKER, ERROR_TEXTS} if board["network"].get("broker") else set()
-    chosen |= {*(OF_BACKLASH if board.get("backlash") else ()), *(OF_DRIVERS if board.get("drivers") else ())}
-    chosen |= {*OF_SPI} if board.get("spi_drivers") else set()
-    if mapped:
-        chosen |= {*MAPPED, Path("passo", "motion", kinematics + ".py")}
-    chosen |= {*STALLS[boards.stalling(board)], *(path for path in switching if path in files)}
-    chosen |= {*(ROTARY if board.get("rotary") else ()), *(PARKING if board.get("parking") else ()), *(set(BLACKBOX) & set(files))}
+    chosen |= {path for path in switching if path in files}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))

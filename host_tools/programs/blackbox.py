@@ -1,4 +1,4 @@
-"""A board's black box, as firmware/passo/control/blackbox.py keeps it: read, and said as text.
+"""A board's black box, as firmware/passo/options/blackbox/control.py keeps it: read, and said as text.
 
     files = {name: bytes}                   # blackbox.bin, board.py, settings.0, settings.1, crash.txt, as far as the board has them
     path.write_bytes(packed(files))         # one file
@@ -15,13 +15,13 @@ from functools import cached_property
 
 from host_tools import boards
 from host_tools.failure import Failure, reason
-from passo.config.blackbox_keys import (
+from passo.options.blackbox.config import (
     BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD,
     BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW, BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT,
     NAME, OLD, head,
 )  # fmt: skip
 from passo.config.boardfile import BoardError, check
-from passo.control.blackbox import ALARM, DROPPED, HALTED, HOMED, INPUTS, LOGGED, ORDER, SAMPLE, STATES, STOOD, WAITS
+from passo.options.blackbox.control import ALARM, DROPPED, HALTED, HOMED, INPUTS, LOGGED, ORDER, SAMPLE, STATES, STOOD, WAITS
 
 PLACES = (HALTED, DROPPED, STOOD, SAMPLE)  # rows with a position
 STOPS = (HALTED, DROPPED, STOOD)

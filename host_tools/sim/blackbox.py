@@ -24,7 +24,7 @@ from passo.ports.virtual import MemoryLine
 from passo.ports.virtual_player import Player
 from passo.records import TICKS_PER_MS
 from passo.protocols.gcode.parse_records import LINES_AT, LINES_END, PARSE_FEED, PARSE_MODAL, PARSE_POSITION
-from passo.protocols.grbl.log import FAST
+from passo.options.blackbox.language_grbl import FAST
 
 _ALARMS = 200
 _CAUSE_MS = 200  # before a stop, in which an input may have brought it about
@@ -106,7 +106,7 @@ class Replay(Machine):
         self._name = box.board["links"][self._record.commander]["name"]
         self._player = self.port._player
         self._held = self._aborts = False
-        self._log = hasattr(self._link.protocol, "log")  # its text are lines
+        self._log = hasattr(self._link.protocol, "sources")  # its text are lines
         self._asks = self._log and any(row.value in _LOST for row in self.since if row.kind == LOGGED)  # the host did
         self._asked_ms = 0
         self._waits_ms = None

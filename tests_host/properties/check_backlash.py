@@ -1,7 +1,7 @@
 """Lost motion: a carriage that follows its motor only behind the play ends to the step, the limits hold, and what is told is where it is."""
 
 from draws import Random
-from passo.motion import backlash
+from passo.options.backlash import motion as backlash
 from passo.records import KIND_LINE, QUEUE_ADDED, ROW_STEPS, TICKS_PER_S
 from random_motion import MM, Machine, hold_against_limits, hold_axes_against_limits, reference_seconds
 from rig import Rig

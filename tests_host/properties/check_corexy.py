@@ -3,9 +3,9 @@
 from math import sqrt
 
 from draws import Random
-from passo.motion import corexy
+from passo.options.kinematics import motion_corexy as corexy
 from passo.motion.limits import Limits
-from passo.motion.mapped import Planner
+from passo.options.kinematics.motion import Planner
 from passo.records import KIND_LINE
 from passo.steps.word import TICKS_PER_S
 from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, reference_seconds
@@ -24,7 +24,7 @@ class Belt(Machine):
     """A machine of random_motion.py on one belt. `steps_per_m` … are the motors', in lengths of the path; `own` are the axes'."""
 
     def make_rig(self):
-        return Rig(axes=3, planner=Planner(3, corexy))
+        return Rig(axes=3, planner=Planner(3, {"kinematics": "corexy"}))
 
     def limited(self, steps_per_m, speeds, accelerations, deviation, start=0, jerk=0):
         self.own = steps_per_m, speeds, accelerations

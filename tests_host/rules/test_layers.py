@@ -6,6 +6,7 @@ One table for the rooms, one for MicroPython's built-ins. A rule that stands in 
 import ast
 import functools
 import re
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -46,6 +47,16 @@ MAY_IMPORT = {
     ),
 }
 
+# The layer of an option's file, by the first word of its name.
+OF_OPTIONS = {
+    "manifest": "config", "config": "config", "motion": "motion", "steps": "steps", "control": "control", "port": "ports", "language": "protocols",
+}  # fmt: skip
+
+# Core names no option: these files still do, and the list only shrinks.
+NAMES_OPTIONS = {
+    "passo/ports/chip_port.py": {"spi_drivers"},
+}
+
 # Shared by languages; otherwise none imports another.
 SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.jobs", "passo.protocols.HELLO_WIRE")
 
@@ -78,10 +89,12 @@ HOST_WITH_PORTS = ("host_tools/sim", "host_tools/prove")  # the latter has a boa
 
 
 def room_of(path):
-    """The name of a firmware file's room: its folder under passo, or the file itself (app, main)."""
+    """The name of a firmware file's room: its folder under passo, or the file itself (app, main). That of an option's file is its layer."""
     parts = path.with_suffix("").parts
-    if parts == ("passo", "__init__"):
+    if parts in (("passo", "__init__"), ("passo", "options", "__init__")):
         return "passo"
+    if parts[:2] == ("passo", "options"):
+        return OF_OPTIONS[path.stem.split("_")[0] or "manifest"]
     return parts[1] if parts[0] == "passo" else parts[0]
 
 
@@ -98,6 +111,28 @@ def imports(source, package):
     return found
 
 
+def option_of(path):
+    """The option that a firmware file belongs to, None if to none."""
+    return path.parts[2] if path.parts[:2] == ("passo", "options") and len(path.parts) > 3 else None
+
+
+@functools.cache
+def options_open_to(path):
+    """Options whose files a firmware file may name: its own, those that its manifest SHARES, or what NAMES_OPTIONS still has."""
+    option = option_of(path)
+    if option is None:
+        return NAMES_OPTIONS.get(path.as_posix(), set())
+    return {option, *import_module(f"passo.options.{option}.manifest").__dict__.get("SHARES", ())}
+
+
+def option_faults(source, path):
+    """Names of options in what is none, and of others in an option: imports, and texts such as "passo.options.parking"."""
+    allowed = options_open_to(path)
+    texts = [(node.lineno, node.value) for node in ast.walk(parse(source)) if isinstance(node, ast.Constant) and isinstance(node.value, str)]
+    named = [(line, found) for line, text in [*imports(source, path.parent.parts), *texts] for found in re.findall(r"passo\.options\.(\w+)", text)]
+    return [f"{path}:{line}: names the option {name}" for line, name in named if name not in allowed]
+
+
 def within(name, prefixes):
     return any(name == prefix or name.startswith(prefix + ".") for prefix in prefixes)
 
@@ -106,6 +141,7 @@ def import_faults(source, path):
     """Imports of a firmware file that its room may not make."""
     room = room_of(path)
     own = SHARED_PROTOCOLS + (".".join(path.parts[:3]),) if room == "protocols" else (f"passo.{room}",)
+    own += tuple(f"passo.options.{option}" for option in options_open_to(path))
     allowed = MAY_IMPORT.get(room, ()) + own
     built_ins = BUILT_INS | MORE_BUILT_INS.get(room, set())
     faults = []
@@ -168,7 +204,7 @@ def report(faults):
 def test_firmware_file(path):
     room = room_of(path)
     assert room in MAY_IMPORT, f"{path}: no room of this name"
-    rules = [import_faults]
+    rules = [import_faults, option_faults]
     rules += [float_faults] * (room in INTEGER_ROOMS) + [language_faults] * (room in LANGUAGE_FREE)
     report(faults_of(path, *rules) + name_faults(path))
 
@@ -210,6 +246,10 @@ BROKEN = [
     (import_faults, "passo/protocols/grbl/report.py", "from passo.protocols.plotter import host"),
     (import_faults, "passo/control/point_buffer.py", "__import__('passo.ports.virtual')"),
     (import_faults, "passo/ports/virtual.py", "from passo.control.log import Log"),
+    (import_faults, "passo/options/parking/motion.py", "from passo.control import queue"),
+    (option_faults, "passo/control/homing.py", "from passo.options.parking import control"),
+    (option_faults, "passo/machine_builder.py", "__import__('passo.options.parking.control')"),
+    (option_faults, "passo/options/parking/control.py", "from passo.options.drivers import control"),
     (float_faults, "passo/motion/line.py", "half = 0.5"),
     (float_faults, "passo/motion/line.py", "x = a / b"),
     (float_faults, "passo/motion/line.py", "x = 8\nx /= 2"),
@@ -224,6 +264,7 @@ SOUND = [
     (import_faults, "passo/motion/arc.py", "from . import line\nfrom array import array"),
     (import_faults, "passo/ports/rp2.py", "import machine, rp2\nfrom passo.steps.word import ahead"),
     (import_faults, "passo/machine_builder.py", "from passo.ports import rp2\n__import__('passo.protocols.keys')"),
+    (option_faults, "passo/options/spi_drivers/control.py", "from passo.options.drivers import control"),
     (float_faults, "passo/motion/line.py", "half = total // 2"),
     (language_faults, "passo/steps/feeder.py", "pulses = len(table.keys())  # pulses of the STEP pins"),
 ]

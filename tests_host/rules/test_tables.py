@@ -7,8 +7,9 @@ import pytest
 
 from host_tools.cli import status
 from passo.commands import INPUTS, STATUS_WORDS
-from passo.control import drives, wait
+from passo.control import wait
 from passo.machine_builder import FEATURES
+from passo.options.drivers import control as drives
 
 pytestmark = pytest.mark.quick
 

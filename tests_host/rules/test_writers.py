@@ -53,13 +53,13 @@ def targets(node):
 
 
 def writers():
-    """{attribute: modules of control that assign it}"""
+    """{attribute: modules of control that assign it}; an option's are named by the option"""
     found = defaultdict(set)
-    for path in sorted((FIRMWARE / "passo/control").glob("*.py")):
+    for path in [*(FIRMWARE / "passo/control").glob("*.py"), *(FIRMWARE / "passo/options").glob("*/control*.py")]:
         for node in ast.walk(parse(path.read_text(encoding="utf-8"))):
             for target in targets(node):
                 if isinstance(target, ast.Attribute) and ast.unparse(target.value) in _RECORD:
-                    found[target.attr].add(path.stem)
+                    found[target.attr].add(path.stem if path.parent.name == "control" else path.parent.name)
     return found
 
 

@@ -1,4 +1,4 @@
-"""The kinematics of a polar plotter, as passo/motion/corexy.py says: a turntable below a pen that slides. Only tests have it.
+"""The kinematics of a polar plotter, as passo/options/kinematics/motion_corexy.py says: a turntable below a pen that slides. Only tests have it.
 
 Motor X slides, motor Y turns. The table's middle lies POLE_MM left of the place where the machine was switched on; where the pen
 does not go beyond it, the angle is the one between −90° and 90°.

@@ -13,7 +13,7 @@ from host_tools import boards
 from host_tools.sim.job import VirtualJob
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
-from passo.config import kinematics_keys
+from passo.options.kinematics import manifest, motion
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.protocols.plotter.host import COMMANDS, packet
@@ -329,8 +329,8 @@ def test_an_unknown_kinematics_is_refused():
 @pytest.fixture
 def polar_board(monkeypatch):
     """The board file of a polar plotter, whose kinematics only tests have."""
-    monkeypatch.setitem(sys.modules, "passo.motion.polar", polar)
-    monkeypatch.setitem(kinematics_keys.RULES, "kinematics", ("none", "corexy", "polar"))
+    monkeypatch.setitem(motion.MAPS, "polar", polar)
+    monkeypatch.setitem(manifest.RULES, "kinematics", ("none", "corexy", "polar"))
     return {**boards.load(NAME), "kinematics": "polar", "homing": None, "journal": None}
 
 

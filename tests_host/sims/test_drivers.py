@@ -10,7 +10,7 @@ from host_tools.sim.tmc import crc8
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
-from passo.config import tmc2209
+from passo.options.drivers import config as tmc2209
 
 CONFIG = {"port": "uart1", "tx": 20, "rx": 21, "motors": [
     {"axis": "x", "address": 0, "current_ma": 800},

@@ -8,7 +8,7 @@ import test_drivers
 from host_tools import boards
 from host_tools.sim.tmc_spi import SpiDriver, SpiDrivers
 from passo import errors
-from passo.config import tmc_spi
+from passo.options.spi_drivers import config as tmc_spi
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 

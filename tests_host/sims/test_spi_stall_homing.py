@@ -280,11 +280,10 @@ def test_a_threshold_of_zero_is_one():
     assert check(router(stall=0))["stalls"] == "xy" and check(router(stall=64))["stalls"] == ""
 
 
-@pytest.mark.parametrize("stall, there", [(0, True), (64, False)])
-def test_a_board_is_built_with_it_if_it_has_a_threshold(stall, there):
-    names = {"/".join(path.parts) for path in tree.selected(router(stall=stall))}
-    assert ("passo/control/stall_spi_drives.py" in names) is there and ("passo/control/stall_homing.py" in names) is there
-    assert "passo/control/spi_drives.py" in names
+def test_a_board_is_built_with_the_folders_of_its_drivers():
+    names = {path.as_posix() for path in tree.selected(router(stall=0))}
+    assert "passo/options/spi_drivers/control_stall.py" in names and "passo/options/drivers/control_stall_homing.py" in names
+    assert not [name for name in names if "/options/" in name and "drivers" not in name and name.count("/") > 2]
 
 
 def test_the_shipped_board_homes():

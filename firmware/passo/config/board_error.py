@@ -29,15 +29,14 @@ def check_shape(value, depth=_DEPTH):
 
 
 def own_rules(board, rules):
-    """The modules of keys that most boards do not have: KEY_keys.py, whose RULES have the key. Adds these to `rules`."""
+    """The manifests of the options that the board file asks for, by their keys. Adds their RULES to `rules`."""
     own = []
     for key in board:
         if key not in rules and isinstance(key, str) and "." not in key:
             try:
-                module = __import__("passo.config.%s_keys" % key, None, None, ("RULES",))
+                module = __import__("passo.options.%s.manifest" % key, None, None, ("RULES",))
             except ImportError:
                 continue
-            if key in module.RULES:
-                rules.update(module.RULES)
-                own.append(module)
+            rules.update(module.RULES)
+            own.append(module)
     return own

@@ -151,7 +151,7 @@ class Program(LineBatches):
             or command.per_min or command.also or command.dots or command.feed > FASTEST_NM_S or command.tool != queue.tool
             or command.dynamic != planner.dynamic or command.power != 1000 * planner.power
             or machine.interlock is not None and machine.interlock.denied or room(planner.indices) < _BLOCKS_A_MOTION
-            or queue.turns and command.target[-1] != queue.target[-1]  # F counts for the linear axes only, see rotary_queue.py
+            or queue.turns and command.target[-1] != queue.target[-1]  # F counts for the linear axes only, see options/rotary
         ):  # fmt: skip
             return False
         reach = self._travel if machine.homed else None

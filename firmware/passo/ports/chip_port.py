@@ -221,7 +221,7 @@ class ChipPort:
 
             return PinPulses(self._inputs[config], self)
         if kind == "spi_line":
-            from passo.ports.spi_line import SpiLine
+            from passo.options.spi_drivers.port import SpiLine
 
             return SpiLine(config)
         from passo.ports.memory_card import MemoryCard

@@ -90,11 +90,9 @@ class Grbl:
 
     # --- bytes to batches
 
-    def log(self, size):
-        """What a black box wants to know of this link. The line buffer then keeps what has come, too, in `size` bytes. Before prepare()."""
-        from .log import Log  # here: few boards have it; not by its whole name, which each board would have to keep
-
-        return Log(self._lines, self.gcode, size)
+    def sources(self):
+        """(line buffer, parser), for an option that records this link. Call it before prepare()."""
+        return self._lines, self.gcode
 
     def begin_file(self):
         """A stored job begins: modal state as after power-up, offsets stay; of what has come so far nothing is left."""

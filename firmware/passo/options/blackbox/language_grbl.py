@@ -1,7 +1,7 @@
-"""What a black box (control/blackbox.py) wants to know of a link that speaks grbl: the lines that have come, and what the next one is
+"""What a black box (control.py) wants to know of a link that speaks grbl: the lines that have come, and what the next one is
 understood by. Only boards that have one load it.
 
-    log = protocol.log(size)                # before the link's first line
+    log = Log(*protocol.sources(), size)    # before the link's first line: the line buffer then keeps `size` bytes of what has come
     log.text, log.fields                    # bytes; fields[log.at]: those before it have been taken; fields[log.end]: all
     log.tell(numbers, index)                # FAST + SLOW numbers, see below
 """

@@ -1,11 +1,11 @@
-"""The key `blackbox`: what leads to an alarm or a crash is kept. Only loaded if the board file has it; the box writes its file by this, too."""
+"""What a black box is made of: its numbers, as control.py fills them, and the file that they are written to."""
 
 import os
 import sys
 
 from micropython import const
 
-# The numbers of a box, see control/blackbox.py: fields, and sizes.
+# Fields of the numbers, and sizes.
 BOX_MAGIC_0 = const(0x0B0A3C91)
 BOX_MAGIC_1 = const(0x1C5E77D2)
 BOX_SIZE = const(2)
@@ -28,20 +28,6 @@ BOX_TEXT = const(6144)  # bytes of the text
 
 NAME, OLD = "blackbox.bin", "blackbox.old"  # the newest two
 _PART = 1024
-RULES = {
-    "blackbox": (bool, False, 0, 1),
-    "features": (dict, {}, 0, 4),  # set by check(): modules of control, by the name of the feature whose class they have instead
-    # set by check(): the module whose keep() finds at the start what a reset has left, and what that wants. A word that all boards have in memory
-    "keep": (tuple, (), 0, 8),
-}
-
-
-def check(board):
-    if board["blackbox"]:
-        board["features"]["links"] = "blackbox"
-        if board["chip"][:2] == "rp":
-            sizes = 4 * BOX_NUMBERS, BOX_TEXT, 4 * BOX_ADDED, 4 * BOX_WRITTEN
-            board["keep"] = ("passo.ports.rp2.remains", keep, BOX_MAGIC_0, BOX_MAGIC_1) + sizes
 
 
 def head(why):

@@ -12,7 +12,7 @@ RULES = {
         "at_end": (bool, False, 0, 1),  # M2 and M30 go to the target, too, $142
     },
     # Set by check(), the rest of the firmware reads these. Their words are ones that all boards have in memory.
-    "features": (dict, {}, 0, 4),  # modules of control, by the name of the feature whose class they have instead
+    "features": (dict, {}, 0, 4),  # (module, class) by the name of a feature, see machine_builder.rows()
     "settings": (dict, {}, 0, 0),  # the rules of $41, $42, $56 to $59 and $142, by number; behind 0 Settings puts its value()
 }
 
@@ -29,7 +29,7 @@ def check(board):
     names = [axis["name"] for axis in board["axes"]]
     if config["axis"] not in names or not board["homing"] or config["axis"] not in board["homing"]["sensors"]:
         raise BoardError("parking: it wants an axis %s that homes" % config["axis"])
-    board["features"]["pauses"] = "parking"
+    board["features"]["pauses"] = "passo.options.parking.control", "Pauses"
     rules = {
         41: ("parking", 0, 1, 0, 1),
         42: ("parking_axis", 0, names.index(config["axis"]), 0, min(len(names), 3) - 1),

@@ -9,8 +9,8 @@ read the register, of a write what was written.
 
 from micropython import const
 
-from passo.config import tmc2209
-from passo.config.tmc2209 import DRV_STATUS, GSTAT, MICROSTEPS, WRITES  # noqa: F401  the registers that both families share; reading GSTAT clears it on a TMC2130
+from passo.options.drivers import config as tmc2209
+from passo.options.drivers.config import DRV_STATUS, GSTAT, MICROSTEPS, WRITES  # noqa: F401  the registers that both families share; reading GSTAT clears it on a TMC2130
 
 IOIN = const(0x04)  # the chip's version in its high byte
 STEPS = const(0x40)  # of it, TMC5160: the pin SD_MODE has the chip take STEP and DIR

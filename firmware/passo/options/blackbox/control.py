@@ -37,8 +37,8 @@ import micropython
 from micropython import const
 
 from passo import commands, errors
-from passo.config import blackbox_keys
-from passo.config.blackbox_keys import (
+from passo.options.blackbox import config as box
+from passo.options.blackbox.config import (
     BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW,
     BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SIZE, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT, BOX_WRITTEN,
 )  # fmt: skip
@@ -65,7 +65,7 @@ class Links(links.Links):
     def __init__(self, board, machine, queue):
         links.Links.__init__(self, board, machine, queue)
         self.numbers = array("i", [0] * BOX_NUMBERS)
-        self._keep = getattr(machine.port, "keep_box", blackbox_keys.keep)
+        self._keep = getattr(machine.port, "keep_box", box.keep)
         self._now_ms = machine.port.machine_ms
         self._levels = machine.inputs.levels
         self._taken = getattr(queue, "taken", None)  # of a machine with backlash
@@ -86,8 +86,13 @@ class Links(links.Links):
         """Keep what comes on the link that commands. Asked a second time: nothing is new."""
         if self._link is not None or link.number != self._machine.commander:
             return link.serial
-        plain = not hasattr(link.protocol, "log")
-        log = Bytes(link) if plain else link.protocol.log(BOX_TEXT)
+        plain = not hasattr(link.protocol, "sources")
+        if plain:
+            log = Bytes(link)
+        else:
+            from passo.options.blackbox.language_grbl import Log  # most boards with a black box speak grbl, not all
+
+            log = Log(*link.protocol.sources(), BOX_TEXT)
         self._link, self._log, self._fields, self._text = link, log, log.fields, log.text
         self._at, self._end = log.at, log.end
         numbers = self.numbers

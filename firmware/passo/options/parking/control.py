@@ -13,7 +13,7 @@ from passo import commands
 from passo.control.feature import QUEUE_GONE
 from passo.control import pauses
 from passo.records import ROW_TAG, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_TARGET
-from passo.steps.detour import Detour
+from passo.options.parking.steps import Detour
 
 _PULL_OUT = const(56)
 _PULL_OUT_SPEED = const(57)

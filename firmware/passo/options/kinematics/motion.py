@@ -1,6 +1,6 @@
 """The planner of a machine whose motors are not its axes: blocks come in steps of the axes, and are made in those of the motors.
 
-    planner = mapped.Planner(2, corexy)      # a module as corexy.py says
+    planner = motion.Planner(2, board)      # by a module of MAPS, as corexy.py says
     planner.line((400, 30), …)              # as of a Planner
     planner.stand(motors)                   # where the motors stand, whenever the machine has been stopped amid a block
 
@@ -11,13 +11,15 @@ Lines come as commands: a batch's rows are blocks already.
 from array import array
 
 from passo.motion import planner
+from passo.options.kinematics import motion_corexy as corexy
 from passo.records import TICKS_PER_S
 
+MAPS = {"corexy": corexy}  # by the value of the key
 
 class Planner(planner.Planner):
-    def __init__(self, axes, kinematics):
+    def __init__(self, axes, board):
         planner.Planner.__init__(self, axes)
-        self.kinematics = kinematics
+        self.kinematics = MAPS[board["kinematics"]]
         self.own = None  # the limits of the axes
         self._end, self._goal, self._motors, self._ways = [array("i", [0] * axes) for _ in range(4)]
         self._inside = False  # line() and fits() are told steps of the motors

@@ -16,7 +16,7 @@ from micropython import const
 
 from passo import errors
 from passo.commands import STATUS_WORDS
-from passo.config import tmc2209 as chip
+from passo.options.drivers import config as chip
 from passo.control.feature import Feature
 from passo.records import COUNT_HALF, COUNT_MASK
 

@@ -4,7 +4,7 @@ file has one of them."""
 from passo.config.board_error import BoardError
 from passo.config.boardfile import claimed_pins
 from passo.config.chip_pins import PIN, check_link, check_pin
-from passo.config.tmc2209 import scale
+from passo.options.drivers.config import scale
 
 _DRIVER = {
     "axis": (str, ..., 1, 1),
@@ -25,7 +25,7 @@ RULES = {
         "sense_mohm": (int, 110, 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
     },
-    "features": (dict, {}, 0, 4),  # set by check(): modules of control, by the name of the feature whose class they have instead
+    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
     "stalls": (str, "", 0, 4),  # set by check(): names of the axes that home by stall
     "drives": (str, "", 0, 0),  # as `features`, set by check(): the rest of the firmware reads this key, whose word all boards have in memory
 }
@@ -51,7 +51,7 @@ def check(board):
     feel = [motor for motor in config["motors"] if motor["stall"]]
     if feel:
         check_stalls(board, feel, "drivers")
-        board["features"]["drives"] = "stall_drives"
+    board["features"]["drives"] = "passo.options.drivers." + ("control_stall" if feel else "control"), "Motors"
 
 
 def want_step_dir(board):
@@ -81,7 +81,7 @@ def check_motors(board, key, unique, scale):
 def check_stalls(board, feel, key):
     """Have axes home by stall. `feel`: the drivers that do; `key`: that of the board file."""
     board["stalls"] = "".join([motor["axis"] for motor in feel])
-    board["features"]["homing"] = "stall_homing"
+    board["features"]["homing"] = "passo.options.drivers.control_stall_homing", "Homing"
     homing = board["homing"]
     names = [motor["axis"] for motor in feel]
     if board.get("kinematics", "none") != "none" and ("x" in names) != ("y" in names):

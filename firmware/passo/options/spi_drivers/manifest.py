@@ -3,9 +3,10 @@
 from passo.config.board_error import BoardError
 from passo.config.boardfile import claimed_pins
 from passo.config.chip_pins import PIN, check_pin
-from passo.config.drivers_keys import check_motors, check_stalls, want_step_dir
-from passo.config.tmc_spi import scale
+from passo.options.drivers.manifest import check_motors, check_stalls, want_step_dir
+from passo.options.spi_drivers.config import scale
 
+SHARES = ("drivers",)  # the option whose files it shares
 NO_STALL = 64
 _DRIVER = {
     "axis": (str, ..., 1, 1),
@@ -49,8 +50,7 @@ def check(board):
             raise BoardError("pin %d is claimed by %s and by %s" % (pin, owners[pin], who))
         owners[pin] = who
     check_motors(board, "spi_drivers", ("axis",), lambda current_ma: scale(current_ma, config))
-    board["features"]["drives"] = "spi_drives"
     feel = [motor for motor in config["motors"] if motor["stall"] != NO_STALL]
     if feel:
         check_stalls(board, feel, "spi_drivers")
-        board["features"]["drives"] = "stall_spi_drives"
+    board["features"]["drives"] = "passo.options.spi_drivers." + ("control_stall" if feel else "control"), "Motors"

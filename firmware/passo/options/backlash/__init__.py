@@ -1,0 +1,1 @@
+"""The lost motion of each axis is taken up."""

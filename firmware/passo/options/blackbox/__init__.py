@@ -1,0 +1,1 @@
+"""What leads to an alarm or a crash is kept."""

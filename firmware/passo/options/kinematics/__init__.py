@@ -1,0 +1,1 @@
+"""Motors that are not the axes."""

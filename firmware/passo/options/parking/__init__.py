@@ -1,0 +1,1 @@
+"""An axis goes up from the work while the door is open."""

@@ -1,0 +1,1 @@
+"""An axis that turns."""
