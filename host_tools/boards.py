@@ -13,10 +13,11 @@ import tokenize
 import warnings
 from pathlib import Path
 
+from passo.config.boardfile import BoardError, check
+
 from host_tools.failure import Failure, reason
 from host_tools.language import line_text
 from host_tools.resources import BOARDS
-from passo.config.boardfile import BoardError, check
 
 
 def names():

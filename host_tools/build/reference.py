@@ -270,8 +270,9 @@ def settings():
 
 def errors():
     """A row a number; those of the compiler behind the firmware's."""
-    from host_tools.programs import program_errors
     from passo import error_texts as table
+
+    from host_tools.programs import program_errors
 
     texts = [(number, table.text(number)) for number in sorted(table.TEXTS)] + sorted(program_errors.TEXTS.items())
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {text} |" for number, text in texts]]

@@ -23,6 +23,9 @@ import tempfile
 from functools import lru_cache
 from pathlib import Path
 
+from passo import machine_builder
+from passo.config.boardfile import check
+
 from host_tools import boards
 from host_tools.build import mpy, pages
 from host_tools.build.constants import forms, numbered_only, short
@@ -34,8 +37,6 @@ from host_tools.kernels import module as modules
 from host_tools.kernels.program import Program
 from host_tools.language import _
 from host_tools.resources import FIRMWARE, MAIN, version
-from passo import machine_builder
-from passo.config.boardfile import check
 
 FILE_LIST = "files.txt"
 PACKAGE = "package.json"

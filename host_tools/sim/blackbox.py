@@ -12,19 +12,20 @@ cause happen: an input, a real-time byte, the slowing down of a hold. What no by
 is silent for longer than the machine plays) is an alarm by its number.
 """
 
+from passo import commands, errors
+from passo.config.journal import MemorySlots
+from passo.options.blackbox.language_grbl import FAST
+from passo.ports.virtual import MemoryLine
+from passo.ports.virtual_player import Player
+from passo.protocols.gcode.parse_records import LINES_AT, LINES_END, PARSE_FEED, PARSE_MODAL, PARSE_POSITION
+from passo.records import TICKS_PER_MS
+
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.programs.blackbox import ALARM, DROPPED, HALTED, HOMED, INPUTS, LOGGED, ORDER, PLACES, SAMPLE, STOOD, STOPS
 from host_tools.programs.timeline import mm
 from host_tools.sim.machine import Machine
 from host_tools.sim.plant import Plant
-from passo import commands, errors
-from passo.config.journal import MemorySlots
-from passo.ports.virtual import MemoryLine
-from passo.ports.virtual_player import Player
-from passo.records import TICKS_PER_MS
-from passo.protocols.gcode.parse_records import LINES_AT, LINES_END, PARSE_FEED, PARSE_MODAL, PARSE_POSITION
-from passo.options.blackbox.language_grbl import FAST
 
 _ALARMS = 200
 _CAUSE_MS = 200  # before a stop, in which an input may have brought it about

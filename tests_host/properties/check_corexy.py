@@ -3,8 +3,8 @@
 from math import sqrt
 
 from draws import Random
-from passo.options.kinematics import motion_corexy as corexy
 from passo.motion.limits import Limits
+from passo.options.kinematics import motion_corexy as corexy
 from passo.options.kinematics.motion import Planner
 from passo.records import KIND_LINE
 from passo.steps.word import TICKS_PER_S

@@ -4,12 +4,12 @@ import re
 from pathlib import Path
 
 import pytest
-
-from host_tools.cli import status
 from passo.commands import INPUTS, STATUS_WORDS
 from passo.control import wait
 from passo.machine_builder import FEATURES
 from passo.options.drivers import control as drives
+
+from host_tools.cli import status
 
 pytestmark = pytest.mark.quick
 

@@ -8,15 +8,15 @@ import sys
 import polar
 import pytest
 from asked import Asked
+from passo.config.board_error import BoardError
+from passo.config.boardfile import check
+from passo.options.kinematics import manifest, motion
+from passo.protocols.plotter.host import COMMANDS, packet
 
 from host_tools import boards
 from host_tools.sim.job import VirtualJob
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
-from passo.options.kinematics import manifest, motion
-from passo.config.board_error import BoardError
-from passo.config.boardfile import check
-from passo.protocols.plotter.host import COMMANDS, packet
 
 NAME = "corexy_plotter"
 

@@ -3,14 +3,14 @@
 import copy
 
 import pytest
-
-from host_tools import boards
-from host_tools.sim.machine import VirtualMachine
-from host_tools.sim.tmc import crc8
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.options.drivers import config as tmc2209
+
+from host_tools import boards
+from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.tmc import crc8
 
 CONFIG = {"port": "uart1", "tx": 20, "rx": 21, "motors": [
     {"axis": "x", "address": 0, "current_ma": 800},

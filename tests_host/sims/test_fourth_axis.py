@@ -6,13 +6,13 @@ import random
 
 import pytest
 from asked import Asked
+from passo.config.board_error import BoardError
+from passo.config.boardfile import check
 from typer.testing import CliRunner
 
 from host_tools import boards
 from host_tools.cli.main import app
 from host_tools.sim.machine import VirtualMachine
-from passo.config.board_error import BoardError
-from passo.config.boardfile import check
 
 NAME = "router_4axis"
 US_PER_S = 1_000_000

@@ -4,13 +4,13 @@ import copy
 
 import pytest
 import test_drivers
+from passo import errors
+from passo.config.board_error import BoardError
+from passo.config.boardfile import check
+from passo.options.spi_drivers import config as tmc_spi
 
 from host_tools import boards
 from host_tools.sim.tmc_spi import SpiDriver, SpiDrivers
-from passo import errors
-from passo.options.spi_drivers import config as tmc_spi
-from passo.config.board_error import BoardError
-from passo.config.boardfile import check
 
 PINS = {"sck": 18, "tx": 19, "rx": 20, "sense_mohm": 75}
 MOTORS = [

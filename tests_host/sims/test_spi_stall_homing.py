@@ -9,15 +9,15 @@ import random
 import pytest
 import test_stall_homing
 from asked import Asked
+from passo import errors
+from passo.config.board_error import BoardError
+from passo.config.boardfile import check
 from test_stall_homing import FULL, tried
 
 from host_tools import boards
 from host_tools.build import tree
 from host_tools.sim.tmc_spi import SpiDriver
 from host_tools.wiring.parts import parts
-from passo import errors
-from passo.config.board_error import BoardError
-from passo.config.boardfile import check
 
 STALL = -2  # SG_RESULT is 0 half a full step behind the field, about
 WAYS = {"tmc5160": ("a CS each", (21, 22, 28)), "tmc2130": ("a chain", (21, 21, 21))}

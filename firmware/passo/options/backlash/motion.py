@@ -1,6 +1,6 @@
 """The planner of a machine with lost motion: each reversal takes it up in its own block, without a stop.
 
-    planner = backlash.Planner(3, board)        # as of backlash_keys.py: board["settings"][0](160) are µm of X
+    planner = backlash.Planner(3, board)        # as of manifest.py: board["settings"][0](160) are µm of X
     planner.follow(feeder_position)             # where the motors stand, as a function
     planner.turn(motors)                        # positions of the motors to those of the axes, of what has been retired
 

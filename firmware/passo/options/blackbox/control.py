@@ -37,13 +37,30 @@ import micropython
 from micropython import const
 
 from passo import commands, errors
-from passo.options.blackbox import config as box
-from passo.options.blackbox.config import (
-    BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW,
-    BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SIZE, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT, BOX_WRITTEN,
-)  # fmt: skip
 from passo.control import links
 from passo.control.feature import QUEUE_GONE
+from passo.options.blackbox import config as box
+from passo.options.blackbox.config import (
+    BOX_ADDED,
+    BOX_AT,
+    BOX_BASE,
+    BOX_END,
+    BOX_FIRST,
+    BOX_HEAD,
+    BOX_MAGIC_0,
+    BOX_MAGIC_1,
+    BOX_NUMBERS,
+    BOX_ROW,
+    BOX_ROWS,
+    BOX_SAMPLED,
+    BOX_SAMPLES,
+    BOX_SIZE,
+    BOX_SNAPSHOT,
+    BOX_SNAPSHOTS,
+    BOX_TAKEN,
+    BOX_TEXT,
+    BOX_WRITTEN,
+)  # fmt: skip
 from passo.records import COUNT_MASK
 
 HALTED, DROPPED, STOOD, SAMPLE, INPUTS, LOGGED, ORDER = 1, 2, 3, 4, 5, 6, 7

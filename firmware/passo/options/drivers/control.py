@@ -16,8 +16,8 @@ from micropython import const
 
 from passo import errors
 from passo.commands import STATUS_WORDS
-from passo.options.drivers import config as chip
 from passo.control.feature import Feature
+from passo.options.drivers import config as chip
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _WORD = ("drives", "Dr")  # what is remarkable of which axis, in reports

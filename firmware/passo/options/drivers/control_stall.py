@@ -8,9 +8,9 @@ is silent: one that is not, of a short or a driver in trouble, is alarm 8 before
 from micropython import const
 
 from passo import commands, errors
+from passo.control.feature import ANEW, HOMING
 from passo.options.drivers import config as chip
 from passo.options.drivers import control as drives
-from passo.control.feature import ANEW, HOMING
 
 TCOOLTHRS = const(0x14)  # clocks a microstep from which on DIAG tells
 SLOWEST = const(0xFFFFF)

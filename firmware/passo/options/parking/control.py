@@ -10,10 +10,10 @@ laser ($32), and the axis stands below the target. Not while a probe is under wa
 from micropython import const
 
 from passo import commands
-from passo.control.feature import QUEUE_GONE
 from passo.control import pauses
-from passo.records import ROW_TAG, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_TARGET
+from passo.control.feature import QUEUE_GONE
 from passo.options.parking.steps import Detour
+from passo.records import ROW_TAG, SETTING_PARKING, SETTING_PARKING_AXIS, SETTING_PARKING_TARGET
 
 _PULL_OUT = const(56)
 _PULL_OUT_SPEED = const(57)

@@ -9,9 +9,9 @@ was. Alarms are those of drives.py. A cycle of the main loop asks one driver, 1 
 from micropython import const
 
 from passo import errors
-from passo.options.spi_drivers import config as chip
 from passo.options.drivers import control as drives
 from passo.options.drivers.control import ASKS
+from passo.options.spi_drivers import config as chip
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _AGAIN_MS = const(20)

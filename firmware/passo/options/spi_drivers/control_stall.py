@@ -6,10 +6,10 @@ says so on DIAG0 and DIAG1, either of which may be wired. Both are push-pull fro
 
 from micropython import const
 
-from passo.options.spi_drivers import config as chip
 from passo.options.drivers import control_stall as stall_drives
-from passo.options.spi_drivers import control as spi_drives
 from passo.options.drivers.control_stall import SLOWEST, TCOOLTHRS
+from passo.options.spi_drivers import config as chip
+from passo.options.spi_drivers import control as spi_drives
 
 _COOLCONF = const(0x6D)
 _SGT = const(0x7F)  # of it, from bit 16 on; no filter: SG_RESULT is new each full step
