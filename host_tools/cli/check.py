@@ -85,12 +85,13 @@ def check(
 
 def _check_file(file, board, place, dialect, tools, out):
     """Check one program, and say what it would do. Raises Failure."""
+    from host_tools import boards
     from host_tools.programs import compiler
     from host_tools.sim.job import VirtualJob
 
     if out:
         import matplotlib  # noqa: F401  before the job runs, not after it
-    program = compiler.read(file, dialect, tools)
+    program = compiler.read(file, dialect, tools, not boards.load(board).get("rotary"))
     compiler.tell(program)
     job = VirtualJob(board, *place, drawn=bool(out))
     _run(job, program)

@@ -65,6 +65,7 @@ class Row(NamedTuple):
 
 def work(item):
     """The Row of an Item."""
+    from host_tools import boards
     from host_tools.programs import compiler
     from host_tools.sim.job import VirtualJob
 
@@ -72,7 +73,7 @@ def work(item):
     with contextlib.ExitStack() as stack:
         file, tools, board = (each and stack.enter_context(each.here()) for each in (item.program, item.tools, _sent(item.board)))
         try:
-            program = compiler.read(file, item.dialect, tools)
+            program = compiler.read(file, item.dialect, tools, not boards.load(str(board or item.board)).get("rotary"))
             job = VirtualJob(str(board or item.board), *item.place, drawn=False)
             job.origin = program.origin
             job.run(program.rows())

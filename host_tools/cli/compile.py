@@ -21,6 +21,7 @@ def compile_(
         None, metavar="X,Y,Z[,A]", help="Where the machine stands at first, mm (A: degrees) of the program: for programs that begin with G91."
     ),
     skip: bool = typer.Option(False, "--skip", help="Leave out lines that begin with /."),
+    linear: bool = typer.Option(False, "--linear-a", help="A is no rotary axis: in G20 its words are inches."),
     bound: int = typer.Option(1_000_000, min=1, help="Stop a program that carries out, or makes, more lines than this."),
 ):
     """Compile a program to plain G-code: parameters, subprograms, loops, radius compensation and canned cycles become lines and arcs.
@@ -40,7 +41,9 @@ def compile_(
 
     if out and out != Path("-") and out.exists() and out.resolve() == file.resolve():
         raise Failure("{} is the program itself", out)
-    program = compile_file(file, dialect, tools, _place(start), bound, skip)
+    program = compile_file(file, dialect, tools, _place(start), bound, skip, linear)
+    if program.listing.turns_in_inches:
+        typer.echo(_("warning: A has words in G20, which count degrees; if A is linear on your machine, give --linear-a"), err=True)
     for warning in program.listing.warnings:
         typer.echo(_("warning: {}", warning), err=True)
     text = program.listing.text(program.texts)

@@ -21,9 +21,9 @@ def resume(file, port, baud, home, unverified, yes):
     program = compiler.read(file)
     compiler.tell(program)
     plain = program.listing is None
-    lines = gcode_file.read(file) if plain else list(program.rows())
     with GrblClient(port, baud) as client:
         settled(client)
+        lines = gcode_file.read(file) if plain else list(compiler.fit(program, client.command("$I")).rows())
         go_on(client, lines, file, stored_job.crc(stored_job.gcode_job(file)) if plain else 0, home, unverified, yes)
 
 

@@ -78,6 +78,9 @@ def stream(
     lines = list(program.rows())
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
         make_ready(client, home, unlock)
+        fitted = compiler.fit(program, client.command("$I") if program.listing else (), tools)
+        if fitted is not program:
+            program, lines = fitted, list(fitted.rows())
         seconds, count = send(client, lines, file.name, flow == "count", first, yes, program.origin)
         print(_("{}: {} lines in {}", file, count, gcode_file.clock(seconds)))
 

@@ -114,11 +114,12 @@ def detect(path):
     return next(iter(found.items()), ("plain", ""))
 
 
-def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False):
+def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False, linear=False):
     """A compiled Program. `dialect`: one of DIALECTS, or None: by the file; `tools`: a table's path; `start`: where X, Y, Z
     and A stand at first, mm and degrees of the program; `bound`: the most lines to carry out, and to make; `skip`: leave out lines that begin with
-    /. Raises Failure."""
+    /; `linear`: A of an ngc program is no rotary axis. Raises Failure."""
     path = Path(path)
+    more = {}
     if dialect is None:
         dialect = detect(path)[0]
         if dialect == "plain":
@@ -131,6 +132,8 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
     listing.progress = _Progress() if sys.stderr.isatty() else None
     if dialect == "ngc":
         from host_tools.programs.ngc.interpreter import compile_program
+
+        more = {"linear": linear}
     else:
         from host_tools.programs.num.interpreter import compile_program
 
@@ -143,7 +146,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
         return None
 
     try:
-        texts = compile_program(path.name, text, listing, table, start or (), bound, find, skip)
+        texts = compile_program(path.name, text, listing, table, start or (), bound, find, skip, **more)
     finally:
         if listing.progress:
             listing.progress.end()
@@ -153,9 +156,9 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
     return Program(path, dialect, listing, texts)
 
 
-def read(path, dialect=None, tools=None):
+def read(path, dialect=None, tools=None, linear=False):
     """A Program for a sender, no HPGL: compiled if `dialect` says so, or its words need it, or a tool table is given; "plain" keeps it as it
-    is. Raises Failure."""
+    is. `linear`: the machine's A is no rotary axis. Raises Failure."""
     path = Path(path)
     why = ""
     if path.is_file():
@@ -168,9 +171,16 @@ def read(path, dialect=None, tools=None):
             dialect, why = "ngc", _("there is a tool table")
     if dialect == "plain":
         return Program(path, dialect)
-    program = compile_file(path, dialect, tools)
+    program = compile_file(path, dialect, tools, linear=linear)
     program.reason = why
     return program
+
+
+def fit(program, about, tools=None):
+    """The program for a machine that answers `about` to `$I`: compiled anew if it has A in G20 and the machine's A is linear."""
+    if program.listing is None or not program.listing.turns_in_inches or "[AXS:4" not in "".join(about) or "[ROTARY:" in "".join(about):
+        return program
+    return read(program.path, program.dialect, tools, True)
 
 
 def tell(program):

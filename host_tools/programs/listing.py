@@ -40,6 +40,7 @@ class Listing:
         self.warnings = []  # texts
         self.progress = None  # called with each line that is carried out
         self.plane = 17  # of the arcs so far
+        self.turns_in_inches = False  # A has words in G20, which are read as degrees
 
     def add(self, code, source, stroke=None):
         """Append a line of G-code. Raises ProgramError if there are too many."""

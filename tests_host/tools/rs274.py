@@ -133,14 +133,14 @@ def of_linuxcnc(program, table=None, skip=False, cwd=None):
     return canon.path
 
 
-def of_board(codes, short_way=False):
-    """The path of lines of plain G-code, as the firmware's parser understands them; `short_way`: the board file's. Raises ValueError if it
-    refuses one."""
+def of_board(codes, short_way=False, linear=False):
+    """The path of lines of plain G-code, as the firmware's parser understands them; `short_way`: the board file's; `linear`: A is. Raises
+    ValueError if it refuses one."""
     machine = Machine([STEPS_PER_MM] * 4, 0.0, True, False, 1e6)
     board = Board(machine)
     board.target = [0, 0, 0, 0]
     gcode = GCode("xyza", Offsets(4, Memory(machine)), board)
-    gcode.turns = 3 if short_way else 1
+    gcode.turns = 0 if linear else 3 if short_way else 1
     path, here = [], np.zeros(4)
     for code in codes:
         error = gcode.interpret(code.replace(" ", "").encode())

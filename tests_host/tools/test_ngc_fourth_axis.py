@@ -1,11 +1,15 @@
 """A of RS274/NGC: degrees, absolute in the listing; what F counts for; what does not take it. test_linuxcnc.py compares with LinuxCNC."""
 
+import numpy
 import pytest
 
 import rs274
+from host_tools import boards
+from host_tools.cli.check import _check_file
 from host_tools.cli.compile import _place
 from host_tools.drawings import gcode_file
 from host_tools.failure import Failure
+from host_tools.programs import compiler
 from host_tools.programs.listing import Listing
 from host_tools.programs.ngc.interpreter import compile_program
 from host_tools.programs.num.interpreter import compile_program as compile_num
@@ -15,9 +19,9 @@ from host_tools.programs.tool_table import Tool
 ZERO = (0.0, 0.0, 0.0, 0.0)
 
 
-def compiled(text, start=ZERO, find=None):
+def compiled(text, start=ZERO, find=None, linear=False):
     listing = Listing()
-    compile_program("p.ngc", text, listing, {1: Tool(6.0, 40.0)}, start, find=find)
+    compile_program("p.ngc", text, listing, {1: Tool(6.0, 40.0)}, start, find=find, linear=linear)
     return listing
 
 
@@ -116,3 +120,39 @@ def test_pictures_have_x_y_z_and_no_turns(tmp_path):
 def test_num_keeps_three_axes():
     with pytest.raises(ProgramError):
         compile_num("p.num", "%1\nN10 G00 A5", Listing(), {}, ZERO)
+
+
+# --- a linear A
+
+LINEAR = (
+    "g20 g0 x1 a2\ng1 a3 f10\nx2 a4\na5", "g20 f10\ng21\ng1 a5\ng20 a1\ng91 a.5\na-1 x1", "g20\ng92 a1\ng1 a2 f9\ng92.1\ng0 a1",
+    "g20 g10 l2 p1 a1\ng0 a1\ng10 l20 p1 a3\ng0 a0", "g20 f10\ng53 g1 a2\ng53 g0 a1 x1\ng90 g0 x0 a0", "g20 f9\ng38.2 a1",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("text", LINEAR)
+def test_a_linear_axis_counts_inches(text):
+    """A program of plain words, compiled, leads a machine with a linear A where the words themselves lead it, as fast."""
+    lines = ["g21 g90 f100 g0 x0 y0 z0 a0", *text.split("\n")]
+    listing = compiled("\n".join(lines), linear=True)
+    wanted, found = (rs274.of_board(codes, linear=True) for codes in ([line.upper() for line in lines], listing.codes))
+    wanted, found = ([(*rows[-1], time or 0) for _, rows, time in path if abs(rows[-1] - rows[0]).max() > 1e-6] for path in (wanted, found))
+    assert numpy.array(found) == pytest.approx(numpy.array(wanted), abs=1e-3)
+    assert compiled("\n".join(lines)).turns_in_inches and not listing.turns_in_inches
+
+
+def test_the_machine_says_whether_a_is_linear(tmp_path, monkeypatch, capsys):
+    file = tmp_path / "a.ngc"
+    file.write_text("g20 g90 f60\n#1=2\ng0 x0 y0 z0 a0\ng1 a#1\nm2\n")
+    program = compiler.read(file)
+    assert "G1 A2 F60" in program.listing.codes
+    assert compiler.fit(program, ["[VER:1.1h.20190830:]", "[AXS:4:XYZA]", "[ROTARY:A]"]) is program
+    assert compiler.fit(program, ["[VER:1.1h.20190830:]"]) is program
+    assert "G1 A50.8 F1524" in compiler.fit(program, ["[AXS:4:XYZA]"]).listing.codes
+    board = boards.load("router_4axis")
+    del board["rotary"]
+    path = tmp_path / "linear.py"
+    path.write_text(f"BOARD = {board!r}\n")
+    for name, length in (("router_4axis", 2.0), (str(path), 50.8)):
+        _check_file(file, name, ((), None, None), None, None, None)
+        assert [float(line.split()[3]) for line in capsys.readouterr().out.splitlines() if line[0] == "A"] == [pytest.approx(length, abs=0.02)]

@@ -2,7 +2,7 @@
 
     compile_program("part.ngc", text, listing, tools={})
 
-Lengths are mm inside, A is degrees in G20 and G21 alike. G20 and G21 hold for their whole line, its F too.
+Lengths are mm inside, A is degrees in G20 and G21 alike; a linear A is a length. G20 and G21 hold for their whole line, its F too.
 """
 
 from host_tools import interpreter
@@ -26,12 +26,12 @@ INCH_MM = 25.4
 _NO_STATE = ("path", "values", "saved", "flow", "words", "listing", "source", "_told", "_modes")  # parts of the interpreter, and of a line
 
 
-def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, find=None, skip=False):
+def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, find=None, skip=False, linear=False):
     """Carry out a program into `listing`. Returns {file: its lines}. `tools`: {number: tool_table.Tool}; `start`: where the
-    machine stands, mm of the program; `bound`: the most lines that are carried out; `find`: see Flow. Raises ProgramError with
-    file and line."""
+    machine stands, mm of the program; `bound`: the most lines that are carried out; `find`: see Flow; `linear`: A is no rotary axis. Raises
+    ProgramError with file and line."""
     path = Toolpath(listing, start)
-    interpreter = Interpreter(path, dict(tools or {}))
+    interpreter = Interpreter(path, dict(tools or {}), linear)
     flow = interpreter.flow = Flow(name, text, interpreter.values, interpreter.saved, interpreter.state, bound, find, skip)
     for line in flow:
         path.source = line.source
@@ -51,8 +51,8 @@ def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, 
 
 
 class Interpreter(Motions):
-    def __init__(self, path, tools):
-        Motions.__init__(self, path, tools)
+    def __init__(self, path, tools, linear=False):
+        Motions.__init__(self, path, tools, linear)
         self.values = State(self._told())
         self.saved = SavedModes(self)
         self.flow = None

@@ -15,9 +15,10 @@ from host_tools.programs.toolpath import AXES, number
 class Modes:
     """The part of Interpreter that has the modal state."""
 
-    def __init__(self, path, tools):
+    def __init__(self, path, tools, linear=False):
         self.path = path
         self.tools = tools
+        self.linear = linear  # A counts inches in G20, and F along it mm
         self.motion = 800
         self.plane = 17
         self.scale = 1.0  # mm a unit
@@ -167,7 +168,15 @@ class Modes:
 
     def unit(self, axis):
         """mm, of A degrees, that a word's number counts."""
-        return 1.0 if axis == 3 else self.scale
+        if axis < 3 or self.linear:
+            return self.scale
+        if self.scale != 1.0:
+            self.path.listing.turns_in_inches = True
+        return 1.0
+
+    def turns(self, axes):
+        """True if A alone moves, and counts degrees."""
+        return list(axes) == [3] and not self.linear
 
     def _axes(self):
         """{axis: mm, of A degrees} of the axis words."""

@@ -77,7 +77,7 @@ class Motions(Modes):
             self.path.move(target, True, relative=not self.absolute)
             return
         moved = self.path.changes(target)
-        turns = moved == [3]
+        turns = self.turns(moved)
         length = self._distance(self.path.place, target, moved)
         # F counts otherwise where A turns and where it is linear, and a feed of next to nothing says badly how long A takes: G93 stays.
         inverse = self.feed_mode == 930 and 3 in moved and (length is None or not turns)
@@ -112,7 +112,7 @@ class Motions(Modes):
         positions = self._axes()
         if motion == 10 and self.feed_mode != 940:
             raise ProgramError(NO_FEED, "G53 G1 wants G94")
-        feed = "" if motion == 0 else f" F{number(self._feed_of(None, list(positions) == [3]), 3)}"
+        feed = "" if motion == 0 else f" F{number(self._feed_of(None, self.turns(positions)), 3)}"
         self.path.word(f"G53 G{motion // 10} {self._text(positions)}{feed}")
         self.path.forget(positions)
 
@@ -127,7 +127,7 @@ class Motions(Modes):
         here = self.path.place
         relative = not self.absolute and target[3] is not None
         positions = " ".join(AXES[axis] + number(target[axis] - (here[axis] if relative else 0.0)) for axis in axes)
-        feed = number(self._feed_of(None, self.path.changes(target) == [3]), 3)
+        feed = number(self._feed_of(None, self.turns(self.path.changes(target))), 3)
         self.path.word(f"{'G91 ' * relative}G{code / 10:g} {positions} F{feed}")
         if relative:
             self.path.word("G90")
