@@ -14,6 +14,7 @@ from host_tools.failure import Failure, reason
 from host_tools.language import _
 from host_tools.panel.board import END_WITH_STDIN
 
+_FLASH_BYTES = 64 * 1024  # that --flash has to have room for: settings, the journal's pages, a small job
 FLUSH_S = 0.5  # longest time before buffered rows are written
 
 # Options of a machine with a plant, which `passo emulate` has too.
@@ -32,7 +33,7 @@ FlashFolder = Annotated[
     Optional[Path], typer.Option(metavar="FOLDER", help="Keep settings and stored jobs there; otherwise they end with it.")
 ]
 
-TcpPort = Annotated[Optional[int], typer.Option(min=0, max=65535, help="Serve a TCP socket, not a pty. 0: any free port.")]
+TcpPort = Annotated[Optional[int], typer.Option(min=0, max=65535, help="Serve TCP sockets, not ptys: the first link's at PORT, the next at PORT + 1. 0: any free ports.")]
 HttpPort = Annotated[
     Optional[int], typer.Option(min=0, max=65535, help="Serve the board's HTTP on 127.0.0.1, as its Wi-Fi would. 0: any free port.")
 ]
@@ -105,22 +106,23 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
-    from host_tools.sim.serial_line import PtyLine, TcpLine, wait
+    from host_tools.sim.serial_line import PtyLine, wait
     from passo.config.boardfile import BoardError
     from passo.records import NETWORK_PORTS
 
     if any("accel_mm_s2" in axis for axis in config["axes"]):  # others have little to compute
         use_compiled()
     stopped = []
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stopped.append(True))
+    for number in (signal.SIGTERM, signal.SIGINT, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:  # as nohup has it
+            signal.signal(number, lambda *_: stopped.append(True))
     if os.environ.get(END_WITH_STDIN):
         threading.Thread(target=_end_with_stdin, daemon=True).start()
     lines = {}
     try:
         cables = [entry["name"] for entry in config["links"] if not (config.get("network") and entry["port"] in NETWORK_PORTS)]
         for index, name in enumerate(cables):
-            lines[name] = PtyLine(links.get(name)) if tcp is None else TcpLine(tcp and tcp + index)
+            lines[name] = PtyLine(links.get(name)) if tcp is None else _tcp_line(tcp, index, name, _protocol_of(config, name, protocols))
         watched = list(lines.values())
         try:
             machine = Machine(
@@ -150,6 +152,20 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     finally:
         for line in lines.values():
             line.close()
+
+
+def _protocol_of(config, name, protocols):
+    return protocols.get(name) or next(entry["protocol"] for entry in config["links"] if entry["name"] == name)
+
+
+def _tcp_line(port, index, name, protocol):
+    """The line of link number `index`: each has the port behind that of the one before."""
+    from host_tools.sim.serial_line import TcpLine
+
+    try:
+        return TcpLine(port and port + index, messages=protocol == "grbl")
+    except Failure as failure:
+        raise Failure("link {}: {}", name, failure) from failure if index else failure
 
 
 def _end_with_stdin():
@@ -227,8 +243,18 @@ def _pairs(option, texts, names):
 
 
 def _folder(path):
+    """The folder of --flash. Raises Failure if nothing can be kept there."""
     if path is not None:
-        path.mkdir(parents=True, exist_ok=True)
+        tried = path / ".tried"
+        try:
+            path.mkdir(parents=True, exist_ok=True)
+            with open(tried, "wb", buffering=0) as file:
+                file.write(bytes(_FLASH_BYTES))
+        except OSError as error:
+            raise Failure("--flash: cannot write {}: {}", error.filename or tried, reason(error)) from error
+        finally:
+            with contextlib.suppress(OSError):
+                tried.unlink()
     return path
 
 

@@ -80,7 +80,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
     other numbers by which the board may know the drawing; `changes`: {index of an object: the Part whose pen it wants}. Raises Failure."""
     from host_tools.cli import ports
     from host_tools.clients.plotter import Cancelled, PlotterClient
-    from host_tools.clients.wire import LinkError
+    from host_tools.clients.serial_port import LinkError
     from host_tools.programs.job import Broken, Job
 
     begun = time.monotonic()

@@ -9,7 +9,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.cli.options import Baud, Port
-from host_tools.failure import Failure, reason
+from host_tools.failure import Failure
 from host_tools.language import _
 
 _TOKEN = re.compile(r"([ABab])\s*(\d+)|([C-Jc-j])|(\d+(?:\.\d+)?)\s*(ms|s)\b|(\S+)")
@@ -98,13 +98,13 @@ class Kit:
 
     def press(self, data):
         """Send one task: a byte, or two for a speed."""
-        from host_tools.clients.wire import LinkError
+        from host_tools.clients.serial_port import gone
 
         try:
             self._serial.write(data)
             self._serial.flush()
         except (OSError, ValueError) as error:
-            raise LinkError("port {} went away: {}", self._serial.port, reason(error)) from error
+            raise gone(self._serial.port, error) from error
         self._note(data)
 
     def _note(self, data):

@@ -75,7 +75,8 @@ def _torch(port, baud, number):
 
 
 def _pulses(port, baud, number):
-    from host_tools.clients.wire import LinkError, open_port
+    from host_tools.clients.serial_port import LinkError
+    from host_tools.clients.wire import open_port
     from passo.protocols.pulses import protocol as pulses
 
     line = open_port(port, baud)

@@ -155,7 +155,7 @@ def _guest_line(guest):
 
     if guest.startswith(_WEBSOCKET) and guest[len(_WEBSOCKET) :].isdigit():
         return GuestLine(WebSocketLine(int(guest[len(_WEBSOCKET) :])), Consent())
-    return GuestLine(TcpLine(int(guest)), Consent()) if guest.isdigit() else PtyLine(guest)
+    return GuestLine(TcpLine(int(guest), messages=True), Consent()) if guest.isdigit() else PtyLine(guest)
 
 
 def _spoken(language, port, baud, guest):
@@ -177,7 +177,7 @@ def _spoken(language, port, baud, guest):
 def _check_torch(port, baud):
     """Raise Failure if nothing answers: the torch is found by its silence to what others answer."""
     from host_tools.clients.torch import TorchClient
-    from host_tools.clients.wire import LinkError
+    from host_tools.clients.serial_port import LinkError
 
     try:
         with TorchClient(port, baud or _BAUD, timeout_s=1.0) as client:

@@ -88,7 +88,7 @@ class Panel:
             time.sleep(POLL_S)
 
     def _key(self, key):
-        from host_tools.clients.wire import LinkError
+        from host_tools.clients.serial_port import LinkError
 
         self._said = ""
         try:

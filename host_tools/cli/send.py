@@ -129,7 +129,8 @@ def _send(client, item):
 
 
 def _send_raw(client, data):
-    from host_tools.clients.wire import LinkError, answer_text, packet_text
+    from host_tools.clients.serial_port import LinkError
+    from host_tools.clients.wire import answer_text, packet_text
 
     print(_("Sending: {}", packet_text(data)), end="", flush=True)
     events = client.raw(data)

@@ -206,7 +206,7 @@ def bridge(
     if websocket is not None:
         line = GuestLine(WebSocketLine(websocket), Consent())
     else:
-        line = GuestLine(TcpLine(tcp), Consent()) if tcp is not None else PtyLine(link)
+        line = GuestLine(TcpLine(tcp, messages=True), Consent()) if tcp is not None else PtyLine(link)
     try:
         made = Bridge(host, tcp_port, page_key.read_key(key), line)
         tell(line)

@@ -5,8 +5,7 @@
 
 import time
 
-from host_tools.clients.serial_port import LinkError
-from host_tools.failure import reason
+from host_tools.clients.serial_port import gone
 
 
 class Client:
@@ -31,7 +30,7 @@ class Client:
         try:
             self._serial.write(data)
         except (OSError, ValueError) as error:
-            raise LinkError("port {} went away: {}", self.port, reason(error)) from error
+            raise gone(self.port, error) from error
 
     def _write_now(self, data, cut=False):
         """Send real-time bytes; in frames they overtake what is written, or, if they `cut`, end it. Raises LinkError."""
@@ -42,14 +41,14 @@ class Client:
         try:
             self._serial.urgent(data, cut)
         except OSError as error:
-            raise LinkError("port {} went away: {}", self.port, reason(error)) from error
+            raise gone(self.port, error) from error
 
     def _read(self):
         """The bytes received, after a short wait if there are none. Raises LinkError."""
         try:
             return self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError, ValueError) as error:
-            raise LinkError("port {} went away: {}", self.port, reason(error)) from error
+            raise gone(self.port, error) from error
 
     def _note(self, arrow, data):
         if self._log:

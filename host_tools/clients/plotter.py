@@ -17,7 +17,8 @@ import math
 import time
 
 from host_tools.clients import refusal
-from host_tools.clients.wire import ANSWER, RESEND, LinkError, Wire, packet_name
+from host_tools.clients.serial_port import LinkError
+from host_tools.clients.wire import ANSWER, RESEND, Wire, packet_name
 from host_tools.language import error_text
 from passo import errors
 from passo.protocols.plotter import host as plotter

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 from host_tools.language import _
+from host_tools.lock_file import open_lock
 
 
 frames = None  # `passo --frames`, `--no-frames`: ask every board for frames, or none
@@ -23,6 +24,13 @@ frames = None  # `passo --frames`, `--no-frames`: ask every board for frames, or
 
 class LinkError(Failure):
     """The port, the wire or the device at its other end failed."""
+
+
+def gone(port, error):
+    """A LinkError: what is known of a port that was open."""
+    if str(port).startswith("socket://"):
+        return LinkError("{} hung up: the board has ended, or another program has taken the connection ({})", port, reason(error))
+    return LinkError("port {} went away: {}", port, reason(error))
 
 
 def open_link(port, baud, slice_s, text):
@@ -34,12 +42,16 @@ def open_link(port, baud, slice_s, text):
     try:
         opened.reset_input_buffer()
         if text if frames is None else frames:
-            opened = offered(opened, SURE_S, text, True) if frames else offered(opened, text=text)
+            plain = opened
+            opened = offered(plain, SURE_S, text, True) if frames else offered(plain, text=text)
+            if frames and opened is plain:
+                plain.close()
+                raise LinkError("the board on {} answers no frames: leave --frames out, or give its link the key in the board file", port)
             opened.reset_input_buffer()
         return opened
     except OSError as error:
         opened.close()
-        raise LinkError("port {} went away: {}", port, reason(error)) from error
+        raise gone(port, error) from error
 
 
 def open_exclusively(port, baud, slice_s):
@@ -54,6 +66,7 @@ def open_exclusively(port, baud, slice_s):
             opened = serial.serial_for_url(port, baudrate=baud, timeout=slice_s, write_timeout=5)
             _closed_with(opened, lock)
         else:
+            _refuse_left_link(str(port))
             opened = serial.serial_for_url(port, baudrate=baud, timeout=slice_s, write_timeout=5, exclusive=True)
             _keep_others_out(opened)
         return opened
@@ -80,9 +93,31 @@ def _keep_others_out(opened):
         pass  # not every device can: flock is enough
 
 
+def _refuse_left_link(port):
+    """Raises LinkError if `port` is the symlink of a virtual board that was killed: its pty may be another board's by now."""
+    path = Path(port)
+    lock = path.with_name(f".{path.name}.lock")
+    if not path.is_symlink() or not lock.is_file():
+        return
+    import fcntl
+
+    try:
+        descriptor = open_lock(lock)
+    except OSError:
+        return  # another user's board
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return  # its board has it
+    else:
+        raise LinkError("the link {} was left by a board that was killed: it leads nowhere, or to another board. Start the board again", port)
+    finally:
+        os.close(descriptor)
+
+
 def _lock_file(url):
     name = hashlib.sha256(url.encode()).hexdigest()[:16]
-    return Path(tempfile.gettempdir()) / f"passo-{name}.lock"
+    return Path(tempfile.gettempdir()) / f"passo-{os.getuid() if hasattr(os, 'getuid') else 0}-{name}.lock"
 
 
 def _lock_of_url(url):
@@ -91,7 +126,7 @@ def _lock_of_url(url):
         import fcntl
     except ImportError:
         return None
-    descriptor = os.open(_lock_file(url), os.O_RDWR | os.O_CREAT, 0o666)
+    descriptor = open_lock(_lock_file(url))
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except OSError:

@@ -13,7 +13,8 @@ import time
 
 from host_tools.clients.client import Client
 from host_tools.clients.torch_wire import Answers
-from host_tools.clients.wire import LinkError, open_port
+from host_tools.clients.serial_port import LinkError
+from host_tools.clients.wire import open_port
 from host_tools.failure import Failure
 from host_tools.language import error_text
 from passo.protocols.torch import protocol as torch

@@ -9,8 +9,7 @@ A STATUS answer is twelve bytes and every other answer one, so a `?` makes the r
 
 import time
 
-from host_tools.clients.serial_port import LinkError, open_link
-from host_tools.failure import reason
+from host_tools.clients.serial_port import gone, open_link
 from passo.protocols.plotter import host as plotter
 
 _SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
@@ -73,7 +72,7 @@ class Wire:
         try:
             self._serial.write(data)
         except (OSError, ValueError) as error:
-            raise self._gone(error) from error
+            raise gone(self.port, error) from error
 
     def event(self, timeout_s):
         """The next answer: ("answer", byte), ("status", fields), ("torn", bytes) or (None, None) after `timeout_s`."""
@@ -130,10 +129,7 @@ class Wire:
         try:
             self._buffer += self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError) as error:
-            raise self._gone(error) from error
-
-    def _gone(self, error):
-        return LinkError("port {} went away: {}", self.port, reason(error))
+            raise gone(self.port, error) from error
 
     def _note(self, arrow, data, text):
         if self._log:

@@ -7,7 +7,7 @@
 import time
 
 from host_tools.clients.plotter import POLL_S, Cancelled
-from host_tools.clients.wire import LinkError
+from host_tools.clients.serial_port import LinkError
 from host_tools.failure import Failure
 from host_tools.language import _
 

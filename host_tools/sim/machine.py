@@ -8,10 +8,13 @@
 Time is virtual throughout, link time-outs included, so that a run is the same every time and waits for nothing.
 """
 
+import sys
 import tempfile
 from pathlib import Path
 
 from host_tools import boards
+from host_tools.failure import reason
+from host_tools.language import _
 from host_tools.sim.inverter import SimInverter
 from host_tools.sim.pages import Pages
 from host_tools.sim.plant import Plant
@@ -26,6 +29,17 @@ from passo.ports.virtual_player import Player
 
 STAND_STILL_MS = 600_000
 LAST_TICKS = 12_500_000  # the machine is watched for another second after the board has stopped
+
+
+class _Slots(FileSlots):
+    """The firmware answers by an error if settings cannot be saved; here it is told why, too."""
+
+    def write(self, slot, data):
+        try:
+            FileSlots.write(self, slot, data)
+        except OSError as error:
+            print(_("cannot write {}: {}", self._name(slot), reason(error)), file=sys.stderr, flush=True)
+            raise
 
 
 class Machine:
@@ -66,7 +80,7 @@ class Machine:
         if self.board["journal"]:
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)
         self.port.folder = str(Path(flash) / "jobs") if flash else self._own_folder()
-        slots = slots or (FileSlots(str(Path(flash) / "settings")) if flash else None)
+        slots = slots or (_Slots(str(Path(flash) / "settings")) if flash else None)
         self.app = App(check(loaded), self.port, protocols, slots)
         self._homing = False
         self._idle = idle

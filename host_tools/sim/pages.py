@@ -8,6 +8,8 @@ The byte that is torn keeps some of its bits; of a block whose erasure is torn e
 
 import random
 
+from host_tools.failure import Failure, reason
+
 BLOCK = 4096
 RECORD = 32
 
@@ -71,5 +73,8 @@ class Pages:
     def _save(self):
         if self._path is not None:
             fresh = self._path.with_suffix(".new")  # whoever is killed here leaves the old file or the new one
-            fresh.write_bytes(self.data)
-            fresh.replace(self._path)
+            try:
+                fresh.write_bytes(self.data)
+                fresh.replace(self._path)
+            except OSError as error:
+                raise Failure("cannot write {}: {}", self._path, reason(error)) from error

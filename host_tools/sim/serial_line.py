@@ -9,23 +9,40 @@
 Clients may connect again and again. What the board says while there is none is lost, as on a real line.
 """
 
+import contextlib
 import errno
 import fcntl
 import os
 import select
 import socket
+import subprocess
 import sys
 import termios
 import time
 import tty
 from pathlib import Path
 
+from host_tools import interpreter
 from host_tools.failure import Failure, reason
 from host_tools.language import _
+from host_tools.lock_file import open_lock
 from host_tools.sim.gate import Gate
 
 READ_BYTES = 4096
 UNSENT_BYTES = 1 << 20  # kept for a client that does not read; beyond that the oldest are lost, with a message
+# Removes a link once the board that made it was killed: the next pty may have the same name. The lock says that nobody has made the link anew.
+_REMOVE = """
+import fcntl, os, sys
+link, target, lock = sys.argv[1:]
+sys.stdin.buffer.read()
+try:
+    fcntl.flock(os.open(lock, os.O_RDWR | os.O_NOFOLLOW), fcntl.LOCK_EX | fcntl.LOCK_NB)
+    if os.readlink(link) == target:
+        os.unlink(link)
+    os.unlink(lock)
+except OSError:
+    pass
+"""
 
 
 def wait(lines, milliseconds):
@@ -69,7 +86,8 @@ class _Line:
 
 class PtyLine(_Line):
     """A pseudo-terminal in raw mode: bytes pass unchanged. `link`: a symlink to make; replaces a stale one. Raises Failure if
-    another board has it: the symlink belongs to the holder of the lock on .LINK.lock beside it."""
+    another board has it: the symlink belongs to the holder of the lock on .LINK.lock beside it. If this program is killed, another
+    one removes the symlink."""
 
     def __init__(self, link=None):
         super().__init__()
@@ -79,7 +97,7 @@ class PtyLine(_Line):
         os.set_blocking(self._fd, False)
         self._open = True  # a client has the other end open
         self._link = Path(link) if link else None
-        self._lock = None
+        self._lock = self._remover = None
         self.name = str(link) if link else self._path
         self._hung_up()
         if self._link:
@@ -115,6 +133,8 @@ class PtyLine(_Line):
                 self._link.unlink()
             if self._lock:
                 self._lock.release()
+            if self._remover:
+                self._remover.communicate()
         os.close(self._fd)
 
     def _put(self, data):
@@ -137,18 +157,22 @@ class PtyLine(_Line):
             if self._link.is_symlink():
                 self._link.unlink()
             self._link.symlink_to(self._path)
+            words = [self._link.absolute(), self._path, self._lock.path.absolute()]
+            # In a session of its own: Ctrl-C and the end of a terminal are not for it.
+            self._remover = subprocess.Popen([*interpreter.python(), "-S", "-c", _REMOVE, *words], stdin=subprocess.PIPE, start_new_session=True)
         except OSError as error:
             if self._lock:
                 self._lock.release()
-            raise Failure("cannot make the link {}: {}", self._link, reason(error)) from error
+            where = f"{error.filename}: " if self._lock is None and error.filename else ""
+            raise Failure("cannot make the link {}: {}", self._link, where + reason(error)) from error
 
 
 class Lock:
     """A file that one process at a time has locked. It ends with the process, however that ends; `taken`: we have it."""
 
     def __init__(self, path):
-        self._path = path
-        self._fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        self.path = path
+        self._fd = open_lock(path)
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # The former holder may have removed the file since it was opened: then this lock is on a file without a name.
@@ -160,7 +184,7 @@ class Lock:
 
     def release(self):
         if self.taken:
-            self._path.unlink(missing_ok=True)
+            self.path.unlink(missing_ok=True)
             os.close(self._fd)
             self.taken = False
 
@@ -168,7 +192,7 @@ class Lock:
 def _same(fd, path):
     """True if `fd` is open on the file that `path` names now."""
     try:
-        return os.path.samestat(os.fstat(fd), os.stat(path))
+        return os.path.samestat(os.fstat(fd), os.lstat(path))
     except FileNotFoundError:
         return False
 
@@ -178,6 +202,7 @@ class _Client:
 
     def __init__(self, client):
         client.setblocking(False)
+        self.address = "{}:{}".format(*client.getpeername()[:2])
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.socket, self.gate = client, Gate()
 
@@ -201,10 +226,11 @@ class _Client:
 class TcpLine(_Line):
     """A TCP server on this machine with one client at a time. A new client takes the place of the old with the first byte that it may say:
     a browser's requests, and who is refused from the first line on, are hung up on (gate.py), and the old one notices nothing.
-    Port 0: any."""
+    Port 0: any. `messages`: the language has some, so the one that loses the line is told who has it now; the terminal tells it in any case."""
 
-    def __init__(self, port, host="127.0.0.1"):
+    def __init__(self, port, host="127.0.0.1", messages=False):
         super().__init__()
+        self._messages = messages
         try:
             self._server = socket.create_server((host, port))
         except (OSError, OverflowError) as error:
@@ -250,17 +276,22 @@ class TcpLine(_Line):
 
     def _accept(self):
         try:
-            client, _ = self._server.accept()
-        except OSError:
+            coming = _Client(self._server.accept()[0])
+        except OSError:  # nobody is there, or gone already
             return
         if self._coming:
             self._coming.socket.close()
-        self._coming = _Client(client)
+        self._coming = coming
         if not self._client:
             self._drop()
 
     def _drop(self):
         """The one that comes, if any, is the client now."""
+        if self._client and self._coming:
+            print(_("{}: the program at {} has taken the place of the one at {}", self.name, self._coming.address, self._client.address), file=sys.stderr, flush=True)
+            if self._messages:
+                with contextlib.suppress(OSError):
+                    self._client.socket.send(b"[MSG:%s has taken this connection]\r\n" % self._coming.address.encode())
         if self._client:
             self._client.socket.close()
         self._unsent = b""

@@ -68,6 +68,7 @@ class WebSocketLine:
 
     def open(self, connection, now_ms):
         if self._connection:
+            self._server.send(self._connection, frame(TEXT, b"[MSG:Another program has taken this connection]\r\n"))
             self._server.drop(self._connection)
         self._connection = connection
         self.clients += 1

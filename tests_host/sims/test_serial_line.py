@@ -2,6 +2,8 @@
 
 import os
 import socket
+import stat
+import subprocess
 import termios
 import time
 
@@ -9,6 +11,11 @@ import pytest
 import serial
 from patience import patience
 
+from host_tools import interpreter
+from host_tools.clients import serial_port
+from host_tools.clients.grbl import GrblClient
+from host_tools.clients.plotter import PlotterClient
+from host_tools.clients.serial_port import LinkError, open_exclusively
 from host_tools.failure import Failure
 from host_tools.sim.serial_line import PtyLine, TcpLine, wait
 from running_router import Running
@@ -236,3 +243,115 @@ def test_lines_sent_without_waiting_are_answered(kind):
             client.write(b"G4P0\n")
             assert client.readline().strip() == b"ok"
             assert running.position()[0] == 32 * sum(tenth for tenth, answer in zip(tenths, said) if answer == b"ok")
+
+
+# --- what others may lay in the way, and who is told what
+
+
+def test_the_lock_beside_a_link_follows_no_link_and_is_of_this_user_only(tmp_path):
+    link, lock, precious = tmp_path / "plotter", tmp_path / ".plotter.lock", tmp_path / "precious"
+    for _existing in (False, True):
+        PtyLine(link).close()
+        lock.write_text("")
+        lock.chmod(0o666)
+        line = PtyLine(link)
+        assert stat.S_IMODE(lock.stat().st_mode) == 0o600
+        line.close()
+    lock.symlink_to(precious)
+    with pytest.raises(Failure, match=f"cannot make the link {link}: {lock}: "):
+        PtyLine(link)
+    assert not precious.exists() and lock.is_symlink()
+    lock.unlink()
+    os.mkfifo(lock)
+    with pytest.raises(Failure, match=f"cannot make the link {link}: {lock}: "):
+        PtyLine(link)
+
+
+def test_the_lock_of_a_url_follows_no_link_and_is_of_this_user_only(tmp_path, monkeypatch):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    line = TcpLine(0)
+    lock, precious = serial_port._lock_file(line.name), tmp_path / "precious"
+    opened = open_exclusively(line.name, 9600, 0)
+    assert stat.S_IMODE(lock.stat().st_mode) == 0o600 and lock.parent == tmp_path
+    opened.close()
+    lock.unlink()
+    lock.symlink_to(precious)
+    with pytest.raises(LinkError, match="cannot open port"):
+        open_exclusively(line.name, 9600, 0)
+    assert not precious.exists()
+    line.close()
+
+
+KILLED = "import sys, time; from host_tools.sim.serial_line import PtyLine; line = PtyLine(sys.argv[1]); print(line.name, flush=True); time.sleep(99)"
+
+
+def test_the_link_of_a_killed_board_is_removed(tmp_path):
+    """So that it does not lead to the board that gets the same pty next."""
+    link = tmp_path / "plotter"
+    program = subprocess.Popen([*interpreter.python(), "-c", KILLED, str(link)], stdout=subprocess.PIPE, text=True)
+    assert program.stdout.readline().strip() == str(link) and link.is_symlink()
+    program.kill()
+    program.communicate()
+    end = time.monotonic() + 60
+    while list(tmp_path.iterdir()) and time.monotonic() < end:
+        time.sleep(0.01)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_link_that_a_killed_board_has_left_is_not_opened(tmp_path):
+    """Its pty is another board's by now."""
+    other = PtyLine()
+    link, lock = tmp_path / "plotter", tmp_path / ".plotter.lock"
+    link.symlink_to(other.name)
+    lock.write_text("")
+    with pytest.raises(LinkError, match=f"the link {link} was left by a board that was killed"):
+        open_exclusively(str(link), 9600, 0)
+    lock.unlink()
+    open_exclusively(str(link), 9600, 0).close()  # a link of the user's own
+    other.close()
+    link.unlink()
+    line = PtyLine(link)
+    open_exclusively(str(link), 9600, 0).close()
+    line.close()
+
+
+@pytest.mark.parametrize("messages", [True, False])
+def test_who_loses_a_tcp_line_is_told_who_has_it(messages, capfd):
+    line = TcpLine(0, messages=messages)
+    port = int(line.name.rpartition(":")[2])
+    with socket.create_connection(("127.0.0.1", port)) as first, socket.create_connection(("127.0.0.1", port)) as second:
+        first.sendall(b"$G\n")
+        assert receive(line, 3) == b"$G\n"
+        line.write(b"ok\r\n")
+        second.sendall(b"?")
+        assert receive(line, 1) == b"?"
+        first.settimeout(10)
+        said = b""
+        while part := first.recv(100):
+            said += part
+        names = ["%s:%d" % each.getsockname() for each in (first, second)]
+        assert said == b"ok\r\n" + (f"[MSG:{names[1]} has taken this connection]\r\n".encode() if messages else b"")
+        assert f"the program at {names[1]} has taken the place of the one at {names[0]}" in capfd.readouterr().err
+    line.close()
+
+
+def test_a_client_of_ours_says_that_another_may_have_the_connection():
+    line = TcpLine(0)
+    with PlotterClient(line.name) as client, socket.create_connection(("127.0.0.1", int(line.name.rpartition(":")[2]))) as other:
+        line.read()
+        other.sendall(b"new")
+        assert receive(line, 3) == b"new"
+        with pytest.raises(LinkError, match=f"{line.name} hung up: the board has ended, or another program has taken the connection"):
+            client.request()
+    line.close()
+
+
+def test_frames_that_a_board_has_not_are_refused(monkeypatch):
+    """Not gone on without: --frames is given for a cable that changes bytes."""
+    with Running("fast") as running:
+        monkeypatch.setattr(serial_port, "frames", True)
+        with pytest.raises(LinkError, match=f"the board on {running.line.name} answers no frames"):
+            GrblClient(running.line.name)
+        monkeypatch.setattr(serial_port, "frames", None)
+        with GrblClient(running.line.name) as client:
+            assert not client.framed and client.command("$G")

@@ -7,6 +7,7 @@ import os
 import re
 import select
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -18,6 +19,9 @@ import serial
 
 from host_tools import boards, interpreter
 from host_tools.cli.main import main
+from host_tools.failure import Failure
+from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.pages import Pages
 from passo.protocols.torch import protocol as torch
 from patience import patience
 from test_virtual_machine import LOG_2014
@@ -194,6 +198,38 @@ def test_two_links(tmp_path):
         assert board.end()[0] == 0
 
 
+def test_the_tcp_port_of_each_link_is_told(tmp_path):
+    """The second link has the next port; if that is taken, it says so."""
+    path = two_links(tmp_path)
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        errors = failure("--board", path, "--tcp", str(port - 1))
+        assert re.match(f"passo: (link usb: cannot serve TCP port {port}|cannot serve TCP port {port - 1}): Address already in use", errors)
+    with Board("--board", path, "--tcp", "0", links=2) as board:
+        assert [line.rpartition(":")[0] for line in board.lines] == ["port: socket://127.0.0.1", "port usb: socket://127.0.0.1"]
+    errors = failure("--board", path, "--tcp", "65535")
+    assert "passo: link usb: cannot serve TCP port 65536: " in errors or "cannot serve TCP port 65535" in errors
+
+
+def test_a_flash_that_cannot_be_written_is_named(tmp_path):
+    """At the start; the journal amid work; and settings, which the board itself answers by an error."""
+    (tmp_path / "pages.new").symlink_to("/dev/full")
+    with pytest.raises(Failure, match=f"cannot write {tmp_path / 'pages'}: No space left on device"):
+        Pages(tmp_path / "pages").write(0, 0, bytes(32))
+    (tmp_path / "flash").mkdir()
+    (tmp_path / "flash" / ".tried").symlink_to("/dev/full")
+    assert failure("--flash", tmp_path / "flash") == f"passo: --flash: cannot write {tmp_path / 'flash' / '.tried'}: No space left on device\n"
+
+
+def test_settings_that_cannot_be_saved_are_told_by_name(tmp_path, capfd):
+    machine = VirtualMachine("router_3axis", flash=tmp_path)
+    for slot in (0, 1):
+        (tmp_path / f"settings.{slot}").unlink(missing_ok=True)
+        (tmp_path / f"settings.{slot}").mkdir()
+    assert b"error:" in machine.ask(b"$100=80\n")
+    assert re.search(rf"cannot write {tmp_path}/settings.[01]: Is a directory", capfd.readouterr().err)
+
+
 def passo(*arguments):
     """As a process of its own would have it, in this one: quicker."""
     out, errors, status = io.StringIO(), io.StringIO(), 0
@@ -281,6 +317,7 @@ def test_a_wrong_board_file_is_one_clear_line(tmp_path):
         (("--link", "/nosuch/link"), "cannot make the link /nosuch/link"),
         (("--trace", "/nosuch/t.csv"), "cannot write /nosuch/t.csv"),
         (("--vcd", "/nosuch/t.vcd"), "cannot write /nosuch/t.vcd"),
+        (("--flash", "/dev/null/flash"), "--flash: cannot write /dev/null/flash"),
         (("--start", "1"), "2 positions are wanted"),
         (("--start", "a,b"), "whole steps are wanted"),
         (("--start", "9999,0"), "not between the hard ends"),

@@ -8,7 +8,7 @@ import pytest
 from fake_plotter import FakePlotter, without_repeats
 
 from host_tools.clients.plotter import Cancelled, PlotterClient, Refused
-from host_tools.clients.wire import LinkError
+from host_tools.clients.serial_port import LinkError
 from host_tools.failure import Failure
 from host_tools.programs.job import Broken, Job, remaining
 from host_tools.programs.journal import Journal

@@ -1,14 +1,12 @@
 """Files of others are not executed: each verb, in a folder of downloads in which modules lie by the names of Python's, of Passo's and of MicroPython's."""
 
 import os
-import re
 import shutil
 import signal
 import subprocess
 from pathlib import Path
 
 import pytest
-from test_board_command import ROOT
 
 from host_tools import interpreter
 from host_tools.cli.main import VERBS
@@ -129,27 +127,3 @@ def test_a_folder_named_passo_is_in_nobodys_way(downloads):
             (downloads / "passo" / "passo").mkdir()
         status, said = run(downloads, interpreter.passo("check", "part.nc"))
         assert status == 0, said
-
-
-# --- one home
-
-
-def starts_of(path):
-    """Lines of a source that start an interpreter by themselves, or hand on where the user says that its modules are."""
-    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
-        if re.search(r"sys\.executable(?!\)\.(parent|with_name))|\"(MICROPYPATH|PYTHONPATH|PYTHONHOME)\"|os\.exec[lv]|runpy\.run_path\(str\(found|[^.\w\"]exec\(open", line):
-            yield f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
-
-
-ALLOWED = (
-    '"Python3_EXECUTABLE": sys.executable', '"PYTHON": sys.executable',  # a build of MicroPython asks for them
-    "each != sys.executable", "os.execv({words[0]!r}",
-)  # fmt: skip
-
-
-@pytest.mark.quick
-def test_interpreters_are_started_in_one_place():
-    files = [path for folder in ("host_tools", "tests_host") for path in (ROOT / folder).rglob("*.py")]
-    home = [Path(interpreter.__file__), Path(__file__)]
-    found = [line for path in files if path.resolve() not in home for line in starts_of(path) if not any(each in line for each in ALLOWED)]
-    assert found == []
