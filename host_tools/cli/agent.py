@@ -14,6 +14,8 @@ import typer
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 
+_PAGE_KEY = Path.home() / ".local" / "share" / "passo" / "at-machine.key"
+
 
 def agent(
     broker: Annotated[str, typer.Option(metavar="HOST[:PORT]", help="The MQTT broker, for example Mosquitto.")],
@@ -41,6 +43,9 @@ def agent(
     at_machine: Annotated[
         Optional[int], typer.Option(min=0, max=65535, metavar="PORT", help="With --shop-key: serve the page at the machine, on this PC only; 0: any free port.")
     ] = None,
+    page_key: Annotated[
+        Optional[Path], typer.Option("--page-key", metavar="FILE", help="With --at-machine: the key of its page, in a file that other users cannot read; it is made if there is none. Without a terminal it tells the key.")
+    ] = None,
     tool: Annotated[Optional[list[str]], typer.Option(metavar="NAME=TEXT", help="With --shop-key: what the machine draws with, for jobs that want it.")] = None,
     laser_class: Annotated[Optional[list[str]], typer.Option(metavar="NAME=CLASS", help="With --shop-key: class of its laser as the machine stands, enclosure and all (IEC 60825-1): 1 … 4.")] = None,
     page: Annotated[Optional[list[str]], typer.Option(metavar="NAME=URL", help="With --shop-key: the machine's own page, to which that of the shop leads.")] = None,
@@ -51,7 +56,8 @@ def agent(
     machine is gone. A message to passo/NAME/stop, or to passo/stop for all, stops them; else machines are sent nothing but questions. The ports are the agent's alone as long as it runs.
 
     With --shop-key machines that speak grbl and keep a journal take jobs of passo shop: one for each time that somebody at the machine says so, on
-    the page of --at-machine or by its button resume.
+    the page of --at-machine or by its button resume. The page's address has a key, without which its buttons move nothing; STOP needs none. It is printed
+    in a terminal only: else it stands in the file of --page-key.
 
     Examples:
 
@@ -63,9 +69,11 @@ def agent(
     """
     if (at_machine is not None or tool or laser_class or page) and not shop_key:
         raise Failure("--at-machine, --tool, --laser-class and --page want --shop-key")
+    if page_key and at_machine is None:
+        raise Failure("--page-key wants --at-machine")
     served = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
     boards = _named(port or [], emulated or [])
-    key = read_secret(shop_key) if shop_key else ""
+    key = _key_in(shop_key) if shop_key else ""
     about = (_of_machines(*each, boards) for each in (("--tool", tool), ("--laser-class", laser_class), ("--page", page)))
     told = make_broker(broker, user, password, ca), home_assistant, key, about
     stopped = []
@@ -74,14 +82,14 @@ def agent(
     with contextlib.ExitStack() as stack:
         made = {name: (where, _virtual(where, stack) if virtual else _real(where, baud, protocol, board)) for name, (where, virtual) in boards.items()}
         agent = _agent(made, served, told, stack)
-        _run(agent, at_machine, stopped, stack)
+        _run(agent, (at_machine, page_key), stopped, stack)
 
 
-def _run(agent, at_machine, stopped, stack):
-    """Until something is in `stopped`."""
+def _run(agent, page, stopped, stack):
+    """Until something is in `stopped`. `page`: (port, file of its key)."""
     asked = queue.SimpleQueue()
-    if at_machine is not None:
-        _serve_page(at_machine, agent, asked, stack)
+    if page[0] is not None:
+        _serve_page(*page, agent, asked, stack)
     print(_("Ctrl-C ends it."), flush=True)
     agent.run(lambda: stopped, asked)
 
@@ -91,10 +99,8 @@ def _agent(boards, served, told, stack):
     from host_tools.shop.agent import Agent
     from host_tools.shop.home_assistant import discovery
     from host_tools.shop.link import ROOT, Link
-    from host_tools.clients.page_key import read_key
 
     broker, home_assistant, key, (tools, lasers, pages) = told
-    key = read_key(key)
     agent = Agent(_figures(served, stack))
     stack.callback(agent.close)
     for name, (where, (language, table, make_port)) in boards.items():
@@ -105,11 +111,32 @@ def _agent(boards, served, told, stack):
     return agent
 
 
-def _serve_page(port, agent, asked, stack):
-    """Serve the page for the people at the machines. Its orders run in the agent's own thread, which they wait for, 10 s at most."""
+def _key_in(path):
+    from host_tools.cli.key_option import key_in
+
+    return key_in(path)
+
+
+def _page_key(file, terminal):
+    """(key of the page at the machine, the file that has it or None). Where there is no terminal that tells the key, it stands in a file."""
+    from host_tools.cli.key_option import key_in, make_key_file
+    from host_tools.clients.page_key import make_key
+
+    if file is None and terminal:
+        return make_key(os.urandom), None
+    file = file or _PAGE_KEY
+    make_key_file(file)
+    return key_in(file), file
+
+
+def _serve_page(port, file, agent, asked, stack):
+    """Serve the page for the people at the machines. Its orders run in the agent's own thread, which they wait for, 10 s at most; STOP waits for nothing."""
     from concurrent.futures import Future
 
     from host_tools.shop.local_page import serve
+
+    terminal = sys.stdout.isatty()
+    key, file = _page_key(file, terminal)
 
     def call(function):
         done = Future()
@@ -123,9 +150,11 @@ def _serve_page(port, agent, asked, stack):
         asked.put(work)
         return done.result(10)
 
-    close, port = serve(port, lambda: call(agent.machines), lambda name, what: call(lambda: agent.do(name, what)))
+    close, port = serve(port, key, lambda: call(agent.machines), lambda name, what: call(lambda: agent.do(name, what)), agent.stop)
     stack.callback(close)
-    print(f"page: http://127.0.0.1:{port}/", flush=True)
+    print(f"page: http://127.0.0.1:{port}/" + (f"#key={key}" if terminal else ""), flush=True)  # a log is no place for a key
+    if file:
+        print(_("the page's key: {}", file), flush=True)
 
 
 def _of_machines(option, texts, boards):

@@ -187,6 +187,7 @@ def _stock(config):
 
 def _radio(config, ports, key):
     """The network that was asked for by {kind: port or None}, or None. Raises Failure if the board file has none."""
+    from host_tools.cli.key_option import key_of
     from host_tools.sim.radio import LoopbackRadio
     from host_tools.clients import page_key
 
@@ -196,7 +197,7 @@ def _radio(config, ports, key):
         if not {"http": {"http", "page"}, "tcp": {"tcp"}}[kind] & set(has):
             option = "--http" if kind == "http" else "--signed"
             raise Failure("{}: no link of the board file {} has the port {}, see docs/use/network.md", option, config["name"], kind)
-    return LoopbackRadio(wanted, page_key.read_key(key) if key else page_key.make_key(os.urandom), config) if wanted else None
+    return LoopbackRadio(wanted, key_of(key, "--key") if key else page_key.make_key(os.urandom), config) if wanted else None
 
 
 def _tell(radio):

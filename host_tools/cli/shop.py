@@ -38,13 +38,15 @@ def shop(
 
         passo shop --broker shop.local --user shop --password-file mqtt.txt --ca ca.crt --host 0.0.0.0
     """
+    from host_tools.cli.key_option import key_in, make_key_file
     from host_tools.clients.page_key import make_key
     from host_tools.shop.book import Book
     from host_tools.shop.desk import Desk
     from host_tools.shop.shop_server import Shop
 
     broker = make_broker(broker, user, password, ca)
-    secret = _shop_key(key)
+    make_key_file(key)
+    secret = key_in(key)
     try:
         book.parent.mkdir(parents=True, exist_ok=True)
         opened = Book(book)
@@ -64,20 +66,6 @@ def _database_error():
     import sqlite3
 
     return sqlite3.Error
-
-
-def _shop_key(path):
-    """The key in a file, which is made if there is none. Raises Failure."""
-    from host_tools.clients import page_key
-
-    if not path.exists():
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-                file.write(page_key.make_key(os.urandom) + "\n")
-        except OSError as error:
-            raise Failure("cannot write {}: {}", path, reason(error)) from error
-    return page_key.read_key(read_secret(path))
 
 
 def _tell(host, number, page_key, path):

@@ -69,6 +69,16 @@ def _saved(port):
         return None
 
 
+def _key_of(found):
+    """The key of what a board has; "": there is none, or one that is too short."""
+    from host_tools.clients import page_key
+
+    try:
+        return page_key.read_key(found["key"])
+    except (KeyError, TypeError, AttributeError, ValueError):
+        return ""
+
+
 def checked(name, passphrase):
     """Raises Failure unless a radio can take both."""
     if not 1 <= len(name.encode()) <= _NAME_BYTES:
@@ -89,7 +99,7 @@ def _set(mode, name, passphrase, port, new_key):
         passphrase = typer.prompt(_("passphrase"), hide_input=True, confirmation_prompt=mode == "access" and _("the passphrase again"))
     checked(name, passphrase)
     before = _saved(port)
-    key = before["key"] if before and "key" in before and not new_key else page_key.make_key(os.urandom)
+    key = page_key.make_key(os.urandom) if new_key else _key_of(before) or page_key.make_key(os.urandom)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / FILE
         path.touch(mode=0o600)
@@ -150,7 +160,7 @@ def show(port: Port = None):
         return
     name = found["name"]
     print(_("access point {}", name) if found["mode"] == "access" else _("station of {}", name))
-    print(f"key: {page_key.shown(found['key'])}")
+    print(f"key: {page_key.shown(_key_of(found))}" if _key_of(found) else _("its key is too short, and the radio stays off: passo wifi {} makes a new one", found["mode"]))
 
 
 @app.command()
@@ -201,14 +211,15 @@ def bridge(
     from host_tools.sim.consent import Consent, GuestLine, tell
     from host_tools.sim.serial_line import PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
-    from host_tools.clients import page_key
+    from host_tools.cli.key_option import key_of
 
+    key = key_of(key, "PASSO_KEY")
     if websocket is not None:
         line = GuestLine(WebSocketLine(websocket), Consent())
     else:
         line = GuestLine(TcpLine(tcp, messages=True), Consent()) if tcp is not None else PtyLine(link)
     try:
-        made = Bridge(host, tcp_port, page_key.read_key(key), line)
+        made = Bridge(host, tcp_port, key, line)
         tell(line)
         try:
             while True:

@@ -19,5 +19,8 @@ def shown(key):
 
 
 def read_key(text):
-    """The key in what a person has typed: dashes, blanks and small letters do not matter."""
-    return "".join([letter for letter in text.upper() if letter in KEY_LETTERS])
+    """The key in what a person has typed: dashes, blanks and small letters do not matter. Raises ValueError if it has less than 16 of its letters."""
+    key = "".join([letter for letter in text.upper() if letter in KEY_LETTERS])
+    if len(key) < _KEY_LENGTH:
+        raise ValueError("a key has 16 letters and digits or more, and not %d" % len(key))
+    return key

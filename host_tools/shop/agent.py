@@ -56,12 +56,13 @@ class _Board:
         link.stopped = self.stop
 
     def stop(self):
-        """Somebody at the broker says so, from the thread of the connection; or at the machine."""
+        """Somebody at the broker says so, from the thread of the connection; or at the machine. Returns False if no board answers."""
         with self._lock:
             self._machine.stop()
             if self.work:
                 self.work.stopped()
             self.telling.stopped()
+            return bool(self._machine.state["link"])
 
     def attached(self, opened):
         self._machine.attached(opened)
@@ -187,6 +188,12 @@ class Agent:
             if board.name == name and board.work:
                 return board.act(what)
         return _("no machine {} takes jobs here", name)
+
+    def stop(self, name=""):
+        """STOP from who stands at the machine `name`; "": all of them. Carried out by the thread that calls. Returns "", or which did not get it."""
+        boards = [board for board in self._boards if name in ("", board.name)]
+        silent = [board.name for board in boards if not board.stop()]
+        return _("no board answers at {}: use the emergency stop", ", ".join(silent)) if silent or not boards else ""
 
     def _changed(self, board, fd, opened):
         board.attached(opened)

@@ -1,34 +1,39 @@
 """The page on the machine's own PC: whoever stands at the machine says "paper is in", go on, give up.
 
-    close, port = serve(8091, machines, do)     # machines(): what is shown, a list; do(name, what): "" or why not
+    close, port = serve(8091, key, machines, do, stop)  # machines(): what is shown, a list; do(name, what), stop(name): "" or why not
 
-It is served at 127.0.0.1 only, to this PC's own page: a page of another site has another Origin, or another Host, and is refused.
+It is served at 127.0.0.1 only, to this PC's own page: a page of another site has another Origin, or another Host, and is refused. Any program
+of this PC can reach it, so an order is proven by a key as one to a board is (passo/web/guard.py); STOP is not.
 """
 
 import asyncio
 import json
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 from host_tools.failure import Failure, reason
-from host_tools.language import in_languages
-from host_tools.panel.server import HEADERS, App
+from host_tools.language import error_text, in_languages
+from host_tools.panel.server import HEADERS, App, clock_ms
 from host_tools.resources import FIRMWARE
 from microdot import Request, Response
-from passo.web.guard import known
+from passo import errors
+from passo.protocols.page.orders import order_of
+from passo.web.guard import Guard, known, nonce
 
 _OWN = Path(__file__).parent / "page"
 _SHARED = FIRMWARE / "passo" / "web" / "page"
 _NAMES = (b"127.0.0.1", b"localhost")
 _TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8", "json": "application/json", "svg": "image/svg+xml"}
 _FILES = {
-    **{name: _OWN for name in ("machine.html", "machine.js", "tiles.js", "shop.css", "pt.json")}, **{name: _SHARED for name in ("panel.css", "words.js", "icon.svg")},
+    **{name: _OWN for name in ("machine.html", "machine.js", "tiles.js", "shop.css", "pt.json")}, **{name: _SHARED for name in ("panel.css", "words.js", "sha256.js", "icon.svg")},
 }  # fmt: skip
 _MOST_BYTES = 4096
 
 
-def make_app(machines, do):
+def make_app(key, machines, do, stop):
     app = App()
+    guard = Guard(_NAMES, key, nonce(), lambda peer: False)
     Request.max_content_length = Request.max_body_length = _MOST_BYTES
 
     def header(request, name):
@@ -47,6 +52,9 @@ def make_app(machines, do):
     @app.after_request
     async def harden(request, response):
         response.headers.update(HEADERS)
+        for line in guard.headers().decode().splitlines():
+            name, _, value = line.partition(": ")
+            response.headers[name] = value
 
     @app.get("/")
     async def index(request):
@@ -64,18 +72,26 @@ def make_app(machines, do):
     @app.post("/do")
     async def order(request):
         try:
-            body = json.loads(request.body)
-            name, what = str(body["name"]), str(body["do"])
-        except (ValueError, KeyError, TypeError):
+            body = order_of(request.body.decode())
+            name, what = body["name"], body["do"]
+        except (ValueError, LookupError, TypeError):
             return {"text": "no order"}, 400
+        if not isinstance(name, str) or not isinstance(what, str):
+            return {"text": "no order"}, 400
+        if what == "stop":
+            return {"text": in_languages(await asyncio.to_thread(stop, name))}
+        proof = (request.headers.get("X-Passo") or "").encode()
+        signed = SimpleNamespace(proof=proof, peer=None, method=b"POST", path=b"/do", body=request.body)
+        if not guard.proven(signed, clock_ms()):
+            return {"text": in_languages(error_text(errors.NO_SESSION))}, 403
         return {"text": in_languages(await asyncio.to_thread(do, name, what))}
 
     return app
 
 
-def serve(port, machines, do):
+def serve(port, key, machines, do, stop):
     """Serve it from a thread; returns what ends it, and the port. Raises Failure if the port is in use."""
-    app = make_app(machines, do)
+    app = make_app(key, machines, do, stop)
     loop = asyncio.new_event_loop()
     ready, failed, opened = threading.Event(), [], []
 

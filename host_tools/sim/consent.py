@@ -46,6 +46,13 @@ class Consent:
     def give(self):
         self.given = self._answered = True
 
+    def admits(self, text):
+        """True if a sender's first line has the token."""
+        try:
+            return same(read_key(text), self.token)
+        except ValueError:
+            return False
+
     def poll(self):
         """Take the operator's answer, if one has been typed. Never waits for it."""
         if not self.asked or self._answered or not self.terminal or not select.select([sys.stdin], [], [], 0)[0]:
@@ -112,7 +119,7 @@ class GuestLine:
                 break
             elif self._first and word.startswith(_TOKEN):
                 self._held.pop(0)
-                self._admitted = same(read_key(word[len(_TOKEN) :].decode("ascii", "replace")), self.consent.token)
+                self._admitted = self.consent.admits(word[len(_TOKEN) :].decode("ascii", "replace"))
                 self._line.write(b"ok\r\n" if self._admitted else _REFUSED)
             else:
                 self._held.pop(0)

@@ -115,6 +115,7 @@ def check_a_station():
 def check_the_radio_stays_off():
     """Without data, or with data that are not whole: no network is opened, least of all one without a passphrase."""
     for written in (
+        changed(ACCESS, key="ABCDEFGHJKLMNPQ"), changed(ACCESS, key="IO01" * 8), changed(ACCESS, key="abcdefghjklmnpqrst"), changed(STATION, key=5),
         None, "", "{", "[]", "null", "3", changed(ACCESS, passphrase=""), changed(ACCESS, passphrase="sieben7"), changed(ACCESS, name=""),
         changed(ACCESS, mode="open"), changed(ACCESS, key=""), changed(ACCESS, passphrase=None), {"mode": "access"}, changed(STATION, mode=""),
     ):  # fmt: skip

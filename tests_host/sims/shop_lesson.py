@@ -13,7 +13,7 @@ import sys
 import time
 from pathlib import Path
 
-import requests
+from machine_page import MachinePage
 from selenium import webdriver
 from shop_load import MOSQUITTO, free_port
 
@@ -44,7 +44,8 @@ class Lesson:
         self.pages = []
         for at in range(0, machines, AN_AGENT):
             words = [word for name in self.names[at : at + AN_AGENT] for word in ("--emulated", f"{name}=corexy_plotter")]
-            self.pages.append(self.said(self.passo("agent", *words, "--shop-key", key, "--at-machine", "0"), r"page: (\S+)/"))
+            self.pages.append(self.said(self.passo("agent", *words, "--shop-key", key, "--at-machine", "0", "--page-key", folder / "page.key"), r"page: (\S+)/"))
+        self.pages = [MachinePage(address, (folder / "page.key").read_text().strip()) for address in self.pages]
 
     def start(self, words):
         self.programs.append(subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True))
@@ -63,11 +64,11 @@ class Lesson:
         """Put paper in at each machine that is at rest and has drawn nothing. Returns how many have done so."""
         done = 0
         for page in self.pages:
-            for machine in requests.get(page + "/machines", timeout=20).json():
+            for machine in page.machines():
                 done += bool(machine["ended"])
                 what = {"rest": "" if machine["ended"] else "release", "waits": "go"}.get(machine["how"])
                 if what:
-                    requests.post(page + "/do", json={"name": machine["name"], "do": what}, headers={"Origin": page}, timeout=20)
+                    page.do(machine["name"], what)
         return done
 
     def close(self):

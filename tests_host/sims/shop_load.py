@@ -23,6 +23,7 @@ import time
 from pathlib import Path
 
 import requests
+from machine_page import MachinePage
 
 from host_tools import interpreter
 
@@ -304,6 +305,10 @@ class Load:
         (folder / "mosquitto.conf").write_text(f"listener {self.broker_port} 127.0.0.1\nallow_anonymous true\n")
         self.start_broker()
         self.proxy = Proxy(self.broker_port)
+        self.page_key = page_key.make_key(os.urandom)
+        self.page_key_file = folder / "page.key"
+        self.page_key_file.touch(0o600)
+        self.page_key_file.write_text(self.page_key)
         key = page_key.make_key(os.urandom)
         self.key_file = folder / "shop.key"
         self.key_file.write_text(key)
@@ -333,7 +338,7 @@ class Load:
         out = self.folder / f"agent-{at}.out"
         self.agents[at] = subprocess.Popen(
             ["nice", "-n", "-10", *interpreter.passo(), "agent", *ports, "--protocol", "grbl", "--board", str(self.board_file), "--broker", f"127.0.0.1:{self.proxy.port}",
-             "--shop-key", str(self.key_file), "--at-machine", "0"],
+             "--shop-key", str(self.key_file), "--at-machine", "0", "--page-key", str(self.page_key_file)],
             stdout=open(out, "wb"), stderr=open(self.folder / f"agent-{at}", "ab"),
         )  # fmt: skip
 
@@ -344,9 +349,9 @@ class Load:
             found = re.search(r"page: (\S+)/\n", (self.folder / f"agent-{at}.out").read_text())
             if not found:  # it is beginning
                 continue
-            address = found[1]
+            page = MachinePage(found[1], self.page_key)
             try:
-                for machine in requests.get(address + "/machines", timeout=5).json():
+                for machine in page.machines():
                     if machine["how"] == "run":
                         drawing.append(machine["name"])
                     self.free += machine["how"] == "free"
@@ -355,7 +360,7 @@ class Load:
                         papers -= 1
                     if what and (what == "go" or papers >= 0):
                         self.count[what] = self.count.get(what, 0) + 1
-                        requests.post(address + "/do", json={"name": machine["name"], "do": what}, headers={"Origin": address}, timeout=5)
+                        page.do(machine["name"], what)
             except (requests.RequestException, ValueError):
                 pass
         self.drawing = drawing

@@ -33,6 +33,7 @@ from passo.web import session
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "sims"))
 import shop_load  # noqa: E402
+from machine_page import MachinePage  # noqa: E402
 
 KEY = "ABCDEFGHJKLMNPQR"
 
@@ -152,6 +153,7 @@ class Bench(Shop):
         self.key_file = folder / "shop.key"
         self.key_file.write_text(self.key)
         self.key_file.chmod(0o600)
+        self.page_key = folder / "page.key"
         self.board_file = shop_load.board_file(folder)
         (folder / "m").mkdir()
         self.board = None
@@ -173,11 +175,13 @@ class Bench(Shop):
 
     def start_agent(self):
         self.agent_process = self.agent(
-            "--port", f"m={self.folder}/m/port", "--protocol", "grbl", "--board", str(self.board_file), "--shop-key", str(self.key_file), "--at-machine", "0"
-        )
+            "--port", f"m={self.folder}/m/port", "--protocol", "grbl", "--board", str(self.board_file), "--shop-key", str(self.key_file), "--at-machine", "0",
+            "--page-key", str(self.page_key),
+        )  # fmt: skip
         for line in self.agent_process.stdout:
             if line.startswith("page: "):
                 self.page = line[6:].strip().rstrip("/")
+                self.person = MachinePage(self.page, self.page_key.read_text().strip())
                 return
         raise AssertionError("no page")
 
@@ -186,10 +190,10 @@ class Bench(Shop):
         self.agent_process.wait()
 
     def machine(self):
-        return requests.get(self.page + "/machines", timeout=10).json()[0]
+        return self.person.machines()[0]
 
     def do(self, what, **headers):
-        return requests.post(self.page + "/do", json={"name": "m", "do": what}, headers={"Origin": self.page, **headers}, timeout=10)
+        return self.person.do("m", what, **headers)
 
     def how(self):
         return self.desk.machines.get("m", {}).get("how")
@@ -657,9 +661,9 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     address = shop.stdout.readline().strip()[6:]
     agent = bench.agent(
         "--emulated", "plotter=corexy_plotter", "--shop-key", str(bench.key_file), "--at-machine", "0", "--tool", "plotter=red", "--page", "plotter=http://127.0.0.1:1/",
-        "--laser-class", "plotter=1M",
+        "--laser-class", "plotter=1M", "--page-key", str(bench.page_key),
     )
-    local = next(line[6:].strip() for line in agent.stdout if line.startswith("page: "))
+    local = next(line[6:].strip() for line in agent.stdout if line.startswith("page: ")) + "#key=" + bench.page_key.read_text().strip()
     (tmp_path / "a.svg").write_text(SVG)
 
     def text(selector):
@@ -690,6 +694,7 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     browser.switch_to.new_window("tab")
     browser.get(local)
     bench.until(lambda: text(".tile button") == "O papel está posto")
+    assert "key=" not in browser.current_url
     press(".tile button")
     bench.until(lambda: "desenhando" in text(".tile"))
     browser.switch_to.window(first)

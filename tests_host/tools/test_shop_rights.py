@@ -9,7 +9,6 @@ import threading
 from pathlib import Path
 
 import pytest
-import requests
 from test_agent import LIMIT_S, MOSQUITTO, Shop, free_port
 
 from host_tools import interpreter
@@ -20,6 +19,7 @@ from host_tools.clients import page_key
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "sims"))
 import shop_load  # noqa: E402
+from machine_page import MachinePage  # noqa: E402
 
 MAKE = Path(__file__).parents[2] / "docs" / "use" / "mosquitto" / "make-broker.sh"
 PATH = os.environ.get("PATH", "") + ":/usr/sbin"
@@ -173,11 +173,12 @@ def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
     desk = Desk(Broker("127.0.0.1", guarded.port, "shop", guarded.passwords["shop"], str(guarded.folder / "ca.crt")), key, book)
     try:
         agent = guarded.agent_as(
-            "pc-1", "--port", f"mill={tmp_path}/mill/port", "--protocol", "grbl", "--board", str(board_file), "--shop-key", str(key_file), "--at-machine", "0"
-        )
+            "pc-1", "--port", f"mill={tmp_path}/mill/port", "--protocol", "grbl", "--board", str(board_file), "--shop-key", str(key_file), "--at-machine", "0",
+            "--page-key", str(tmp_path / "page.key"),
+        )  # fmt: skip
         page = next(line[6:].strip().rstrip("/") for line in agent.stdout if line.startswith("page: "))
-        order = {"json": {"name": "mill", "do": "release"}, "headers": {"Origin": page}, "timeout": 10}
-        guarded.until(lambda: requests.post(page + "/do", **order).json()["text"] == "" or desk.machines.get("mill", {}).get("how") not in ("rest", None))
+        person = MachinePage(page, (tmp_path / "page.key").read_text().strip())
+        guarded.until(lambda: person.do("mill", "release").json()["text"] == "" or desk.machines.get("mill", {}).get("how") not in ("rest", None))
         guarded.until(lambda: book.counts().get("done") == 1)
         guarded.until(lambda: guarded.told.get("passo/mill/language") == "grbl")
     finally:

@@ -14,9 +14,15 @@ from micropython import const
 
 FILE = "wifi.json"
 _LEAST = const(8)  # characters of a passphrase: WPA2's bound
+_KEY = const(16)  # letters of a key: `passo wifi` makes none that is shorter
 _WPA2 = const(4)  # of rp2; an ESP32 has its own name for it
 _PORTS = {"http": "http_port", "tcp": "tcp_port"}
 _BACKLOG = const(4)
+
+
+def _letters(key):
+    """How many letters of a key's alphabet (host_tools/clients/page_key.py) are in it."""
+    return len([code for code in key.encode() if 50 <= code <= 57 or 65 <= code <= 90 and code not in b"IO"])
 
 
 def saved():
@@ -24,9 +30,9 @@ def saved():
     try:
         with open(FILE) as file:
             found = json.load(file)
-        good = found["mode"] in ("access", "station") and found["name"] and len(found["passphrase"]) >= _LEAST and found["key"]
+        good = found["mode"] in ("access", "station") and found["name"] and len(found["passphrase"]) >= _LEAST and _letters(found["key"]) >= _KEY
         return found if good else None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
 
 

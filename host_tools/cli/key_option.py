@@ -1,0 +1,35 @@
+"""The keys that a verb of `passo` is given, or keeps in a file.
+
+    key_of(text, "PASSO_KEY")           # as page_key.read_key() has it. Raises Failure if it is too short
+    key_in(path), make_key_file(path)   # of a file that other users cannot read
+"""
+
+import os
+
+from host_tools.cli.agent import read_secret
+from host_tools.clients import page_key
+from host_tools.failure import Failure, reason
+
+
+def key_of(text, where):
+    """`where`: what a person is told of a wrong one; never the key itself."""
+    try:
+        return page_key.read_key(text)
+    except ValueError:
+        raise Failure("{}: a key has 16 or more of these letters and digits: {}", where, page_key.KEY_LETTERS) from None
+
+
+def key_in(path):
+    return key_of(read_secret(path), path)
+
+
+def make_key_file(path):
+    """A new key in a file of this user's only, unless there is one. Raises Failure."""
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
+            file.write(page_key.make_key(os.urandom) + "\n")
+    except FileExistsError:
+        pass
+    except OSError as error:
+        raise Failure("cannot write {}: {}", path, reason(error)) from error
