@@ -23,7 +23,6 @@ import time
 from pathlib import Path
 
 import requests
-from machine_page import MachinePage
 
 from host_tools import interpreter
 
@@ -344,6 +343,8 @@ class Load:
 
     def people(self, papers):
         """Whoever stands at the machines looks at each page once, and does what it asks for. Puts in at most `papers`."""
+        from machine_page import MachinePage  # a board, which is this script, too, has no use for it
+
         drawing, self.free = [], 0
         for at in self.agents:
             found = re.search(r"page: (\S+)/\n", (self.folder / f"agent-{at}.out").read_text())
