@@ -11,7 +11,8 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.failure import Failure, reason
+from host_tools.cli.key_option import key_in, make_key_file, read_secret
+from host_tools.failure import Failure
 from host_tools.language import _
 
 _PAGE_KEY = Path.home() / ".local" / "share" / "passo" / "at-machine.key"
@@ -56,8 +57,7 @@ def agent(
     machine is gone. A message to passo/NAME/stop, or to passo/stop for all, stops them; else machines are sent nothing but questions. The ports are the agent's alone as long as it runs.
 
     With --shop-key machines that speak grbl and keep a journal take jobs of passo shop: one for each time that somebody at the machine says so, on
-    the page of --at-machine or by its button resume. The page's address has a key, without which its buttons move nothing; STOP needs none. It is printed
-    in a terminal only: else it stands in the file of --page-key.
+    the page of --at-machine or by its button resume. The page's address has a key, without which its buttons move nothing; STOP needs none. It is printed in a terminal only: else it stands in the file of --page-key.
 
     Examples:
 
@@ -67,22 +67,33 @@ def agent(
 
         passo agent --emulated a=router_3axis --emulated b=plotter_2014 --broker localhost
     """
-    if (at_machine is not None or tool or laser_class or page) and not shop_key:
-        raise Failure("--at-machine, --tool, --laser-class and --page want --shop-key")
-    if page_key and at_machine is None:
-        raise Failure("--page-key wants --at-machine")
+    _check(shop_key, at_machine, page_key, tool or laser_class or page)
     served = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
     boards = _named(port or [], emulated or [])
-    key = _key_in(shop_key) if shop_key else ""
+    key = key_in(shop_key) if shop_key else ""
     about = (_of_machines(*each, boards) for each in (("--tool", tool), ("--laser-class", laser_class), ("--page", page)))
     told = make_broker(broker, user, password, ca), home_assistant, key, about
-    stopped = []
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stopped.append(True))
+    stopped = _ended()
     with contextlib.ExitStack() as stack:
         made = {name: (where, _virtual(where, stack) if virtual else _real(where, baud, protocol, board)) for name, (where, virtual) in boards.items()}
         agent = _agent(made, served, told, stack)
         _run(agent, (at_machine, page_key), stopped, stack)
+
+
+def _check(shop_key, at_machine, page_key, more):
+    """Raise Failure if options want others."""
+    if (at_machine is not None or more) and not shop_key:
+        raise Failure("--at-machine, --tool, --laser-class and --page want --shop-key")
+    if page_key and at_machine is None:
+        raise Failure("--page-key wants --at-machine")
+
+
+def _ended():
+    """A list that is empty until somebody ends this program."""
+    found = []
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: found.append(True))
+    return found
 
 
 def _run(agent, page, stopped, stack):
@@ -111,15 +122,8 @@ def _agent(boards, served, told, stack):
     return agent
 
 
-def _key_in(path):
-    from host_tools.cli.key_option import key_in
-
-    return key_in(path)
-
-
 def _page_key(file, terminal):
     """(key of the page at the machine, the file that has it or None). Where there is no terminal that tells the key, it stands in a file."""
-    from host_tools.cli.key_option import key_in, make_key_file
     from host_tools.clients.page_key import make_key
 
     if file is None and terminal:
@@ -199,19 +203,6 @@ def _figures(address, stack):
     found = Figures()
     stack.callback(found.serve(*address))
     return found
-
-
-def read_secret(path):
-    """The first line of a file. Raises Failure if there is none, or others may read it."""
-    try:
-        if os.name == "posix" and path.stat().st_mode & 0o077:
-            raise Failure("others can read {}: chmod 600 {}", path, path)
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
-        raise Failure("cannot read {}: {}", path, reason(error)) from error
-    if not lines or not lines[0]:
-        raise Failure("{}: its first line is no password", path)
-    return lines[0]
 
 
 def _named(ports, emulated):

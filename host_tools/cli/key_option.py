@@ -2,11 +2,11 @@
 
     key_of(text, "PASSO_KEY")           # as page_key.read_key() has it. Raises Failure if it is too short
     key_in(path), make_key_file(path)   # of a file that other users cannot read
+    read_secret(path)                   # its first line, a password
 """
 
 import os
 
-from host_tools.cli.agent import read_secret
 from host_tools.clients import page_key
 from host_tools.failure import Failure, reason
 
@@ -33,3 +33,16 @@ def make_key_file(path):
         pass
     except OSError as error:
         raise Failure("cannot write {}: {}", path, reason(error)) from error
+
+
+def read_secret(path):
+    """The first line of a file. Raises Failure if there is none, or others may read it."""
+    try:
+        if os.name == "posix" and path.stat().st_mode & 0o077:
+            raise Failure("others can read {}: chmod 600 {}", path, path)
+        lines = path.read_text(encoding="utf-8").splitlines()
+    except (OSError, UnicodeDecodeError) as error:
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
+    if not lines or not lines[0]:
+        raise Failure("{}: its first line is no password", path)
+    return lines[0]

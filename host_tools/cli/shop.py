@@ -7,7 +7,8 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli.agent import make_broker, read_secret
+from host_tools.cli.agent import make_broker
+from host_tools.cli.key_option import key_in, make_key_file
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 
@@ -38,7 +39,6 @@ def shop(
 
         passo shop --broker shop.local --user shop --password-file mqtt.txt --ca ca.crt --host 0.0.0.0
     """
-    from host_tools.cli.key_option import key_in, make_key_file
     from host_tools.clients.page_key import make_key
     from host_tools.shop.book import Book
     from host_tools.shop.desk import Desk
