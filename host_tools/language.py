@@ -77,6 +77,24 @@ def N_(text):
     return text
 
 
+_COUNTS = {
+    "line": (N_("1 line"), N_("{} lines")),
+    "line of G-code": (N_("1 line of G-code"), N_("{} lines of G-code")),
+    "job": (N_("1 job"), N_("{} jobs")),
+    "program": (N_("1 program"), N_("{} programs")),
+    "arc": (N_("1 arc"), N_("{} arcs")),
+    "step": (N_("1 step"), N_("{} steps")),
+    "point": (N_("1 point"), N_("{} points")),
+    "pass": (N_("1 pass"), N_("{} passes")),
+}  # fmt: skip
+
+
+def count_text(count, noun):
+    """“1 line”, “2 lines”, in the language chosen. `noun`: a key of _COUNTS."""
+    text = _COUNTS[noun][count != 1]
+    return _(text, count)
+
+
 def _(text, *values, **named):
     """`text` in the language chosen, with its fields."""
     return filled(catalogue(chosen()).gettext(text), *values, **named)

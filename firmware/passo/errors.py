@@ -105,6 +105,7 @@ DRAWING = const(180)
 NOT_A_JOB = const(181)
 NOT_WRITTEN = const(182)
 NOT_SENT = const(183)
+JOB_LINE = const(184)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

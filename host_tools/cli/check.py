@@ -9,7 +9,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
-from host_tools.language import _
+from host_tools.language import _, count_text
 
 _MOST_SHOWN = 20  # errors
 _TELL_S = 0.2
@@ -92,9 +92,9 @@ def _check_file(file, board, place, dialect, tools, out):
     if out:
         import matplotlib  # noqa: F401  before the job runs, not after it
     program = compiler.read(file, dialect, tools, not boards.load(board).get("rotary"))
-    compiler.tell(program)
     job = VirtualJob(board, *place, drawn=bool(out))
     _run(job, program)
+    compiler.tell(program)
     for line in summary(job):
         print(line)
     if out:
@@ -108,7 +108,7 @@ def _check_file(file, board, place, dialect, tools, out):
 def _judge(job, program):
     """Raises Failure if lines were refused, or if the job is larger than the machine."""
     if job.errors:
-        raise Failure("{}: {} lines would be refused; the first is {}", program.path, job.error_count, program.origin(job.errors[0][0]))
+        raise Failure("{}: {} would be refused; the first is {}", program.path, count_text(job.error_count, "line"), program.origin(job.errors[0][0]))
     if too_long := job.beyond():
         raise Failure("{} is larger than the machine: {}", program.path, too_long)
 

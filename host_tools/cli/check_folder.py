@@ -10,7 +10,7 @@ from typing import NamedTuple, Optional
 
 from host_tools import language, workers
 from host_tools.failure import Failure, reason
-from host_tools.language import _
+from host_tools.language import _, count_text
 
 SUFFIXES = (".nc", ".gcode", ".ngc", ".tap", ".cnc", ".num")
 _COLUMNS = ("file", "seconds", "words", "low", "high", "fault")
@@ -86,7 +86,7 @@ def _fault(job, program):
     """What is wrong with a program that has been run; "": nothing."""
     if job.errors:
         number, text, what = job.errors[0]
-        more = "; " + _("{} lines in all", job.error_count) if job.error_count > 1 else ""
+        more = "; " + _("{} in all", count_text(job.error_count, "line")) if job.error_count > 1 else ""
         return f"{program.origin(number)}: {text}: {what}{more}"
     too_long = job.beyond()
     return _("larger than the machine: {}", too_long) if too_long else ""
@@ -117,9 +117,9 @@ def check_folder(folder, board, place, dialect, tools, out, count, cluster):
             faults += bool(row.fault)
             print(f"{name:{width}}  {_told(row)}", flush=True)
             write((name, f"{row.seconds:.3f}", row.words, *(" ".join(f"{mm:.3f}" for mm in side) for side in (row.low, row.high)), row.fault))
-    print(_("{} programs in {:.1f} s, {} with a fault", len(files), time.monotonic() - begun, faults))
+    print(_("{} in {:.1f} s, {} with a fault", count_text(len(files), "program"), time.monotonic() - begun, faults))
     if faults:
-        raise Failure("{}: {} of {} programs have a fault", folder, faults, len(files))
+        raise Failure("{}: faults in {} of {}", folder, faults, count_text(len(files), "program"))
 
 
 def _name(folder, path):

@@ -6,7 +6,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
-from host_tools.language import _
+from host_tools.language import _, count_text
 
 _MOST_LABELS = 60  # of a picture
 
@@ -49,7 +49,7 @@ def compile_(
     text = program.listing.text(program.texts)
     if out and out != Path("-"):
         out.write_text(text, encoding="ascii")
-        typer.echo(_("{}: {} lines of G-code, of {} as {}", out, len(program.listing.codes), file, program.dialect), err=True)
+        typer.echo(_("{}: {}, of {} as {}", out, count_text(len(program.listing.codes), "line of G-code"), file, program.dialect), err=True)
     elif not picture or out:
         typer.echo(text, nl=False)
     if picture:
@@ -99,7 +99,7 @@ def save_picture(path, program):
     if holes:
         axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label=_("straight down"))
     _label(axes, cuts or strokes, len(program.texts) > 1)
-    finish(figure, axes, _("{} ({}): {} lines of G-code", program.name, program.dialect, len(program.listing.codes)))
+    finish(figure, axes, f"{program.name} ({program.dialect}): {count_text(len(program.listing.codes), 'line of G-code')}")
     write(figure, path)
 
 

@@ -4,7 +4,7 @@ import inspect
 
 from host_tools.cli.draw_options import PLACED, Said
 from host_tools.failure import Failure, reason
-from host_tools.language import _
+from host_tools.language import _, count_text
 from host_tools.programs.journal import Journal
 
 EXAMPLES = """Draw a file on a plotter, or by G-code on a laser, a router or any other machine that speaks grbl.
@@ -140,7 +140,7 @@ def _describe(console, plan, options, job):
         named = ", ".join(f"{number} {name or ''}".rstrip() for number, name in plan.layers.items())
         chosen = _(", drawn: {}", ", ".join(map(str, options.layers))) if options.layers else ""
         console.print(_("  layers {}", escape(named)) + chosen)
-    console.print(_("  {} lines, {} points", len(plan.lines), plan.points()))
+    console.print(f"  {count_text(len(plan.lines), 'line')}, {count_text(plan.points(), 'point')}")
     console.print(_("  pen down {:.2f} m, pen up {:.2f} m, about {}", down / 1000, up / 1000, estimate.clock(job.seconds)))
     if plan.before_mm > up * 1.01:
         later = estimate.clock(job.seconds + job.travel_s(plan.before_mm - up))

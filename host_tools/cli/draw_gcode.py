@@ -10,10 +10,11 @@ from host_tools.clients.refusal import Refused
 from host_tools.drawings import gcode
 from host_tools.drawings.gcode import TOOLS, Cut
 from host_tools.failure import Failure, reason
-from host_tools.language import _, line_text
+from host_tools.language import _, count_text, line_text
 from host_tools.programs import gcode_file, gcode_time, stored_job
 from host_tools.programs.gcode_time import Limits
 from host_tools.programs.job_record import Record
+from host_tools.programs.program_lines import program_lines
 
 _BAUD = 115200
 _LEAST_TIMEOUT_S = 5.0
@@ -46,7 +47,7 @@ class Written:
         self.lines = gcode.lines_of(plan, self._cuts, change)
         self._pens = gcode.pens_at(self.lines, plan) if change else {}
         self.digest = hashlib.sha256("\n".join(self.lines).encode()).hexdigest()
-        self._rows = [(number, gcode_file.strip(line.encode())) for number, line in enumerate(self.lines, 1)]
+        self._rows = list(program_lines(line.encode() for line in self.lines))
         limits = Limits.of_board(machine)
         self.seconds = sum(gcode_time.estimate(self._rows, limits))
         self._rapid_mm_s = min(limits.speeds[:2])
@@ -60,11 +61,11 @@ class Written:
         for part in self._plan.parts:
             cut = self._cuts[part.number]
             if cut.tool == "z":
-                yield _("layer {}: tool on Z, F{:g}, {:g} mm deep in {} passes", part.number, cut.feed, cut.depth, cut.passes)
+                yield _("layer {}: tool on Z, F{:g}, {:g} mm deep in {}", part.number, cut.feed, cut.depth, count_text(cut.passes, "pass"))
             elif cut.tool == "laser":
-                yield _("layer {}: laser, F{:g}, S{:g}, {} passes", part.number, cut.feed, cut.power, cut.passes)
+                yield _("layer {}: laser, F{:g}, S{:g}, {}", part.number, cut.feed, cut.power, count_text(cut.passes, "pass"))
             else:
-                yield _("layer {}: tool by M3 S{:g} and M5, F{:g}, {} passes", part.number, cut.power, cut.feed, cut.passes)
+                yield _("layer {}: tool by M3 S{:g} and M5, F{:g}, {}", part.number, cut.power, cut.feed, count_text(cut.passes, "pass"))
 
     def write(self, console, path):
         """Write the file. Raises Failure."""
@@ -72,7 +73,7 @@ class Written:
             path.write_text("\n".join([self._head(), *self.lines, ""]), encoding="ascii")
         except OSError as error:
             raise Failure("cannot write {}: {}", path, reason(error)) from error
-        console.print(_("  {0}: {1} lines; passo check {0} shows what the machine makes of it", path, len(self.lines)))
+        console.print(_("  {0}: {1}; passo check {0} shows what the machine makes of it", path, count_text(len(self.lines), "line")))
 
     def _head(self):
         """The first line of the file."""
@@ -114,7 +115,7 @@ class Written:
             except stream.Aborted as aborted:
                 raise Failure("{}; {}", aborted, go_on(record)) from None
         record.finish()
-        console.print(_("drawn in {}: {} lines", gcode_file.clock(seconds), len(self._rows)))
+        console.print(_("drawn in {}: {}", gcode_file.clock(seconds), count_text(len(self._rows), "line")))
 
     def _name(self, number):
         part = self._pens.get(number)

@@ -11,7 +11,7 @@ from host_tools.cli import resume_gcode
 from host_tools.cli.draw import corner
 from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
-from host_tools.language import _, line_text
+from host_tools.language import _, count_text, line_text
 from host_tools.programs.begun import CARD
 
 DIALECTS = "plain", "cluster", "frames"
@@ -121,14 +121,14 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
         console.print(str(preview))
     if out:
         out.write_bytes(b"".join(line + b"\n" for _number, line in lines))
-        console.print(_("{}: {} lines", out, len(lines)))
+        console.print(f"{out}: {count_text(len(lines), 'line')}")
     if client:
         name = file.name if file else CARD
         if go_on:
             go_on(client, lines, name)
             return
         seconds, count = send(client, lines, name, True, None, False, line_text)
-        console.print(_("{}: {} lines in {}", name, count, gcode_file.clock(seconds)))
+        console.print(_("{}: {} in {}", name, count_text(count, "line"), gcode_file.clock(seconds)))
 
 
 def _choose(dialect, machine, client):
@@ -172,8 +172,8 @@ def _describe(console, powers, rows, options, machine, lines, seconds):
     height, width = powers.shape
     left, bottom, right, top = engraving.bounds(rows, options, machine)
     console.print(
-        _("  {:g} × {:g} mm, {} × {} dots, {} rows that burn, {} lines of G-code, {}", width / options.dots_mm, height / options.dots_mm,
-          width, height, len(rows), lines, clock(seconds))
+        _("  {:g} × {:g} mm, {} × {} dots, {} rows that burn, {}, {}", width / options.dots_mm, height / options.dots_mm,
+          width, height, len(rows), count_text(lines, "line of G-code"), clock(seconds))
     )  # fmt: skip
     console.print(
         _("  the head goes from X{:.1f} to X{:.1f} and from Y{:.1f} to Y{:.1f}: {:.1f} mm beside the dots, to speed up",

@@ -4,6 +4,7 @@ import base64
 import contextlib
 import re
 import time
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -11,7 +12,7 @@ import typer
 
 from host_tools.cli.options import AnyBaud, Port
 from host_tools.failure import Failure
-from host_tools.language import _
+from host_tools.language import _, count_text
 from passo import errors
 
 app = typer.Typer(help="Programs kept on the board: list, store, check, delete and run them.", no_args_is_help=True)
@@ -84,7 +85,7 @@ def list_(port: Port = None, baud: AnyBaud = None, protocol: Protocol = "grbl"):
         print(_("{:24} {:9} bytes, {:8} in flash, {}", name, size, stored, language))
     if more:
         print(_("{} more jobs are not listed: each is run, checked and deleted by its name", more))
-    print(_("{} jobs, {} kB free", len(found) + more, free // 1024))
+    print(_("{}, {} kB free", count_text(len(found) + more, "job"), free // 1024))
 
 
 @app.command()
@@ -115,7 +116,7 @@ def store(
     if language not in stored_job.KINDS:
         raise Failure("--language is {}, not {!r}", ", ".join(stored_job.KINDS), language)
     make, unit, count = stored_job.KINDS[language]
-    data = make(file)
+    data = make(file, partial(_tell_end, file)) if language == "grbl" else make(file)
     packed = stored_job.pack(data)
     name = (name or stored_job.name_of(file)).upper()
     if card:
@@ -145,6 +146,10 @@ def store(
                 _check(client, name)
             except Refused as refused:
                 raise Failure("{} is stored, but not right: {}", name, refused) from None
+
+
+def _tell_end(file, number, behind):
+    print(_("{} ends at line {}; what stands behind it is no part of the program: {}", file.name, number, count_text(behind, "line")))
 
 
 def _check_here(client, file):

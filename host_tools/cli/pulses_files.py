@@ -6,7 +6,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure, reason
-from host_tools.language import _
+from host_tools.language import _, count_text
 
 BoardName = Annotated[str, typer.Option("--board", help="Board file: a name of boards/, or the path of a .py file.")]
 PulseFile = Annotated[Path, typer.Argument(help="The pulse file.")]
@@ -88,7 +88,7 @@ def convert(
         beside = ({"left": LEFT, "right": RIGHT}[side], radius) if side else None
         text, counts = pulse_gcode.to_gcode(found, config, beside)
         _write(target, text)
-        print(_("{} lines and {} arcs of {} steps", counts["lines"], counts["arcs"], counts["steps"]))
+        print(_("{} and {} of {}", *(count_text(counts[noun + "s"], noun) for noun in ("line", "arc", "step"))))
     else:
         course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
         target = out or file.with_suffix(".png")

@@ -16,21 +16,22 @@ _AGAIN_S = 0.1
 
 def resume(file, port, baud, home, unverified, yes):
     from host_tools.clients.grbl import GrblClient
-    from host_tools.programs import compiler, gcode_file, stored_job
+    from host_tools.programs import compiler, stored_job
 
     program = compiler.read(file)
     compiler.tell(program)
     plain = program.listing is None
+    lines = list(program.rows()) if plain else None
     with GrblClient(port, baud) as client:
         settled(client)
-        lines = gcode_file.read(file) if plain else list(compiler.fit(program, client.command("$I")).rows())
-        go_on(client, lines, file, stored_job.crc(stored_job.gcode_job(file)) if plain else 0, home, unverified, yes)
+        lines = lines or list(compiler.fit(program, client.command("$I")).rows())
+        go_on(client, lines, file, stored_job.crc(stored_job.gcode_lines(lines)) if plain else 0, home, unverified, yes)
 
 
 def go_on(client, lines, name, stored, home, unverified, yes):
     """Go on with [(number, bytes)] of the program `name` where the journal of a settled() machine says; `stored`: the CRC-32 of the
     same as a stored job. Raises Failure."""
-    from host_tools.cli.stream import Panel
+    from host_tools.cli.stream import Panel, ask_settings
 
     try:
         said = client.command("$JR")
@@ -51,9 +52,10 @@ def go_on(client, lines, name, stored, home, unverified, yes):
     state = client.ask_status()["state"]
     if state != "Idle":
         raise Failure("the machine has to be idle, and its state is {}", state)
+    ask_settings([row for row in lines if row[0] >= number])
     rest = prepared(client, lines, number, place, yes, ended(said), known or unverified)
     with Panel(client, lines) as panel:
-        for done in client.stream(rest, True, panel.cycle, panel.numbered):
+        for done in client.stream(rest, True, panel.cycle, True):
             panel.done(done)
         client.wait_idle(panel.cycle)
     print(_("{}: done, unverified", name) if unverified and not known else _("{}: done", name))

@@ -14,7 +14,7 @@ import typer
 from host_tools.cli.options import Baud, Port
 from host_tools.clients.grbl import Refused
 from host_tools.failure import Failure, reason
-from host_tools.language import _
+from host_tools.language import _, count_text
 
 VERSION = 2
 _HEADER = "; passo settings, version "
@@ -52,7 +52,7 @@ def settings(
         client.be_sure_it_stands()
         if action == "restore":
             changed = restore(client, meant(client, wanted, version))
-            print(_("{} of {} lines were different and are restored", len(changed), len(wanted)))
+            print(_("{} of {} were different and are restored", len(changed), count_text(len(wanted), "line")))
             return
         lines = backup(client)
         if action == "backup" and masks(client) is not None:
@@ -64,7 +64,7 @@ def settings(
         file.write_text("\n".join(lines) + "\n", encoding="ascii")
     except OSError as error:
         raise Failure("cannot write {}: {}", file, reason(error)) from error
-    print(_("{}: {} lines", file, len(lines)))
+    print(f"{file}: {count_text(len(lines), 'line')}")
 
 
 def backup(client):

@@ -17,9 +17,9 @@ from host_tools.cli.options import Baud, Port
 from host_tools.clients.grbl import LinkError
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
-from host_tools.language import _, line_text
-from host_tools.programs.gcode_file import has_numbers
+from host_tools.language import _, count_text, line_text
 from host_tools.programs.gcode_time import Remaining
+from host_tools.programs.program_lines import changes_settings
 from passo import errors
 
 _STATUS_S = 0.25
@@ -27,9 +27,11 @@ _RATE_REPORTS = 10  # over which lines a second are counted
 _STARVES = 0.1  # part of the queue: with less the machine slows down
 _WORTH_S = 5  # of a job whose pace is told
 _KEEP_S = 1.0
+_MOST_SETTINGS = 10  # lines that are shown
 FirstLine = Annotated[
     Optional[int], typer.Option("--from", min=1, metavar="LINE", help="Begin at this line of the file, or of a compiled listing.")
 ]
+AllowSettings = Annotated[bool, typer.Option("--allow-settings", help="Do not ask before lines that change settings, startup lines or who commands.")]
 Yes = Annotated[bool, typer.Option("--yes", help="With --from: do not ask before the tool goes down.")]
 
 
@@ -46,17 +48,20 @@ def stream(
     tools: Annotated[Optional[Path], typer.Option(help="The tool table of a program that is compiled; see passo compile.")] = None,
     first: FirstLine = None,
     yes: Yes = False,
+    allow_settings: AllowSettings = False,
 ):
     """Send a G-code file and show progress. Stops at the first error and names its line.
 
-    It shows the line that moves the machine: lines get their numbers in the file as N words, unless the file has N words of
-    its own.
+    It shows the line that moves the machine: lines get their numbers in the file as N words, in place of N words of the
+    file's own.
 
     A program in a dialect of its own, with parameters, subprograms or radius compensation, is compiled first (passo compile); errors
     and progress name the program's lines.
 
     With --from the lines before are replayed, nothing moves: the tool goes up, over the place where that line begins, spindle and
     coolant go on, and you are asked before the tool goes down. The machine has to know its zero.
+
+    The program ends at M2, M30 or a closing %. Lines that change the machine for good ($20=0, $N0=…, $RST, $LINK) are sent if you agree.
 
     Keys: p pause, r resume (also after M0, M1 and M6), a abort (also Ctrl-C). An abort first comes to a stand on the path.
 
@@ -66,6 +71,7 @@ def stream(
         passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
         passo stream pocket.ngc --tools tools.tbl --home
         passo stream part.gcode --from 1200 --home
+    passo stream settings.nc --allow-settings
     """
     from host_tools.cli import ports
     from host_tools.clients.grbl import GrblClient
@@ -74,15 +80,33 @@ def stream(
     if flow not in ("count", "ok"):
         raise Failure("--flow is count or ok, not {!r}", flow)
     program = compiler.read(file, dialect, tools)
-    compiler.tell(program)
     lines = list(program.rows())
+    compiler.tell(program)
+    if not allow_settings:
+        ask_settings(lines, program.origin)
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
         make_ready(client, home, unlock)
         fitted = compiler.fit(program, client.command("$I") if program.listing else (), tools)
         if fitted is not program:
             program, lines = fitted, list(fitted.rows())
         seconds, count = send(client, lines, file.name, flow == "count", first, yes, program.origin)
-        print(_("{}: {} lines in {}", file, count, gcode_file.clock(seconds)))
+        print(_("{}: {} in {}", file, count_text(count, "line"), gcode_file.clock(seconds)))
+
+
+def ask_settings(lines, origin=line_text):
+    """Ask the operator if lines change the machine for good ($20=0, $N0=…). Raises Failure if he does not agree, or there is nobody."""
+    found = [(number, line) for number, line in lines if changes_settings(line)]
+    if not found:
+        return
+    number, line = found[0]
+    shown = line.decode("ascii", "backslashreplace")
+    if not sys.stdin.isatty():
+        raise Failure("{}, {}: it changes the machine for good, and nobody can be asked; --allow-settings sends it", origin(number), shown)
+    for number, line in found[:_MOST_SETTINGS]:
+        print(f"{origin(number)}: {line.decode('ascii', 'backslashreplace')}")
+    print(_("The file changes the machine for good by {}. Send it? [y/N]", count_text(len(found), "line")), end=" ", flush=True)
+    if sys.stdin.readline().strip().lower() not in _("y, yes").split(", "):
+        raise Failure("not sent: {}, {} changes the machine for good", origin(found[0][0]), shown)
 
 
 def send(client, lines, name, count, first, yes, origin, keep=None):
@@ -97,7 +121,7 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
     limits = gcode_time.Limits.of_settings(client.command("$$"))
     with Panel(client, lines, gcode_time.estimate(lines, limits), origin, keep) as panel:
         try:
-            for number in client.stream(lines, count, panel.cycle, panel.numbered, origin):
+            for number in client.stream(lines, count, panel.cycle, True, origin):
                 panel.done(number)
             client.wait_idle(panel.cycle)
         except Refused as refused:
@@ -148,7 +172,6 @@ class Panel:
         self._remaining = Remaining(seconds or [1.0] * len(lines))
         self._bar = None
         self._numbers = [number for number, _ in lines]
-        self.numbered = not has_numbers(lines)  # the machine says where it is
         self._done = 0
         self._line = 0
         self._begun = time.monotonic()
@@ -196,21 +219,18 @@ class Panel:
     def done(self, number):
         """Line `number` of the file has been answered."""
         self._done += 1
-        if not self.numbered:
-            self._line = number
 
     def cycle(self):
         """Keys, and the screen now and then."""
         if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
             self.key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
-        if self.numbered:
-            self._line = max(self._line, int(self._client.status.get("Ln", 0)))
+        self._line = max(self._line, int(self._client.status.get("Ln", 0)))
         now = time.monotonic()
         if self._keep and self._line and now - self._kept >= _KEEP_S:
             self._kept = now
             self._keep(self._line)
         self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
-        if self._paused_at is not None and self.numbered and "Ln" not in self._client.status:  # at a stand: the line that waits
+        if self._paused_at is not None and "Ln" not in self._client.status:  # at a stand: the line that waits
             # As the report came: behind a key, lines are answered before the next report says that the stand is over.
             self._line = max(self._line, self._numbers[min(self._client.answered_then, len(self._numbers) - 1)])
         self._wait()
@@ -306,7 +326,7 @@ class Panel:
         from host_tools.programs.gcode_file import clock
 
         status = self._client.status
-        done = bisect.bisect_left(self._numbers, self._line) if self.numbered else self._done
+        done = bisect.bisect_left(self._numbers, self._line)
         gone = self.seconds()
         left = clock(self._remaining.at(done, gone))
         place = status.get("MPos") or status.get("WPos") or ""

@@ -27,7 +27,6 @@ _SIGN_S = 0.3  # between two signs of life while an answer is awaited
 _REPORTS = 40  # until one has said what each says only now and then
 _STANDING = "Idle", "Alarm", "Check", "Sleep"
 RESET = b"\x18"
-N_WORD = re.compile(rb"N(\d+)")
 
 
 class GrblClient(Client):
@@ -42,6 +41,7 @@ class GrblClient(Client):
         self.rest = []  # lines that came behind the last ok of command(), and with it
         self.alarm = None
         self.answered = self.answered_then = 0  # lines of stream(): so far, and as the last report came
+        self.sent = None  # lines of stream() so far; None: others have been sent since
         self.banners = 0
         self._buffer = b""
         self._heard = time.monotonic()  # time of the last byte received
@@ -158,7 +158,8 @@ class GrblClient(Client):
         """Send one line; returns the lines before its ok. Raises Refused, also if an alarm comes before the ok, or LinkError
         after `timeout_s`. A board that minds its host hears `?` as long as it takes."""
         self.alarm = None
-        self._write(line.encode() + b"\n")
+        self.sent = None
+        self._say(line.encode())
         asked = time.monotonic()
         deadline = asked + (timeout_s or self.timeout_s)
         said = []
@@ -177,6 +178,12 @@ class GrblClient(Client):
                     raise Refused("{}: {}", line, explain(answer), number=int(answer.partition(":")[2] or 0))
                 said.append(answer)
         raise LinkError("{}: no answer to {!r}", self.port, line)
+
+    def _say(self, line):
+        """Send a line. Raises Refused: bytes beyond ASCII are real-time commands to the board."""
+        if not line.isascii():
+            raise Refused("{}: only ASCII can be sent", line.decode("utf-8", "backslashreplace"))
+        self._write(line + b"\n")
 
     ask = command  # as the clients of all languages have it
 
@@ -206,10 +213,12 @@ class GrblClient(Client):
         under_way = []
         self.alarm = None
         self.answered = self.answered_then = 0
+        self.sent = 0
         while waiting or under_way:
             while waiting and self._room(under_way, waiting[-1][-1], count):
                 under_way.append(waiting.pop())
-                self._write(under_way[-1][-1] + b"\n")
+                self._say(under_way[-1][-1])
+                self.sent += 1
             for answer in self.lines():
                 number, line = under_way[0][:2] if under_way else (None, b"")
                 where = f"{origin(number)}, {line.decode('ascii', 'replace')}" if under_way else _("after the last line")
@@ -222,8 +231,18 @@ class GrblClient(Client):
                     raise LinkError("{}: the controller was reset", where)
                 if answer == "ok" and under_way:
                     yield under_way.pop(0)[0]
+            if self.foreign_ok():
+                self._end_foreign(origin(under_way[0][0]) if under_way else _("after the last line"))
             if idle:
                 idle()
+
+    def foreign_ok(self):
+        """True if more lines of stream() have been answered than sent: another program speaks to the board by the same port."""
+        return self.sent is not None and self.answered > self.sent
+
+    def _end_foreign(self, where):
+        self.halt()
+        raise Refused("{}: one ok too many: another program sends lines to {}, too; the job has been stopped. Close that program", where, self.port)
 
     def _room(self, under_way, line, count):
         if not count:
@@ -246,7 +265,11 @@ class GrblClient(Client):
                 raise Refused("alarm {}: {}", self.alarm, alarm_text(self.alarm or 0))
             if idle:
                 idle()
+            if self.foreign_ok():
+                self._end_foreign(_("after the last line"))
             time.sleep(0.1)
+        if self.foreign_ok():
+            self._end_foreign(_("after the last line"))
 
 
 def tagged(number, line):

@@ -8,6 +8,7 @@ At the first refused line it holds the machine on its path, drops what is queued
 """
 
 from host_tools.clients.grbl_wire import LOST, PAGE
+from host_tools.programs.program_lines import first_job_error
 from passo import errors
 
 _HELD = ("Hold", "Idle", "Alarm", "Check", "Door")
@@ -31,6 +32,9 @@ class Job:
         error = machine.still()
         if error or machine.state["state"] not in ("Idle", "Check"):
             return error or errors.BUSY
+        number, error = first_job_error(lines)
+        if error:
+            return {"error": error, "line": number}
         self.name = name
         self._lines = lines
         self._passes = passes

@@ -8,6 +8,11 @@ of jogs, lines of a job. Where nothing runs beside, in a browser's tab, it is do
 """
 
 
+def is_refusal(found):
+    """True if `found` says why there is nothing: the number of an error, or a dict with it and a text."""
+    return isinstance(found, (int, dict))
+
+
 class Later:
     def __init__(self, work, then=lambda result: result, job="", slow=False):
         """`job`: the name of the job that work() reads, or makes; `slow`: it may take minutes, so others do not wait for it, except those of

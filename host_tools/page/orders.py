@@ -4,7 +4,7 @@ another machine. Tool on, run and resume from another computer want somebody at 
     api = PanelOrders(machine, store, teach, choose)
 """
 
-from host_tools.page.later import Later
+from host_tools.page.later import Later, is_refusal
 from host_tools.page.set_up import SetUp
 from host_tools.page.presence import starts
 from host_tools.page.queue import Queue
@@ -73,13 +73,24 @@ class PanelOrders(Orders):
             if self._proving:
                 self._proving.end()
         error = self.machine.absent() if remote and proven and known and starts(order) else 0
-        return self._answer(order["do"], error) if error else Orders.order(self, order, proven)
+        return self._answer(order["do"], error) if error else self._whole(order, Orders.order(self, order, proven))
+
+    def _whole(self, order, found):
+        """An answer of a refusal, see is_refusal()."""
+        if "t" in found:
+            return found
+        answer = self._answer(order["do"], found["error"])
+        answer.update(found)
+        return answer
 
     def finish(self, answer, result):
         """The answer to an order whose work has given `result`."""
         found = answer["error"].then(result)
         if not isinstance(found, dict):
             answer["error"] = found
+            return answer
+        if "t" not in found:
+            answer.update(found)
             return answer
         if "id" in answer:
             found["id"] = answer["id"]
@@ -105,7 +116,7 @@ class PanelOrders(Orders):
         settings = dict(self.machine.settings)
 
         def told(found):
-            if isinstance(found, int):
+            if is_refusal(found) and (isinstance(found, int) or "error" in found):
                 return found
             answer = {"t": "job_about", "name": name}  # MicroPython, in a tab, does not know {**found}
             answer.update(found)
@@ -136,7 +147,7 @@ class PanelOrders(Orders):
     def _look_through(self, name):
         """(lines, the tools they change to or None) of a job, or the number of an error."""
         lines = self.store.lines(name)
-        return lines if isinstance(lines, int) else (lines, self.store.tools(lines))
+        return lines if is_refusal(lines) else (lines, self.store.tools(lines))
 
     def _run_whole(self, name, lines):
         return self.machine.run(name, lines, 1, False, False)
@@ -150,7 +161,7 @@ class PanelOrders(Orders):
         stops = self._stops
 
         def begin(lines):
-            error = lines if isinstance(lines, int) else errors.STOPPED if self._stops != stops else self.machine.refusal() or self.machine.still()
+            error = lines if is_refusal(lines) else errors.STOPPED if self._stops != stops else self.machine.refusal() or self.machine.still()
             return error or self.machine.run(name, lines, passes, bool(order.get("check")), bool(order.get("single")))
 
         return Later(lambda: self.store.lines(name), begin, name)

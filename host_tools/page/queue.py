@@ -9,7 +9,7 @@ The next job begins by itself only if no tool has to be changed in between: its 
 Else, and in a language without tools, somebody says so: "run". One that fails or is ended stops the queue.
 """
 
-from host_tools.page.later import Later
+from host_tools.page.later import Later, is_refusal
 from passo import errors
 from passo.protocols.page.orders import Wrong, number, text
 
@@ -59,8 +59,8 @@ class Queue:
         return 0
 
     def _add(self, name, found):
-        if isinstance(found, int):
-            return errors.NO_SUCH_JOB
+        if is_refusal(found):
+            return found
         if len(self._jobs) >= _MOST:
             return errors.JOB_SIZE
         self._jobs.append(name)
@@ -79,7 +79,7 @@ class Queue:
 
     def _begin(self, name, found):
         machine = self._machine
-        if isinstance(found, int):
+        if is_refusal(found):
             return found
         if self._jobs[:1] != [name]:
             return errors.BUSY  # another page has changed it meanwhile
@@ -132,8 +132,8 @@ class Queue:
 
     def _offer(self, name, found):
         """Begin the next one, or say what it waits for."""
-        tools = None if isinstance(found, int) else found[1]
-        if isinstance(found, int):
+        tools = None if is_refusal(found) else found[1]
+        if is_refusal(found):
             self._tell("gone")
         elif self._jobs[:1] != [name] or tools is None or self._machine.absent():
             self._tell("asks")

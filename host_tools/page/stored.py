@@ -12,7 +12,7 @@ from binascii import b2a_base64
 from micropython import const
 
 from host_tools.page.job import Job
-from host_tools.page.later import Later
+from host_tools.page.later import Later, is_refusal
 from host_tools.clients.grbl_wire import PAGE
 from passo import errors
 from passo.config.job_keys import name_fits
@@ -162,7 +162,7 @@ class StoredJobs(Job):
     # --- storing
 
     def _store(self, name, found):
-        if isinstance(found, int):
+        if is_refusal(found):
             return found
         size, crc, packed = found
         self._upload = [b"$FS=%s,grbl,%d,%08x,%d" % (name.encode(), size, crc, len(packed))]

@@ -10,6 +10,8 @@ import tempfile
 from pathlib import Path
 
 from host_tools.failure import Failure
+from host_tools.programs import gcode_file
+from host_tools.programs.program_lines import raw_lines_of
 from passo import errors
 
 _MOST_POINTS = 1000  # of one object
@@ -37,13 +39,25 @@ def gcode_of(board, machine):
         cut = gcode.usual(board)
         return "\n".join([*gcode.lines_of(plan, {part.number: cut for part in plan.parts}), ""])
 
-    return _maker(lambda: _as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write)
+    return _maker(lambda: _as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write, _no_program)
 
 
-def _maker(board_now, suffixes, suffix, write):
+def _no_program(name, text):
+    """0, or why the text is no job of G-code, a dict."""
+    try:
+        for _row in gcode_file.jobs_only(gcode_file.lines_of(name, raw_lines_of(text.encode("utf-8", "replace")))):
+            pass
+    except Failure as failure:
+        return {"error": errors.NOT_A_JOB, "text": failure.told()}
+    return 0
+
+
+def _maker(board_now, suffixes, suffix, write, read=None):
+    """`read(name, text)`: 0, or why a file that is no drawing is no job."""
+
     def made(name, text, place=None):
         if not name.lower().endswith(suffixes):
-            return name, text
+            return (read(name, text) if read else 0) or (name, text)
         if len(text) > _MOST_BYTES:
             return errors.JOB_SIZE
         from host_tools.drawings import drawing

@@ -252,7 +252,7 @@ class RecoverableJobs(StoredJobs):
             if what == asks:
                 next_ = " ".join(_text(line) for line in sent)
             parts[bool(next_)].extend((number, _text(line).encode()) for line in [*sent, "G4P0"])
-        return parts[0], parts[1] + self._files.numbered(rest, lines), next_
+        return parts[0], parts[1] + self._files.numbered(rest), next_
 
     def _down(self):
         if self._machine.position != self._position:

@@ -11,8 +11,10 @@ from threading import Lock
 
 from host_tools.clients.grbl import tagged
 from host_tools.failure import Failure
+from host_tools.page.later import is_refusal
 from host_tools.panel import job_facts
 from host_tools.programs import gcode_file, stored_job
+from host_tools.programs.program_lines import latin_bytes
 from host_tools.sim.tab_jobs import text_error
 from passo import errors
 
@@ -26,9 +28,13 @@ _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
 def gcode_lines(path):
-    """[(number, bytes)] as they are sent: without comments, numbered if the file does not number them itself. Raises Failure."""
-    lines = gcode_file.read(path)
-    return Store.numbered(lines, lines)
+    """[(number, bytes)] as they are sent: without comments, numbered. Raises Failure."""
+    return Store.numbered(gcode_file.read(path, job=True))
+
+
+def refusal(failure):
+    """Why a file is no job, as an order is answered."""
+    return {"error": errors.NOT_A_JOB, "text": failure.told()}
 
 
 class Store:
@@ -72,15 +78,15 @@ class Store:
             return path
         try:
             return self._read(path)
-        except Failure:
-            return errors.NOT_A_JOB
+        except Failure as failure:
+            return refusal(failure)
         except OSError:
             return errors.NO_SUCH_JOB
 
     def about(self, name, settings):
         """What a job will do, a dict, or the number of an error. `settings`: those of the board."""
         lines = self.lines(name)
-        if isinstance(lines, int):
+        if is_refusal(lines):
             return lines
         found = self._facts(lines, settings) if self._facts else {}
         return {**found, "placed": True} if self._source(name).is_file() else found
@@ -106,7 +112,8 @@ class Store:
             key = path.name, state.st_mtime_ns, state.st_size
             if key not in self._programs:
                 try:
-                    self._programs[key] = gcode_file.read(path), stored_job.crc(stored_job.gcode_job(path))
+                    lines = gcode_file.read(path, job=True)
+                    self._programs[key] = lines, stored_job.crc(stored_job.gcode_lines(lines))
                 except Failure:
                     self._programs[key] = None
             if self._programs[key]:
@@ -119,14 +126,12 @@ class Store:
         path = self._path(name)
         if isinstance(path, int):
             raise Failure("{} has gone", name)
-        return gcode_file.read(path)
+        return gcode_file.read(path, job=True)
 
     @staticmethod
-    def numbered(rest, lines):
-        """Lines of a program as they are sent: numbered if the whole program `lines` does not number them itself."""
-        if any(b"N" in line.upper() for _, line in lines):
-            return rest
-        return [(number, tagged(number, line)) for number, line in rest]
+    def numbered(lines):
+        """Lines of a program as they are sent."""
+        return [(number, tagged(number, line)) for number, line in lines]
 
     def packed(self, name):
         """(bytes, CRC-32, the packed bytes) of a job as a board stores it, or the number of an error."""
@@ -137,8 +142,8 @@ class Store:
             return errors.JOB_SPACE
         try:
             data = stored_job.gcode_job(path)
-        except Failure:
-            return errors.NOT_A_JOB
+        except Failure as failure:
+            return refusal(failure)
         return len(data), stored_job.crc(data), stored_job.pack(data)
 
     def text(self, name, at):
@@ -172,10 +177,10 @@ class Store:
         if error:
             return error
         found = self._made(name, text) if self._made else (name, text)
-        if isinstance(found, int):
+        if is_refusal(found):
             return found
         made, job = found
-        error = self._write(made, job.encode("latin-1", "replace"))
+        error = self._write(made, latin_bytes(job))
         source = self._source(made)
         source.unlink(missing_ok=True)
         return error or (self._write(source.name, text.encode()) if made != name else 0)
@@ -206,7 +211,7 @@ class Store:
         except OSError:
             return errors.NO_SUCH_JOB
         found = self._made(name.rpartition(".")[0], text, place)
-        return found if isinstance(found, int) else self._write(name, found[1].encode("latin-1", "replace"))
+        return found if is_refusal(found) else self._write(name, latin_bytes(found[1]))
 
     def remove(self, name):
         path = self._path(name)

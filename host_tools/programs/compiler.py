@@ -12,13 +12,15 @@ import time
 from pathlib import Path
 
 from host_tools.failure import Failure, reason
-from host_tools.language import _, line_text
+from host_tools.language import _, count_text, line_text
 from host_tools.programs import gcode_file, tool_table
 from host_tools.programs.listing import Listing
+from host_tools.programs.program_lines import WrongLetter, plain_text, raw_lines_of
 
 DIALECTS = ("num", "ngc")
 BOUND = 1_000_000
 _TELL_S = 0.2
+_NO_LETTER = "\ufffd"  # in place of a line behind a closing %, which no dialect carries out
 HEADER = "G21 G17 G90 G94 G40 G80"
 _SUFFIXES = {".num": "num"}
 
@@ -62,10 +64,14 @@ class Program:
         self.path, self.name = path, path.name
         self.dialect, self.reason = dialect, reason
         self.listing, self.texts = listing, texts
+        self.behind = ""  # what is said of lines behind the program's end, once rows() has come to it
 
     def rows(self):
         """(number, bytes) one by one: of the file, or of the listing. Raises Failure as it comes to what is wrong."""
-        return gcode_file.lines(self.path) if self.listing is None else iter(self.listing.lines())
+        return gcode_file.lines(self.path, self._ended) if self.listing is None else iter(self.listing.lines())
+
+    def _ended(self, number, behind):
+        self.behind = _("{} ends at line {}; what stands behind it is no part of the program: {}", self.name, number, count_text(behind, "line"))
 
     def last_number(self):
         return gcode_file.last_number(self.path) if self.listing is None else len(self.listing.codes)
@@ -91,7 +97,18 @@ def text_of(path):
         raise Failure("cannot read {}: {}", path, reason(error)) from error
     if b"\0" in data:
         raise Failure("{} is no text: there are zero bytes in it", path)
-    return data.decode("utf-8", "replace")
+    lines, begun, ended = [], False, False
+    for number, raw in enumerate(raw_lines_of(data), 1):
+        try:
+            lines.append(plain_text(raw))
+        except WrongLetter as wrong:
+            if not ended:
+                raise gcode_file.wrong_letter(path, WrongLetter(wrong.letter, number)) from None
+            lines.append(_NO_LETTER)
+        words = lines[-1].strip()
+        ended = ended or begun and words == "%"
+        begun = begun or words not in ("", "%")
+    return "\n".join(lines)
 
 
 def detect(path):
@@ -184,9 +201,12 @@ def fit(program, about, tools=None):
 
 
 def tell(program):
-    """Say on stderr that a program was compiled, if nobody asked for it, and what its compiler warns of."""
+    """Say on stderr that a program was compiled, if nobody asked for it, what its compiler warns of, and, once its rows have been read, what follows its
+    end."""
     if program.reason:
-        text = _("{}: compiled as {}, because {}: {} lines; --dialect plain sends it as it is")
-        print(text.format(program.name, program.dialect, program.reason, program.last_number()), file=sys.stderr)
+        text = _("{}: compiled as {}, because {}: {}; --dialect plain sends it as it is")
+        print(text.format(program.name, program.dialect, program.reason, count_text(program.last_number(), "line")), file=sys.stderr)
+    if program.behind:
+        print(program.behind, file=sys.stderr)
     for warning in program.listing.warnings if program.listing else ():
         print(_("warning: {}", warning), file=sys.stderr)

@@ -1,38 +1,67 @@
-"""G-code files on the PC: the lines that a controller should get, with their numbers in the file."""
-
-import re
+"""G-code files on the PC: the lines that a controller should get, with their numbers in the file, as program_lines.py reads them."""
 
 from host_tools.failure import Failure, reason
+from host_tools.language import _, error_text
+from host_tools.programs.program_lines import WrongLetter, job_error, name_letter, program_lines
 
-_COMMENT = re.compile(rb"\([^)]*\)?|;.*", re.DOTALL)
-_PROGRAM = re.compile(rb"[Oo:]\d+$")  # a program's number, which CAM programs begin with
-_DROPPED = bytes(byte for byte in range(256) if not 32 < byte < 127 or byte in b"?!~")
-
-
-def read(path):
-    """[(number, bytes)] of the lines that are not empty, without comments, blanks and the program's number. Raises Failure."""
-    return list(lines(path))
+_FIRST = 4096  # bytes that say whether it is a text
 
 
-def lines(path):
+def read(path, ended=None, job=False):
+    """[(number, bytes)] of the lines to send, without comments, blanks, N words and the program's number. `ended`: see program_lines().
+    `job`: refuse lines that no job may have. Raises Failure."""
+    return list((jobs_only if job else iter)(lines(path, ended)))
+
+
+def lines(path, ended=None):
     """The same one by one, for files that are too long to keep. Raises Failure as it comes to what is wrong."""
-    empty = True
     try:
         with open(path, "rb") as file:
-            number = 0
-            for raw in file:
-                if b"\0" in raw:
-                    raise Failure("{} is no text: there are zero bytes in it", path)
-                for line in raw.splitlines():
-                    number += 1
-                    stripped = strip(line)
-                    if stripped and stripped != b"%" and not _PROGRAM.match(stripped):
-                        empty = False
-                        yield number, stripped
+            if b"\0" in file.read(_FIRST):
+                raise _no_text(path)
+            file.seek(0)
+            yield from lines_of(path, _rows(file, path), ended)
     except OSError as error:
         raise Failure("cannot read {}: {}", path, reason(error)) from error
+
+
+def lines_of(name, rows, ended=None):
+    """The same of raw lines, bytes."""
+    empty = True
+    try:
+        for row in program_lines(rows, ended):
+            empty = False
+            yield row
+    except WrongLetter as wrong:
+        raise wrong_letter(name, wrong) from None
     if empty:
-        raise Failure("{} has no line of G-code", path)
+        raise Failure("{} has no line of G-code", name)
+
+
+def wrong_letter(name, wrong):
+    """The Failure of a WrongLetter."""
+    shown = f"“{wrong.letter}” " if wrong.letter.isprintable() else ""
+    return Failure("{}: line {}: {}({}) is no letter of G-code: only a comment may have it", name, wrong.number, shown, name_letter(wrong.letter))
+
+
+def jobs_only(rows):
+    """The rows again. Raises Failure at the first that no job may have."""
+    for number, line in rows:
+        error = job_error(line)
+        if error:
+            raise Failure("line {}, {}: {}", number, line.decode("ascii", "backslashreplace"), _("error {}, {}", error, error_text(error)))
+        yield number, line
+
+
+def _rows(file, path):
+    for raw in file:
+        if b"\0" in raw:
+            raise _no_text(path)
+        yield from raw.splitlines()
+
+
+def _no_text(path):
+    return Failure("{} is no text: there are zero bytes in it", path)
 
 
 def last_number(path):
@@ -42,18 +71,6 @@ def last_number(path):
             return sum(len(raw.splitlines()) for raw in file)
     except OSError as error:
         raise Failure("cannot read {}: {}", path, reason(error)) from error
-
-
-def strip(line):
-    """`line` as the controller sees it: without comments, blanks and anything but printable ASCII."""
-    if b"(" in line or b";" in line:
-        line = _COMMENT.sub(b"", line)
-    return line.translate(None, _DROPPED)
-
-
-def has_numbers(lines):
-    """True if a line of [(number, bytes)] has an N word; a packed row of dots, behind =, is none."""
-    return any(b"N" in line.partition(b"=")[0].upper() for _, line in lines)
 
 
 def clock(seconds):

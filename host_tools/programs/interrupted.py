@@ -20,25 +20,11 @@ def interrupted(said, lines, stored=0):
         raise Failure("the board's journal is of another file, or the file has changed; begin at a line with passo stream --from")
     if not line:
         return lines[0][0], None, record.known
-    line = _line_of(lines, line)
     if record.done:
         if line >= lines[-1][0]:
             raise Failure("the file was done to its end")
         return line + 1, None, record.known
     return line, record.place, record.known
-
-
-def _line_of(lines, number):
-    """The line of the file that has the N word `number`; a file without N words gets the numbers of its lines. Raises Failure."""
-    from host_tools.clients.grbl import N_WORD
-    from host_tools.programs.gcode_file import has_numbers
-
-    if not has_numbers(lines):
-        return number
-    found = [known for known, line in lines if (word := N_WORD.match(line.upper())) and int(word[1]) == number]
-    if len(found) != 1:
-        raise Failure("{} lines of the file are N{}, which was interrupted; begin at a line with passo stream --from", len(found), number)
-    return found[0]
 
 
 def ended(said):

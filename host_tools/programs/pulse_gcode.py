@@ -250,7 +250,7 @@ def _text(mm):
 
 def _prove(text, found, board):
     """Raise Failure if the G-code would not make the same steps."""
-    from host_tools.programs.gcode_file import strip
+    from host_tools.programs.program_lines import strip
 
     lines = [(number, strip(line)) for number, line in enumerate(text.encode().splitlines(), 1)]
     back = pulse_file.Converter(board).convert([row for row in lines if row[1]])

@@ -13,14 +13,15 @@ import itertools
 import re
 from dataclasses import replace
 
-from host_tools.clients.grbl import N_WORD, explain, tagged
+from host_tools.clients.grbl import explain, tagged
 from host_tools.failure import Failure
 from host_tools.programs.replayed_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact
-from passo import commands
+from passo import commands, errors
 from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.reader import NONE
+from passo.protocols.gcode.words import longest
 from passo.steps.dots_viper import end_of
 
 OFFSETS, UP, OVER, OUTPUTS, DOWN, GO = "offsets", "tool up", "to the place", "spindle and coolant", "tool down", "go on"
@@ -111,9 +112,7 @@ class Replay:
 
     def _numbered(self, at, line):
         """`line` with the number of line `at`: to the journal it is that line."""
-        number, text = self._lines[at]
-        own = N_WORD.match(text.upper())
-        return tagged(int(own[1]) if own else number, line.encode()).decode()
+        return tagged(self._lines[at][0], line.encode()).decode()
 
     # --- what is not known of how the program began
 
@@ -223,7 +222,7 @@ class Replay:
         number, line = self._lines[index]
         if line.startswith(b"$"):
             raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
-        error = self._gcode.interpret(line)
+        error = errors.LINE_TOO_LONG if len(line) > longest(line) else self._gcode.interpret(line)
         if error:
             raise RefusedLine("line {}, {}: {}", number, line, error)
         return list(commands_of(self._gcode.commands))

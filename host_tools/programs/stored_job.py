@@ -40,23 +40,21 @@ def name_of(path):
     return name[-LONGEST_NAME:]
 
 
-def gcode_job(path):
-    """A G-code file as a job: a line for each of its lines, without comments and blanks, numbered by N words as `passo stream`
-    numbers them, so that status reports and errors name the file's line."""
+def gcode_job(path, ended=None):
+    """A G-code file as a job: a line for each of its lines up to the program's end, without comments and blanks, numbered by N words as `passo stream`
+    numbers them, so that status reports and errors name the file's line. `ended`: see program_lines(). Raises Failure, also if no job may have a line."""
     from host_tools.programs import gcode_file
 
-    return gcode_lines(gcode_file.read(path))
+    return gcode_lines(gcode_file.read(path, ended, True))
 
 
 def gcode_lines(lines):
     """The same of a file's [(number, bytes)]."""
     from host_tools.clients.grbl import tagged
-    from host_tools.programs import gcode_file
 
-    numbered = not gcode_file.has_numbers(lines)
     rows = [b""] * lines[-1][0]
     for number, line in lines:
-        rows[number - 1] = tagged(number, line) if numbered else line
+        rows[number - 1] = tagged(number, line)
     return b"\n".join(rows) + b"\n"
 
 

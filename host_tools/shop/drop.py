@@ -10,6 +10,7 @@ from pathlib import Path
 from host_tools import boards
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
+from host_tools.page.later import is_refusal
 from host_tools.panel import drawn
 from host_tools.programs import compiler
 from host_tools.sim.job import VirtualJob
@@ -31,8 +32,8 @@ def job_of(name, data, kind):
     if board["links"][0]["protocol"] != "grbl" or not board["journal"]:
         raise Failure("{}: jobs are for boards that speak grbl and have the key journal", kind)
     found = drawn.gcode_of(board, _AsItIs)(name, data.decode("utf-8", "replace"))
-    if isinstance(found, int):
-        raise Failure("{}: {}", name, error_text(found))
+    if is_refusal(found):
+        raise Failure("{}: {}", name, error_text(found)) if isinstance(found, int) else Failure("{}", found["text"])
     name, text = found
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "job.gcode"

@@ -291,7 +291,7 @@ class Work:
     def _begin(self):
         """From the first line. Returns 0 or an error."""
         name, lines, _number = self._job.files.programs()[0]
-        error = self._machine.run(name, Store.numbered(lines, lines), 1, False, False)
+        error = self._machine.run(name, Store.numbered(lines), 1, False, False)
         if not error:
             self._become(RUN)
         return error
@@ -395,5 +395,5 @@ def _lines_of(data):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "job.gcode"
         path.write_bytes(data)
-        return gcode_file.read(path)
+        return gcode_file.read(path, job=True)
 

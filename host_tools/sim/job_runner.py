@@ -332,7 +332,7 @@ class Runner:
         """True if `line` may be sent too. Probing is sent alone: the alarm at its end would refuse the next lines."""
         if self._under_way and (probes(line) or probes(self._under_way[-1][1])):
             return False
-        return self._size + len(line) < WINDOW
+        return not self._under_way or self._size + len(line) < WINDOW
 
     def _resume(self):
         """Act as the operator in a pause: the oldest line without an answer asked for it."""

@@ -6,28 +6,19 @@
 The page asks for the same methods of `passo panel`'s folder of jobs.
 """
 
+from host_tools.programs.program_lines import WrongLetter, program_lines, raw_lines_of
 from passo import errors
 
 _MOST_BYTES = 8_000_000
 _PIECE = 32_768
 _MOST_NAME = 60
 _LONGEST_TAGGED = 72  # of the 80 characters that every grbl has room for
-_REAL_TIME = "?!~"
 _LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
-
-
-def stripped(line):
-    """A line as the controller is to see it: without comments, and nothing but printable ASCII that is no real-time command."""
-    line = line.split(";")[0]
-    while "(" in line:
-        before, _, rest = line.partition("(")
-        line = before + rest.partition(")")[2]
-    return "".join([letter for letter in line if " " <= letter <= "~" and letter not in _REAL_TIME]).strip()
 
 
 def tagged(number, line):
     """A line of G-code with its number in the file, which reports then show."""
-    return line if line[:1] == "$" or len(line) > _LONGEST_TAGGED else "N%d%s" % (number, line)
+    return line if line[:1] == b"$" or len(line) > _LONGEST_TAGGED else b"N%d%s" % (number, line)
 
 
 def text_error(text):
@@ -54,10 +45,14 @@ class Jobs:
         """[(number, bytes)], or the number of an error."""
         if name not in self._jobs:
             return errors.NO_SUCH_JOB
-        found = [(number + 1, stripped(line)) for number, line in enumerate(self._jobs[name].split("\n"))]
-        found = [(number, line) for number, line in found if line and line != "%"]
-        numbered = not self._grbl or [line for _, line in found if "N" in line.upper()]
-        return [(number, (line if numbered else tagged(number, line)).encode()) for number, line in found]
+        text = self._jobs[name]
+        if not self._grbl:
+            found = [(number + 1, line.partition("#")[0].strip()) for number, line in enumerate(text.split("\n"))]
+            return [(number, line.encode()) for number, line in found if line]
+        try:
+            return [(number, tagged(number, line)) for number, line in program_lines(raw_lines_of(text.encode()))]
+        except WrongLetter as wrong:
+            return {"error": errors.JOB_LINE, "line": wrong.number, "text": ""}
 
     def about(self, name, settings):
         """What a job will do is not looked at in a tab."""

@@ -316,10 +316,10 @@ def test_a_chosen_line_that_is_left_gives_way_to_what_was_interrupted(tmp_path):
     assert made.machine.state["recover"] == offer
 
 
-@pytest.mark.parametrize("line, text", ((400, "ends before"), (4, "probes"), (6, "cannot be replayed")))
+@pytest.mark.parametrize("line, text", ((400, "ends before"), (4, "probes"), (6, "line 5, $X: error 184")))
 def test_a_line_that_cannot_be_begun_at_says_why(tmp_path, line, text):
     made = ready(tmp_path)
-    assert made.store.put("strange.gcode", "G21G90\nF100\nG38.2Z-5\nG0Z-1\n$X\nG1X1\n" if line != 6 else "G21G90\nF100\nG0X1\nG0Z-1\n$X\nG1X1\n") == 0
+    assert made.store.put("strange.gcode", "G21G90\nF100\nG38.2Z-5\nG0Z-1\nG1X1\n" if line != 6 else "G21G90\nF100\nG0X1\nG0Z-1\n$X\nG1X1\n") == 0
     assert begin_at(made, line, "strange.gcode") is None
     assert [event for event in made.told if event["t"] == "refused" and text in event["text"]], made.told
     assert made.order("recover", what="from", name="none.gcode", line=1) == errors.NO_SUCH_JOB

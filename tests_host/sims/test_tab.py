@@ -9,7 +9,7 @@ from host_tools.sim.tab_jobs import Jobs
 from host_tools.site.builder import BOARDS, jobs
 from passo import errors
 
-JOB = "G21 G90 G94\nG0 X2 (over; there)\nG1 Y1.5 Z-1 F1200 ; down\n\n%\nM2\n"
+JOB = "G21 G90 G94\nG0 X2 (over; there)\nG1 Y1.5 Z-1 F1200 ; down\n\n\nM2\n"
 
 
 class Page:
@@ -143,7 +143,7 @@ def test_a_plotter_refuses_what_is_no_packet_and_stops():
 
 def test_jobs_of_a_tab():
     kept = Jobs({"a.gcode": JOB}, "grbl")
-    assert kept.lines("a.gcode")[:3] == [(1, b"N1G21 G90 G94"), (2, b"N2G0 X2"), (3, b"N3G1 Y1.5 Z-1 F1200")]
+    assert kept.lines("a.gcode")[:3] == [(1, b"N1G21G90G94"), (2, b"N2G0X2"), (3, b"N3G1Y1.5Z-1F1200")]
     assert kept.lines("b.gcode") == kept.remove("b.gcode") == kept.text("b.gcode", 0) == errors.NO_SUCH_JOB
     for name in ("../x", "", "a" * 61, ".x", "x.", "ü", "a/b"):
         assert kept.put(name, "") == errors.JOB_NAME, name
@@ -154,8 +154,9 @@ def test_jobs_of_a_tab():
     assert kept.put("d", "x" * 8_000_001) == errors.JOB_SIZE
     assert kept.put("d", " \n") == kept.put("photo.png", "\x89PNG\0") == kept.add("e", 0, "", True) == errors.NOT_A_JOB
     assert [name for name, _ in kept.names()] == ["a.gcode", "c"]
-    assert Jobs({"noise": "G0 X1!\x18?~ü\r\n%\r\n\x00\n"}, "grbl").lines("noise") == [(1, b"N1G0 X1")]
-    assert Jobs({"n": "N7 G0 X1\nG0 X2\n"}, "grbl").lines("n") == [(1, b"N7 G0 X1"), (2, b"G0 X2")]
+    assert Jobs({"noise": "G0 X1\x11(!\x18?~ü)\r\n%\r\n"}, "grbl").lines("noise") == [(1, b"N1G0X1")]
+    assert Jobs({"noise": "G0\nX1!"}, "grbl").lines("noise") == {"error": errors.JOB_LINE, "line": 2, "text": ""}
+    assert Jobs({"n": "N7 G0 X1\nG0 X2\n"}, "grbl").lines("n") == [(1, b"N1G0X1"), (2, b"N2G0X2")]
 
 
 def test_every_order_for_jobs_is_known_in_a_tab():

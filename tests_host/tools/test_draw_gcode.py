@@ -22,7 +22,7 @@ from host_tools.cli.draw_options import Said
 from host_tools.drawings import drawing, gcode, sources
 from host_tools.drawings.drawing import Drawing, Part
 from host_tools.failure import Failure
-from host_tools.programs import gcode_file
+from host_tools.programs.program_lines import program_lines
 from host_tools.sim.job import VirtualJob
 
 PLACES = st.tuples(st.integers(0, 9600), st.integers(0, 6400))
@@ -102,7 +102,7 @@ def test_the_pins_draw_the_drawing(tmp_path, board, tool):
     job = VirtualJob(board, inside=True)
     if tool == "m3":
         job.track.by_height = False
-    job.run([(number, gcode_file.strip(line.encode())) for number, line in enumerate(lines, 1)])
+    job.run(list(program_lines(line.encode() for line in lines)))
     assert not job.errors
     wanted = [numpy.array(line) / plan.steps_per_mm for line in plan.lines]
     drawn = [numpy.array(places)[:, :2] for on, places in job.track.strokes if on and len(places) > 1]

@@ -103,28 +103,24 @@ def test_keys(board, job):
         assert not board.app.controller.machine.alarm
 
 
-@pytest.mark.parametrize("prefix, numbered", [(b"", True), (b"N100", False)])
-def test_progress_is_that_of_the_motion(job, prefix, numbered):
-    """Everything has been answered long before the machine is there: it says itself where it is."""
+@pytest.mark.parametrize("prefix", [b"", b"N100"])
+def test_progress_is_that_of_the_motion(job, prefix):
+    """Everything has been answered long before the machine is there: it says itself where it is, by lines of the file, whatever N words that has."""
     running = Running("real")
     job.write_bytes(b"\n\nG1 F30\n" + b"".join([prefix + b"X%d\n" % (x % 2) for x in range(1, 7)]))
     lines = gcode_file.read(job)
     try:
         with GrblClient(running.line.name) as client, stream.Panel(client, lines) as panel:
-            assert panel.numbered == numbered
             client.connect()
             client.command("$X")
-            for number in client.stream(lines, True, None, panel.numbered):
+            for number in client.stream(lines, True, None, True):
                 panel.done(number)
             running.until(lambda: running.world.steps > 0)
             client.real_time(b"!")
             running.until(running.standing)
             client.ask_status()
             panel.cycle()
-            if numbered:
-                assert 4 <= panel._line < 9 and "100%" not in panel.text() and "–" not in panel.text()
-            else:
-                assert panel._line == 9 and "100%" in panel.text()
+            assert 4 <= panel._line < 9 and "100%" not in panel.text() and "–" not in panel.text()
             client.halt()
     finally:
         running.close()
@@ -135,12 +131,12 @@ def test_where_the_queue_was_empty_is_told(board, capsys, monkeypatch):
     monkeypatch.setattr(stream, "_WORTH_S", 0)
     with GrblClient(board.line.name) as client:
         panel = stream.Panel(client, [(number, b"X1") for number in range(1, 100)])
-        panel.numbered, panel._asks = False, False
+        panel._asks = False
         client._notice("[OPT:VNMZJ,96,512]")
         for done, free in ((1, 96), (10, 40), (20, 95), (30, 94), (35, 40), (40, 94), (50, 10)):
             while panel._done < done:
                 panel.done(panel._done + 1)
-            client._notice("<Run|MPos:0,0,0|Bf:%d,512|FS:1,0>" % free)
+            client._notice("<Run|MPos:0,0,0|Bf:%d,512|Ln:%d|FS:1,0>" % (free, done))
             panel._asked = 0.0
             panel._asks = True
             panel.cycle()
@@ -204,8 +200,8 @@ def test_check(job, tmp_path, capsys):
     check.check(job, "router_3axis", picture, None)
     said = capsys.readouterr().out
     assert "0.000 …    20.000 mm" in said and picture.stat().st_size > 10_000
-    job.write_bytes(SQUARE + b"G1 E1\nM99\n")
-    with pytest.raises(Failure, match="2 lines would be refused; the first is line 11"):
+    job.write_bytes(SQUARE.replace(b"M30\n%", b"G1 E1\nM99\n"))
+    with pytest.raises(Failure, match="2 lines would be refused; the first is line 9"):
         check.check(job, "router_3axis", None, None)
 
 

@@ -33,7 +33,7 @@ TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "RefusedLi
 # Functions that hand on a text of their caller's, or one of a table.
 HANDED_ON = {
     "shop/home_assistant.py": ("discovery",),
-    "language.py": ("_", "speak", "error_text", "reworded"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
+    "language.py": ("_", "speak", "error_text", "reworded", "count_text"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
     "programs/compensation.py": ("_misfit",), "programs/program_errors.py": ("told",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_counted",),
@@ -296,9 +296,9 @@ def test_errors_and_settings_in_portuguese(portuguese):
 
 
 def test_a_failure_is_english_until_it_is_told(portuguese):
-    failure = Failure("{}: {} lines would be refused; the first is {}", "a{0}.nc", 3, Failure("no file {}", "{x}"))
-    assert str(failure) == "a{0}.nc: 3 lines would be refused; the first is no file {x}"
-    assert failure.told() == "a{0}.nc: 3 linhas seriam recusadas; a primeira é não há arquivo {x}"
+    failure = Failure("{}: faults in {} of {}", "a{0}.nc", 3, Failure("no file {}", "{x}"))
+    assert str(failure) == "a{0}.nc: faults in 3 of no file {x}"
+    assert failure.told() == "a{0}.nc: falhas em 3 de não há arquivo {x}"
     assert str(Failure("{no field}")) == Failure("{no field}").told() == "{no field}"
     assert reason(OSError(errno.ENOENT, os.strerror(errno.ENOENT))) == "arquivo ou pasta não encontrado"
     error = program_errors.ProgramError(program_errors.RANGE, "F{:g}: seconds, 99.99 at most", 120, place="p.num:4")

@@ -11,7 +11,7 @@ from host_tools.cli.pulses_stream import play_long
 from host_tools.clients.pulses import PulsesClient
 from host_tools.failure import Failure
 from host_tools.programs import pulse_file, pulse_gcode, pulse_shapes
-from host_tools.programs.gcode_file import strip
+from host_tools.programs.program_lines import strip
 from host_tools.programs.long_pulses import LongFile
 from host_tools.programs.pulse_gcode import moves_of, same_steps, to_gcode
 from host_tools.programs.recognition import pieces

@@ -69,7 +69,7 @@ def test_shapes_accelerate_within_bounds(shape, accel):
 
 
 def test_an_arc_stays_within_the_acceleration():
-    from host_tools.programs.gcode_file import strip
+    from host_tools.programs.program_lines import strip
 
     lines = [(number, strip(line)) for number, line in enumerate(b"F2400\nG1X40\nG3X40Y10I0J5\nG1X0".split(b"\n"), 1)]
     found = items(pulse_file.Converter(BOARD).convert(lines))

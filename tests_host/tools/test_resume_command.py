@@ -54,7 +54,7 @@ def test_a_lost_pc(board, part, capsys):
     assert board.position() == [0, 0, 0]
     resume.resume(part, board.line.name, 115200, yes=True)
     assert "interrupted before line 6" in capsys.readouterr().out  # which ends the program, and does not move
-    part.write_bytes(PART + b"G4P0\n")
+    part.write_bytes(b"G4P0\n" + PART)
     with pytest.raises(Failure, match="another file"):
         resume.resume(part, board.line.name, 115200, yes=True)
 

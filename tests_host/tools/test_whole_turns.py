@@ -181,11 +181,13 @@ def test_a_stream_that_begins_at_a_circle_has_it():
 @pytest.mark.skipif(not shutil.which("node"), reason="node is not installed")
 def test_the_picture_of_the_page_has_them(tmp_path):
     """Circles from every side, both ways, on the page's canvas: as long as they are."""
-    shutil.copy(PAGE / "gcode_path.js", tmp_path / "path.mjs")
+    for name in ("gcode_path.js", "program.js"):
+        shutil.copy(PAGE / name, tmp_path)
+    (tmp_path / "package.json").write_text('{"type": "module"}')
     starts = [(5, 0), (-5, 0), (0, 5), (0, -5), (3, 4), (-3.3, 4.1)]
     programs = [f"G0 X1 Y1\nG1 X1 F100\n{word} X1 Y1 I{i} J{j}" for i, j in starts for word in ("G2", "G3")]
     (tmp_path / "run.mjs").write_text(
-        f"import {{ read }} from './path.mjs';\nconsole.log(JSON.stringify({programs}.map((text) => read(text).at(-1).points)));"
+        f"import {{ read }} from './gcode_path.js';\nconsole.log(JSON.stringify({programs}.map((text) => read(text).at(-1).points)));"
     )
     run = subprocess.run(["node", tmp_path / "run.mjs"], capture_output=True, text=True, timeout=60, check=True)
     for points, (i, j) in zip(json.loads(run.stdout), [each for each in starts for _ in range(2)]):

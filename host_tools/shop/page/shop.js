@@ -3,6 +3,7 @@
 import { _, choose, preferred } from "./words.js";
 import { Link } from "./link.js";
 import { read } from "./gcode_path.js";
+import { decode } from "./program.js";
 import { element, said, states } from "./tiles.js";
 import { pieces } from "./pieces.js";
 import { paint, thumbnail } from "./thumbnail.js";
@@ -185,7 +186,7 @@ function queue(files) {
 }
 
 async function send(file, more) {
-  const text = await file.text();
+  const text = decode(await file.arrayBuffer());
   tell(file.name, () => _("{name} is checked…", file));
   for (const piece of pieces(text)) if (complain(await link.order({ do: "drop", name: file.name, ...piece, ...more }), file.name)) return;
 }

@@ -1,5 +1,7 @@
 // The path of a job of G-code, for a picture.
 
+import { programLines } from "./program.js";
+
 const ARC_STEPS = 48;
 
 // [{line, points: [[x, y, z]], rapid, feed, power}] of G-code; work coordinates in mm, mm/min. A picture: the board alone decides what moves.
@@ -7,8 +9,8 @@ export function read(text) {
   const moves = [];
   let feed = 0, power = 0, lit = false;
   let place = [0, 0, 0], absolute = true, unit = 1, motion = 0, plane = 17;
-  text.split("\n").forEach((raw, index) => {
-    const line = raw.replace(/\(.*?\)|;.*/g, "").toUpperCase();
+  programLines(text).lines.forEach(([number, bare]) => {
+    const line = bare.toUpperCase();
     const words = {};
     const codes = [];
     for (const word of line.match(/[A-Z]\s*[-+]?[\d.]+/g) || []) {
@@ -34,7 +36,7 @@ export function read(text) {
       return word === undefined ? now : (absolute ? 0 : now) + word * unit;
     });
     const arc = motion >= 2 && plane === 17 && ("I" in words || "J" in words || "R" in words);
-    moves.push({ line: index + 1, points: arc ? bend(place, to, words, unit, motion === 2) : [place, to], rapid: motion === 0, feed, power: lit ? power : 0 });
+    moves.push({ line: number, points: arc ? bend(place, to, words, unit, motion === 2) : [place, to], rapid: motion === 0, feed, power: lit ? power : 0 });
     place = to;
   });
   return moves;

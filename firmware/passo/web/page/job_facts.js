@@ -1,11 +1,18 @@
 // What is told of a job before and while it runs: size, time, bounds, tools; gone, left, and when it ends.
 
+import { programLines } from "./program.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const TRUST = 0.1;  // part of a job up to which the estimate counts for more than what was measured
 const RATE_S = 3;  // over which lines a second are counted
 const LOW = 10;  // % of the board's queue: with less the machine slows down to the pace of its lines
+
+// What is said of a letter that is none of G-code, as programLines() and the board name it.
+export function wrongLetter({ line, letter }) {
+  const code = `U+${letter.codePointAt(0).toString(16).toUpperCase().padStart(4, "0")}`;
+  return _("Line {line}: “{letter}” ({code}) is no letter of G-code: only a comment may have it", { line, letter, code });
+}
 
 // Seconds as people say them.
 export function clock(seconds) {
@@ -28,7 +35,8 @@ export class JobFacts {
 
   // A job has been loaded: ask the PC what it will do; a board has no time for that.
   async load(job) {
-    this.about = { name: job.name, size: job.text.length, lines: job.lines.length };
+    const { last, behind, wrong } = job.language === "grbl" ? programLines(job.text) : {};
+    this.about = { name: job.name, size: job.text.length, lines: job.lines.length, last, behind, wrong };
     this.tell();
     const answer = await this.order("job_about", { name: job.name });
     if (!answer.error && answer.name === this.about.name) this.about = { ...this.about, ...answer };
@@ -40,7 +48,8 @@ export class JobFacts {
   tell() {
     this.known(this.about);
     const { name, size, lines, seconds, tools, pauses } = this.about, box = name && this.picture.bounds();
-    const facts = name ? [_("{lines} lines, {size} kB", { lines, size: Math.ceil(size / 1024) })] : [];
+    const kB = { lines, size: Math.ceil(size / 1024) };
+    const facts = name ? [lines === 1 ? _("1 line, {size} kB", kB) : _("{lines} lines, {size} kB", kB)] : [];
     if (seconds !== undefined) facts.push(_("about {time}", { time: clock(seconds) }));
     const told = (ends, axis) => (axis < 2 || ends.some(Boolean) ? [`${"XYZ"[axis]}\u00a0${ends[0].toFixed(1)}\u00a0…\u00a0${ends[1].toFixed(1)}`] : []);  // a plotter has no Z
     if (tools && seconds === undefined) facts.push(_("too long for an estimate here: passo check tells the time"));
@@ -48,9 +57,10 @@ export class JobFacts {
     if (tools && tools.length) facts.push(_("tools {tools}", { tools: tools.join(", ") }));
     if (pauses) facts.push(_("pauses: {pauses}", { pauses }));
     if ($("job-facts").textContent !== facts.join(" · ")) $("job-facts").textContent = facts.join(" · ");
-    const { refused } = this.about, line = refused && refused[0];
+    const { refused, last, behind, wrong: letter } = this.about, line = refused && refused[0];
     this.beyond = box ? this.outside(box) : "";
-    const wrong = [refused ? `${_("The job would stop at line {line}.", { line })} ${this.errorText(refused[1])}` : "", this.beyond].filter(Boolean).join(". ");
+    const ends = behind ? _("The program ends at line {last}; {behind} lines behind it are no part of it", { last, behind }) : "";
+    const wrong = [letter ? wrongLetter(letter) : "", ends, refused ? `${_("The job would stop at line {line}.", { line })} ${this.errorText(refused[1])}` : "", this.beyond].filter(Boolean).join(". ");
     if ($("job-wrong").textContent !== wrong) $("job-wrong").textContent = wrong;
   }
 

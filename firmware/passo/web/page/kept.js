@@ -1,6 +1,7 @@
 // The jobs that the board keeps in its flash: a row of the job's card, shown if there are any to be kept.
 
 import { grey } from "./controls.js";
+import { wrongLetter } from "./job_facts.js";
 import { crc32, deflate, jobBytes, unaccented } from "./pack.js";
 import { _ } from "./words.js";
 
@@ -41,6 +42,8 @@ export class Kept {
   // A file of this computer to the flash of the board that serves the page: piece by piece, then it is read back whole.
   async upload(file) {
     const name = storedName(file.name), job = jobBytes(this.language(), await file.arrayBuffer());
+    if (job && job.letter) return this.say(wrongLetter(job));
+    if (job && job.line) return this.say(_("Line {line}, {text}: a job may not have it, give it by hand", job));
     if (!job) return this.say(_("{name} is no job of this machine's language.", { name: file.name }));
     this.say("");
     if (!(await this.mayReplace(name))) return;

@@ -1,17 +1,34 @@
 // A file as the board stores it: the bytes that a PC would send, their CRC-32, and deflated (RFC 1951) with the window that a board has.
 
+import { decode, jobError, programLines } from "./program.js";
+
+const TAG = 8, MOST_TAG = 9999999;  // characters of a number, and the highest
 const WINDOW = 1000, LONGEST = 258, TRIES = 32;
 
 // A name without its accents, which neither a board nor a PC's jobs take.
 export const unaccented = (name) => name.normalize("NFD").replace(/[\u0300-\u036f]/g, "");
 
-// The bytes of a job, or null if the file is none of the language.
+// The bytes of a job, or null if the file is none of the language; of G-code with a line that no job may have {line, letter} or {line, text}.
 export function jobBytes(language, bytes) {
   const text = new TextDecoder("latin1").decode(bytes);
   if (language === "plotter") return packets(text);
   if (text.includes("\0")) return null;  // a picture, or another file that is no text
-  const kept = language === "pulses" ? text.replace(/\s/g, "") : text.replace(/\r/g, "").replace(/\n*$/, "\n");
-  return kept.trim() ? Uint8Array.from(kept, (letter) => letter.charCodeAt(0)) : null;
+  if (language === "grbl") return numbered(decode(bytes));
+  const kept = text.replace(/\s/g, "");
+  return kept ? Uint8Array.from(kept, (letter) => letter.charCodeAt(0)) : null;
+}
+
+// A line for each line of the file, with its number as N word.
+function numbered(text) {
+  const { lines, wrong } = programLines(text), refused = jobError(lines), rows = [];
+  if (wrong) return wrong;
+  if (refused) return { line: refused[0], text: refused[1] };
+  if (!lines.length) return null;
+  for (const [number, line] of lines) {
+    const longest = line.includes("=") ? 243 : line.includes(":") ? 127 : 80;
+    rows[number - 1] = line.startsWith("$") || line.length > longest - TAG || number > MOST_TAG ? line : `N${number}${line}`;
+  }
+  return new TextEncoder().encode(Array.from(rows, (row) => row || "").join("\n") + "\n");
 }
 
 // Words of passo send, a packet a line; or packets as they are.

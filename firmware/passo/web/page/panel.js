@@ -13,6 +13,7 @@ import { makePad } from "./pad.js";
 import { Picture } from "./path.js";
 import { read } from "./gcode_path.js";
 import { Place } from "./place.js";
+import { decode } from "./program.js";
 import { Queue } from "./queue.js";
 import { Recover } from "./recover.js";
 import { Settings } from "./settings.js";
@@ -65,7 +66,10 @@ $("message").onclick = () => say("");
 
 function errorText(error) { return `${_("Error")} ${error}: ${_(errors[error] || "")}`; }
 
-function refuse(error) { if (error) say(errorText(error)); }
+// `answer`: an order's, which may say more.
+function refuse(error, { text = "", line = 0 } = {}) {
+  if (error) say(text || [errorText(error), line ? _("line {line}", { line }) : ""].filter(Boolean).join(", "));
+}
 
 // True once the machine is at rest again; false if it is not, or has stopped for another reason.
 async function atRest() {
@@ -82,7 +86,7 @@ function stops() { return [link.stops, report.lease].join(); }
 async function order(name, fields = {}) {
   if (setup && setup.locked() && !["hold", "resume", "override", "jobs", "log", "settings"].includes(name)) return { error: 8 };
   const answer = await link.order({ do: name, ...fields });
-  if (answer.error) refuse(answer.error); else if (name !== "jobs") say("");
+  if (answer.error) refuse(answer.error, answer); else if (name !== "jobs") say("");
   return answer;
 }
 
@@ -498,7 +502,7 @@ function choose(name) {
 
 async function load() {
   const name = $("jobs").value;
-  const mine = { name, text: "", lines: [] };
+  const mine = { name, text: "", lines: [], language };
   job = mine;
   facts.forget();
   if (name) put("job", name);
@@ -514,7 +518,7 @@ async function load() {
 }
 
 async function upload(file) {
-  const text = await file.text();
+  const text = decode(await file.arrayBuffer());
   const name = unaccented(file.name).replace(/[^A-Za-z0-9 ._-]/g, "_").replace(/^[^A-Za-z0-9]+/, "").slice(-60) || "job.gcode";
   const there = (wanted) => Array.from($("jobs").options).some((option) => option.value === wanted);
   if (there(name) && !(await ask(_("Replace {name}?", { name })))) return;
