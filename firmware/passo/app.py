@@ -428,8 +428,8 @@ class App:
         """Refuse what waits, what has come and was not read, unless it is harmless, and what the languages hold back. Only
         of the link that brought this about, what stands behind its word for it was sent after it, and counts."""
         alarm = event.kind == ALARM
-        if alarm and event.error in (errors.ALARM_RESET, errors.ALARM_HOMING_RESET):
-            return  # RESTARTED follows
+        if alarm and event.error in (errors.ALARM_RESET, errors.ALARM_HOMING_RESET, errors.ALARM_HOMING_REQUIRED):
+            return  # RESTARTED follows; or what has come may home the other axes, and is refused if it does not
         number = errors.LOCKED if alarm else event.error if event.kind == DROPPED else errors.STOPPED
         cause = None if alarm or event.value is None else event.value.link
         if self._speaking is not cause:

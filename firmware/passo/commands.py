@@ -75,6 +75,8 @@ STATUS_WORDS = [
     ("counts", "En"),  # of encoders
     ("rpm", "RPM"),  # of a tachometer
     ("glitches", "Gl"),  # of an interlock's inputs
+    ("alarm", "Al"),  # its number, while there is one
+    ("unhomed", "Nh"),  # letters of the axes that are not homed
 ]
 
 SPINDLE_OFF = const(5)  # a SPINDLE's value

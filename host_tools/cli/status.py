@@ -3,7 +3,8 @@
 from host_tools.cli.log import BAUD, link, shown
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
-from host_tools.language import N_, _
+from host_tools.language import N_, _, error_text
+from passo import errors
 from passo.commands import STATUS_WORDS
 
 _REPORTS = 40  # of grbl, until one has said what each says only now and then
@@ -11,8 +12,8 @@ _PINS = {
     "P": N_("probe"), "D": N_("door"), "H": N_("hold"), "R": N_("reset"), "S": N_("resume"), "N": N_("presence"),
     "n": N_("nobody at the machine"),
 }  # fmt: skip
-_MORE = {"Dr": N_("drivers"), "In": N_("input of M66"), "RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs")}
-_ELSEWHERE = ("SD", "En")  # words of a status that have rows of their own
+_MORE = {"Dr": N_("drivers"), "In": N_("input of M66"), "RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs"), "Nh": N_("not homed")}
+_ELSEWHERE = ("SD", "En", "Al")  # words of a status that have rows of their own
 _ACCESSORIES = {"S": N_("spindle clockwise"), "C": N_("spindle counter-clockwise"), "F": N_("flood"), "M": N_("mist")}
 
 
@@ -91,7 +92,7 @@ def _job(client, fields):
 
 def grbl_rows(fields, encoders, log):
     """[(name, text)] of the fields of status reports, the lines of $ENC and those of $LOG."""
-    rows = [(N_("state"), fields["state"])]
+    rows = [(N_("state"), _state(fields, log))]
     offset = _numbers(fields.get("WCO", ""))
     for name, key, other, sign in ((N_("machine"), "MPos", "WPos", 1), (N_("work"), "WPos", "MPos", -1)):
         position = _numbers(fields.get(key, ""))
@@ -106,7 +107,7 @@ def grbl_rows(fields, encoders, log):
         rows.append((N_("overrides"), _("feed {} %, rapids {} %, spindle {} %", *fields["Ov"].split(","))))
     active = [_(_PINS[letter]) if letter in _PINS else _("limit {}", letter) for letter in fields.get("Pn", "")]
     rows.append((N_("active"), ", ".join(active) or _("no input")))
-    rows += [(_(_MORE[word]) if word in _MORE else word, fields[word]) for word in dict.fromkeys(("Dr", "In", *(word for _, word in STATUS_WORDS))) if word in fields and word not in _ELSEWHERE]
+    rows += [(_(_MORE[word]) if word in _MORE else word, _text(word, fields)) for word in dict.fromkeys(("Dr", "In", *(word for _, word in STATUS_WORDS))) if word in fields and word not in _ELSEWHERE]
     for line in encoders:
         motor, count, error, most = line[5:-1].split(",")
         rows.append((_("encoder {}", motor), _("{} counts, {} steps off, {} at most", count, error, most)))
@@ -114,6 +115,22 @@ def grbl_rows(fields, encoders, log):
         if text:
             rows.append(("", text))
     return rows
+
+
+def _state(fields, log):
+    """The state, and why it is an alarm: a board says so, or its log."""
+    state = fields["state"]
+    if state.partition(":")[0] != "Alarm":
+        return state
+    logged = [int(line[5:-1].split(",")[1]) for line in log if line.startswith("[LOG:")]
+    number = int(fields.get("Al", 0)) or next((number for number in reversed(logged) if number >= errors.ALARM_LOCKED), errors.ALARM_LOCKED)
+    return _("{} {}: {}", state, number, error_text(number))
+
+
+def _text(word, fields):
+    if word == "Nh" and fields["state"].partition(":")[0] != "Alarm":
+        return _("{}; soft limits ($20) do not hold", " ".join(fields[word]))
+    return " ".join(fields[word]) if word == "Nh" else fields[word]
 
 
 def _numbers(text):

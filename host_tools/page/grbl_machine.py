@@ -123,8 +123,11 @@ class GrblMachine(_Cabled):
         self.report({"state": name.lower(), "substate": sub, "fields": fields})
 
     def _alarm_of(self, report):
-        """Lines tell alarms; on its way to an alarm's stand the machine is held."""
-        return self._record.alarm if report["state"] in ("alarm", "hold", "door") else 0
+        """Lines tell alarms, and reports now and then those from before this page began; on its way to an alarm's stand the machine is held."""
+        if report["state"] not in ("alarm", "hold", "door"):
+            return 0
+        number = int(report["fields"].get("Al", "0"))
+        return number if number > errors.ALARM_LOCKED else self._record.alarm
 
     def _show(self, report):
         state, fields = self.state, report["fields"]

@@ -68,7 +68,7 @@ def check_stop():
     assert 0 < place[0] - 3000 < 6400 and place[1] == 2500
     assert list(machine.controller.position()) == [place[0] - 3000, 0, 0]
     assert "ALARM:50" in machine.said()
-    assert machine.ask("$X")[-1] == "ok" and machine.ask("G1X1")[-1] == "ok"
+    assert machine.ask("$X")[-1] == "ok" and "ok" in machine.ask("G1X1")
     assert machine.controller.machine.spindle == 5
 
 
@@ -168,7 +168,7 @@ def check_retract():
         assert machine.world.path and all([row[4] for row in machine.world.path]), "the spindle turned until it was up"
         assert place[2] == 0 and (not homed or machine.world.path[-1][3] > machine.world.path[0][3])
         assert not machine.controller.machine.retracts
-        assert machine.ask("$X")[-1] == "ok" and machine.ask("G1X1")[-1] == "ok"
+        assert machine.ask("$X")[-1] == "ok" and "ok" in machine.ask("G1X1")
 
 
 def check_a_reset_amid_the_retreat():

@@ -6,7 +6,7 @@ from passo import errors
 from passo.config.boardfile import BoardError, check
 from passo.protocols.plotter.host import COMMANDS, packet, status_from
 from passo.protocols.torch import protocol as torch
-from router import Machine
+from router import Machine, answers
 
 GRBL, DRAWER = {"name": "pc", "port": "uart0", "protocol": "grbl"}, {"name": "draw", "port": "usb", "protocol": "plotter"}
 CASES = {
@@ -41,7 +41,7 @@ class Two:
 
     def line(self, text):
         """The answer to a line on grbl's link."""
-        return self.machine.ask(text)[-1]
+        return answers(self.machine.ask(text))[0]
 
     def logged(self):
         return [(number, who) for _, number, who in self.controller.machine.log.entries]

@@ -26,7 +26,8 @@ WRITERS = {
     # a button may toggle what the program has switched
     "coolant": {"pauses", "tools"},
     # what finds the position, and what doubts it
-    "homed": {"controller", "encoders", "homing", "interlock"},
+    "homed": {"encoders", "homing"},
+    "known": {"encoders", "homing"},
     # STOP and RESET turn an alarm that needs a reset into the lock
     "alarm": {"controller", "resets"},
     # of a board with a drawing or a step program, never both

@@ -163,9 +163,10 @@ class Machine:
         return fields
 
     def ready(self):
-        """Unlocked, greeting read."""
+        """Unlocked, greeting read; the first motion is told nothing of soft limits."""
         self.said()
         self.do("$X")
+        self.controller.machine.cautious = False
         return self
 
 

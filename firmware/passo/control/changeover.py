@@ -76,6 +76,8 @@ class Changeover(Feature):
         """Break; poll() makes."""
         self.ours = ours
         self._machine.detached = self._relays and not ours and not self._by_motion
+        if self._relays and not ours:
+            self._machine.lose_position()
         self._made = False
         self._put(self._ours + self._theirs, False)
         self._wait()

@@ -11,6 +11,7 @@ rest is the features', which the board file and the languages of its links have 
 
 from passo import commands, errors
 from passo.commands import DROPPED, REFUSED, Event
+from passo.config.setting_numbers import SOFT_LIMITS
 from passo.control.feature import overriding
 from passo.control.links import OF_ANY_LINK
 from passo.records import COUNT_MASK, REST_MS
@@ -56,6 +57,7 @@ class Controller:
             self._batches.update(feature.batches() or {})
         self._late = 0
         self._version = -1  # of the settings, as poll() has found it
+        self._limited = -1  # whether soft limits are on, in that version
         self._stood_ms = -1  # since when; −1: it does not
         self._set_amid = False  # settings have changed amid a motion: they are kept when a sender is sure to have sent all it may
 
@@ -144,7 +146,12 @@ class Controller:
     def _work(self, machine, now_ms):
         """What a cycle does while the machine is awake. It stays so until nobody has more to do."""
         machine.awake = False
-        self._version = machine.settings.version
+        if self._version != machine.settings.version:
+            self._version = machine.settings.version
+            limited = machine.settings.value(SOFT_LIMITS)
+            if limited != self._limited:
+                self._limited = limited
+                machine.cautious = True
         for poll in self._polls:
             poll(now_ms)
         for poll in self._long:
@@ -161,6 +168,9 @@ class Controller:
             self._stand(now_ms)
         else:
             self._stood_ms = -1
+            if machine.cautious and not machine.alarm and not machine.busy_with(commands.HOME):
+                machine.cautious = False
+                machine.warn()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             machine.note(errors.WORDS_LATE)
@@ -214,7 +224,7 @@ class Controller:
         elif machine.command is not None:
             machine.tell(Event(REFUSED, machine.command, errors.STOPPED))
         if machine.busy_with(commands.HOME):
-            machine.homed = False
+            machine.break_off_homing()
         if machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED  # as a reset does: not every language has one
         machine.abort()

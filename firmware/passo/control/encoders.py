@@ -39,6 +39,7 @@ class EncoderWatch(Feature):
         self._settled = False
         self._halted = False  # what the encoders say is the position
         self._homed = False  # it was before the halt
+        self._known = 0  # mask of the axes that were
         self._homing = False
         self._mask = 0  # axes that are being homed; 0: all
         self._tries = 0
@@ -58,6 +59,7 @@ class EncoderWatch(Feature):
         if not self._homing:
             if not self._halted:
                 self._homed = self._machine.homed
+                self._known = self._machine.known
             self._halted = True
         self._move()
 
@@ -76,7 +78,7 @@ class EncoderWatch(Feature):
         who = "%s at %s" % (" ".join(said), " ".join(positions))
         self._machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
         self._machine.notice(errors.NOTICE_STEPS_MISSING, who)
-        self._homed = False
+        self._known = 0
 
     def _move(self):
         self._settled = False
@@ -137,10 +139,11 @@ class EncoderWatch(Feature):
         if any(off):
             self._note(errors.POSITION_VERIFIED, off)
         self._follow(off)
-        if self._homed and self._all:
+        if self._known and self._all:
             if not machine.homed and not any(off):
                 machine.note(errors.POSITION_VERIFIED, "")
-            machine.homed = True
+            machine.known = self._known
+            machine.homed = self._homed
 
     def _follow(self, off):
         """The machine stands where the encoders say."""

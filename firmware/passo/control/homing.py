@@ -15,7 +15,8 @@ that step: a cycle of the main loop may last longer than a step.
 from micropython import const
 
 from passo import commands, errors
-from passo.control.feature import HOMING, SAFE, WORK_GONE, Feature
+from passo.config import setting_numbers as table
+from passo.control.feature import HOMING, WORK_GONE, Feature
 from passo.control.sensor import Sensor
 from passo.errors import LATER
 
@@ -53,16 +54,17 @@ class Seeker:
 
 
 class Homing(Feature):
-    heeds = WORK_GONE | SAFE
+    heeds = WORK_GONE
 
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]
         Feature.__init__(self, board, machine, queue)
         self._lifting = False  # homing waits for the tool
-        self._known = 0  # mask of the axes whose position is known
         names = [axis["name"] for axis in self._axes]
         self._all = sum([1 << names.index(name) for name in names if name in self._config["sensors"]])  # of those that can be homed
+        self._unhomed = None  # letters of the axes that are not homed, and the mask that they are of
+        self._unhomed_of = -1
         self._groups = []  # of seekers; those of a group home at once
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
@@ -82,10 +84,20 @@ class Homing(Feature):
         return {commands.HOME: self._home}
 
     def heed(self, what):
-        if what & WORK_GONE and self._squaring:
+        if self._squaring:
             self._squaring.both()
-        if what & SAFE:
-            self._known = 0
+
+    def report(self, report):
+        machine = self._machine
+        if machine.known != self._unhomed_of:
+            self._unhomed_of = machine.known
+            self._unhomed = self._letters() or None
+        report["unhomed"] = self._unhomed if machine.settings.value(table.HOMING) else None
+
+    def _letters(self):
+        """Of the axes that have a sensor and are not homed."""
+        left = self._all & ~self._machine.known
+        return "".join([self._axes[axis]["name"].upper() for axis in range(len(self._axes)) if left >> axis & 1])
 
     def _home(self, command):
         machine = self._machine
@@ -100,10 +112,11 @@ class Homing(Feature):
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return LATER
         if machine.homed:
-            self._known = self._all
+            machine.known = self._all
         machine.inform(HOMING)
         machine.unlock()
         machine.homed = False
+        machine.known &= ~(command.value or self._all)
         machine.command = command
         self._queue.lift()
         self._queue.flush()
@@ -138,8 +151,10 @@ class Homing(Feature):
         if again:
             self._begin(now_ms)
             return
-        self._known |= homed or self._all
-        machine.homed = self._known == self._all
+        machine.known |= homed or self._all
+        machine.homed = machine.known == self._all
+        if not machine.homed:
+            machine.require_homing(" ".join(self._letters()))
         machine.finish(self._quality and self._quality.found())
 
     def _sensors(self, number):

@@ -126,7 +126,7 @@ class InterlockWatch(Feature):
                 machine.motors.release()
                 if not machine.alarm:
                     machine.raise_alarm(errors.ALARM_INTERLOCK, blamed)
-                machine.homed = False
+                machine.lose_position()
             else:
                 machine.note(errors.INTERLOCKED, blamed)
 

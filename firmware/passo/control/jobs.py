@@ -215,7 +215,7 @@ class Jobs(Feature):
             return errors.JOB_RUNS
         if not name_fits(name):
             return errors.NO_JOB
-        if machine.alarm not in (0, errors.ALARM_LOCKED):  # the job may home first
+        if machine.alarm not in (0, errors.ALARM_LOCKED, errors.ALARM_HOMING_REQUIRED):  # the job may home first
             return errors.LOCKED
         if machine.state not in ("idle", "alarm", "check") or not self._queue.still():
             return errors.BUSY

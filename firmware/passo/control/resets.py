@@ -43,6 +43,7 @@ class Resets(Feature):
                 return errors.DOOR_OPEN
             machine.unlock()
             machine.notice(errors.NOTICE_UNLOCKED)
+            machine.warn()
         return machine.accepted(command)
 
     def _check(self, command):

@@ -14,6 +14,7 @@ import micropython
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo.config.setting_numbers import SOFT_LIMITS
 from passo.control.feature import ANEW, HANDED_OVER, OFF, QUEUE_GONE, SAFE, WORK_GONE, overriding
 from passo.control.inputs import Inputs
 from passo.control.log import Log
@@ -34,7 +35,9 @@ class MachineState:
         self.encoders = getattr(port, "encoders", None)
         self.about = ""  # what the port says of itself, for who asks
         self.awake = True  # something is under way or new: features are polled
-        self.homed = False
+        self.homed = False  # each axis with a sensor has been, since the position was lost
+        self.known = 0  # mask of the axes that have
+        self.cautious = True  # the next motion beyond the reach of soft limits is told
         self.job = None  # a CountedJob, of the feature that plays commands or points; lines have numbers of their own
         self.weave = None  # what makes seams of lines and arcs, while it does: control/weaving.py
         self.steady_mm_min = 0  # up to so fast there are no ramps, whatever $140 says
@@ -65,6 +68,7 @@ class MachineState:
         self.commander = self.links.index(board["commands"] or self.links[0])  # the link that may command
         self.lender = -1  # the link that commanded when a stored job began to run; -1: none runs
         self.guarded = guarded
+        self._locks = bool(guarded)
         self.events = []  # to be told: the app takes them
         self._report = {"position": queue.here, "seen": queue.seen, "log": self.log}  # one for all: used up before the next
         self.blocks = queue.room  # blocks(): how many can be queued now
@@ -178,6 +182,7 @@ class MachineState:
             report["substate"] = self.substate()
         for add in self._reports:
             add(report)
+        report["alarm"] = self.alarm or None
         report["error"] = self.alarm or self.log.last
         if answers:
             self.log.last = 0
@@ -281,6 +286,8 @@ class MachineState:
     def lose_position(self):
         """Nobody knows any more where the motors are."""
         self.homed = False
+        self.known = 0
+        self.cautious = True
         if self.job:
             self.job.kept = False
 
@@ -315,9 +322,28 @@ class MachineState:
         if command is not None:
             self.events.append(Event(REFUSED, command, errors.LOCKED))
 
+    def require_homing(self, axes):
+        """Lock the machine until the others, `axes` in words, are homed. What else is under way goes on."""
+        self.guarded = 0
+        self.alarm = errors.ALARM_HOMING_REQUIRED
+        self.events.append(Event(ALARM, None, self.alarm))
+        self.notice(errors.NOTICE_HOMING_REQUIRED, axes)
+
+    def break_off_homing(self):
+        """Homing has been stopped amid its way: the position is lost, and the machine is locked as at the start."""
+        self.lose_position()
+        if self._locks:
+            self.alarm = errors.ALARM_LOCKED
+
     def unlock(self):
         self.guarded = 0
         self.alarm = 0
+        self.cautious = True
+
+    def warn(self):
+        """Tell that soft limits are on and do not hold, if that is so."""
+        if not self.homed and self.settings.value(SOFT_LIMITS):
+            self.notice(errors.NOTICE_NO_LIMITS)
 
     def guard(self):
         """Lock the machine if the link that commands is guarded, else unlock it."""

@@ -330,7 +330,7 @@ class Grbl:
                 from passo.protocols.grbl.homing import told  # loaded at the start, by check()
 
                 text += told(event.value)
-            self._start_lines = self.system.start_lines()
+            self._start_lines = [] if self._machine.alarm else self.system.start_lines()
         if command.kind == commands.JOB and event.value:
             from passo.protocols.jobs.files import told
 
@@ -364,7 +364,7 @@ class Grbl:
 
     def push(self, event):
         """The bytes of what the machine says unasked."""
-        if event.kind in (ALARM, DROPPED):
+        if event.kind in (ALARM, DROPPED) and event.error != errors.ALARM_HOMING_REQUIRED:
             self.gcode.leave_batch()
             self.gcode.spindle, self.gcode.coolant = 5, 0  # the machine has switched them off: G1 without M3 must not light the tool
         if event.kind == ALARM:

@@ -17,7 +17,7 @@ NOTICES = (
     "", "Reset to continue", "'$H'|'$X' to unlock", "Caution: Unlocked", "Enabled", "Disabled", "Check Door",
     "Check Limits", "Sleeping", "Command handed over", "Pause: ~ to continue",
     "Tool change: T%d, ~ to continue", "Restoring spindle", "Steps missing: %s",
-    "Gantry: %s",
+    "Gantry: %s", "", "Homing required: %s", "Caution: not homed, soft limits do not hold",
 )  # fmt: skip
 PROGRAMME_END = "Pgm End"
 LETTERS = "Letters beyond ASCII acted: %s"

@@ -26,7 +26,7 @@ const TWICE_MS = 700;
 const NEAR_MM = 0.5;  // more than a step of any machine
 const PIECE = 30000;  // characters of a job in one message
 const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Probe", D: "Door", H: "Hold button", R: "Reset button", S: "Start button" };
-const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs" };  // words of a status that only some machines have
+const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs", Nh: "Not homed" };  // words of a status that only some machines have
 const STATES = { "": "No link", Idle: "Ready", Run: "Running", Hold: "Held", Jog: "Moving", Home: "Homing", Alarm: "Alarm", Door: "Door open",
   Check: "Checking", Sleep: "Asleep" };
 const KEYS = { ArrowLeft: "x-", ArrowRight: "x+", ArrowUp: "y+", ArrowDown: "y-", PageUp: "z+", PageDown: "z-" };
@@ -234,7 +234,13 @@ function setAxes(wanted, turned) {
 
 // --- what is shown
 
-let alarmText = "";  // what was said of the alarm
+let alarmText = "";  // what was said of the alarm, or of axes that are not homed
+
+// Letters of the axes that are not homed, while soft limits are on and so do not hold; in an alarm nothing moves.
+function unlimited() {
+  const [, unhomed] = (report.more || []).find(([word]) => word === "Nh") || [];
+  return unhomed && settings[20] !== "0" && report.link !== false ? [...unhomed].join(" ") : "";
+}
 
 function show() {
   const number = report.state || "";
@@ -262,9 +268,10 @@ function show() {
   } else if (number === "Alarm") {
     alarmText = _("Locked: press Home, or Unlock if the position is right as it is.");
     if (!$("message").textContent) say(alarmText);
-  } else if (alarmText) {
-    if ($("message").textContent === alarmText) say("");
-    alarmText = "";
+  } else {
+    const unhomed = unlimited(), said = alarmText && $("message").textContent === alarmText;
+    alarmText = unhomed ? _("Not homed: {axes}. The machine keeps to no travel limits until it is.", { axes: unhomed }) : "";
+    if (said || !$("message").textContent) say(alarmText);
   }
   enable();
 }
@@ -387,7 +394,7 @@ function showSignals() {
     .map(([letter, name]) => [_(name), on.includes(letter), onOff(name, on.includes(letter))]);
   if (/n/i.test(on)) rows.push([_("Somebody at the machine"), on.includes("N"), on.includes("N") ? _("Yes") : _("No")]);
   for (const [name, is] of [["", /[SC]/], ["Coolant", /F/], ["Mist", /M/]]) rows.push([name ? _(name) : toolName(), is.test(outputs), onOff(name, is.test(outputs))]);
-  rows.push(...(report.more || []).filter(([word]) => word !== "SD").map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, null, text]));
+  rows.push(...(report.more || []).filter(([word]) => !["SD", "Al"].includes(word)).map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, null, text]));
   const text = JSON.stringify(rows);
   if ($("signals").dataset.shown === text) return;
   $("signals").dataset.shown = text;
