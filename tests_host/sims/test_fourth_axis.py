@@ -86,6 +86,19 @@ def test_other_feeds(table, words, seconds):
     assert table.plant.position[3] == round(90 * 53.333)
 
 
+@pytest.mark.parametrize(
+    "lines, seconds",
+    [
+        (("G21F90", "G20", "G1A90"), 60), (("G20F90", "G21", "G1A90"), 60), (("G21G1X0F90", "G20G1A90"), 60), (("G20G1X0F90", "G21", "G1X0", "G1A90"), 60),
+        (("G21F900", "G20", "G1X0", "G1X0A0", "G1A0", "G1A90F90"), 60), (("G20F2", "G21", "G1X25.4A90"), 30),
+    ],
+)  # fmt: skip
+def test_degrees_a_minute_are_the_number_that_was_given(table, lines, seconds):
+    """In whichever unit the lines before it were, singly or in a batch; where X moves, too, it is a length."""
+    assert table.seconds("G91", *lines) == pytest.approx(seconds, rel=0.01)
+    assert table.plant.position[3] == round(90 * 53.333)
+
+
 def test_the_short_way_is_half_a_turn_at_most():
     table = Table(short_way=True)
     for words, degrees in (("G90G0A350", -10), ("A0", 0), ("A180", 180), ("A0", 0), ("A-180", -180), ("G91G1A540F21600", 360), ("G90G1X1A10F6000", 370),

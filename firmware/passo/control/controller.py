@@ -169,8 +169,7 @@ class Controller:
         else:
             self._stood_ms = -1
             if machine.cautious and not machine.alarm and not machine.busy_with(commands.HOME):
-                machine.cautious = False
-                machine.warn()
+                machine.caution()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             machine.note(errors.WORDS_LATE)

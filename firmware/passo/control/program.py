@@ -126,6 +126,8 @@ class Program(LineBatches):
         error = self._queue_motion(command)
         if error:
             return error
+        if self._machine.cautious:
+            self._machine.caution()
         self._machine.moved()
         return self._machine.accepted(command)
 
@@ -168,6 +170,8 @@ class Program(LineBatches):
         trace[TRACE_MOVED] = 0  # tool and power stay as they are
         if not trace[TRACE_TAKEN]:
             return False
+        if machine.cautious:
+            machine.caution()
         queue.waiting = machine.active = machine.fresh = machine.awake = True
         return True
 

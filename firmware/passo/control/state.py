@@ -340,6 +340,11 @@ class MachineState:
         self.alarm = 0
         self.cautious = True
 
+    def caution(self):
+        """The first motion begins behind what has lost the position, or unlocked the machine."""
+        self.cautious = False
+        self.warn()
+
     def warn(self):
         """Tell that soft limits are on and do not hold, if that is so."""
         if not self.homed and self.settings.value(SOFT_LIMITS):
