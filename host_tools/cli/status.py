@@ -124,7 +124,7 @@ def _state(fields, log):
         return state
     logged = [int(line[5:-1].split(",")[1]) for line in log if line.startswith("[LOG:")]
     number = int(fields.get("Al", 0)) or next((number for number in reversed(logged) if number >= errors.ALARM_LOCKED), errors.ALARM_LOCKED)
-    return _("{} {}: {}", state, number, error_text(number))
+    return f"{state} {number}: {error_text(number)}"
 
 
 def _text(word, fields):

@@ -37,6 +37,21 @@ def test_the_other_way_round():
     assert rows["machine"] == "X 1.000  Y 2.000" and rows["work"] == "X 0.000  Y 1.000" and rows["active"] == "no input"
 
 
+@pytest.mark.quick
+def test_an_alarm_says_why():
+    """By the board's own word, else by its log, else it is the lock; and which axes are not homed, and what that means."""
+    log = ["[LOG:10,9,pc]", "[LOG:12,201,limit_x]", "[LOG:15,9,pc]", "[LOGGED:2x9]"]
+    for report, entries, wanted in (
+        ("<Alarm|MPos:0,0,0|Al:211|Nh:YZ>", log, "Alarm 211: locked, because not every axis is homed: home the others, or unlock the machine"),
+        ("<Alarm|MPos:0,0,0>", log, "Alarm 201: a limit switch or the emergency stop was hit, the position may be lost: free it, reset, and home"),
+        ("<Alarm|MPos:0,0,0>", [], "Alarm 200: locked, because the position is not known: home the machine, or unlock it"),
+        ("<Idle|MPos:0,0,0|Nh:XYZ>", log, "Idle"),
+    ):
+        rows = dict(grbl_rows(fields_of(report), [], entries))
+        assert rows["state"] == wanted
+    assert rows["not homed"] == "X Y Z; soft limits ($20) do not hold"
+
+
 def asked(port, *more):
     result = CliRunner().invoke(app, ["status", "--port", port, *more])
     assert result.exit_code == 0, result.output
@@ -48,7 +63,7 @@ def asked(port, *more):
     "board, options, wanted",
     [
         ("mill_2004", (), {"state": "Alarm", "encoder x2": "0 counts"}),
-        ("router_3axis", (), {"state": "Alarm"}),
+        ("router_3axis", (), {"state": "Alarm 200: locked", "not homed": "X Y Z"}),
         ("plotter_2014", (), {"state": "idle", "drawn": "0"}),
         ("torch_manipulator", (), {"state": "idle", "error": "0"}),
         ("lpt_router", (), {"state": "idle", "going": "+"}),
