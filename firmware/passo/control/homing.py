@@ -153,7 +153,6 @@ class Homing(Feature):
             return
         machine.known |= homed or self._all
         machine.homed = machine.known == self._all
-        machine.cautious = not machine.homed
         if not machine.homed:
             machine.require_homing(" ".join(self._letters()))
         machine.finish(self._quality and self._quality.found())

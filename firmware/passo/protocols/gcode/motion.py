@@ -113,7 +113,7 @@ class Motions(Reader):
         """The feed of a line whose F was given in G20: degrees a minute, not inches, if only the rotary axis moves."""
         return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
-    def _read_motion(self, motion, axis_words, machine_coordinates, inch_feed):
+    def _read_motion(self, motion, axis_words, machine_coordinates):
         """Where the motion ends; None if the line has nothing to move."""
         if motion == G80:
             raise Refused(errors.AXIS_WORDS_UNUSED)
@@ -126,7 +126,7 @@ class Motions(Reader):
         if motion in (200, 300):
             return self._arc(motion == 200)
         target = self._target(machine_coordinates)
-        if self.turns and inch_feed:
+        if self.turns and self._inch_feed:
             self._feed = self._pace(target, self._feed)
         if motion > 300:
             if target == self.position:

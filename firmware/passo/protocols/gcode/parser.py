@@ -67,7 +67,7 @@ class GCode(Motions):
         self.leave_batch()
         self.motion = 0
         self.plane = 17
-        self.inches = self._inch_feed = False  # the second: F was given in G20
+        self.inches = self.inch_feed = False  # the second: F was given in G20
         self.absolute = self.per_minute = self.initial = True  # G90, G94, G98
         self.feed = self.rpm = self.system = self.coolant = self.tool = self.number = 0
         self.spindle = 5
@@ -147,7 +147,7 @@ class GCode(Motions):
         """Fill in `fields` from the modal state. False if that is not for plain lines."""
         self.leave_batch()
         if (
-            self.weaving or self.motion not in (0, 100, 200, 300) or not self.per_minute or self.turns and self._inch_feed != self.inches
+            self.weaving or self.motion not in (0, 100, 200, 300) or not self.per_minute or self.turns and self.inch_feed != self.inches
             or self.feed > FASTEST_NM_S or self.rpm > FARTHEST
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip
@@ -241,7 +241,6 @@ class GCode(Motions):
         axis_words = self._left & self._axis_mask | self._flat
         moves = found[MOTION] not in (NONE, G80) or (not self._axis_command and (axis_words or self._sweeps(motion)))
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
-        inch_feed = self._inches if self._left >> F & 1 else self._inch_feed
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
         rpm = self.words.fixed(S, 3) if self._take(S) and not self.words.packed else self.rpm
         tool = self._read_count(T, self.tool, MAX_TOOL, errors.TOOL_NUMBER)
@@ -261,7 +260,7 @@ class GCode(Motions):
         if non_modal in (2800, 3000):
             target = self._go_home(non_modal // 100, axis_words)
         elif moves:
-            target = self._read_motion(motion, axis_words, non_modal == 5300, inch_feed)
+            target = self._read_motion(motion, axis_words, non_modal == 5300)
         self._check_rest(motion)
         if self.words.row:
             self._add_row(target and self._cutting and motion == 100, spindle)
@@ -283,10 +282,9 @@ class GCode(Motions):
             self._length_before = None
         self.number = number
         self.motion, self.plane, self.inches, self.absolute = motion, self._plane, self._inches, self._absolute
-        self._inch_feed = inch_feed
         self.per_minute, self.feed, self.rpm, self.tool = per_minute, feed if per_minute else 0, rpm, tool
         self.spindle, self.coolant, self.system = spindle, coolant, self._system
-        self.initial, self.cycle = self._initial, self._cycle
+        self.initial, self.cycle, self.inch_feed = self._initial, self._cycle, self._inch_feed
         if found[STOPPING] != NONE:
             self._stop_programme(found[STOPPING] - M_CODES)
 

@@ -35,6 +35,7 @@ class Reader:
         self._left = 0
         self._flat = 0  # the line's words of axes that the machine has not
         self._inches = False
+        self.inch_feed = self._inch_feed = False  # F was given in G20: so far, and with this line
 
     # --- reading the line: `_left` has the words that no command has taken yet
 
@@ -94,6 +95,7 @@ class Reader:
     def _read_feed(self, per_minute, wants):
         """(feed in nm/s, thousandths of 1/minute): one of them, the other 0. `wants`: the motion needs it."""
         given = self._take(F)
+        self._inch_feed = self._inches if given else self.inch_feed
         feed = per_min = 0
         if not per_minute:
             per_min = self.words.fixed(F, 3) if given else 0
