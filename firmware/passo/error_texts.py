@@ -38,7 +38,7 @@ TEXTS = {
     errors.MACHINE_COORDINATES: "G53 goes with G0 or G1 only",
     errors.AXIS_WORDS_UNUSED: "no command uses the axis words: leave them out, or give one",
     errors.NO_AXIS_IN_PLANE: "the arc needs an axis word of its plane",
-    errors.TARGET: "this command cannot reach the target: check its words",
+    errors.TARGET: "no motion comes of these numbers: check F, Z, R, and I, J, K",
     errors.RADIUS: "the arc's radius does not reach from start to target: check R, or I J K, and the plane",
     errors.NO_CENTRE: "the arc needs R, or I, J, K of its plane",
     errors.WORDS_UNUSED: "no command uses the line's words: leave them out, or give one",

@@ -175,7 +175,7 @@ class GrblClient(Client):
                 if answer == "ok" or answer.startswith("error:"):
                     if self.alarm is not None:
                         raise Refused("{}: alarm {}: {}", line, self.alarm, alarm_text(self.alarm))
-                    raise Refused("{}: {}", line, explain(answer), number=int(answer.partition(":")[2] or 0))
+                    raise Refused("{}: {}", line, explain(answer, line.encode()), number=int(answer.partition(":")[2] or 0))
                 said.append(answer)
         raise LinkError("{}: no answer to {!r}", self.port, line)
 
@@ -226,7 +226,7 @@ class GrblClient(Client):
                     raise Refused("{}: alarm {}: {}", where, self.alarm, alarm_text(self.alarm), number=number)
                 if answer.startswith("error:") and under_way:
                     self.halt()
-                    raise Refused("{}: {}", where, explain(answer), number=number)
+                    raise Refused("{}: {}", where, explain(answer, line), number=number)
                 if answer.startswith("Grbl "):
                     raise LinkError("{}: the controller was reset", where)
                 if answer == "ok" and under_way:

@@ -4,6 +4,9 @@ import re
 
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
+from passo import errors
+
+_CHECKSUM = re.compile(rb"\*\d+\s*$")
 
 
 class Refused(Failure):
@@ -14,7 +17,14 @@ class Refused(Failure):
         self.number = number
 
 
-def explain(answer):
-    """An `error:N` with its meaning."""
+def explain(answer, line=b""):
+    """An `error:N` with its meaning, and what it comes from if the line shows it."""
     number = re.sub(r"\D", "", answer)
-    return _("error {}, {}", number, error_text(int(number))) if number else answer
+    return _("error {}, {}", number, meaning(int(number), line)) if number else answer
+
+
+def meaning(error, line):
+    """What an error means, for the line (bytes) that it refuses."""
+    if error == errors.LETTER and _CHECKSUM.search(line):
+        return _("checksums such as {} are for 3D printers: switch them off in the program that made the file", _CHECKSUM.search(line)[0].decode())
+    return error_text(error)

@@ -166,7 +166,7 @@ def check_a_start_line_that_is_refused_is_not_kept():
     machine = Machine().ready()
     assert machine.ask("$N0=G21") == ["ok"] and machine.ask("F600") == ["ok"]
     for line, answer in (
-        ("G7", "error:20"), ("G1X1F0.001", "error:33"), ("G1X9000F0.001", "error:33"), ("M64P9", "error:102"), ("G2X1Y0F600", "error:35"),
+        ("G7", "error:20"), ("G1X1F0.001", "error:33"), ("G1X9000F600", "error:15"), ("G0X9999999", "error:15"), ("M64P9", "error:102"), ("G2X1Y0F600", "error:35"),
     ):  # fmt: skip
         said = machine.ask("$N0=" + line)
         assert said[-1].startswith(answer), (line, said)

@@ -314,3 +314,12 @@ def check_a_machine_faster_than_a_metre_a_second():
         machine.do("X1", "X1Y1", "G1X1F%d" % feed, "X-1", "Y1", "G0X2", "G1Y1")
         machine.settle()
         assert list(machine.controller.position())[:2] == [4 * 320, 3 * 320]
+
+
+def check_a_line_that_is_too_long():
+    """Wherever it is found out, beyond the travel is error 15: by the travel, by the block's longest, by the parser's."""
+    machine = Machine().ready()
+    for line in ("G0X9000", "G1X9000F600", "G0X99999999", "G2X9000I4500F600", "$J=X9000F600", "$J=X99999999F600", "$J=G91X9000F600"):
+        assert machine.ask(line)[-1] == "error:15", line
+    assert machine.ask("G1X5F.0001")[-1] == "error:33"
+    assert machine.controller.position() == [0, 0, 0]

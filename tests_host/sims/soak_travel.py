@@ -84,7 +84,7 @@ class Travelled(Asked):
         if "ok" in said:
             self.stand()
         else:
-            assert said.startswith(("ALARM:2", "error:33", "error:34")), said
+            assert said.startswith(("ALARM:2", "error:15", "error:33", "error:34")), said
             self.recover()
 
     def recover(self):

@@ -188,7 +188,7 @@ class Program(LineBatches):
 
     def _too_long(self, command):
         longest = max([abs(by) for by in self._queue.deltas(command.target)])
-        return errors.TARGET if longest > MAX_STEPS else 0
+        return errors.JOG_TRAVEL if longest > MAX_STEPS else 0
 
     def _queue_motion(self, command):
         """0, or the error of what the planner refuses."""
@@ -215,7 +215,7 @@ class Program(LineBatches):
             else:
                 self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
         except ValueError:
-            error = errors.RADIUS if command.kind == commands.ARC else errors.TARGET
+            error = errors.RADIUS if command.kind == commands.ARC else self._too_long(command) or errors.TARGET
         if power > POWER_MOST:
             planner.set_power(after, command.dynamic)
             if error:

@@ -52,7 +52,7 @@ class Motions(Reader):
         """`target` in steps. An axis that it leaves out stays where it is."""
         steps = [rounded(target[axis] * self.machine.steps_per_m[axis], NM_PER_M) for axis in range(len(target))]
         if max(steps) > MAX_STEPS or min(steps) < -MAX_STEPS:
-            raise Refused(errors.TARGET)
+            raise Refused(errors.JOG_TRAVEL)
         return steps + self._steps[len(steps) :]
 
     def _target(self, machine_coordinates):
