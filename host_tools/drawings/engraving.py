@@ -22,6 +22,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont, ImageOps, UnidentifiedImageError
 
 from host_tools.failure import Failure, reason
+from host_tools.programs.gcode_file import refuse_others_at
 from host_tools.programs import toolpath
 from host_tools.programs.gcode_time import Limits, settings_of
 
@@ -136,6 +137,7 @@ def open_picture(path):
     except FileNotFoundError:
         raise Failure("there is no file {}", path) from None
     except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
+        refuse_others_at(path)
         raise Failure("{} cannot be read as a picture: {}", path, reason(error)) from None
 
 

@@ -27,6 +27,9 @@ def opened(path):
     except OSError as error:
         raise Failure("{} cannot be read: {}", path, reason(error)) from error
     from host_tools.drawings import dxf, hpgl
+    from host_tools.programs.file_kinds import DRAWINGS, refuse_others
+
+    refuse_others(path, first, DRAWINGS)
 
     suffix = path.suffix.lower()
     if suffix == ".dxf" or dxf.is_dxf(first):

@@ -39,6 +39,8 @@ class GrblMachine(_Cabled):
         self._letters = None
         self._doubts = 0  # how often "ok" came for $I without its lines: an answer to who spoke here before
         self._blocks = 0  # that the board queues; 0: not known
+        self._typed_line = b""  # the newest; b"" is no line
+        self._asked = False  # ? has been typed: its report is shown
         self.touched = None  # touched(position): told of each probe that has touched, mm of the work
 
     # --- the board
@@ -82,8 +84,13 @@ class GrblMachine(_Cabled):
             except ValueError:  # a byte of it is wrong
                 return
             self.guest.report(line)
+            if self._asked:
+                self._asked = False
+                self._tell({"t": "said", "text": line})
             return
         if line[:1] == "$" and owner == PAGE:
+            if self.wire.oldest() is self._typed_line:
+                self._tell({"t": "said", "text": line})
             number, _, value = line[1:].partition("=")
             if number.isdigit():
                 self.settings[int(number)] = value
@@ -183,6 +190,13 @@ class GrblMachine(_Cabled):
     def _say(self, line):
         return self.say(line.encode(), self._typed)
 
+    def _say_typed(self, line):
+        """A line whose answers are shown, those of `$$` and of `?`, too."""
+        self._typed_line = line.encode()
+        error = self.say(self._typed_line, self._typed)
+        self._asked = not error and line.strip() == "?"
+        return error
+
     def _typed(self, error):
         self.finished(error)
         if error != LOST:
@@ -216,7 +230,7 @@ class GrblMachine(_Cabled):
 
     def line(self, text):
         """A line as typed; a setting among them is told to all pages."""
-        error = GrblPage.line(self, text)
+        error = self.still() or self._say_typed(text)
         if text[:1] == "$" and "=" in text:
             self._known = False
         return error

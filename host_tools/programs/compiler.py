@@ -32,8 +32,6 @@ _SIGNS = {
 }
 
 
-_HPGL = re.compile(rb"\s*(\x1b|(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*)\s*(;|[-\d.]+\s*,|$))", re.IGNORECASE)
-
 
 class _Progress:
     """How far a program has been carried out, on stderr, if that takes long."""
@@ -179,9 +177,7 @@ def read(path, dialect=None, tools=None, linear=False):
     path = Path(path)
     why = ""
     if path.is_file():
-        with path.open("rb") as file:
-            if _HPGL.match(file.read(200).lstrip().partition(b"\n")[0].rstrip()):
-                raise Failure("{} is HPGL, the language of pen plotters, and no G-code", path)
+        gcode_file.refuse_others_at(path)
     if dialect is None:
         dialect, why = detect(path)
         if dialect == "plain" and tools:

@@ -2,9 +2,8 @@
 
 from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
+from host_tools.programs.file_kinds import FIRST, refuse_others
 from host_tools.programs.program_lines import WrongLetter, job_error, name_letter, program_lines
-
-_FIRST = 4096  # bytes that say whether it is a text
 
 
 def read(path, ended=None, job=False):
@@ -17,7 +16,9 @@ def lines(path, ended=None):
     """The same one by one, for files that are too long to keep. Raises Failure as it comes to what is wrong."""
     try:
         with open(path, "rb") as file:
-            if b"\0" in file.read(_FIRST):
+            first = file.read(FIRST)
+            refuse_others(path, first)
+            if b"\0" in first:
                 raise _no_text(path)
             file.seek(0)
             yield from lines_of(path, _rows(file, path), ended)
@@ -58,6 +59,12 @@ def _rows(file, path):
         if b"\0" in raw:
             raise _no_text(path)
         yield from raw.splitlines()
+
+
+def refuse_others_at(path):
+    """Raise Failure if a file is of a kind that another verb takes."""
+    with open(path, "rb") as file:
+        refuse_others(path, file.read(FIRST))
 
 
 def _no_text(path):

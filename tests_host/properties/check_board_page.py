@@ -410,7 +410,7 @@ def check_a_typed_line_is_answered_and_a_reset_told():
     def told(text):
         return page.wait(lambda message: message["t"] == "said" and message["text"][: len(text)] == text)
 
-    for line, answer in (("G21", "ok"), ("G91 X", "error:%d" % errors.NUMBER), ("G91 G1 X3 F600", "ok")):
+    for line, answer in (("G21", "ok"), ("G91 X", "error:%d" % errors.NUMBER), ("$$", "$0="), ("?", "<"), ("G91 G1 X3 F600", "ok")):
         page.told.clear()
         page.order("line", line=line)
         assert told(answer), line

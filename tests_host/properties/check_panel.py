@@ -612,3 +612,18 @@ def check_answers_find_their_way():
     wire.feed(b"k\r\nerror:9\r\nok\r\n", 0)
     assert answered == [0] and heard == [("[x]", PAGE), ("error:9", 1)]
     assert not wire.say(PAGE, b"x" * 100) or not wire.say(PAGE, b"x" * 100)
+
+
+def check_what_is_asked_by_a_typed_line_is_shown():
+    """All of `$$`, and the report of `?`, which the page keeps for itself otherwise."""
+    desk = Desk()
+    for line, begins, least in (("$$", "$", 30), ("?", "<Idle|", 1), ("$#", "[", 6)):
+        desk.told.clear()
+        assert desk.order("line", line=line) == 0
+        desk.run_ms(500)
+        said = [event["text"] for event in desk.told if event["t"] == "said"]
+        assert said[-1] == "ok" and len([text for text in said if text[: len(begins)] == begins]) >= least, said
+    desk.told.clear()
+    desk.order("line", line="G4P0")
+    desk.run_ms(500)
+    assert [event["text"] for event in desk.told if event["t"] == "said"] == ["ok"]

@@ -107,7 +107,7 @@ LETTER = b"Dear Sir,\nplease find enclosed\n"
     [
         (b"", "no line of G-code"),
         (b"; only a comment\n\n", "no line of G-code"),
-        (PNG, "no text"),
+        (PNG, "is a picture"),
         (LETTER, "line 1, DearSir,: error"),
         (b"G21\nG1X1F100\n" + b"G1X2\n" * 500 + b"G1X2G7\nG1X3\n", "line 503, G1X2G7: error 20"),
     ],

@@ -328,3 +328,40 @@ def test_one_ok_too_many_stops_the_job(at, count):
             pass
         client.wait_idle()
     assert port.sent.endswith(b"\x18")
+
+
+# --- files for another verb
+
+FILES = {
+    "photo.png": (b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR" + bytes(60), "is a picture: passo engrave burns it"),
+    "photo.jpg": (b"\xff\xd8\xff\xe0\0\x10JFIF\0" + bytes(60), "is a picture: passo engrave burns it"),
+    "sign.svg": (b'<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="9mm" height="9mm"/>', r"is a drawing \(SVG\): passo draw draws it"),
+    "plate.dxf": (b"999\nmade by hand\n  0\nSECTION\n  2\nENTITIES\n  0\nENDSEC\n  0\nEOF\n", r"is a drawing \(DXF\): passo draw draws it"),
+    "plot.plt": (b"IN;SP1;PU0,0;PD400,400;\n", "is HPGL.*passo draw draws it"),
+    "holes.drl": (b"M48\n; a comment\nFMAT,2\nINCH,TZ\nT1C0.0315\n%\nG05\nT1\nX1.0Y2.0\nM30\n", r"is a drill file \(Excellon\), which no verb takes"),
+    "top.gbr": (b"G04 Layer: top*\n%FSLAX46Y46*%\n%MOMM*%\nM02*\n", r"is a board's layer \(Gerber\), which no verb takes"),
+    "part.stl": (b"solid part\nfacet normal 0 0 1\nouter loop\n", r"is a model \(STL\), which no verb takes"),
+    "page.pdf": (b"%PDF-1.7\n", "is a PDF, which no verb takes"),
+    "page.eps": (b"%!PS-Adobe-3.0 EPSF-3.0\n", "is PostScript, which no verb takes"),
+}
+OWN = {"draw": (".svg", ".dxf", ".plt"), "engrave": (".png", ".jpg")}
+
+
+@pytest.mark.parametrize(
+    "verb, name", [(verb, name) for verb in ("draw", "engrave", "check", "stream", "stored", "compile") for name in FILES if not name.endswith(OWN.get(verb, (" ",)))]
+)
+def test_a_file_for_another_verb_is_told_by_kind(verb, name, tmp_path):
+    from host_tools.drawings import engraving, sources
+
+    path = tmp_path / name
+    content, text = FILES[name]
+    path.write_bytes(content)
+    with pytest.raises(Failure, match=text):
+        {"draw": sources.opened, "engrave": engraving.open_picture, "compile": lambda each: compiler.compile_file(each, None)}.get(verb, lambda each: DOORS[verb](each, None))(path)
+
+
+@pytest.mark.parametrize("text", [b"M48\nG21\nG1 X1 F100\n", b"; solid\nG1X1F100\n", b"%\nO100\nG1X1F100\n%\n", b"(PDF)\nG1X1F100\n", b"N0 SECTION\n", b"IN X1\n", b"G4P1\nG1X1F1\n"])
+def test_programs_are_no_other_kind(text, tmp_path):
+    path = tmp_path / "part.nc"
+    path.write_bytes(text)
+    assert gcode_file.read(path)

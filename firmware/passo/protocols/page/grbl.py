@@ -82,7 +82,11 @@ class GrblPage(PageMachine):
                 self._gcode.forget()
             return PageMachine.answered(self, event)
         error = 0
-        for line in said.decode().split("\r\n"):
+        lines = bytes(said).decode().split("\r\n")  # a report is a part of a buffer
+        values = "\n".join([line for line in lines if line[:1] in ("$", "<")])  # $$ and ?, in one message
+        if values:
+            self._tell({"t": "said", "text": values})
+        for line in lines:
             if line == "ok" or line[:6] == "error:":
                 self._typing = False
                 error = int(line[6:] or 0)
