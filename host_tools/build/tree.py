@@ -366,7 +366,7 @@ def _left(board):
 
 def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     """Build a board's file system in `out`; returns rows (module, bytes of source, bytes compiled). `by`: a list, to which goes what
-    compiled its kernels."""
+    compiled its kernels. It is no package for mip until write_package()."""
     board_file = boards.path(name)
     board = boards.load(name)
     files = selected(board, firmware)
@@ -374,6 +374,8 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     if not main.is_file():
         raise Failure("there is no {}", main)
     check_compiler()
+    for whole in (PACKAGE, STAMP):  # of an older build: from here on the folder is not whole, and nothing that mip installs
+        (out / whole).unlink(missing_ok=True)
     for stale in (out / "passo").rglob("*.mpy"):
         stale.unlink()
     rows = []

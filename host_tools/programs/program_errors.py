@@ -68,7 +68,7 @@ TEXTS = {
     LABEL: "the label has no partner, or stands twice",
     NO_END: "the block has no end",
     NO_PROGRAM: "there is no such subprogram",
-    DEPTH: "too many calls inside each other",
+    DEPTH: "too many calls or values inside each other",
     ENDLESS: "the program does not end: see --bound",
     NO_BLOCK: "there is no such block number",
     TOOL: "the tool's radius or length is not known: see --tools",

@@ -101,6 +101,30 @@ def test_mip_is_given_every_file(tmp_path, firmware):
     assert [urls[1][0], urls[-1][0]] == ["main.py", "stamp.txt"]
 
 
+def test_a_build_that_is_not_for_mip_leaves_nothing_that_mip_installs(tmp_path, firmware, monkeypatch):
+    """`passo flash --dry-run` in a folder that `passo build` has made, and a build that ends early there."""
+    out, file = tmp_path / "out", board_file(tmp_path)
+    whole = ("package.json", "stamp.txt")
+
+    def packed():
+        tree.build_tree(file, out, firmware=firmware)
+        tree.write_package(out)
+        assert all((out / name).is_file() for name in whole)
+
+    packed()
+    monkeypatch.setattr(flash, "check", lambda board: {**board, "chip": "rp2040"})
+    monkeypatch.setattr(flash, "check_module", lambda config, board: None)
+    monkeypatch.setattr(flash, "default_out", lambda board: out)
+    monkeypatch.setattr(flash, "build_tree", lambda board, out: tree.build_tree(board, out, firmware=firmware))
+    flash.flash(board=file, dry_run=True)
+    assert "package.json" not in built_files(out) and "stamp.txt" in built_files(out)
+    packed()
+    (firmware / "passo" / "motion" / "line.py").write_text("import micropython\n\n\n@micropython.viper\ndef line(x: str):\n    pass\n")
+    with pytest.raises(Failure, match="line.py"):
+        tree.build_tree(file, out, firmware=firmware)
+    assert not any((out / name).exists() for name in whole)
+
+
 def test_the_file_list_names_every_module(tmp_path, firmware):
     out = tmp_path / "out"
     tree.build_tree(board_file(tmp_path), out, firmware=firmware)

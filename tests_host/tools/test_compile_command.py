@@ -171,3 +171,51 @@ def test_check_compiles(part, tmp_path):
     part.write_text("#1=9\ng0 x1\nm62 p#1\n")
     done = CliRunner().invoke(app, ["check", str(part)])
     assert "part.ngc:3: listing line 3: M62P9: error" in done.output and "the first is part.ngc:3" in str(done.exception)
+
+
+# --- what is deep or long ends in a sentence
+
+DEEP = {
+    "hashes": ("ngc", "G1 X{}1 F100", "#", ""), "a parameter of hashes": ("ngc", "{}1=3", "#", ""), "brackets": ("ngc", "G1 X{}1{} F100", "[", "]"),
+    "open brackets": ("ngc", "G1 X{} F100", "[", ""), "minus": ("ngc", "#1=2\nG1 X{}#1 F100", "-", ""), "signs": ("ngc", "#1=2\nG1 X{}#1 F100", "-+", ""),
+    "functions": ("ngc", "G1 X{}0{} F100", "abs[", "]"), "arcs of the tangent": ("ngc", "G1 X{}0{} F100", "atan[", "]/[1]"),
+    "exists": ("ngc", "G1 X{}0{} F100", "exists[#", "]"), "hashes and brackets": ("ngc", "G1 X{}1{} F100", "#[", "]"),
+    "a condition": ("ngc", "o1 while [{}1{} GT 2]\no1 endwhile", "[", "]"), "a call": ("ngc", "o1 sub\no1 endsub\no1 call [{}1{}]", "[", "]"),
+    "a label": ("ngc", "o1 sub\no1 endsub\no{}1{} call", "[", "]"), "minus and brackets": ("ngc", "G1 X{}1{}", "-[", "]"),
+    "functions of NUM": ("num", "N1 G1 X{}1 F100", "S", ""), "functions with signs": ("num", "N1 L1={}1", "S-", ""), "a condition of NUM": ("num", "N1 G79 L1>{}1 N1", "T", ""),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("times", [60, 1000, 5000])
+@pytest.mark.parametrize("kind", DEEP)
+def test_what_is_deep_ends_in_a_sentence(kind, times, tmp_path):
+    dialect, text, begin, end = DEEP[kind]
+    file = tmp_path / f"deep.{dialect}"
+    file.write_text(("%1\n" if dialect == "num" else "") + text.format(begin * times, end * times) + "\nM2\n")
+    for verb in ("compile", "check"):
+        result = CliRunner().invoke(app, [verb, str(file), "--dialect", dialect])
+        assert isinstance(result.exception, Failure), result.exception
+        assert re.search(r":[1-3]: error (333: too many calls or values inside each other: 50 at most|301: .*50 inside each other at most)$", str(result.exception))
+
+
+@pytest.mark.parametrize("text", ["#1=1\nG1 X" + "#" * 40 + "1 F100", "#1=2\nG1 X" + "-" * 40 + "#1 F100", "G1 X" + "[" * 50 + "2" + "]" * 50 + " F100", "#2=2\nG1 X" + "#[" * 20 + "2" + "]" * 20 + " F100"])
+def test_what_is_less_deep_is_worked_out(text, tmp_path):
+    file = tmp_path / "a.ngc"
+    file.write_text(text + "\nM2\n")
+    result = run(file, "--dialect", "ngc", "-o", tmp_path / "a.nc")
+    assert result.exit_code == 0 and re.search("X[12]\\b", (tmp_path / "a.nc").read_text()), result.exception
+
+
+LONG = {
+    "ngc": ("N{} G1 X1 F100", "O{}\nG1 X1 F100", "o{} sub\no{} endsub", "G1 X{} F100", "G{}", "#{}=1", "T{} M6", "o{} call"),
+    "num": ("N{} G1 X1 F100", "N1 L{}=1", "N1 G{} X1", "%{}\nN1 G1 X1 F100", "N1 G77 H{}", "N1 G77 N{}", "N1 G1 X{} F100", "N1 T{} M6", "N1 G1 X1 F100\n%{}\nN2", "%²\nN1"),
+}
+
+
+@pytest.mark.parametrize("dialect, text", [(dialect, text) for dialect in LONG for text in LONG[dialect]])
+def test_a_number_of_many_digits_ends_in_a_sentence(dialect, text, tmp_path):
+    """Python itself takes 4300."""
+    file = tmp_path / f"long.{dialect}"
+    file.write_text(("%1\n" if dialect == "num" and text[0] != "%" else "") + text.replace("{}", "9" * 5000) + "\nM2\n")
+    result = run(file, "--dialect", dialect, "-o", tmp_path / "out.nc")
+    assert result.exception is None or isinstance(result.exception, (Failure, OSError)), result.exception

@@ -24,6 +24,7 @@ PART = "G21 G90\nG1 X5 Y5 F600\nM2\n"
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="20mm" viewBox="0 0 20 20"><path d="M2 2H18" stroke="black"/></svg>'
 NO_PORT = ("--port", "nosuch")
 WORDS = {
+    "examples": [()],
     "panel": [("--demo", "--http", "0")], "site": [("--help",)], "agent": [("--emulated", "m=plotter_2014", "--broker", "127.0.0.1:1")], "shop": [("--broker", "127.0.0.1:1", "--http", "0")],
     "wiring": [("router_3axis",)], "board": [("--time", "fast")], "emulate": [("--help",)], "draw": [("part.svg", "--dry-run")],
     "nest": [("part.svg", "part.svg")], "engrave": [("--help",)], "send": [(*NO_PORT, "END")], "stream": [("part.nc", *NO_PORT)], "resume": [("part.nc", *NO_PORT)],

@@ -10,11 +10,11 @@ Blanks and comments must have been removed, letters be small. Angles are degrees
 import math
 
 from host_tools.programs.program_errors import (
-    BRACKETS, DIVISION, DOMAIN, PARAMETER, SYNTAX, UNKNOWN_NAME, WHOLE, ProgramError,
+    BRACKETS, DEPTH, DIVISION, DOMAIN, PARAMETER, SYNTAX, UNKNOWN_NAME, WHOLE, ProgramError,
 )  # fmt: skip
 
 EQUAL = 1e-6
-_DEEPEST = 50  # brackets
+_DEEPEST = 50  # values inside each other: brackets, functions, # and signs
 _DIGITS = "0123456789"
 
 
@@ -95,6 +95,7 @@ class Cursor:
         self.text = text
         self.at = at
         self._values = values
+        self._depth = 0
 
     def ends(self):
         return self.at >= len(self.text)
@@ -116,6 +117,14 @@ class Cursor:
 
     def value(self):
         """One value. Raises ProgramError."""
+        if self._depth > _DEEPEST:
+            raise ProgramError(DEPTH, "{} at most", _DEEPEST)
+        self._depth += 1
+        value = self._value()
+        self._depth -= 1
+        return value
+
+    def _value(self):
         char = self.peek()
         if char in ("+", "-") and self.text[self.at + 1 : self.at + 2] not in (*_DIGITS, ".", ""):
             self.at += 1

@@ -19,6 +19,7 @@ from host_tools.programs.program_errors import (
 )  # fmt: skip
 
 DEEPEST = 10  # calls
+_DIGITS = 9  # of a label that is a number
 KEYWORDS = (
     "endsub", "sub", "call", "return", "endif", "elseif", "else", "if", "endwhile", "while", "do", "endrepeat", "repeat", "break", "continue",
 )  # fmt: skip
@@ -96,7 +97,7 @@ class Flow:
             if not call:
                 raise ProgramError(LABEL, "only calls may work out their label")
             return Line(source, rest, label, call)
-        if not rest and label.isdigit():
+        if not rest and label.isascii() and label.isdigit() and len(label) <= _DIGITS:
             self._programs.setdefault(int(label), len(self._lines))
             return Line(source, "", "", "")  # a program's number
         if not rest and not label.startswith(("[", "#")):

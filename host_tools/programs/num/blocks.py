@@ -11,13 +11,15 @@ import math
 import re
 
 from host_tools.programs.program_errors import (
-    DIVISION, DOMAIN, NOT_IN_DIALECT, PARAMETER, REPEATED, SYNTAX, ProgramError,
+    DEPTH, DIVISION, DOMAIN, NOT_IN_DIALECT, PARAMETER, RANGE, REPEATED, SYNTAX, ProgramError,
 )  # fmt: skip
 
+_DEEPEST = 50  # functions inside each other
+_DIGITS = 9  # of a whole number
 _LETTERS = "DFHIJKPQRSTXYZ"
 _PAIRS = ("ER", "EX", "EY", "EB", "EP", "EQ", "EI", "EJ")
-_NUMBER = re.compile(r"\d+\.?\d*|\.\d+")
-_WHOLE = re.compile(r"\d+")
+_NUMBER = re.compile(r"[0-9]+\.?[0-9]*|\.[0-9]+")
+_WHOLE = re.compile(r"[0-9]+")
 _COMPARISONS = {
     ">=": lambda a, b: a >= b, "<=": lambda a, b: a <= b, "<>": lambda a, b: a != b, "=": lambda a, b: a == b,
     "<": lambda a, b: a < b, ">": lambda a, b: a > b,
@@ -63,8 +65,15 @@ def clean(line):
 
 def number_of(text):
     """The N of a cleaned line, or None."""
-    found = re.match(r"/?N(\d+)", text)
-    return int(found[1]) if found else None
+    found = re.match(r"/?N([0-9]+)", text)
+    return whole(found[1]) if found else None
+
+
+def whole(digits):
+    """The number of these digits. Raises ProgramError if there are more than a controller takes."""
+    if len(digits) > _DIGITS:
+        raise ProgramError(RANGE, "{} digits at most", _DIGITS)
+    return int(digits)
 
 
 def read(text, variables):
@@ -77,6 +86,7 @@ class _Reader:
         self._text = text
         self._variables = variables
         self._at = 0
+        self._depth = 0  # of functions inside each other
 
     def block(self):
         block = Block()
@@ -167,7 +177,11 @@ class _Reader:
         letter = self._rest()[0]
         if letter in _FUNCTIONS:
             self._at += 1
+            self._depth += 1
+            if self._depth > _DEEPEST:
+                raise ProgramError(DEPTH, "{} at most", _DEEPEST)
             argument = self._signed()
+            self._depth -= 1
             if letter == "R" and argument < 0:
                 raise ProgramError(DOMAIN, "R{:g}", argument)
             return float(_FUNCTIONS[letter](argument))
@@ -181,7 +195,7 @@ class _Reader:
         return self._whole()
 
     def _whole(self):
-        return int(self._match(_WHOLE))
+        return whole(self._match(_WHOLE))
 
     def _match(self, pattern):
         found = pattern.match(self._text, self._at)

@@ -7,7 +7,7 @@ A file has one program or several; `%100` begins the one that `G77 H100` calls. 
 """
 
 from host_tools.programs.listing import Source
-from host_tools.programs.num.blocks import clean, number_of
+from host_tools.programs.num.blocks import clean, number_of, whole
 from host_tools.programs.program_errors import (
     DEPTH, ENDLESS, LABEL, NO_BLOCK, NO_PROGRAM, SYNTAX, ProgramError,
 )  # fmt: skip
@@ -21,6 +21,14 @@ class _Part:
     def __init__(self):
         self.rows = []  # (source, text)
         self.numbers = {}
+
+
+def _placed(read, text, source):
+    """read(text), whose error names where it stands."""
+    try:
+        return read(text)
+    except ProgramError as error:
+        raise error.at(source)
 
 
 class _Run:
@@ -42,22 +50,26 @@ class Flow:
             source = Source(name, line)
             words = clean(row)
             if words.startswith("%"):
-                label = words[1:] or "0"
-                if not label.isdigit():
-                    raise ProgramError(SYNTAX, "% and a number before {}", words, place=source)
-                if int(label) in self._parts and self._parts[int(label)].rows:
-                    raise ProgramError(LABEL, "%{}", label, place=source)
-                part = self._parts[int(label)] = _Part()
+                part = self._parts[self._label(words[1:] or "0", source)] = _Part()
             elif words and not (skip and words.startswith("/")):
                 part = part or self._parts.setdefault(0, _Part())
                 main = main or part
-                number = number_of(words)
+                number = _placed(number_of, words, source)
                 if number is not None:
                     if number in part.numbers:
                         raise ProgramError(LABEL, "N{}", number, place=source)
                     part.numbers[number] = len(part.rows)
                 part.rows.append((source, words))
         self._runs = [_Run(main, 0, len(main.rows) - 1, 0)] if main else []
+
+    def _label(self, label, source):
+        """The number behind a %."""
+        if not (label.isascii() and label.isdigit()):
+            raise ProgramError(SYNTAX, "% and a number before {}", "%" + label, place=source)
+        number = _placed(whole, label, source)
+        if number in self._parts and self._parts[number].rows:
+            raise ProgramError(LABEL, "%{}", label, place=source)
+        return number
 
     def __iter__(self):
         while self._runs:
