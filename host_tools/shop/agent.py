@@ -54,6 +54,7 @@ class _Board:
         self._grbl = self._logs = language == "grbl"
         self._log_due = True  # behind each motion
         link.stopped = self.stop
+        link.doubled = self._yield
 
     def stop(self):
         """Somebody at the broker says so, from the thread of the connection; or at the machine. Returns False if no board answers."""
@@ -63,6 +64,12 @@ class _Board:
                 self.work.stopped()
             self.telling.stopped()
             return bool(self._machine.state["link"])
+
+    def _yield(self, text):
+        """Another agent speaks for the machine, as `text` says."""
+        with self._lock:
+            if self.work:
+                self.work.yields(text)
 
     def attached(self, opened):
         self._machine.attached(opened)

@@ -261,7 +261,7 @@ class Desk:
         if job.sha not in self._files:
             self._put(job.sha)
             self._files.add(job.sha)
-        body = {"id": job.id, "name": job.name, "sha": job.sha, "parts": parts, "again": to != job.nonce}
+        body = {"id": job.id, "name": job.name, "sha": job.sha, "parts": parts, "again": to != job.nonce, "begun": job.begun is not None}
         text = self._ordered[name] = sealed(self._key, FROM_SHOP, to, 1, body)
         self._client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)
 

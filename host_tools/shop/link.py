@@ -3,6 +3,7 @@
     link = Link(Broker("192.168.1.20"), "plotter-3")
     link.tell({"state": "idle", …})         # publishes the topics that have changed, all of them behind each connection
     link.log({"what": "alarm", …})          # not retained; waits while there is no connection, the oldest are dropped
+    link.doubled = function                 # called with a text if another agent speaks for the machine
     link.stopped = function                 # called for each STOP, for this machine or for all, from the connection's own thread
     link.heard()                            # what the shop has said, [(SHOP or ORDER, text)], if the machine takes jobs
     link.parcel.ask(sha, parts)             # a file that the shop has put on the broker
@@ -10,12 +11,17 @@
     link.close()                            # "gone", as the last will says if this process dies
 
 Topics are passo/NAME/… A connection each: a last will belongs to one.
+
+One agent speaks for a machine: two would give one job to two boards. Before it does, it asks at the broker whether another one does already
+(passo/NAME/who, answered at passo/NAME/agent), for a second; and again behind each loss of the connection, which another one may have taken over.
+If there is another, this one says so, tells nothing, and takes no orders; it hears STOP all the same.
 """
 
 import collections
 import functools
 import hashlib
 import json
+import os
 import re
 import ssl
 import sys
@@ -38,6 +44,8 @@ STOP = "stop"  # passo/stop: all machines; passo/NAME/stop: that one. Any text
 SHOP = "shop"  # passo/shop: the nonce for what machines tell the shop
 ORDER = "order"  # passo/NAME/order: the shop's, signed
 FILE = "file"  # passo/file/SHA-256/NUMBER: a piece of a job's file
+WHO, AGENT = "who", "agent"  # passo/NAME/who: an agent asks, with a text of its own, which passo/NAME/agent repeats if there is another
+_ANSWER_S = 1.0  # an agent that is there has answered
 PIECE = 32_768  # bytes
 _KEEP_ALIVE_S = 10  # half as long again without a sign, and the broker publishes the last will
 _AGAIN_S = 1, 10  # until the next attempt to connect, at least and at most
@@ -97,7 +105,7 @@ class Parcel:
     """The file of a job, in pieces that the shop keeps on the broker."""
 
     def __init__(self, client):
-        self._client = client
+        self.client = client
         self._topic, self._sha, self._pieces = "", "", []
         self._fresh = False  # a piece has come since the file was looked at
         self.wrong = False  # all pieces are there, and are another file
@@ -111,7 +119,7 @@ class Parcel:
 
     def subscribe(self):
         if self._topic:
-            self._client.subscribe(self._topic + "+", 1)
+            self.client.subscribe(self._topic + "+", 1)
 
     def hear(self, topic, data):
         number = topic[len(self._topic) :]
@@ -130,7 +138,7 @@ class Parcel:
 
     def drop(self):
         if self._topic:
-            self._client.unsubscribe(self._topic + "+")
+            self.client.unsubscribe(self._topic + "+")
         self._topic, self._sha, self._pieces = "", "", []
 
 
@@ -149,14 +157,93 @@ class Link:
         self._fresh = threading.Event()  # connected anew: the broker may have forgotten all
         self.stopped = lambda: None
         self._waiting = collections.deque(maxlen=_MOST_WAITING)
-        self._client = broker.client(f"{ROOT}-{name}")
+        self._broker, self._name = broker, name
+        self._own = os.urandom(8).hex()
+        self.doubled = lambda text: None
+        self._double = ""  # another agent speaks for the machine: what is said of that
+        self._asking = None  # the timer of the answer
+        self._closing = False
+        self._lock = threading.RLock()  # of the change from one connection to the next
+        self._client = self._listener = self._make_listener()  # None: this agent speaks for the machine
         self.parcel = Parcel(self._client)
-        self._client.will_set(self._topic + "state", GONE, 1, True)
-        self._client.on_connect = self._connected
-        self._client.on_message = self._hear
-        self._client.on_connect_fail = self._unreached
-        self._client.on_disconnect = self._disconnected
         broker.connect(self._client)
+
+    def _make_client(self, name, connected):
+        client = self._broker.client(name)
+        client.on_connect = connected
+        client.on_message = self._hear
+        client.on_connect_fail = self._unreached
+        client.on_disconnect = self._disconnected
+        return client
+
+    def _make_listener(self):
+        return self._make_client(f"{ROOT}-{self._name}-{self._own}", self._listens)
+
+    # --- who speaks for the machine
+
+    @guarded
+    def _listens(self, client, userdata, flags, code, properties):
+        """Connected without the machine's name: hear STOP, and ask for another agent if none is known of yet."""
+        if code.is_failure:
+            self._fail(_("the broker refuses: {}", code))
+            return
+        self._hear_stop(client)
+        with self._lock:
+            if self._double or self._closing or client is not self._client:
+                return
+            client.subscribe([(self._topic + WHO, 1), (self._topic + AGENT, 1)])
+            client.publish(self._topic + WHO, self._own, 1)
+            if self._asking:
+                self._asking.cancel()
+            self._asking = threading.Timer(_ANSWER_S, self._speak)
+            self._asking.daemon = True
+            self._asking.start()
+
+    @guarded
+    def _speak(self):
+        """Nobody else does."""
+        with self._lock:
+            self._asking = None
+            if self._double or self._closing or self._client is not self._listener or not self._client.is_connected():
+                return
+            self._client = self.parcel.client = self._make_client(f"{ROOT}-{self._name}", self._connected)
+            self._client.will_set(self._topic + "state", GONE, 1, True)
+            self._broker.connect(self._client)
+
+    @guarded
+    def _yield(self):
+        """Another agent speaks for the machine."""
+        with self._lock:
+            if self._double or not self._listener:
+                return
+            self._double = _("another agent speaks for {} at the broker: this one tells nothing and takes no orders. End one of the two, or give it another NAME; then start this one anew", self._name)
+            if self._asking:
+                self._asking.cancel()
+            spoke = self._client if self._client is not self._listener else None
+            self._client = self._listener
+            self._heard.clear()
+        if spoke:
+            _end(spoke)
+        self._refused(self._double)
+        self.doubled(self._double)
+
+    def _hear_stop(self, client):
+        # One that is retained would stop the machine again at each connection, long after.
+        options = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
+        client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])
+
+    def _answer(self, asks):
+        """Another agent asks. Of two that ask at the same time one stays."""
+        with self._lock:
+            if asks == self._own or self._double:
+                return
+            stays = self._client is not self._listener or asks < self._own
+            if stays:
+                self._client.publish(self._topic + AGENT, asks, 1)
+        if not stays:
+            self._yield()
+
+    # --- the connection
 
     @guarded
     def _unreached(self, client, userdata):
@@ -169,9 +256,12 @@ class Link:
             return
         self._why = ""
         self.connections += 1
-        # One that is retained would stop the machine again at each connection, long after.
-        options = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
-        client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])
+        self._hear_stop(client)
+        client.subscribe(self._topic + WHO, 1)
+        with self._lock:
+            listener, self._listener = self._listener, None
+        if listener:
+            _end(listener)
         if self._works:
             client.subscribe([(f"{ROOT}/{SHOP}", 1), (self._topic + ORDER, 1)])
             self.parcel.subscribe()
@@ -179,6 +269,14 @@ class Link:
 
     @guarded
     def _disconnected(self, client, userdata, flags, code, properties):
+        with self._lock:
+            ended = []
+            if client is self._client and client is not self._listener and not self._closing:  # another one may have taken it: ask again
+                ended = [client] + [self._listener] * bool(self._listener)
+                self._client = self.parcel.client = self._listener = self._make_listener()
+                self._broker.connect(self._client)
+        for each in ended:
+            _end(each)
         if code.is_failure:
             self._fail(_("the connection to the broker is lost: {}", code))
 
@@ -194,6 +292,11 @@ class Link:
         what = message.topic.rpartition("/")[2]
         if what == STOP:
             self.stopped()
+        elif what == WHO:
+            self._answer(message.payload.decode(errors="replace"))
+        elif what == AGENT:
+            if message.payload.decode(errors="replace") == self._own:
+                self._yield()
         elif what in (SHOP, ORDER):
             self._heard.append((what, message.payload.decode(errors="replace")))
         else:
@@ -207,7 +310,7 @@ class Link:
 
     @property
     def up(self):
-        return self._client.is_connected()
+        return self._client is not self._listener and self._client.is_connected()
 
     def tell(self, topics):
         if not self.up:
@@ -229,6 +332,17 @@ class Link:
 
     def close(self):
         """The broker publishes the last will, as it does without this, and at once."""
-        with_will = ReasonCode(PacketTypes.DISCONNECT, "Disconnect with will message")
-        self._client.disconnect(with_will, Properties(PacketTypes.DISCONNECT))
-        self._client.loop_stop()
+        with self._lock:
+            self._closing = True
+            clients = {self._client, self._listener or self._client}
+            if self._asking:
+                self._asking.cancel()
+        for client in clients:
+            _end(client)
+
+
+def _end(client):
+    """End a connection, with its last will, and its thread."""
+    with_will = ReasonCode(PacketTypes.DISCONNECT, "Disconnect with will message")
+    client.disconnect(with_will, Properties(PacketTypes.DISCONNECT))
+    client.loop_stop()

@@ -130,6 +130,8 @@ class Work:
         self._order = None  # the shop's, of the job
         self._ended = None  # [id, how, line, text] of the last one
         self._released = False  # for the job whose file comes
+        self._begun = False  # the job, as the shop says
+        self._yields = ""  # why it takes no orders
         self._held_up = ""  # why it waits if it is not
         self._tries = 0
         self._quiet_s = self._since_s = 0.0
@@ -160,7 +162,7 @@ class Work:
     def shown(self):
         """For the page at the machine."""
         name = self._order["name"] if self._order else ""
-        return {"how": self.how, "file": name, "line": self.line, "text": self.text, "ended": self._ended, "down": self._job.waits_to_go_down()}
+        return {"how": self.how, "file": name, "line": self.line, "text": self.text or self._yields, "ended": self._ended, "down": self._job.waits_to_go_down()}
 
     def _area(self):
         settings = self._machine.settings
@@ -169,10 +171,11 @@ class Work:
     def order(self, text):
         """An order of the shop; one that is not signed for this nonce, or is heard again, is nothing."""
         order = self._opener.open(text)
-        if order is None or self._order or self.how not in (REST, FREE) or not _is_order(order):
+        if order is None or self._yields or self._order or self.how not in (REST, FREE) or not _is_order(order):
             return
         self._parcel.ask(order["sha"], order["parts"])
         self._released, self._held_up = self.how == FREE and not order["again"], _("the agent has begun anew")
+        self._begun = order.get("begun") is True
         self._order = order
         self._become(FETCH)
 
@@ -187,6 +190,8 @@ class Work:
 
     def _release(self):
         machine = self._machine
+        if self._yields:
+            return self._yields
         if self.how != REST:
             return _("the machine has a job, or is released already")
         if not machine.state["link"] or not machine.options:
@@ -211,6 +216,8 @@ class Work:
         return ""
 
     def _go(self):
+        if self._yields:
+            return self._yields
         if self.how != WAITS:
             return _("nothing waits")
         if self._machine.state["state"] not in ("Idle", "Alarm"):
@@ -233,6 +240,19 @@ class Work:
         if self.how == FETCH:
             self._released, self._held_up = False, text
         elif self.how in (FREE, GOES):
+            self._fall_back(text)
+
+    def yields(self, text):
+        """Another agent speaks for the machine: no order is taken, and what has not begun does not begin here. A job that runs goes on."""
+        self._yields = text
+        if self.how == FETCH or not self._order and self.how in (FREE, GOES):
+            if self._order:
+                self._parcel.drop()
+            self._order = None
+            self._job.keep()
+            self._renew()
+            self._become(REST)
+        elif self.how == GOES:
             self._fall_back(text)
 
     def refused(self, text):
@@ -284,7 +304,8 @@ class Work:
         number = int(self._order["id"], 16)
         self._job.keep(self._order["name"], lines, number)
         if not self._released or known == number:
-            self._become(WAITS, self._held_up)
+            strange = self._begun and known != number
+            self._become(WAITS, _("this job was begun, but this board's journal does not know it: look whether another machine draws it. Go on begins at its first line") if strange else self._held_up)
         elif self._machine.state["state"] != "Idle" or self._begin():
             self._become(WAITS, _("the machine was not ready"))
 

@@ -10,6 +10,7 @@ import subprocess
 import threading
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 import requests
@@ -19,6 +20,7 @@ from host_tools.cli import agent as command
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
 from host_tools.shop.home_assistant import discovery
+from host_tools.shop.signed import SHOP, sealed
 from host_tools.shop.telling import GONE, LOST, TOPICS, Telling
 
 MOSQUITTO = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
@@ -707,3 +709,74 @@ def test_home_assistant_is_told_again_behind_each_start_of_the_broker(shop):
     shop.told.clear()
     shop.start()
     shop.until(lambda: sum(topic.startswith("homeassistant/") for topic in shop.told) == 6)
+
+
+@needs_broker
+def test_of_two_agents_with_one_name_the_second_says_so_and_tells_nothing(shop):
+    first = shop.agent("--emulated", "a=corexy_plotter")
+    shop.until(lambda: shop.told.get("passo/a/state") == "alarm")
+    second = shop.agent("--emulated", "a=plotter_2014", stderr=subprocess.PIPE)
+    for line in second.stderr:
+        if "another agent speaks for a" in line:
+            break
+    else:
+        raise AssertionError(second.returncode)
+    time.sleep(1)
+    assert shop.told["passo/a/language"] == "grbl" and shop.told["passo/a/state"] == "alarm" and first.poll() is None
+    second.terminate()
+    assert second.wait(30) == 0
+    time.sleep(0.5)
+    assert shop.told["passo/a/state"] == "alarm", "the second has no last will"
+
+
+@needs_broker
+def test_an_agent_that_is_taken_over_says_so_takes_no_orders_and_hears_stop(shop):
+    """It did not answer in time when the other one asked, as one that stood still for a moment."""
+    from host_tools.shop.link import Broker, Link
+
+    def link(name):
+        made, said = Link(Broker("127.0.0.1", shop.port), "a", said_of[name].append, works=True), doubled[name]
+        made.doubled, made.stopped = said.append, lambda: stops.append(name)
+        return made
+
+    said_of, doubled, stops, links = {"one": [], "two": []}, {"one": [], "two": []}, [], {}
+    try:
+        links["one"] = link("one")
+        shop.until(lambda: links["one"].up)
+        links["one"].tell({"state": "run"})
+        links["one"]._answer = lambda asks: None
+        links["two"] = link("two")
+        shop.until(lambda: links["two"].up and doubled["one"])
+        assert "another agent speaks for a" in said_of["one"][-1] and not doubled["two"]
+        shop.until(lambda: links["one"]._client.is_connected())
+        links["two"].tell({"state": "idle"})
+        links["one"].tell({"state": "hold"})
+        shop.client.publish("passo/a/order", "x", 1).wait_for_publish(LIMIT_S)
+        heard = []
+        shop.until(lambda: heard.extend(links["two"].heard()) or ("order", "x") in heard)
+        time.sleep(1.5)
+        assert not links["one"].heard() and not links["one"].up and links["two"].up and not doubled["two"], "no fight for the connection"
+        assert shop.told["passo/a/state"] == "idle"
+        shop.client.publish("passo/stop", "x", 1)
+        shop.until(lambda: sorted(stops) == ["one", "two"])
+    finally:
+        for each in links.values():
+            each.close()
+
+
+def test_what_has_not_begun_does_not_begin_at_a_machine_for_which_another_agent_speaks():
+    board, port, run = agent_of(Late)
+    run(lambda: board.work._job.record)
+    work = board.work
+    assert work.act("release") == ""
+    board._yield("another one")
+    assert work.how == "rest" and work.act("release") == "another one" and work.shown()["text"] == "another one"
+    work.order(sealed("KEY", SHOP, work._nonce, 1, {"id": "1", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}))
+    assert work.how == "rest"
+    for how, order, then in (("free", None, "rest"), ("fetch", {"id": "1", "name": "a"}, "rest"), ("goes", {"id": "1", "name": "a"}, "waits"), ("run", {"id": "1", "name": "a"}, "run")):
+        work._order, work._parcel = order, SimpleNamespace(drop=lambda: None)
+        work._become(how)
+        board._yield("another one")
+        assert work.how == then, how
+    work._become("waits")
+    assert work.act("go") == "another one" and work.act("give up") == ""
