@@ -28,6 +28,7 @@ RUNS = {
     "check_one_ramp": 25, "check_speeds_up_over_blocks": 5, "check_programs": 15, "check_hold": 8, "check_override": 8,
     "check_held_ramp": 10, "check_a_hold_stands": 20,
 }  # fmt: skip
+EXAMPLES = {"check_one_ramp": [(22471413, "line"), (11122991, "line")]}  # the jerk grew in segments of a few steps, and braking fell behind
 NOT_QUICK = ("check_hold",)
 GRAIN_STEPS = 64  # J · h³ is as many: a step's share in it is small
 GRAIN = 1.5  # steps that s may be off: inside a step it is not known

@@ -130,11 +130,14 @@ def set_pace(rows, at, state):  # ISR: no allocation
             return False
     steps = state[RAMP_STEPS]
     guess = speed
-    if steps > 3:
+    after = at_end(state, q, 2 * b)
+    if steps > 3 and abs(after - q) < q >> 5:
         grow = grown(state, (state[RAMP_PATH] >> 12) * step_ticks(state[S_CURVE_SPAN], speed) >> 5)
-    else:
-        guess = root_of(at_end(state, q, 2 * b), speed)
-        grow = grown(state, mean(state, speed + guess >> 1))
+    else:  # it lasts less than at the speed of its beginning, by a third near rest, or more if it slows down
+        then = root_of(after, speed)
+        grow = grown(state, mean(state, speed + then >> 1))
+        if steps <= 3:
+            guess = then
         if steps == 1:
             step_from_rest(rows, at, state)
             grow = min(grow, state[S_CURVE_FIRST])
