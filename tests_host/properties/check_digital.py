@@ -231,3 +231,45 @@ def check_the_safe_state_of_each_output_on_each_stop():
             machine.put(b"~")
             machine.cycles(5000)
             assert state(machine) == after, name
+
+
+def check_a_jog_takes_none_that_waits():
+    """A jog is no motion of the programme: what waits is dropped, as by homing. It stays so behind the jog."""
+    for jogs in (("$J=G91X2F3000",), ("$J=G91X1F3000", "$J=G91X-1F3000")):
+        machine = router()
+        machine.do("G91", "M62 P0", "M62 P1")
+        machine.do(*jogs)
+        machine.settle()
+        machine.cycles(50)
+        machine.do("G1X1F3000")
+        machine.settle()
+        machine.cycles(50)
+        assert machine.world.on() == (0, 0) and not machine.world.changes, jogs
+    machine.do("M62P0", "G1X1", "M62P1")
+    machine.settle()
+    machine.cycles(50)
+    assert machine.world.on() == (1, 0), "what had its motion has switched"
+    machine.do("$J=G91X1F3000")
+    machine.settle()
+    machine.cycles(50)
+    machine.do("G1X1")
+    machine.settle()
+    machine.cycles(50)
+    assert machine.world.on() == (1, 0)
+
+
+def check_a_refused_line_keeps_none_that_waits():
+    """Neither the line's own nor what came before it; what waits for a motion that is queued comes with it."""
+    for refused in ("M62P1G1X1Q5", "M62P1X99999999", "G1X", "X99999999", "G7"):
+        machine = router()
+        machine.do("G91", "G1X5F600", "M62P0", "X5", "M62P1")
+        assert machine.ask(refused)[-1].startswith("error:"), refused
+        machine.do("X5")
+        machine.settle()
+        machine.cycles(50)
+        assert machine.world.on() == (1, 0), refused
+        assert [place - 3000 for _, _, _, place in machine.world.changes] == [1600]
+        machine.do("M62P1", "X5")
+        machine.settle()
+        machine.cycles(50)
+        assert machine.world.on() == (1, 1), refused

@@ -355,3 +355,32 @@ def check_power_override_acts_at_once():
     machine.put(b"\x18")
     machine.cycles(2)
     assert machine.world.power_level == 0 and machine.world.tool == 0
+
+
+def check_a_spindle_that_becomes_a_laser_is_dark():
+    """`$32=1` at a stand: the tool is off until a motion lights it, and behind M4 off again at its end."""
+    for code, override in (("M4", b""), ("M3", b""), ("M4", b"\x9a"), ("M3", b"\x9a")):
+        machine = Machine(spindle=dict(LASER, laser=False)).ready()
+        machine.do("G91", "G1F600", code + "S500")
+        machine.settle()
+        assert machine.world.tool == 1
+        machine.do("$32=1")
+        machine.cycles(50)
+        machine.put(override)
+        machine.cycles(50)
+        assert machine.world.tool == 0 and machine.world.power_level == 0 and machine.status()["FS"] == "0,0", (code, override)
+        machine.do("G0X1")
+        machine.settle()
+        assert machine.world.tool == 0
+        machine.do("X1")
+        machine.settle()
+        assert machine.world.tool == 0
+        before = len(machine.world.tool_changes)
+        machine.do("G1X1")
+        machine.settle()
+        machine.cycles(50)
+        assert [on for _, on in machine.world.tool_changes[before:]][:1] == [1], "a motion lights it"
+        assert machine.world.tool == (code == "M3")
+        machine.do("M5")
+        machine.settle()
+        assert machine.world.tool == 0

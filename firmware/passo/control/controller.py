@@ -12,7 +12,7 @@ rest is the features', which the board file and the languages of its links have 
 from passo import commands, errors
 from passo.commands import DROPPED, REFUSED, Event
 from passo.config.setting_numbers import SOFT_LIMITS
-from passo.control.feature import overriding
+from passo.control.feature import REFUSAL, overriding
 from passo.control.links import OF_ANY_LINK
 from passo.records import COUNT_MASK, REST_MS
 
@@ -131,6 +131,8 @@ class Controller:
         """Log error `number` and tell the command's link; also of `more` commands of that link, in one line of the log."""
         machine = self.machine
         machine.note(number, command.link.name)
+        if command.link.number == machine.commander:
+            machine.inform(REFUSAL)
         for refused in (command,) + more:
             machine.tell(Event(REFUSED, refused, number))
 

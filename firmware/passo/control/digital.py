@@ -3,21 +3,21 @@
 M64 and M65 switch at once. M62 and M63 switch with the first step of the next motion, without a stand: as marks in the step stream
 (steps/switching.py), which an RP2040's player shows within 3 µs. If the port has no marks (an ESP32, the timer player, shift registers, an
 interlock), the cycle of the main loop does it that finds the motion before it played to its end: up to 15 ms behind that step. G4, a tool's
-time and parking are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it, and so does
-homing, whose motions are not the programme's.
+time and parking are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it; so do homing
+and jogs, whose motions are not the programme's. A line that is refused drops what waits for a motion to come, whichever line asked for it.
 
 A hold leaves them as they are. The door switches them off until the machine goes on; every alarm, stop and reset for good.
 """
 
 from passo import commands, errors
-from passo.control.feature import ANEW, HOMING, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
+from passo.control.feature import ANEW, BY_HAND, HOMING, OFF, QUEUE_GONE, REFUSAL, SAFE, WORK_GONE, Feature
 from passo.records import COUNT_HALF, COUNT_MASK, KIND_WAIT, QUEUE_SIZE, ROW_KIND, SCRATCH_STRIDE
 from passo.steps.switching import Switches
 from passo.steps.switching import SWITCH_MOST
 
 
 class DigitalOutputs(Feature):
-    heeds = QUEUE_GONE | WORK_GONE | SAFE | OFF | ANEW | HOMING
+    heeds = QUEUE_GONE | WORK_GONE | SAFE | OFF | ANEW | HOMING | BY_HAND | REFUSAL
 
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
@@ -128,7 +128,20 @@ class DigitalOutputs(Feature):
         for name in self._on:
             self._port.output(name, on)
 
+    def _drop_last(self):
+        """Drop what waits for a motion that has not been queued."""
+        waiting, count = self._waiting, 0
+        while count < len(waiting) and self._motion(waiting[-1 - count][0]) == self._queue.added():
+            count += 1
+        if count:
+            if self._marks:
+                self._marks.withdraw(count)
+            del waiting[len(waiting) - count :]
+
     def heed(self, what):
+        if what & REFUSAL:
+            self._drop_last()
+            return
         self._drop()
         if what & (SAFE | OFF | ANEW):
             self.halt()

@@ -19,6 +19,8 @@ SAFE = const(8)  # the safe state, at once
 OFF = const(16)  # outputs off until the next reset
 HANDED_OVER = const(32)  # another link commands: switch the tool off; outputs stay, one may hold the work
 ANEW = const(64)  # as after power-up
+BY_HAND = const(128)  # a jog begins
+REFUSAL = const(256)  # a line of the link that commands is refused
 
 
 def _nothing(self, _=None):

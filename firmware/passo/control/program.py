@@ -9,7 +9,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import thousandths
 from passo.config import setting_numbers as table
-from passo.control.feature import QUEUE_GONE, WORK_GONE
+from passo.control.feature import BY_HAND, QUEUE_GONE, WORK_GONE
 from passo.control.line_batches import LineBatches, queue_lines
 from passo.errors import LATER
 from passo.motion.limits import Limits
@@ -136,6 +136,8 @@ class Program(LineBatches):
         if machine.state not in ("idle", "jog") or machine.detached or machine.dropping or machine.actives and machine.occupied():
             error = self._unready(command) or self._too_long(command)
             return error if error and error != LATER else LATER if machine.dropping else errors.BUSY
+        if not machine.jogging:
+            machine.inform(BY_HAND)
         if self._row(command):
             machine.jogging = True
             return machine.accepted(command)

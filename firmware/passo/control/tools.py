@@ -54,8 +54,11 @@ class Tools(Feature):
                 self._override_motion()
         if self._settings_of != machine.settings.version:
             self._settings_of = machine.settings.version
+            begins = not self._lasing and self.laser()
             self._lasing = self.laser()
             self._override_all()
+            if begins and still and self._queue.lit():  # a spindle turned, and is a laser now: dark until a motion lights it
+                self._queue.rest(False)
         if not still:
             self._dark = False
         elif not self._dark:

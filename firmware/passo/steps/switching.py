@@ -99,6 +99,10 @@ class Switches:
         """The change that was asked for last, `back` 1, or before it, is another one. Only while its block is not queued."""
         self.marks[SWITCH_FIRST + (self.marks[SWITCH_ASKED] - back & SWITCH_MOST - 1) * SWITCH_FIELDS + SWITCH_VALUE] = value
 
+    def withdraw(self, count):
+        """Forget the `count` changes that were asked for last. Only while their block is not queued."""
+        self.marks[SWITCH_ASKED] = self.marks[SWITCH_ASKED] - count & COUNT_MASK
+
     @micropython.native
     def start(self):  # ISR: no allocation
         """The player's start()."""
