@@ -33,17 +33,20 @@ def test_what_is_lost_is_made_up_for_at_the_end_of_the_move():
     """At random places, by random amounts below the limit, of all kinds: afterwards it stands where it should."""
     chance = random.Random(5)
     router = Router(correct=True)
+    made_up = dict.fromkeys("xyz", 0)
     for turn in range(12):
         motor, steps = chance.choice("xyz"), chance.randint(1, LIMIT - 1)
-        fault = chance.choice(("stall", "slip", "back"))
+        direction = -1 if turn % 2 else 1
+        fault, lost = chance.choice([
+            (fault, lost) for fault, lost in (("stall", -direction * steps), ("slip", steps), ("back", -steps)) if abs(made_up[motor] + lost) <= LIMIT
+        ])  # fmt: skip
+        made_up[motor] += lost
         if fault == "stall":
             router.plant.stall(motor, steps)
         else:
             router.plant.slip(motor, steps if fault == "slip" else -steps)
         back = "-" if turn % 2 else ""
         router.go(f"G1X{back}5Y{back}4Z{back}3F2000")
-        direction = -1 if turn % 2 else 1
-        lost = {"stall": -direction * steps, "slip": steps, "back": -steps}[fault]
         assert router.noted(errors.STEPS_MADE_UP)[-1] == f"{motor} {lost:+d}", "its size, exactly"
         assert router.off() == [0, 0, 0] and router.controller.state == "idle"
     assert len(router.noted(errors.STEPS_MADE_UP)) == 12
@@ -112,6 +115,37 @@ def test_made_up_in_vain_is_an_alarm():
     router.machine.run_ms(5000)
     assert len(router.noted(errors.STEPS_MADE_UP)) <= 3
     assert router.controller.machine.alarm == errors.ALARM_STEPS_MISSING
+
+
+@pytest.mark.parametrize("counts, home", [(5, "$H"), (-15, "$H"), (10, "$HX")])
+def test_what_is_made_up_in_one_direction_counts_toward_the_limit(counts, home):
+    """An encoder that loses counts, or counts noise, a few at each move: the axis drifts no further than the limit. Homing begins anew."""
+    router = Router(unlock=False, correct=True)
+    router.go("$H")
+    for _ in range(2):
+        router.go("G90")
+        router.go("G1X20F3000")
+        router.go("G91")
+        before = router.plant.position[0] - router.controller.position()[0]
+        for turn in range(2 * LIMIT):
+            router.plant.lose_counts("x", counts)
+            said = router.go(f"G1X{'-' if turn % 2 else ''}1F2000")
+            if "ALARM:30" in said:
+                break
+            assert abs(router.plant.position[0] - before - router.controller.position()[0]) <= LIMIT
+        figure = re.search(r"Steps missing: x ([-+]\d+), ([-+]\d+) made up since homing at x", said)
+        assert figure and abs(int(figure[1]) + int(figure[2])) > LIMIT >= abs(int(figure[2]))
+        router.plant.encoders["x"].lost = 0
+        router.machine.send(b"\x18")
+        router.machine.run_ms(200)
+        router.go("$H")
+        assert router.controller.machine.homed
+        router.go(home)
+        assert router.plant.position == [0, 0, 0]
+    for turn in range(3 * LIMIT):
+        router.plant.slip("y", 2 if turn % 2 else -2)
+        router.go("G1Y1F3000")
+    assert router.controller.state == "idle", "what goes either way adds up to nothing"
 
 
 def test_after_a_halt_at_speed_the_position_is_verified():

@@ -66,9 +66,14 @@ def test_from_wait_steps_on_the_move_itself_waits():
 def test_random_losses_on_both_sides():
     chance = random.Random(8)
     router = Watched(correct=True)
+    taken = 0
     for turn in range(15):
-        motor = chance.choice(("x", "x2"))
-        (router.plant.stall if chance.random() < 0.5 else router.plant.slip)(motor, chance.randint(1, LIMIT - 8))
+        motor, steps, stalls = chance.choice(("x", "x2")), chance.randint(1, LIMIT - 8), chance.random() < 0.5
+        lag = (1 if motor == "x2" else -1) * (steps if not stalls else steps if turn % 2 else -steps)
+        if abs(taken + lag) > LIMIT:
+            stalls, steps, lag = False, steps if stalls and lag * (1 if motor == "x2" else -1) < 0 else -steps, -lag
+        taken += lag
+        (router.plant.stall if stalls else router.plant.slip)(motor, steps)
         back = "-" if turn % 2 else ""
         router.go(f"G1X{back}8Y{back}2F{chance.choice((300, 2500))}")
         assert router.plant.racked() == 0 and router.off() == [0, 0, 0] and router.controller.state == "idle"
@@ -91,6 +96,30 @@ def test_a_lag_beyond_the_limit_is_an_alarm_with_both_counts(motor, feed):
     a_check = 3 * feed * 320 // 60_000 + 2
     assert router.most <= LIMIT + a_check, (router.most, a_check)
     assert router.controller.machine.alarm == errors.ALARM_GANTRY
+
+
+@pytest.mark.parametrize("motor, counts", [("x2", 5), ("x2", -10), ("x", 15), ("x", -5)])
+def test_a_side_that_loses_counts_slowly_is_racked_to_the_limit_at_most(motor, counts):
+    """Each lag is small and taken away; what has been taken away in one direction since homing adds up."""
+    router = Router(board(), unlock=False)
+    router.go("$H")
+    for _ in range(2):
+        router.go("G90")
+        router.go("G1X20F3000")
+        router.go("G91")
+        for turn in range(3 * LIMIT):
+            router.plant.encoders[motor].lost += counts
+            said = router.go(f"G1X{'-' if turn % 2 else ''}1F2000")
+            assert abs(router.plant.racked()) <= LIMIT
+            if "ALARM:31" in said:
+                break
+        lag, taken = map(int, re.search(r"counts lag ([-+]\d+) steps, ([-+]\d+) taken away since homing", said).groups())
+        assert abs(lag + taken) > LIMIT >= abs(taken)
+        router.plant.encoders[motor].lost = 0
+        router.machine.send(b"\x18")
+        router.machine.run_ms(200)
+        router.go("$H")
+        assert router.controller.machine.homed and router.plant.racked() == 0
 
 
 def test_a_hold_of_the_operator_stays_one():

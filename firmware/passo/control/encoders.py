@@ -7,7 +7,8 @@ The port compares counts and steps every 3 ms, and halts the player if a motor i
 lost steps or the encoder counts: after this alarm the machine has to be homed. How many are missing is exact once the
 motor has settled, settle_ms behind the last step:
 
-- at the end of a move steps that are missing are made up for, if the board file says so, thrice at most;
+- at the end of a move steps that are missing are made up for, if the board file says so, thrice at most; what has been made up in
+  one direction since the axis homed counts toward limit_steps, for an encoder that loses counts looks the same, and the axis drifts;
 - after a halt the position becomes what the encoders say, and a machine that was homed still is, if each of its axes has
   one;
 - without current motors may be turned by hand: the position follows.
@@ -30,6 +31,8 @@ class EncoderWatch(Feature):
         self._encoders = machine.encoders
         self._axes = [axis["name"] for axis in board["axes"]]
         self._correct = [item["correct"] for item in board["encoders"]]
+        self._limits = [item["limit_steps"] for item in board["encoders"]]
+        self._made_up = [0] * len(self._correct)  # steps of each motor since its axis homed, signed
         self._first, self._second = machine.encoders.gantry or (-1, -1)
         self._settle_ms = max([item["settle_ms"] for item in board["encoders"]])
         homing = board["homing"]
@@ -73,7 +76,10 @@ class EncoderWatch(Feature):
     def _alarm(self, missing):
         """Tell how many steps each of these motors has turned too many, negative: too few, and where the machine is."""
         encoders = self._encoders
-        said = ["%s %+d" % (encoders.names[number], encoders.steps(number)) for number in missing]
+        said = []
+        for number in missing:
+            made = self._made_up[number]
+            said.append("%s %+d" % (encoders.names[number], encoders.steps(number)) + (", %+d made up since homing" % made if made else ""))
         positions = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
         who = "%s at %s" % (" ".join(said), " ".join(positions))
         self._machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
@@ -112,6 +118,7 @@ class EncoderWatch(Feature):
             for number in range(len(self._correct)):
                 if not self._mask or self._mask >> self._encoders.axis(number) & 1:
                     self._encoders.forget(number)
+                    self._made_up[number] = 0
             self._move()
         if (now_ms - self._still_ms) & COUNT_MASK < self._settle_ms or self._encoders.checks == self._checks:
             return
@@ -171,10 +178,13 @@ class EncoderWatch(Feature):
         if self._second >= 0 and off[self._first] != off[self._second]:
             return False  # first the gantry has to be square
         self._tries += 1
-        if self._tries > _TRIES:
+        beyond = [number for number in missing if abs(self._made_up[number] + off[number]) > self._limits[number]]
+        if beyond or self._tries > _TRIES:
             self._tries = 0
-            self._alarm(missing)
+            self._alarm(beyond or missing)
             return True
+        for number in missing:
+            self._made_up[number] += off[number]
         self._note(errors.STEPS_MADE_UP, off)
         ways = []
         for number in missing:

@@ -8,7 +8,9 @@ The lag is what the second motor has turned beyond the first. By the rule of 200
   step every three cycles of the main loop; then the move goes on;
 - at the end of a move, and at the stand of a hold, each step of lag is taken away the same way;
 - a lag beyond limit_steps halts the player in the interrupt that checks encoders: alarm 231, with both counts. So the two are never
-  further apart than limit_steps and what is played until the next check, 3 ms.
+  further apart than limit_steps and what is played until the next check, 3 ms;
+- lags that have been taken away in one direction since the axis homed add up, and with the next one they reach limit_steps at most: a motor
+  that loses steps looks like an encoder that loses counts, by which the gantry would be racked. Beyond it: alarm 231, with the figure.
 
 These single steps are no words: the position does not change by them. Without encoders the feature does nothing.
 """
@@ -43,6 +45,7 @@ class GantryWatch(Feature):
         self._phase = 0  # of the step under way
         self._motor = self._forward = self._left = 0
         self._tries = 0
+        self._taken = 0  # lag that has been taken away since homing, steps, signed
         self._stood_ms = 0
         self._checks = 0
 
@@ -66,6 +69,8 @@ class GantryWatch(Feature):
         encoders = self._encoders
         counts = ["%s %d" % (name, encoders.count(number)) for name, number in zip(self._motors, self._pair)]
         who = "%s counts lag %+d steps" % (" ".join(counts), encoders.lag())
+        if self._taken:
+            who += ", %+d taken away since homing" % self._taken
         self._machine.raise_alarm(errors.ALARM_GANTRY, who)
         self._machine.notice(errors.NOTICE_GANTRY, who)
 
@@ -77,6 +82,8 @@ class GantryWatch(Feature):
         if machine.alarm or machine.busy_with(commands.HOME) or machine.detached or machine.motors.state == RELEASED:
             self.halt()
             self._stand(now_ms)
+            if machine.busy_with(commands.HOME) and (not machine.command.value or machine.command.value >> self._axis & 1):
+                self._taken = 0
             return
         if self._phase:
             machine.awake = True
@@ -108,7 +115,7 @@ class GantryWatch(Feature):
     def _begin(self, lag):
         """Step the motor that is further off, alone."""
         self._tries += 1
-        if self._tries > _SQUARINGS or abs(lag) > self._limit_steps:
+        if self._tries > _SQUARINGS or abs(self._taken + lag) > self._limit_steps or abs(lag) > self._limit_steps:
             self._alarm()
             return
         first, second = [self._encoders.steps(number) for number in self._pair]
@@ -121,6 +128,7 @@ class GantryWatch(Feature):
             self._alarm()
             return
         self._machine.note(errors.SQUARED, "%s %+d" % (self._motors[self._motor], self._left if self._forward else -self._left))
+        self._taken += lag
         self._phase = _TURN
 
     def _step(self, now_ms):
