@@ -4,6 +4,7 @@
     MAIN            firmware/main.py
     BOARDS          the folder of the project's board files
     EXAMPLES        that of the files that the documents use
+    address()       the project's address, or "not published yet"
     version()       "0.1.0": one for tools, firmware and UF2
 """
 
@@ -24,6 +25,14 @@ else:  # package-dir in pyproject.toml says what lies where
     MAIN = HOST_TOOLS / "firmware" / "main.py"
     BOARDS = ROOT / "passo_boards"
     EXAMPLES = ROOT / "passo_examples"
+
+
+ADDRESS = ""  # of the project, once a release was made; README and tests ask it
+
+
+def address():
+    """Where to get Passo, in words for people."""
+    return ADDRESS or "not published yet"
 
 
 def version():

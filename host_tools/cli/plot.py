@@ -14,6 +14,7 @@ def plot(
     board: str = typer.Option("plotter_2014", help="Board file with steps/mm and travel: a name, or the path of a .py file."),
     steps_per_mm: Optional[str] = typer.Option(None, metavar="N[,M]", help="Instead of --board; N for X, M for Y."),
     order: bool = typer.Option(False, "--order", help="Colour each line by when it was drawn: first blue, last red."),
+    drawn: bool = typer.Option(False, "--drawn", help="Only where the pen was down, as large as it fits: single steps show."),
 ):
     """Draw the path of a trace.
 
@@ -29,8 +30,9 @@ def plot(
     scale = scale_of(steps_per_mm, board)
     out = out or trace.with_suffix(".png")
     rows = read_trace(trace)
-    table = None if steps_per_mm else _table(board)
-    save(out, strokes_of_trace(rows, scale), title_of_trace(trace.stem, rows), table, order=order)
+    table = None if steps_per_mm or drawn else _table(board)
+    strokes = [stroke for stroke in strokes_of_trace(rows, scale) if stroke[0] or not drawn]
+    save(out, strokes, title_of_trace(trace.stem, rows), table, order=order)
     print(out)
 
 

@@ -70,7 +70,8 @@ def test_links_resolve(page):
 def shown_commands(text, verb, mentioned=True):
     """What is shown of a command, without its comment: [words]; `mentioned`: in a line of text, too."""
     found = []
-    for line in blocks(text) + (spans(text) if mentioned else []):
+    lines = blocks(text) + (spans(text) if mentioned else [])
+    for line in [command for line in lines for command in line.split(" && ")]:
         line = re.sub(r"^\$ ", "", line.strip())
         match = re.match(rf"(?:\.venv/bin/)?{verb}(?: (.*))?$", line)
         if match:

@@ -1,27 +1,35 @@
 """Guides: each in the map and short, with its drawing current, and the same in Portuguese: headings, code, tables, pictures."""
 
+import html
 import re
+import shlex
+from pathlib import Path
 
 import pytest
 
 from host_tools import boards
 from host_tools.build import pictures
-from host_tools.resources import ROOT
-from test_docs import PAGES, blocks
+from host_tools.resources import ROOT, address
+from passo.config import boardfile
+from test_docs import PAGES, blocks, check
 
 pytestmark = pytest.mark.quick
 
 MOST_WORDS = 2500
 # What is looked up, and not read from the beginning to the end; and the one walk through the code.
-REFERENCE = {"docs/reference/board-file.md", "docs/reference/benchmarks.md", "docs/reference/pins.md", "docs/reference/errors.md", "docs/inside/architecture.md"}
+REFERENCE = {"docs/start/wiring.md", "docs/reference/board-file.md", "docs/reference/benchmarks.md", "docs/reference/pins.md", "docs/reference/errors.md", "docs/inside/architecture.md"}
 GUIDES = sorted((ROOT / "docs" / "start" / "machines").glob("*.md"))
 SECTIONS = ("Parts", "Wiring", "Try it without hardware", "Flash the board", "First motion", "What can go wrong")
+LATER = {"plotter": ("The machine of 2014",)}  # sections behind these
 PT = ROOT / "docs" / "pt"
 # Page in Portuguese: that in English.
 PAIRS = {
-    PT / "README.md": ROOT / "README.md", PT / "safety.md": ROOT / "docs" / "start" / "safety.md", PT / "class.md": ROOT / "docs" / "start" / "class.md",
+    PT / "README.md": ROOT / "README.md", PT / "try.md": ROOT / "docs" / "start" / "try.md",
+    PT / "quick-start.md": ROOT / "docs" / "start" / "quick-start.md", PT / "machines.md": ROOT / "docs" / "reference" / "machines.md",
+    PT / "everyday.md": ROOT / "docs" / "use" / "everyday.md", PT / "safety.md": ROOT / "docs" / "start" / "safety.md", PT / "class.md": ROOT / "docs" / "start" / "class.md",
     PT / "troubleshooting.md": ROOT / "docs" / "use" / "troubleshooting.md", **{PT / "machines" / guide.name: guide for guide in GUIDES},
 }  # fmt: skip
+NO_USB = "two_motor_kit", "torch_manipulator", "lpt_router", "plotter_2014"  # board files without a link on USB
 MOST_BYTES = 150_000
 # What a Brazilian shop does not say, and what it does; `fuso` is a lead screw, so never beside a speed or M3.
 NOT_SAID = {
@@ -81,16 +89,82 @@ def test_a_page_is_short(page):
 
 
 def test_every_page_is_in_the_map():
-    for readme in (ROOT / "README.md", PT / "README.md"):
-        mapped = links(readme.read_text(encoding="utf-8"), readme)
-        own = {page.resolve() for page in PAGES if PT not in page.parents and page != ROOT / "README.md"}
-        assert not {name(page) for page in own - mapped}, readme
+    page = ROOT / "docs" / "README.md"
+    mapped = links(page.read_text(encoding="utf-8"), page)
+    own = {each.resolve() for each in PAGES if PT not in each.parents} - {page, ROOT / "README.md"}
+    assert not {name(each) for each in own - mapped}
+
+
+def test_docs_lie_in_their_folders():
+    assert {path.name for path in (ROOT / "docs").iterdir()} == {"README.md", "inside", "pt", "reference", "start", "use"}
+
+
+# Where pages lay that others may have linked, and that messages of an earlier Passo name.
+OLD = (
+    "architecture backlash benchmarks blackbox board-file boards build calibration class corexy drawings drivers encoders errors gcode homing interlock "
+    "jobs jobs-flash kernels many network panel parking pins programs prove repl rotary safety set-up settings shop silicon site spindle states "
+    "troubleshooting weaving wiring languages/README languages/frames languages/grbl languages/keys languages/plotter languages/pulses languages/torch "
+    "machines/browser machines/kit machines/laser machines/mill machines/parallel-port machines/plotter machines/router machines/torch"
+).split()
+
+
+@pytest.mark.parametrize("old", OLD)
+def test_an_old_path_says_where_the_page_went(old):
+    rows = dict(re.findall(r"^\| (docs/\S+) \| \[[^]]+\]\(([^)]+)\) \|$", (ROOT / "docs" / "README.md").read_text(encoding="utf-8"), re.MULTILINE))
+    new = ROOT / "docs" / rows[f"docs/{old}.md"]
+    assert new.is_file() and new.stem == Path(old).name
+
+
+FIRST = re.compile(r"^# .+\n\n(At the end|No fim,) .+\. (Installed|Instalado): .+\.\n", re.MULTILINE)
+SET_UP = re.compile(r"^    make venv && \. \.venv/bin/activate && passo examples    # ", re.MULTILINE)
+BEGIN = [page for page in PAGES if page.parent.name != "docs" and ({"start", "use"} & set(page.parts) or PT in page.parents and page.name not in ("README.md", "machines.md"))]
+
+
+@pytest.mark.parametrize("page", BEGIN, ids=name)
+def test_a_page_begins_with_its_end_and_its_set_up(page):
+    text = page.read_text(encoding="utf-8")
+    assert FIRST.match(text), "say first what the reader will have done at its end, and what must be installed"
+    if commands := re.search(r"^ +(?:\$ )?passo .*$", text, re.MULTILINE):
+        assert SET_UP.search(text[: commands.start()]), "one line of set-up, to be pasted, before the first command"
+
+
+@pytest.mark.parametrize("board", NO_USB)
+def test_a_copy_of_the_board_file_that_speaks_on_usb(board):
+    """As their pages say to whoever has no serial adapter."""
+    loaded = boards.load(board)
+    checked = boardfile.check({**loaded, "links": [{**link, "port": "usb"} for link in loaded["links"]]})
+    assert [link["port"] for link in checked["links"]] == ["usb"]
+    pages = [guide.read_text(encoding="utf-8") for guide in GUIDES if f"passo flash --board {board} " in guide.read_text(encoding="utf-8")]
+    assert pages and all('`"port": "usb"` for `"port": "uart0"`' in text for text in pages)
+
+
+def test_an_adapter_has_its_reason():
+    for guide in GUIDES:
+        text = guide.read_text(encoding="utf-8")
+        assert "ttyUSB" not in text or "MicroPython's prompt" in text, guide
+
+
+def test_readme_is_read_in_a_minute():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert text.count("\n") <= 120 and len(text.split()) <= 1200
+    first = text[: text.index("\n## ")]
+    assert "Status: 0.1.0" in first and "No report of a real board yet" in first and "\n| " not in first
+    assert f"**{address()}**" in text.split("## Get it")[1] and "github.com" not in text
+
+
+def test_the_film_shows_commands_that_exist():
+    from host_tools.build.first_minute import COMMANDS, FILM
+
+    text = html.unescape(FILM.read_text(encoding="utf-8"))
+    assert FILM.stat().st_size < MOST_BYTES and all(f">$ {command}</text>" in text for command in COMMANDS)
+    for command in COMMANDS:
+        check(shlex.split(command.rstrip(" &"))[1:])
 
 
 @pytest.mark.parametrize("guide", GUIDES, ids=name)
 def test_a_guide_goes_from_parts_to_motion(guide):
     text = guide.read_text(encoding="utf-8")
-    assert tuple(re.findall(r"^## (.+)$", text, re.MULTILINE)) == SECTIONS
+    assert tuple(re.findall(r"^## (.+)$", text, re.MULTILINE)) == SECTIONS + LATER.get(guide.stem, ())
     named = set(re.findall(r"passo wiring (\w+)", text))
     assert named and named <= set(boards.names())
     if guide.stem != "browser":

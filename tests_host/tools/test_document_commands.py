@@ -5,7 +5,6 @@ ended by Ctrl-C. What only a chip or another PC answers is in ELSEWHERE, with th
 """
 
 import re
-import shutil
 import signal
 import time
 import zlib
@@ -13,7 +12,7 @@ import zlib
 import pytest
 import serial
 from test_docs import PAGES, shown_commands
-from test_install import GUIDES, SVG, good, passo, pictures, wheel  # noqa: F401
+from test_install import GUIDES, SVG, emptied, good, passo, wheel  # noqa: F401
 
 from host_tools import boards
 from host_tools.resources import ROOT
@@ -34,11 +33,9 @@ ELSEWHERE = {
 }
 SERVES = ("board", "panel", "site", "wifi")  # until they are ended
 # "And something fails", say jobs.md and plotter.md.
-INTERRUPTED = {("jobs.md", "stream part.gcode --home"), ("jobs.md", "draw map.svg --center"), ("plotter.md", "draw out/contours.svg")}
+INTERRUPTED = {("jobs.md", "stream examples/part.gcode --home"), ("jobs.md", "draw examples/map.svg --center"), ("plotter.md", "draw examples/map.svg")}
 NEEDS_PORT = ("jobs", "resume", "stream", "draw", "torch", "pulses play", "send", "log", "settings", "keys")
 NO_PORT = ("--port", "--dry-run", "--packets", "-o", "--pattern", "--card", "--help")
-ROWS = "".join(f"G1 Y{row / 2}\n" + "".join(f"G1 X{20 - at if row % 2 else at}\n" for at in range(1, 21)) for row in range(60))  # 26 s
-PART = f"G21 G90 G54 F3000\nM3 S8000\nG0 X0 Y0\nG1 Z-1\n{ROWS}G0 Z0\nM5\nM30\n"
 
 
 def strokes(length):
@@ -46,8 +43,8 @@ def strokes(length):
     return SVG.replace("M5 5 L35 5", "M5 5 " + "".join(f"L{5 + row / 50:.2f} {5 + length * (row % 2)} " for row in range(1500)))
 
 
-# What is interrupted on a page is longer there: jobs.md at the machine's pace, plotter.md at the PC's.
-LONG = {"jobs.md": ("map.svg", 1), "plotter.md": ("out/contours.svg", 20)}
+# What jobs.md interrupts runs at the machine's pace: more points than a board stores, in a minute.
+LONG = {"jobs.md": ("examples/map.svg", 1)}
 ZERO = ("$H", "G53 G0 X100 Y100 Z-60", "G10 L20 P1 X0 Y0 Z0")  # of a router: at the workpiece
 REFUSED = {"send --port /tmp/plotter LINE 5000 10 STATUS": "error 104", "torch move 1 1 --port /tmp/torch": "error 117",
            "check examples --board router_3axis --workers 2 -o table.csv": "error 340"}  # as their pages show
@@ -64,7 +61,7 @@ def language(words):
         return "torch_manipulator"
     if "keys" in words:
         return "two_motor_kit"
-    if "plotter" in words or "send" in words or "draw" in words and "router_3axis" not in words or "map.svg" in words:
+    if "plotter" in words or "send" in words or "draw" in words and "router_3axis" not in words or "examples/map.svg" in words:
         return "plotter_2014"
     return "router_3axis"
 class Reader:
@@ -80,6 +77,8 @@ class Reader:
         """Run it: (exit status, what it said). What serves goes on."""
         refused = REFUSED.get(" ".join(words))
         words = [str(self.link) if word.startswith(("/tmp/", "/dev/tty")) else str(self._folder) if word.startswith("/media/") else word for word in words]
+        if words[0] == "plot":
+            self.end()
         if words[0] == "board":
             self.end()
             self._on = "as the page has it"
@@ -200,19 +199,10 @@ def documents():
 
 @pytest.mark.parametrize("page", [pytest.param(page, id=page.relative_to(ROOT).as_posix()) for page in documents()])
 def test_every_command_in_a_block(passo, page, tmp_path):  # noqa: F811
-    folder = passo.folder
-    shutil.copytree(ROOT / "examples", folder / "examples", dirs_exist_ok=True)
-    for name in ("boards", "out"):
-        (folder / name).mkdir(exist_ok=True)
-    shutil.copyfile(ROOT / "boards" / "plotter_2014.py", folder / "boards" / "mine.py")
-    for name in ("map.svg", "sign.svg", "out/contours.svg"):
-        longer, length = LONG.get(page.name, ("", 0))
-        (folder / name).write_text(strokes(length) if name == longer else SVG)
-    for name in ("part.gcode", "drawing.gcode"):
-        (folder / name).write_text(PART)
-    pictures(folder)
-    if not (folder / "hexagon.txt").exists():
-        good(passo("pulses", "example", "hexagon", "-o", "hexagon.txt"))
+    folder = emptied(passo)
+    if longer := LONG.get(page.name):
+        (folder / "examples").mkdir()
+        (folder / longer[0]).write_text(strokes(longer[1]))
     reader = Reader(passo, page.name, tmp_path)
     try:
         for words in shown_commands(page.read_text(encoding="utf-8"), "passo", mentioned=False):
