@@ -5,11 +5,11 @@ import re
 import select
 import signal
 import subprocess
-import sys
 import time
 
 import pytest
 
+from host_tools import interpreter
 from host_tools.resources import ROOT
 
 TEXT = (ROOT / "docs" / "use" / "core.md").read_text(encoding="utf-8")
@@ -20,7 +20,7 @@ WANTED = {"router_3axis": b"<Alarm|MPos:0.000,0.000,0.000", "plotter_2014": b"k"
 
 def test_the_python_of_the_page():
     code = re.search(r"```python\n(.*?)```", TEXT, re.DOTALL)[1]
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([*interpreter.python(), "-c", code], capture_output=True, text=True, timeout=60)
     assert done.stdout.strip() == re.search(r"It prints `([01 ]+)`", TEXT)[1], done.stderr
 
 
@@ -32,7 +32,7 @@ def test_each_language_has_a_row():
 @pytest.mark.parametrize("board, typed, shown", ROWS)
 def test_packets_from_a_plain_terminal(board, typed, shown, tmp_path):
     link = tmp_path / "link"
-    words = [sys.executable, "-m", "host_tools.cli.main", "board", "--board", board, "--link", str(link), "--time", "fast"]
+    words = interpreter.passo("board", "--board", board, "--link", link, "--time", "fast")
     process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
     try:
         assert process.stdout.readline().startswith("port")

@@ -1,15 +1,13 @@
 """README's film of the first minute: what `passo` says, and the drawing that the virtual plotter's pins make of it.
 
-    python -m host_tools.build.first_minute            # writes docs/start/first-minute.svg anew
+    python -m host_tools.cli.first_minute            # writes docs/start/first-minute.svg anew
 
 Each command is run in an empty folder, and the lines are what it prints; the path is that of the trace. An SVG that moves by style
 sheets alone: a browser that shows no motion shows the end.
 """
 
-import os
 import signal
 import subprocess
-import sys
 import tempfile
 from html import escape
 from pathlib import Path
@@ -17,6 +15,7 @@ from pathlib import Path
 from host_tools import boards
 from host_tools.drawings.plot import strokes_of_trace
 from host_tools.failure import Failure
+from host_tools.interpreter import environment, passo
 from host_tools.resources import ROOT
 from host_tools.sim.measure import read_trace
 
@@ -44,8 +43,8 @@ def run():
         told, board = [], None
         try:
             for command in COMMANDS:
-                words = [sys.executable, "-m", "host_tools.cli.main", "--lang", "en", *command.replace(LINK, link).rstrip(" &").split()[1:]]
-                options = {"cwd": folder, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "env": {**os.environ, "COLUMNS": str(_COLUMNS)}}
+                words = passo("--lang", "en", *command.replace(LINK, link).rstrip(" &").split()[1:])
+                options = {"cwd": folder, "text": True, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "env": environment(COLUMNS=str(_COLUMNS))}
                 if command.endswith("&"):
                     board = subprocess.Popen(words, **options)
                     lines = [board.stdout.readline()]
@@ -101,7 +100,7 @@ def film(told, strokes):
     paths = _paths(strokes, *drawing, styles)
     begin = "\n".join(styles)
     return f"""<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" width="{_WIDTH}" height="{_HEIGHT}">
-<!-- made by python -m host_tools.build.first_minute -->
+<!-- made by python -m host_tools.cli.first_minute -->
 <style>
 text{{font:13px ui-monospace,Menlo,Consolas,monospace;fill:#c9d1d9}}
 .typed{{fill:#7ee787;font-weight:bold}}
