@@ -28,6 +28,7 @@ from host_tools.programs.gcode_time import Limits, settings_of
 
 SHADES = ("jarvis", "floyd", "threshold", "grey")
 MOST_DOTS = 40_000_000
+MOST_PIXELS = 20_000_000  # of a picture as it is read: up to 9 bytes each
 number = partial(toolpath.number, decimals=3)
 # How a dot's error is shared, in parts of the first number: (dx, dy, parts)
 _FLOYD = 16, ((1, 0, 7), (-1, 1, 3), (0, 1, 5), (1, 1, 1))
@@ -127,18 +128,31 @@ def open_picture(path):
     """The picture in grey, transparent parts white, turned as its camera says. Raises Failure."""
     try:
         with Image.open(path) as picture:
+            _check_pixels(picture, path)
             picture = ImageOps.exif_transpose(picture)
             if picture.mode in ("I", "I;16", "I;16B", "F"):
                 values = np.asarray(picture, np.float64)
                 span = max(1e-9, float(values.max() - values.min()))
                 return Image.fromarray(((values - values.min()) / span * 255).astype(np.uint8))
-            clear = picture.convert("RGBA")
-            return Image.alpha_composite(Image.new("RGBA", clear.size, "white"), clear).convert("L")
+            if not picture.has_transparency_data:
+                return picture.convert("L")
+            grey, opacity = (picture if picture.mode == "RGBA" else picture.convert("RGBA")).convert("LA").split()
+            return Image.composite(grey, Image.new("L", grey.size, "white"), opacity)
     except FileNotFoundError:
         raise Failure("there is no file {}", path) from None
     except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
         refuse_others_at(path)
         raise Failure("{} cannot be read as a picture: {}", path, reason(error)) from None
+
+
+def _check_pixels(picture, path):
+    """Take a JPEG of too many pixels at a half, a quarter or an eighth of its size, as it is read; raise Failure of any other."""
+    pixels = picture.width * picture.height
+    if pixels > MOST_PIXELS:
+        part = next((each for each in (2, 4) if pixels <= MOST_PIXELS * each**2), 8)
+        picture.draft("L", (picture.width // part, picture.height // part))
+    if picture.width * picture.height > MOST_PIXELS:
+        raise Failure("{} has {} × {} pixels: at most {} in all; make it smaller in a drawing program", path, picture.width, picture.height, MOST_PIXELS)
 
 
 def size_of(picture, options):

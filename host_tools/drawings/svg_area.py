@@ -10,6 +10,7 @@ import numpy
 import shapely
 
 _SAME_PX = 1e-7
+_FEW_EDGES, _MOST_CROSSINGS = 300, 20_000
 
 
 def rectangle(left, top, right, bottom):
@@ -25,6 +26,7 @@ def filled(rings, rule):
             closed.append(ring)
     if not closed:
         return shapely.Polygon()
+    _check_crossings(closed)
     drawn = shapely.unary_union([shapely.LineString(_pairs(ring)) for ring in closed])
     faces = shapely.get_parts(shapely.polygonize([drawn]))
     inside = []
@@ -34,6 +36,19 @@ def filled(rings, rule):
         if turns % 2 if rule == "evenodd" else turns:
             inside.append(face)
     return shapely.unary_union(inside) if inside else shapely.Polygon()
+
+
+def _check_crossings(rings):
+    """Raise ValueError if edges cross too often: each crossing makes a face, and each face is compared with each edge."""
+    pairs = [_pairs(ring) for ring in rings]
+    edges = shapely.linestrings(numpy.concatenate([numpy.stack((each[:-1], each[1:]), axis=1) for each in pairs]))
+    if len(edges) < _FEW_EDGES:
+        return
+    tree, crossings = shapely.STRtree(edges), 0
+    for begin in range(0, len(edges), _FEW_EDGES):
+        crossings += tree.query(edges[begin : begin + _FEW_EDGES], "crosses").shape[1]
+        if crossings > _MOST_CROSSINGS:
+            raise ValueError(f"an area whose edges cross more than {_MOST_CROSSINGS // 2} times")
 
 
 def grown(area, by):

@@ -13,19 +13,19 @@ elements in no group are layer 1. vpype numbers layers in the same way.
 import math
 import re
 from dataclasses import dataclass, replace
-from xml.etree import ElementTree
 
 import numpy
+import shapely
 
 from host_tools.drawings import svg_area, svg_geometry, svg_paint, svg_style, svg_text, svg_transform
-from host_tools.drawings.page import Page, cut
+from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Page, cut
 from host_tools.drawings.svg_faults import by_letters, name_of, told, unreadable
+from host_tools.drawings.svg_page import page_size, root_of, view_box
 from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure
 from host_tools.language import N_, chosen
 
-_DEFAULT_PX = 1000.0  # of a file that says neither its size nor its viewBox
 _WAY_PX = 0.05  # how finely the path of a text is followed
 _CLIP_PX = 0.02  # a line along the edge of its clip path is inside: 5 µm
 _HREF = "{http://www.w3.org/1999/xlink}href"
@@ -36,7 +36,9 @@ _FLAT = {  # paints, by svg_paint's kinds
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)")
 _DEEPEST = 100  # of elements in elements, <use> and clip paths included
 _DEEPEST_CLIP = 10  # of clip paths, each of which takes long
-_MOST_USES = 100_000  # of <use> and clip paths in all: those that lead to each other multiply
+_MOST_USES = 30_000  # of <use>, clip paths and the shapes in a <use>: those that lead to each other multiply; 3 s
+_POINTS, _OF_LETTER = 50, 5  # points of a line that count as a shape; shapes that a letter counts as
+_EDGES = 2  # edges of a clip path's area that count as a shape
 
 
 @dataclass(frozen=True)
@@ -55,14 +57,7 @@ class SvgFile:
         """Raises Failure if the file is not there, or is no SVG."""
         self._path = path
         self._uses = 0
-        try:
-            self._root = ElementTree.parse(path).getroot()
-        except FileNotFoundError as error:
-            raise Failure("no file {}", path) from error
-        except (OSError, ElementTree.ParseError, ValueError, LookupError) as error:
-            raise Failure("{} is not an SVG file that can be read: {}", path, error) from error
-        if local_name(self._root.tag) != "svg":
-            raise Failure("{} is not an SVG file: it begins with <{}>", path, self._root.tag)
+        self._root = root_of(path)
         self._by_id = {}
         self._parents = {child: parent for parent in self._root.iter() for child in parent}
         sheets = []
@@ -76,33 +71,13 @@ class SvgFile:
         self._sheet = svg_style.Sheet(sheets, self._root)
         self._shapes = Shapes()
         with told(self._path, self._root):
-            self.size_px = self._size()
+            self.size_px = page_size(self._root, self._sheet.style(self._root, {}))
 
-    def _lead(self, element):
-        """Count a <use> or a clip path. Raises Failure."""
-        self._uses += 1
+    def _lead(self, element, count=1):
+        """Count a <use>, a clip path, or the shapes that a <use> shows. Raises Failure."""
+        self._uses += count
         if self._uses > _MOST_USES:
-            raise Failure("{}: {}: the drawing uses its elements more than {} times", self._path, name_of(element), _MOST_USES)
-
-    def _size(self):
-        """Width and height of the page; from the viewBox if they are missing or in %."""
-        box = self._view_box(self._root)
-        style = self._sheet.style(self._root, {})
-        width, height = (
-            svg_geometry.length(style.get(name), default=svg_geometry.length(self._root.get(name), default=None)) for name in ("width", "height")
-        )
-        shape = (box[2], box[3]) if box else (_DEFAULT_PX, _DEFAULT_PX)
-        return tuple(map(svg_geometry.bounded, self._size_by(width, height, shape, box)))
-
-    @staticmethod
-    def _size_by(width, height, shape, box):
-        if width is None and height is None:
-            return shape
-        if width is None:
-            return (height * shape[0] / shape[1] if box else _DEFAULT_PX), height
-        if height is None:
-            return width, (width * shape[1] / shape[0] if box else _DEFAULT_PX)
-        return width, height
+            raise Failure("{}: {}: the copies made by <use> are more than {} shapes of {} points: make fewer copies", self._path, name_of(element), _MOST_USES, _POINTS)
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page; chords are at most `deviation_px` from their curves. `progress(share)` is called now and then, 0…1. `by_colour`:
@@ -156,6 +131,8 @@ class SvgFile:
             return []
         if tag in SHAPES:
             lines = self._shapes.shape(tag, element, inner)
+            if inner.used:
+                self._lead(element, sum(1 + len(line) // _POINTS for ink in lines for line in ink.lines))
             self._count_one()
         elif tag == "text":
             lines = self._text(element, inner)
@@ -239,6 +216,12 @@ class SvgFile:
             if not self._unseen:
                 return []
         svg_geometry.bounded(context.style["font-size"] * stretch)
+        count = sum(map(len, element.itertext()))
+        if count > LONGEST_TEXT:
+            self._page.left_out[TOO_LONG] += 1
+            return []
+        if context.used:
+            self._lead(element, _OF_LETTER * count)
         letters = svg_text.collect(element, context.style, self._style, context.viewport, self._page.left_out, self._way_of(context))
         lines = svg_text.outlines(letters, self._deviation / stretch, self._page.left_out)
         lines = svg_geometry.placed(lines, context.matrix)
@@ -294,17 +277,12 @@ class SvgFile:
 
     def _in_view_box(self, element, context, x, y, width, height):
         """The context inside a viewport."""
-        box = self._view_box(element)
+        box = view_box(element)
         if box is None:
             matrix = svg_geometry.compose(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y))
             return replace(context, matrix=matrix, viewport=(width, height))
         fitted = svg_geometry.fitted(box, element.get("preserveAspectRatio"), x, y, width, height)
         return replace(context, matrix=svg_geometry.compose(context.matrix, fitted), viewport=(box[2], box[3]))
-
-    @staticmethod
-    def _view_box(element):
-        box = svg_geometry.numbers(element.get("viewBox"))
-        return box if len(box) == 4 and box[2] > 0 and box[3] > 0 else None
 
     # --- clip paths
 
@@ -341,6 +319,8 @@ class SvgFile:
         match = _URL.match(style.get("clip-path", "none"))
         if match and self._by_id.get(match[1]) is not None:
             area = area.intersection(self._area(self._by_id[match[1]], lines, replace(context, used=around.used)))
+        if context.used:
+            self._lead(clip, shapely.get_num_coordinates(area) // _EDGES)
         return area
 
     def _area_of(self, child, context):

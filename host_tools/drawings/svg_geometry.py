@@ -13,6 +13,8 @@ from functools import lru_cache
 
 import numpy
 
+from host_tools.language import N_
+
 IDENTITY = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
 _PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "q": 96 / 101.6, "in": 96.0, "pt": 4 / 3, "pc": 16.0}
 _OF_LETTERS = {"em": 1.0, "rem": 1.0, "ex": 0.5, "ch": 0.5}  # of the font's size
@@ -25,7 +27,7 @@ _STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
 _FARTHEST_PX = 1e7  # 2.6 km: what lies beyond is a mistake in the file
 _LARGEST = 1e15  # of numbers in units of the file's own: KiCad's are nanometres
 _MOST_REACH_PX = 1e10  # of a shape that a matrix takes back to the page: a curve of it has 300 000 chords at most
-_MOST_DASHES = 100_000  # of one line: more are a mistake in the file
+_MOST_DASHES = 20_000  # of one line: more are a mistake in the file
 
 
 class TooFar(ValueError):
@@ -366,8 +368,8 @@ def _arc(segment, end, deviation):
     return [*(positions[:, 0] + 1j * positions[:, 1]), end]
 
 
-def dashed(lines, pattern, offset):
-    """The dashes of polylines, by a stroke-dasharray (lengths) and its offset."""
+def dashed(lines, pattern, offset, left_out=None):
+    """The dashes of polylines, by a stroke-dasharray (lengths) and its offset. A line of too many stays whole, and `left_out` counts it."""
     if not pattern or min(pattern) < 0 or sum(pattern) <= 0:
         return lines
     pattern = list(pattern) * (2 if len(pattern) % 2 else 1)
@@ -380,6 +382,8 @@ def dashed(lines, pattern, offset):
         whole = along[-1]
         if whole / period * len(pattern) > _MOST_DASHES:
             dashes.append(line)
+            if left_out is not None:
+                left_out[N_("dashes too short to draw (drawn without gaps)")] += 1
             continue
         begin = -(offset % period)
         for number in range(math.ceil((whole - begin) / period)):

@@ -116,7 +116,7 @@ class Shapes:
         if text == "none":
             return lines
         pattern = [length(part, None, context) for part in text.replace(",", " ").split()]
-        return svg_geometry.dashed(lines, pattern, length(style.get("stroke-dashoffset"), None, context))
+        return svg_geometry.dashed(lines, pattern, length(style.get("stroke-dashoffset"), None, context), self._page.left_out)
 
 
 def _colour(style, what):

@@ -255,3 +255,25 @@ def test_a_curve_that_is_none_is_said(tmp_path, text, error):
     (tmp_path / "c.txt").write_text(text)
     with pytest.raises(Failure, match=error):
         engraving.read_curve(tmp_path / "c.txt")
+
+
+def test_a_big_picture_is_read_small_or_refused(tmp_path, monkeypatch):
+    """A JPEG is taken at a part of its size as it is read, any other is refused before it is read."""
+    monkeypatch.setattr(engraving, "MOST_PIXELS", 100_000)
+    picture = Image.linear_gradient("L").resize((800, 600))
+    picture.save(tmp_path / "a.jpg")
+    picture.save(tmp_path / "a.png")
+    small = engraving.open_picture(tmp_path / "a.jpg")
+    assert small.size == (200, 150) and abs(np.asarray(small, float) - np.asarray(picture.resize((200, 150)), float)).mean() < 3
+    with pytest.raises(Failure, match="800 × 600 pixels: at most 100000"):
+        engraving.open_picture(tmp_path / "a.png")
+
+
+@pytest.mark.parametrize("mode", ["RGBA", "LA", "P", "RGB", "L", "1"])
+def test_clear_parts_of_a_picture_are_white(tmp_path, mode):
+    """As alpha_composite() over white has it, within a grey level or two."""
+    picture = Image.merge("RGBA", [Image.linear_gradient("L").rotate(90 * turn) for turn in range(4)]).convert(mode)
+    picture.save(tmp_path / "a.png")
+    clear = Image.open(tmp_path / "a.png").convert("RGBA")
+    wanted = Image.alpha_composite(Image.new("RGBA", clear.size, "white"), clear).convert("L")
+    assert abs(np.asarray(engraving.open_picture(tmp_path / "a.png"), int) - np.asarray(wanted, int)).max() <= 2

@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import time
 
 import numpy
 import pytest
@@ -223,3 +224,67 @@ def test_a_stand_in_is_always_said(tmp_path, families, named):
     assert [each.startswith("the font Never Seen, which is not") for each in page.left_out] == [True] * named
     if named:
         assert min(agreement(rsvg_ink(tmp_path / "a.svg", tmp_path), page.layers[1], 1.9)) > 0.99
+
+
+# --- bounds: each answers within some seconds, and says which element is too much
+
+
+def copies(leaf, levels, each):
+    """`leaf`, each**levels times, by <use> in <use>."""
+    groups = ""
+    for level in range(1, levels + 1):
+        uses = "".join(f'<use href="#u{level - 1}" x="{x / 10}"/>' for x in range(each))
+        groups += f'<g id="u{level}">{uses}</g>'
+    return f'<defs><g id="u0">{leaf}</g>{groups}</defs><use href="#u{levels}"/>'
+
+
+def zigzag(count):
+    return " ".join(f"{997 * index % 199},{613 * index % 113}" for index in range(count))
+
+
+TOO_MUCH = {
+    "uses": (copies('<path d="M0 0h5"/>', 9, 10), "copies made by <use>"), "a long path": (copies(f'<polyline points="{zigzag(20_000)}"/>', 3, 10), "copies made by <use>"),
+    "many shapes": (copies('<path d="M0 0h5"/>' * 1000, 3, 10), "copies made by <use>"),
+    "text": (copies('<text fill="black" font-size="5">' + "Passo " * 300 + "</text>", 3, 10), "copies made by <use>"),
+    "clip paths": (f'<clipPath id="c"><polygon points="{zigzag(150)}"/></clipPath>' + copies('<path clip-path="url(#c)" d="M0 9h99"/>', 3, 10), "copies made by <use>"),
+    "a clip path": (f'<clipPath id="c"><polygon points="{zigzag(2000)}"/></clipPath><path id="p" clip-path="url(#c)" d="M0 9h99"/>', "cross more than 10000 times"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in ("uses", "many shapes", "text", "clip paths") else ()) for name in TOO_MUCH])
+def test_what_multiplies_is_refused_soon(tmp_path, name):
+    path = tmp_path / "a.svg"
+    body, why = TOO_MUCH[name]
+    path.write_text(f"{HEAD}{body}</svg>")
+    begun = time.process_time()
+    with pytest.raises(Failure, match=why):
+        SvgFile(path).outlines(0.05)
+    assert time.process_time() - begun < 20  # 5 s alone
+
+
+def test_a_thousand_copies_are_drawn(tmp_path):
+    path = tmp_path / "a.svg"
+    circle = '<circle cx="9" cy="9" r="5"/>'
+    path.write_text(f"{HEAD}{copies(circle, 3, 10)}</svg>")
+    assert len(SvgFile(path).outlines(0.05).layers[1]) == 1000
+
+
+@pytest.mark.parametrize("text", ["Passo " * 20_000, '<tspan dx="1">Passo </tspan>' * 20_000])
+def test_a_long_label_is_named(tmp_path, text):
+    page, lines = page_of(tmp_path, f'<text fill="black" y="9">{text}</text>')
+    assert page.left_out == {"text of more than 10000 letters": 1} and len(lines) == 1
+
+
+def test_short_dashes_are_named(tmp_path):
+    page, lines = page_of(tmp_path, '<path stroke-dasharray=".001" d="M0 9h99"/>')
+    assert page.left_out == {"dashes too short to draw (drawn without gaps)": 1} and len(lines) == 2
+
+
+def test_big_pictures_in_a_file_cost_little(tmp_path):
+    """expat read a picture of n parts n times: 60 MB took minutes."""
+    path = tmp_path / "a.svg"
+    picture = "A" * 20_000_000
+    path.write_text(f'{HEAD}<style>a{{fill:url(data:font/woff2;base64,{picture})}}</style><image href="data:image/png;base64,{picture}" width="9" height="9"/>{VISIBLE}</svg>')
+    begun = time.process_time()
+    page = SvgFile(path).outlines(0.05)
+    assert time.process_time() - begun < 3 and page.left_out == {"picture": 1} and len(page.layers[1]) == 1

@@ -199,7 +199,7 @@ CLIPS = "".join(f"""<clipPath id="c{n}"><rect width="5" height="5" clip-path="ur
     ('<g id="a"><use href="#b"/></g><g id="b"><use id="u" href="#a"/></g>', "leads to itself"),
     ('<clipPath id="c"><rect width="5" height="5" clip-path="url(#c)"/></clipPath><path d="M0 0H9" clip-path="url(#c)"/>', 'id="c"> leads to itself'),
     (CLIPS + '<path d="M0 0H9" clip-path="url(#c11)"/>', "lies in more than 10 others"),
-    (DOUBLED, "more than 500 times"),
+    (DOUBLED, "more than 500 shapes"),
     ("<g>" * 20_000 + '<path d="M0 0H9"/>' + "</g>" * 20_000, "<g> lies in more than 100 others"),
     ("<text>" + "<tspan>" * 20_000 + "a" + "</tspan>" * 20_000 + "</text>", "<text>: its numbers cannot be drawn: 100 levels"),
 ])  # fmt: skip
