@@ -14,7 +14,7 @@ Topics are passo/NAME/… A connection each: a last will belongs to one.
 
 One agent speaks for a machine: two would give one job to two boards. Before it does, it asks at the broker whether another one does already
 (passo/NAME/who, answered at passo/NAME/agent), for a second; and again behind each loss of the connection, which another one may have taken over.
-If there is another, this one says so, tells nothing, and takes no orders; it hears STOP all the same.
+If there is another, or a board of that name that tells its state to the broker itself, this one says so, tells nothing, and takes no orders; it hears STOP all the same.
 """
 
 import collections
@@ -45,6 +45,7 @@ SHOP = "shop"  # passo/shop: the nonce for what machines tell the shop
 ORDER = "order"  # passo/NAME/order: the shop's, signed
 FILE = "file"  # passo/file/SHA-256/NUMBER: a piece of a job's file
 WHO, AGENT = "who", "agent"  # passo/NAME/who: an agent asks, with a text of its own, which passo/NAME/agent repeats if there is another
+STATE = "state"  # told while an agent only listens: a board of that name speaks for itself
 _ANSWER_S = 1.0  # an agent that is there has answered
 PIECE = 32_768  # bytes
 _KEEP_ALIVE_S = 10  # half as long again without a sign, and the broker publishes the last will
@@ -191,7 +192,8 @@ class Link:
         with self._lock:
             if self._double or self._closing or client is not self._client:
                 return
-            client.subscribe([(self._topic + WHO, 1), (self._topic + AGENT, 1)])
+            fresh = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
+            client.subscribe([(self._topic + WHO, 1), (self._topic + AGENT, 1), (self._topic + STATE, fresh)])
             client.publish(self._topic + WHO, self._own, 1)
             if self._asking:
                 self._asking.cancel()
@@ -296,6 +298,9 @@ class Link:
             self._answer(message.payload.decode(errors="replace"))
         elif what == AGENT:
             if message.payload.decode(errors="replace") == self._own:
+                self._yield()
+        elif what == STATE:
+            if client is self._client and client is self._listener and message.payload not in (b"", GONE.encode()):
                 self._yield()
         elif what in (SHOP, ORDER):
             self._heard.append((what, message.payload.decode(errors="replace")))

@@ -764,6 +764,33 @@ def test_an_agent_that_is_taken_over_says_so_takes_no_orders_and_hears_stop(shop
             each.close()
 
 
+@needs_broker
+def test_a_board_that_speaks_for_itself_keeps_its_name(shop):
+    """It answers no agent, but tells its state whenever it has its connection again."""
+    from paho.mqtt.enums import CallbackAPIVersion
+
+    from host_tools.shop.link import Broker, Link, mqtt
+
+    board = mqtt.Client(CallbackAPIVersion.VERSION2, "passo-a", protocol=mqtt.MQTTv5)
+    board.on_connect = lambda *_: board.publish("passo/a/state", "idle", 1, True)
+    board.connect("127.0.0.1", shop.port)
+    board.loop_start()
+    said, link = [], None
+    try:
+        shop.until(lambda: shop.told.get("passo/a/state") == "idle")
+        link = Link(Broker("127.0.0.1", shop.port), "a")
+        link.doubled = said.append
+        shop.until(lambda: said)
+        shop.until(lambda: board.is_connected() and not link.up)
+        time.sleep(2)
+        assert board.is_connected() and not link.up
+    finally:
+        board.disconnect()
+        board.loop_stop()
+        if link:
+            link.close()
+
+
 def test_what_has_not_begun_does_not_begin_at_a_machine_for_which_another_agent_speaks():
     board, port, run = agent_of(Late)
     run(lambda: board.work._job.record)
