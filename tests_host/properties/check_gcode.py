@@ -136,6 +136,8 @@ ERRORS = (
     ((), b"G1 A4 F100", errors.UNSUPPORTED),
     ((), b"G38.1 X1 F100", errors.UNSUPPORTED),
     ((), b"G43.2 H1", errors.UNSUPPORTED),
+    ((), b"G18 G81 X1 Z-1 R2 F100", errors.UNSUPPORTED),
+    ((b"G81 X1 Z-1 R2 F100",), b"G19 X2", errors.UNSUPPORTED),
     ((b"G10 L1 P1 Z5",), b"G43 H2", errors.NO_SUCH_TOOL),
     ((b"G10 L1 P1 Z5",), b"G43 H1 G0 Z5 X999999999", errors.JOG_TRAVEL),
     ((), b"G43 H256", errors.TOOL_NUMBER),

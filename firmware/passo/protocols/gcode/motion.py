@@ -213,7 +213,7 @@ class Motions(Reader):
         pecks as a list would be more than a board has room for. As LinuxCNC's rs274: G98 goes back to the height before the first
         line of the series, whatever was between, and goes to the hole there. R and Z mean another place if G90 or G20 changes: such a line
         is refused without both."""
-        if self.axes < 3 or self._left & 1 << A:
+        if self.axes < 3 or self._left & 1 << A or self._plane != 17:
             raise Refused(errors.UNSUPPORTED)
         pecks = motion in (G73, G83)
         known, level, top, depth, dwell, peck = self.cycle
