@@ -124,6 +124,7 @@ ERRORS = (
     ((b"G81 X1 Z-1 R2 F60", b"G91"), b"X2", errors.VALUE_MISSING),
     ((b"G81 X1 Z-1 R2 F60", b"G20"), b"X2 Z-1", errors.VALUE_MISSING),
     ((b"G91 G83 X1 Z-1 R2 Q1 F60", b"G90"), b"X2 R1", errors.VALUE_MISSING),
+    ((b"G83 X1 Z-1 R2 Q1 F60", b"G20"), b"X2 R1 Z0", errors.VALUE_MISSING),
     ((), b"S-1", errors.NEGATIVE),
     ((), b"T-1", errors.NEGATIVE),
     ((), b"N-1", errors.NEGATIVE),

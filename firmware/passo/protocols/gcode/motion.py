@@ -218,7 +218,8 @@ class Motions(Reader):
         pecks = motion in (G73, G83)
         known, level, top, depth, dwell, peck = self.cycle
         modes = (1 if self._absolute else 0) | (2 if self._inches else 0)
-        if (self.motion != motion or modes != known) and (1 << R | 1 << Z | pecks << Q) & ~self._left:
+        other = 3 if self.motion != motion else modes ^ known
+        if other and (1 << R | 1 << Z | (pecks and other > 1) << Q) & ~self._left:
             raise Refused(errors.VALUE_MISSING)
         x, y, z = self.position[:3]
         zero = self.offsets.of(self._system, 2)
