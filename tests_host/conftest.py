@@ -24,6 +24,7 @@ for folder in (ROOT, ROOT / "firmware", ROOT / "host_tools" / "shims", TESTS, *F
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
 
+import own_fonts  # noqa: E402  it lies in TESTS
 import tiers  # noqa: E402  it lies in TESTS
 
 from host_tools.emulator import cycles  # noqa: E402
@@ -50,6 +51,7 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     os.environ["LANGUAGE"] = "en"  # what `passo` says is compared
+    own_fonts.bring()
     os.environ.setdefault("PASSO_PC_KERNELS", "plain")  # coverage sees kernels as Python; test_compiled.py has them as C
     if "PASSO_BUILDS" not in os.environ:  # a board of the same texts is built once, for all workers
         os.environ["PASSO_BUILDS"] = str(BUILDS)

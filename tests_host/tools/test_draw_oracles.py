@@ -164,7 +164,7 @@ def test_a_font_that_is_not_installed_is_the_one_that_fontconfig_takes(tmp_path,
     if not shutil.which("fc-match"):
         pytest.skip("fontconfig is not installed: apt-get install fontconfig")
     (tmp_path / "fonts.conf").write_text(
-        '<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd"><fontconfig><include>/etc/fonts/fonts.conf</include><match target="pattern"><test name="family">'
+        '<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd"><fontconfig><include>' + os.environ["FONTCONFIG_FILE"] + '</include><match target="pattern"><test name="family">'
         '<string>Never Seen</string></test><edit name="family" mode="prepend" binding="strong"><string>DejaVu Sans Mono</string></edit></match></fontconfig>'
     )
     monkeypatch.setenv("FONTCONFIG_FILE", str(tmp_path / "fonts.conf"))
