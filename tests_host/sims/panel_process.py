@@ -16,6 +16,7 @@ import time
 import websocket
 
 from host_tools import interpreter
+from patience import patience
 from passo.web.session import Session
 
 TICK_US = 0.08
@@ -49,7 +50,7 @@ class PanelProcess:
 
     def close(self):
         self._process.terminate()
-        assert self._process.wait(30) == 0
+        assert self._process.wait(patience(30)) == 0
         self._process.stdout.close()
 
     def page(self, key=None):
@@ -63,7 +64,7 @@ class PanelProcess:
 
 class PageClient:
     def __init__(self, host, key, origin=None):
-        self.socket = websocket.create_connection(f"ws://{host}/ws", origin=origin or f"http://{host}", timeout=LIMIT_S)
+        self.socket = websocket.create_connection(f"ws://{host}/ws", origin=origin or f"http://{host}", timeout=patience(LIMIT_S))
         self.hello = json.loads(self.socket.recv())
         self._session = Session(key, self.hello["nonce"])
         self.count = 0
@@ -91,7 +92,7 @@ class PageClient:
         return message
 
     def _find(self, wanted):
-        deadline = time.monotonic() + LIMIT_S
+        deadline = time.monotonic() + patience(LIMIT_S)
         while time.monotonic() < deadline:
             message = self.hear()
             if wanted(message):

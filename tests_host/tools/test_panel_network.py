@@ -10,7 +10,7 @@ import time
 import pytest
 import websocket
 
-from panel_process import PageClient, PanelProcess
+from panel_process import LIMIT_S, PageClient, PanelProcess
 from passo import errors
 
 pytestmark = [pytest.mark.unmeasured, pytest.mark.xdist_group("panel")]
@@ -21,7 +21,7 @@ JOB = "G21 G91\nF5700\n" + "G1 X60\nG1 X-60\n" * 4 + "G1 X30 Y30\nG1 X-30 Y-30\n
 FASTEST_TICKS = 411  # 30 400 a second
 
 
-def ask(panel, data, wait_s=5.0):
+def ask(panel, data, wait_s=LIMIT_S):
     """What the server says to raw bytes, until it closes the connection."""
     with socket.create_connection(("127.0.0.1", panel.port), timeout=wait_s) as connection:
         try:
@@ -132,7 +132,7 @@ def random_requests(panel, count):
         if dice.random() < 0.5:
             head += b"Content-Length: %d\r\n" % dice.choice([0, len(body), len(body) + 5, 10**12, -1])
         data = head + b"\r\n" + body
-        with socket.create_connection(("127.0.0.1", panel.port), timeout=5) as connection:
+        with socket.create_connection(("127.0.0.1", panel.port), timeout=LIMIT_S) as connection:
             try:
                 connection.sendall(data[: dice.randrange(len(data))] if dice.random() < 0.2 else data)
                 connection.shutdown(socket.SHUT_WR)
