@@ -73,7 +73,10 @@ class PanelOrders(Orders):
             if self._proving:
                 self._proving.end()
         error = self.machine.absent() if remote and proven and known and starts(order) else 0
-        return self._answer(order["do"], error) if error else self._whole(order, Orders.order(self, order, proven))
+        answer = self._answer(order["do"], error) if error else self._whole(order, Orders.order(self, order, proven))
+        if known and order.get("do") == "stop" and not answer["error"] and not self.machine.state["link"]:
+            answer["error"] = errors.NO_ANSWER  # it is sent if there is a port, but nobody says that it has arrived
+        return answer
 
     def _whole(self, order, found):
         """An answer of a refusal, see is_refusal()."""

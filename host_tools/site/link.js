@@ -85,5 +85,6 @@ export class Link {
   stop() {
     this.stops++;
     if (this.open) this.worker.postMessage('{"do":"stop"}');
+    return Promise.resolve(this.open ? 0 : 183);
   }
 }

@@ -72,9 +72,10 @@ export class Link {
   }
 
   // STOP goes both ways at once, and needs no key. It may overtake orders that are under way: by the last one's count the server knows them.
+  // A promise of 0, or of the error that says why it may not have arrived.
   stop() {
     this.stops++;
     if (this.ready()) this.socket.send('{"do":"stop"}');
-    fetch("stop", { method: "POST", body: this.sent }).catch(() => {});
+    return fetch("stop", { method: "POST", body: this.sent }).then((answer) => answer.json()).then(({ error }) => error).catch(() => 183);
   }
 }

@@ -7,6 +7,7 @@ import { Jog } from "./jog.js";
 import { JobFacts, dropped } from "./job_facts.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
+import * as modal from "./modal.js";
 import { OwnButtons } from "./own_buttons.js";
 import { unaccented } from "./pack.js";
 import { makePad } from "./pad.js";
@@ -92,13 +93,11 @@ async function order(name, fields = {}) {
 
 function ask(text) {
   $("ask-text").textContent = text;
-  $("ask").showModal();
-  $("ask-yes").focus();
   return new Promise((answer) => {
-    const end = (yes) => { $("ask").close(); answer(yes); };
-    $("ask-yes").onclick = () => end(true);
-    $("ask-no").onclick = () => end(false);
-    $("ask").oncancel = () => answer(false);
+    modal.open($("ask"), () => answer(false));
+    $("ask-yes").onclick = () => { answer(true); modal.shut(); };
+    $("ask-no").onclick = modal.shut;
+    $("ask-yes").focus();
   });
 }
 
@@ -584,7 +583,8 @@ function makeSetup() {
 
 function stop() {
   if (setup) setup.halt();
-  link.stop();
+  modal.shut();
+  link.stop().then(refuse);
 }
 
 const speed = () => Math.max(1, Number($("jog-speed").value) || 1);
@@ -607,16 +607,17 @@ for (const label of document.querySelectorAll("#card-jog fieldset label")) {
 // Keys that are no moves.
 function shortcut(key) {
   const steps = document.querySelectorAll("input[name=step]"), busy = report.state === "Run";
-  if (key === "?") $("help-keys").showModal();
+  if (key === "?") modal.open($("help-keys"));
   else if ("1234".includes(key) && cards.can("step")) steps[Number(key) - 1].checked = true;
   else if (key === "p" || key === "P") $(busy ? "hold" : "resume").click();
   else return false;
   return true;
 }
 
-$("help-close").onclick = () => $("help-keys").close();
+$("help-close").onclick = modal.shut;
+// Esc stops, whatever is open and has the focus.
+document.addEventListener("keydown", (event) => { if (event.key === "Escape") stop(); }, true);
 document.addEventListener("keydown", (event) => {
-  if (event.key === "Escape" && !$("ask").open && !$("help-keys").open) return stop();
   const plain = !event.ctrlKey && !event.altKey && !event.metaKey && !event.repeat && !typing(event.target);
   if (plain && event.key.length === 1 && shortcut(event.key)) { event.preventDefault(); return; }
   const way = KEYS[event.key];

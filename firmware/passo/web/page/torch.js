@@ -71,6 +71,8 @@ for (const form of document.querySelectorAll("form[action]")) {
   });
 }
 
+document.addEventListener("keydown", (event) => { if (event.key === "Escape" && !event.repeat) document.getElementById("halt").click(); }, true);
+
 for (const button of document.querySelectorAll("[data-jog]")) {
   const path = button.form.getAttribute("action");
   let held = false;
