@@ -121,8 +121,10 @@ def check_halt_anywhere(seed, at):
     bench.player.halt()
     before = [edge for edge in edges if edge[0] < at]
     levels = before[-1][1] if before else 0
-    if levels & (3 | TOOL):
-        before.append((at, levels & ~(3 | TOOL)))
+    if levels & TOOL:
+        before.append((at, levels & ~TOOL))
+    if levels & 3:  # the pulse lasts as long as it should
+        before.append(([edge for edge in edges if edge[0] >= at][0][0], levels & ~(3 | TOOL)))
     assert bench.player.played() == len([start for start in starts if start < at])
     assert not bench.player.busy()
     bench.port.advance(5000)
@@ -148,7 +150,7 @@ def check_stop_lets_the_word_end():
 
 
 def check_world_may_stop_and_halt_inside_an_edge():
-    for name, seen in (("halt", [(0, X_STEP | TOOL), (0, 0)]), ("stop", [(0, X_STEP | TOOL), (25, TOOL)])):
+    for name, seen in (("halt", [(0, X_STEP | TOOL), (0, X_STEP), (25, 0)]), ("stop", [(0, X_STEP | TOOL), (25, TOOL)])):
         bench = Bench()
         bench.put((100, X_STEP | TOOL), (100, Y_STEP))
         act = getattr(bench.player, name)

@@ -26,7 +26,6 @@ TICKS_PER_US = 12.5
 CALLED = {"stop": "urg", "probe": "pal"}  # in the document
 GOOD = ("dx1", "dx2", "dy", "dz", "sel")  # forbid while they are not active
 OFF_TICKS = 25 * 12.5  # from the emergency stop to the spindle's pin: a pulse is not cut short
-CUT_SHORT = "STEP pulse too short"  # by a reset, which the main loop carries out at any time; the step counts
 KINDS = ("bounce", "burst", "burst", "stuck", "late", "two", "selector", "none")
 STEPS_MM = 80
 MENDED_MS = 26  # after which what forbade allows again: release_ms, the longest filter, and some cycles
@@ -128,7 +127,7 @@ class Witness:
         plant = self.machine.plant
         if plant.enabled and self.active["stop"] and tick - self.since["stop"] > OFF_TICKS:
             self.faults.append(f"{tick}: the drives are enabled with the emergency stop pressed")
-        errors = [text for _, text in plant.errors if text != CUT_SHORT and not (self.blind and "hard end" in text)]
+        errors = [text for _, text in plant.errors if not (self.blind and "hard end" in text)]
         plant.errors.clear()
         assert not errors and not self.faults, errors + self.faults
 

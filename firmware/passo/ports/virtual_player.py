@@ -48,11 +48,16 @@ class Player:
         self._playing = False
 
     def halt(self):
-        """No further edge: pulses and tool drop now, inside the word; the other pins keep their levels."""
+        """No further step: the tool drops now, a pulse once it has lasted as long as it should, the other pins keep their levels."""
+        dropped = self._layout.tool_mask
+        if self._fall < 0:
+            if self._playing and self._next > self.now:  # called from inside the edge with which the pulse rose, if one is up
+                self._fall = min(self.now + self._pulse_ticks, self._next) if self._levels & self._layout.pulse_mask else -1
+            else:
+                dropped |= self._layout.pulse_mask
         self._playing = False
-        self._fall = -1
         self._next = self.now
-        self._put(self.now, self._levels & ~(self._layout.pulse_mask | self._layout.tool_mask))
+        self._put(self.now, self._levels & ~dropped)
 
     def busy(self):
         """True while words are left to play or the last one's ticks still run."""
@@ -63,8 +68,8 @@ class Player:
         return self._played
 
     def rest(self, levels):
-        """Put `levels` on the pins at once. Only while not busy."""
-        self._put(self.now, levels)
+        """Put `levels` on the pins at once; a pulse that halt() has left up stays. Only while not busy."""
+        self._put(self.now, levels | self._levels & self._layout.pulse_mask if self._fall >= 0 else levels)
 
     def levels(self):
         """What the pins show, before polarity."""
@@ -88,7 +93,7 @@ class Player:
             self._drop()
         if self._next < self.now:
             self._next = self.now
-        if self._playing and self._next < until and self._played != self._ring.head:
+        if self._playing and self._fall < 0 and self._next < until and self._played != self._ring.head:
             self._play(until)
             if 0 <= self._fall < until:
                 self._drop()
