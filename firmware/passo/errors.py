@@ -141,6 +141,8 @@ AT_STAND = (
     ALARM_INVERTER_FAULT, ALARM_INVERTER_REFUSED, ALARM_SPINDLE_SPEED, ALARM_INVERTER_LATE, ALARM_HOST_LOST,
     ALARM_JOB_CHANGED,
 )  # fmt: skip
+# Switches and encoders are watched, and the motors stay this board's, for the position of some axes is known.
+WATCHED = (NONE, ALARM_HOMING_REQUIRED)
 NEED_RESET = (ALARM_HARD_LIMIT, ALARM_SOFT_LIMIT, ALARM_INTERLOCK)
 
 # Notices are no errors: the machine tells what it did of its own accord.

@@ -181,3 +181,35 @@ def check_no_caution_where_no_limit_is_asked_for():
     machine.put(b"\x18")
     machine.cycles(5)
     assert moved(machine, "G0X7") == ["ok"]
+
+
+def check_a_switch_is_heeded_while_others_are_to_be_homed():
+    """A limit, or the emergency stop on its input: the axis that was homed is lost, too."""
+    machine = started()
+    machine.do("$X", "$21=1")
+    assert machine.ask("$HX")[0] == "ALARM:11"
+    machine.world.switches["limit_y"] = 1
+    said = machine.cycles(100)
+    assert "ALARM:1" in said, said
+    del machine.world.switches["limit_y"]
+    machine.cycles(100)
+    machine.put(b"\x18")
+    machine.cycles(5)
+    assert machine.ask("$HY")[:2] == ["ALARM:11", "[MSG:Homing required: X Z]"]
+
+
+def check_motors_that_another_controller_had_are_lost():
+    outputs = [{"name": "relay", "pin": 14, "active": 1, "role": "ours"}]
+    machine = Machine(World((700, 680, -660)), outputs=outputs)
+    machine.said()
+    machine.do("$X", "$MOTORS=1")
+    assert machine.ask("$HX")[0] == "ALARM:11"
+    machine.cycles(100)
+    assert machine.ask("$HY")[:2] == ["ALARM:11", "[MSG:Homing required: Z]"], "they stay this board's"
+    machine.do("$HZ")
+    assert machine.controller.machine.homed
+    machine.do("$MOTORS=0")
+    machine.cycles(100)
+    machine.do("$MOTORS=1")
+    machine.cycles(100)
+    assert not machine.controller.machine.homed and machine.controller.machine.report()["unhomed"] == "XYZ"

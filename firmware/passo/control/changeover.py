@@ -47,7 +47,7 @@ class Changeover(Feature):
 
     def poll(self, now_ms):
         machine = self._machine
-        if (machine.alarm or machine.sleeping) and self._queue.still():
+        if (machine.alarm not in errors.WATCHED or machine.sleeping) and self._queue.still():
             self.heed()
         if self._due_ms is None:
             return
@@ -64,7 +64,7 @@ class Changeover(Feature):
     def _connect(self, command):
         machine = self._machine
         ours = bool(command.value)
-        if ours and (machine.alarm or machine.sleeping):
+        if ours and (machine.alarm not in errors.WATCHED or machine.sleeping):
             return errors.LOCKED
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY

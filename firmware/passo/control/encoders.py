@@ -105,7 +105,7 @@ class EncoderWatch(Feature):
             self._look_at_indexes()
         homing = machine.busy_with(commands.HOME)
         still = self._queue.still() and not homing
-        self._encoders.arm(not (machine.alarm or self._halted or homing or machine.motors.state == RELEASED))
+        self._encoders.arm(not (machine.alarm not in errors.WATCHED or self._halted or homing or machine.motors.state == RELEASED))
         if not still:
             self._still_ms = now_ms
             self._homing = homing

@@ -124,7 +124,7 @@ class InterlockWatch(Feature):
             blamed = interlock.blamed(bit, True)
             if self._outputs[number] in self._vital:
                 machine.motors.release()
-                if not machine.alarm:
+                if machine.alarm in errors.WATCHED:
                     machine.raise_alarm(errors.ALARM_INTERLOCK, blamed)
                 machine.lose_position()
             else:

@@ -64,7 +64,7 @@ class Switches(Feature):
         if self._watches:
             machine = self._machine
             command = machine.command
-            armed = self._hard and not machine.alarm and (command is None or command.kind != commands.HOME)
+            armed = self._hard and machine.alarm in errors.WATCHED and (command is None or command.kind != commands.HOME)
             if armed != self._armed:
                 self._arm(armed)
 
@@ -93,7 +93,7 @@ class Switches(Feature):
         if not self._settings.value(table.HARD_LIMITS):
             return
         machine = self._machine
-        watching = not machine.alarm and not machine.busy_with(commands.HOME)
+        watching = machine.alarm in errors.WATCHED and not machine.busy_with(commands.HOME)
         hit = None
         for name, sensor in self._limits:
             before = sensor.active
