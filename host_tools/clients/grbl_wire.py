@@ -37,6 +37,7 @@ class Wire:
         self._resets = []  # commands that the banner answers
         self._under_way = []  # (owner, line, answered)
         self._bytes = 0
+        self.foreign = 0  # answers to nobody here: another program sends lines by the same port
         self.window = RX_ROOM  # bytes of lines that may be under way
         self._buffer = b""
 
@@ -117,6 +118,7 @@ class Wire:
 
     def _answer(self, error, line):
         if not self._under_way:
+            self.foreign += 1
             return
         owner, line_said, answered = self._under_way.pop(0)
         self._bytes -= len(line_said) + 1

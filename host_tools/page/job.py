@@ -20,6 +20,7 @@ class Job:
         self._lines = None
         self._halting = False  # on its way to a stand, then it is dropped
         self._idle = 0  # reports in a row that say that nothing moves
+        self._foreign = 0  # answers to nobody, as it began
         self._failed_line = 0
         self.name = ""
 
@@ -48,6 +49,7 @@ class Job:
         self._failed_line = 0
         self._idle = 0
         self._halting = False
+        self._foreign = machine.wire.foreign
         if checked:
             machine.say(b"$C")
         self._tell("run", 0)
@@ -58,6 +60,10 @@ class Job:
         if self._lines is None or self._halting:
             return
         wire = self._machine.wire
+        if wire.foreign != self._foreign:  # its answers are not all this job's
+            self._failed = errors.COMMANDED_ELSEWHERE
+            self.abort()
+            return
         while self._at < self._most:
             if not wire.say(PAGE, self._lines[self._at][1], self._answered):
                 return

@@ -12,6 +12,8 @@ runs under MicroPython too, in a browser's tab.
 
 import math
 
+from host_tools.programs.program_lines import WrongLetter, program_lines, raw_lines_of
+
 MOST_POINTS = 400
 _LEAST_PIECE_MM = 0.5
 _CLOSED = 5e-7  # radians: an end that is so near closes the circle
@@ -74,19 +76,9 @@ def _part(value, count):
 
 
 def _words(line):
-    """[(letter, number)] of a line without comments. Raises ValueError."""
+    """[(letter, number)] of a line of program_lines(). Raises ValueError."""
     found = []
-    text = ""
-    inside = False
-    for letter in line.upper() + " ":
-        if letter == "(":
-            inside = True
-        elif letter == ")":
-            inside = False
-        elif letter == ";" and not inside:
-            break
-        elif not inside and letter > " ":
-            text += letter
+    text = line.upper().replace(" ", "")
     at = 0
     while at < len(text):
         end = at + 1
@@ -107,7 +99,7 @@ class _Levelled:
         self.lines = []
 
     def line(self, number, text):
-        if text[:1] in ("$", "%", ""):
+        if text[:1] == "$":
             self.lines.append(text)
             return
         try:
@@ -225,6 +217,9 @@ def level(text, grid):
     """A job's text that follows a map. Raises Unfollowed."""
     levelled = _Levelled(grid)
     levelled.lines.append("G21 G90")
-    for number, line in enumerate(text.split("\n")):
-        levelled.line(number + 1, line.strip())
+    try:
+        for number, line in program_lines(raw_lines_of(text.encode())):
+            levelled.line(number, "".join([" " + letter if "@" < letter < "{" else letter for letter in line.decode()]).strip())
+    except WrongLetter as wrong:
+        raise Unfollowed(wrong.number, "length")
     return "\n".join(levelled.lines) + "\n"

@@ -627,3 +627,20 @@ def check_what_is_asked_by_a_typed_line_is_shown():
     desk.order("line", line="G4P0")
     desk.run_ms(500)
     assert [event["text"] for event in desk.told if event["t"] == "said"] == ["ok"]
+
+
+def check_one_answer_too_many_ends_the_job():
+    """Another program sends lines by the same port: the page's lines are not answered one by one any more."""
+    desk = Desk()
+    desk.store.put("a", "G21G91\nG1F3000\n" + "X1\n" * 60)
+    assert desk.order("run", name="a") == 0
+    desk.run_ms(200)
+    before = desk.place()[0]
+    desk.line.incoming += b"G4P0\n"
+    desk.settle()
+    job = desk.machine.state["job"]
+    assert (job["how"], job["error"]) == ("failed", errors.COMMANDED_ELSEWHERE), job
+    assert before < desk.place()[0] <= before + 60 * MM
+    assert desk.order("run", name="a") == 0, "the next one may run"
+    desk.settle()
+    assert desk.machine.state["job"]["how"] == "done", desk.machine.state["job"]
