@@ -8,6 +8,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import DropZ, ZPen
 from host_tools.failure import Failure
 from host_tools.language import _, count_text
 
@@ -34,6 +35,8 @@ def check(
     baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
     dialect: Annotated[Optional[str], typer.Option(help="num, ngc, or plain: as it is; default: by what stands in the file.")] = None,
     tools: Annotated[Optional[Path], typer.Option(help="The tool table of a program that is compiled; see passo compile.")] = None,
+    drop_z: DropZ = False,
+    z_pen: ZPen = None,
     workers: Annotated[Optional[int], typer.Option(min=1, help="Of a folder: processes on this PC; default: one for each processor.")] = None,
     dask: Annotated[Optional[str], typer.Option(metavar="tcp://HOST:PORT", help="Of a folder: the scheduler of a Dask cluster, which checks.")] = None,
 ):
@@ -76,23 +79,27 @@ def check(
     changes, start = _machine(port, baud) if port else ((), None)
     place = tuple(changes), _zero(at), start
     if file.is_dir():
+        if drop_z or z_pen is not None:
+            raise Failure("--drop-z and --z-pen are for one program, and {} is a folder", file)
         from host_tools.cli.check_folder import check_folder
 
         check_folder(file, board, place, dialect, tools, out, workers, dask)
     else:
-        _check_file(file, board, place, dialect, tools, out)
+        _check_file(file, board, place, dialect, tools, out, drop_z, z_pen)
 
 
-def _check_file(file, board, place, dialect, tools, out):
+def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=None):
     """Check one program, and say what it would do. Raises Failure."""
     from host_tools import boards
-    from host_tools.programs import compiler
+    from host_tools.programs import compiler, flat
     from host_tools.sim.job import VirtualJob
 
     if out:
         import matplotlib  # noqa: F401  before the job runs, not after it
     program = compiler.read(file, dialect, tools, not boards.load(board).get("rotary"))
+    flat.leave_out_z(program, drop_z, z_pen)
     job = VirtualJob(board, *place, drawn=bool(out))
+    flat.refuse_z(program, len(job.board["axes"]) > 2)
     _run(job, program)
     compiler.tell(program)
     for line in summary(job):

@@ -13,3 +13,5 @@ BoardName = Annotated[str, typer.Option("--board", help="Board file with the ste
 Protocol = Annotated[
     Optional[str], typer.Option(help="Language of the link of --port: grbl, torch, pulses or plotter. Default: found by asking.")
 ]
+DropZ = Annotated[bool, typer.Option("--drop-z", help="Leave Z out, for a machine without it. Refused if the tool is on as Z rises.")]
+ZPen = Annotated[Optional[float], typer.Option(metavar="MM", help="For a machine without Z: the tool is off while the program's Z is above this.")]

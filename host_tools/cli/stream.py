@@ -13,7 +13,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.cli.lead_in import announce, prepared
-from host_tools.cli.options import Baud, Port
+from host_tools.cli.options import Baud, DropZ, Port, ZPen
 from host_tools.clients.grbl import LinkError
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
@@ -46,6 +46,8 @@ def stream(
     timeout: float = typer.Option(5.0, min=0.1, help="Seconds an answer may take."),
     dialect: Annotated[Optional[str], typer.Option(help="num, ngc, or plain: as it is; default: by what stands in the file.")] = None,
     tools: Annotated[Optional[Path], typer.Option(help="The tool table of a program that is compiled; see passo compile.")] = None,
+    drop_z: DropZ = False,
+    z_pen: ZPen = None,
     first: FirstLine = None,
     yes: Yes = False,
     allow_settings: AllowSettings = False,
@@ -75,16 +77,18 @@ def stream(
     """
     from host_tools.cli import ports
     from host_tools.clients.grbl import GrblClient
-    from host_tools.programs import compiler, gcode_file
+    from host_tools.programs import compiler, flat, gcode_file
 
     if flow not in ("count", "ok"):
         raise Failure("--flow is count or ok, not {!r}", flow)
     program = compiler.read(file, dialect, tools)
+    flat.leave_out_z(program, drop_z, z_pen)
     lines = list(program.rows())
     compiler.tell(program)
     if not allow_settings:
         ask_settings(lines, program.origin)
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
+        flat.refuse_z(program, program.flat and any(line.startswith("$102=") for line in client.command("$$")))
         make_ready(client, home, unlock)
         fitted = compiler.fit(program, client.command("$I") if program.listing else (), tools)
         if fitted is not program:

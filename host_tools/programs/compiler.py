@@ -62,11 +62,13 @@ class Program:
         self.path, self.name = path, path.name
         self.dialect, self.reason = dialect, reason
         self.listing, self.texts = listing, texts
+        self.flat = None  # takes rows, and gives them without Z
         self.behind = ""  # what is said of lines behind the program's end, once rows() has come to it
 
     def rows(self):
         """(number, bytes) one by one: of the file, or of the listing. Raises Failure as it comes to what is wrong."""
-        return gcode_file.lines(self.path, self._ended) if self.listing is None else iter(self.listing.lines())
+        rows = gcode_file.lines(self.path, self._ended) if self.listing is None else iter(self.listing.lines())
+        return self.flat(rows) if self.flat else rows
 
     def _ended(self, number, behind):
         self.behind = _("{} ends at line {}; what stands behind it is no part of the program: {}", self.name, number, count_text(behind, "line"))
@@ -193,7 +195,9 @@ def fit(program, about, tools=None):
     """The program for a machine that answers `about` to `$I`: compiled anew if it has A in G20 and the machine's A is linear."""
     if program.listing is None or not program.listing.turns_in_inches or "[AXS:4" not in "".join(about) or "[ROTARY:" in "".join(about):
         return program
-    return read(program.path, program.dialect, tools, True)
+    fitted = read(program.path, program.dialect, tools, True)
+    fitted.flat = program.flat
+    return fitted
 
 
 def tell(program):

@@ -140,7 +140,7 @@ class VirtualJob:
             refused = kind == job_runner.NOTE_REFUSED
             what = _("error {}, {}", code, meaning(code, text.encode())) if refused else _("alarm {}, {}", code - 200, error_text(code))
             if code == errors.UNSUPPORTED and (missing := self._missing_axis(text)):
-                what = _("{} (this machine has no axis {})", what, missing)
+                what = _("{} (this machine has no axis {})", what, missing) if missing != "Z" else _("{} (this machine has no Z: --drop-z, --z-pen)", what)
             found, row = self.errors, (number, text, what)
         else:
             kinds = {job_runner.NOTE_PAUSED: self.pauses, job_runner.NOTE_PROBED: self.probes, job_runner.NOTE_SKIPPED: self.skipped}

@@ -1,0 +1,104 @@
+"""Programs with Z for machines of two axes: Z is left out, or lifts a pen.
+
+    rows = without_z(program.rows())            # Raises Failure if the tool stays on while Z rises
+    rows = without_z(program.rows(), 0.0)       # Z above 0.0 mm: tool off, at 0.0 and below: as the program switches it
+
+The firmware's parser says where Z goes; lines that it refuses are left to the machine.
+"""
+
+import re
+from functools import partial
+
+from host_tools.failure import Failure
+from host_tools.programs.replayed_machine import NM, Board, Machine, Memory, commands_of
+from passo.protocols.gcode.offsets import TOOL_AXIS, Offsets
+from passo.protocols.gcode.parser import GCode
+
+_STEPS_PER_MM = 1000
+_Z = re.compile(rb"[Zz][-+\d. ]+")
+_TOOL = re.compile(rb"[Mm]0*[345](?![\d.])")
+_OTHERS = re.compile(rb"[XYAxya]")
+_OFF = 5  # M5
+
+
+class _Heights:
+    """Follows a program: where Z is, and what the program says of the tool."""
+
+    def __init__(self):
+        machine = Machine([_STEPS_PER_MM] * 4, 0.0, True, False, 1e6)
+        self._board = Board(machine)
+        self._gcode = GCode("xyza", Offsets(4, Memory(machine)), self._board)
+        self._gcode.turns = 1
+
+    def z(self):
+        """Of the program, mm."""
+        return self._board.target[TOOL_AXIS] / _STEPS_PER_MM - self._gcode.offsets.of(self._gcode.system, TOOL_AXIS) / NM
+
+    def spindle(self):
+        """3, 4 or 5, as the program has it; 5 without S."""
+        return self._gcode.spindle if self._gcode.rpm else _OFF
+
+    def carry_out(self, line):
+        """Carry out a line. Returns True if Z rises at any moment of it."""
+        if line[:1] == b"$" or self._gcode.interpret(line):
+            return False
+        rises = False
+        for command in commands_of(self._gcode.commands):
+            if command.target is not None:
+                rises = rises or command.target[TOOL_AXIS] > self._board.target[TOOL_AXIS]
+                self._board.target = list(command.target)
+        return rises
+
+
+def without_z(rows, pen=None):
+    """Rows (number, bytes) without Z. `pen`: Z above so many mm of the program lifts the pen, it is down else; None: Z means nothing. Raises
+    Failure at the first line in which Z rises with the tool on, if there is no pen, and at the end if there is one that nothing switches."""
+    heights = _Heights()
+    shown = _OFF
+    switched = False
+    for number, line in rows:
+        before = heights.z()
+        rises = heights.carry_out(line)
+        spindle = heights.spindle()
+        if pen is None:
+            if rises and spindle != _OFF:
+                raise Failure(
+                    "line {}, {}: the tool stays on while Z rises, and would go on without Z; if Z lifts a pen, give --z-pen 0: above 0 mm it is up",
+                    number, line.decode("ascii", "replace"),
+                )  # fmt: skip
+            yield from _row(number, _flat(line))
+            continue
+        switched = switched or spindle != _OFF
+        text = _flat(line if line[:1] == b"$" else _TOOL.sub(b"", line))
+        for height, row in ((max(before, heights.z()), text), (heights.z(), b"")):
+            wanted = spindle if height <= pen else _OFF
+            if wanted != shown:
+                yield number, b"M%d" % wanted
+                shown = wanted
+            yield from _row(number, row)
+    if pen is not None and not switched:
+        raise Failure("the program switches no tool on (M3 S…), so that no pen comes down")
+
+
+def leave_out_z(program, drop, pen):
+    """Have a program's rows come without Z, if `drop` or a `pen` asks for that."""
+    if drop or pen is not None:
+        program.flat = partial(without_z, pen=pen)
+
+
+def refuse_z(program, has_z):
+    """Raise Failure if Z is left out for a machine that has it."""
+    if program.flat and has_z:
+        raise Failure("the machine has a Z axis: --drop-z and --z-pen are for machines without one")
+
+
+def _flat(line):
+    """A line without Z; Z0, which moves nothing, where a command wants an axis word."""
+    if line[:1] == b"$" or not _Z.search(line):
+        return line
+    text = _Z.sub(b"", line)
+    return text if _OTHERS.search(text) else _Z.sub(b"Z0", line)
+
+
+def _row(number, text):
+    return [(number, text)] if text else []
