@@ -51,16 +51,12 @@ FEATURES = (
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
     ("independent", "Independent", None),
     ("step_program", "StepProgramPlayer", None),
-    ("program", "Program", lambda board: board["weaving"]),
-    ("weaving", "Weaving", lambda board: board["weaving"]),
+    ("program", "Program", None),
     ("pauses", "Pauses", lambda board: _input(board, "pauses") or _lost(board, "pause")),
     ("pendant", "Pendant", lambda board: [item for item in board["inputs"] if item["name"][:4] == "jog_"]),
     ("tools", "Tools", None),
     ("digital", "DigitalOutputs", lambda board: _numbered(board["outputs"])),
     ("wait", "Inputs", lambda board: _numbered(board["inputs"])),
-    ("inverter", "Inverter", lambda board: board["inverter"]),
-    ("tachometer", "Tachometer", lambda board: board["tachometer"]),
-    ("servo", "PenServo", lambda board: board["servo"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),
@@ -160,10 +156,11 @@ def wanted(board, languages):
 
 def rows(board):
     """[(name, module, class, rule)] of all features. An option's manifest writes those of its own into board["features"], by name; the
-    name of a feature above is that of the class it stands in for."""
+    name of a feature above is that of the class it stands in for. All of these are made."""
     own = dict(board.get("features") or {})
     found = []
     for name, kind, rule in FEATURES:
+        rule = bool if name in own else rule
         module, kind = own.pop(name, ("passo.control." + name, kind))
         found.append((name, module, kind, rule))
     return found + [(name, own[name][0], own[name][1], bool) for name in own]

@@ -52,7 +52,7 @@ def budget(board):
         rows.append((_("memory"), memory(board)))
     elif board["chip"] == "rp2040":
         rows.append((_("memory"), _("some {} kB of {} on stock MicroPython", heap_kb(board), _stock_kb(board))))
-    uarts = [(board["inverter"]["port"], _("inverter"))] if board["inverter"] else []
+    uarts = [(board["inverter"]["port"], _("inverter"))] if board.get("inverter") else []
     uarts += [(board["drivers"]["port"], _("drivers"))] if board.get("drivers") else []
     uarts += [(link["port"], _("link {}", link["name"])) for link in board["links"] if link["port"] != "usb"]
     rows.append((_("serial lines"), ", ".join(f"{port}: {who}" for port, who in sorted(uarts)) or _("none but USB")))

@@ -188,13 +188,13 @@ def _pins(board):
             yield item["pin"], f"edges of {item['inputs'].replace(' ', ', ')}", ""
         if board["registers"]["tool"] >= 0:
             yield board["registers"]["tool"], "out tool", _active(board["tool"])
-    if board["servo"]:
+    if board.get("servo"):
         yield board["servo"]["pin"], "servo", ", 50 Hz"
     if board.get("drivers"):
         yield board["drivers"]["tx"], "drivers TX", f", {board['drivers']['baud']} baud, behind 1 kΩ"
         yield board["drivers"]["rx"], "drivers RX", ", the same wire"
     yield from spi_pins(board)
-    if board["inverter"]:
+    if board.get("inverter"):
         yield board["inverter"]["tx"], "inverter TX", f", {board['inverter']['baud']} baud"
         yield board["inverter"]["rx"], "inverter RX", ""
     for key, pin in (board["shift"] or {}).items():

@@ -110,7 +110,7 @@ PAGES = WEB / "page"
 # Ports that only boards with a key have; spared, as features are, where a network takes the room of the flash.
 OF_KEYS = {
     "encoders": ("encoders.py", "pin_encoders.py", "rp2/encoders.py"), "interlock": ("interlock.py", "pin_interlock.py"),
-    "registers": ("shift_registers.py", "rp2/shift_registers.py"), "tachometer": ("pulses.py",),
+    "registers": ("shift_registers.py", "rp2/shift_registers.py"),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
 OPTIONS = Path("passo", "options")  # a folder a key of the board file: only boards with the key have it

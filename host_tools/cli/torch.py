@@ -237,7 +237,7 @@ def weave(
         passo torch weave 40 0 --shape trapezoid --left 200 --right 200
         passo torch weave 20 20 --centre 0,20 --amplitude 2
     """
-    from passo.motion.weave import NAMES
+    from passo.options.weaving.motion import NAMES
     from passo.protocols.torch import protocol as torch
 
     if shape not in NAMES[1:]:

@@ -70,7 +70,7 @@ class EmulatedMachine:
         self._links = {link["name"]: link for link in self.board["links"]}
         self._first = self.board["links"][0]["name"]
         self._usb = UsbWire(self.pico)
-        self.inverter = WiredInverter(self.pico, self.board["inverter"]) if self.board["inverter"] else None
+        self.inverter = WiredInverter(self.pico, self.board["inverter"]) if self.board.get("inverter") else None
         self.drivers = WiredDrivers(self.pico, self.board["drivers"]) if self.board.get("drivers") else None
         if self.board.get("spi_drivers"):
             self.drivers = WiredSpiDrivers(self.pico, self.board["spi_drivers"])

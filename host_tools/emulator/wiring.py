@@ -40,7 +40,7 @@ class Wiring:
         for gpio in self._outputs:
             if gpio < REGISTER_BIT:
                 pico.pads.listen(gpio, self._heard_output)
-        if board["servo"]:
+        if board.get("servo"):
             self._servo_us = self._rose = None
             pico.pads.listen(board["servo"]["pin"], self._heard_servo)
         self.chains = None

@@ -10,8 +10,8 @@
 Speed changes by RAMP_HZ_S. The test under pymodbus replaces answer(): what a frame means is then not ours to say.
 """
 
-from passo.config.inverter_makes import MAKES
-from passo.control import modbus
+from passo.options.inverter.config import MAKES
+from passo.options.inverter import control_modbus as modbus
 
 RAMP_HZ_S = 200
 REPLY_MS = 5

@@ -64,7 +64,7 @@ class Machine:
         self.trace = files.trace
         self.port = None
         self.inverter = None
-        if self.board["inverter"]:
+        if self.board.get("inverter"):
             self.inverter = inverter or SimInverter(self.board["inverter"], self.now_ms)
             lines = {**lines, "inverter": self.inverter}
         self.drivers = None

@@ -95,7 +95,7 @@ def _tools(board):
     kind, title, notes = _tool(board)
     power = [Terminal("PWM", spindle["pin"])] if spindle["pwm"] else []
     level = _("active high") if board["tool"]["active"] else _("active low")
-    if board["servo"]:
+    if board.get("servo"):
         notes = [_("pulses of {} to {} µs", board["servo"]["up_us"], board["servo"]["down_us"])]
         yield Part("servo", "coils", _("pen's servo"), [Terminal("PWM", board["servo"]["pin"])], notes, ("5V", "GND"))
     if follower >= 0:
@@ -116,7 +116,7 @@ def _tool(board):
         return "laser", _("Laser"), [_("PWM {} Hz, 10 kΩ to GND each", board["spindle"]["pwm_hz"])]
     if board["spindle"]["pwm"]:
         return "spindle", _("Spindle with PWM"), [f"PWM {board['spindle']['pwm_hz']} Hz → 0 … 10 V"]
-    if board["servo"]:
+    if board.get("servo"):
         return "lamp", _("tool: on while it works"), []
     if "plotter" in languages:
         return "coil", _("Pen solenoid"), [_("transistor, diode across the coil")]
@@ -205,7 +205,7 @@ def _lines(board):
             terminals = [Terminal("RX", link["tx"]), Terminal("TX", link["rx"])]
             notes = [_("USB adapter of 3.3 V, or a"), _("controller: {}, {} baud", link["protocol"], link["baud"])]
             yield Part(f"link_{link['name']}", "serial", _("serial line {}", link["name"]), terminals, notes)
-    inverter, card = board["inverter"], board["card"]
+    inverter, card = board.get("inverter"), board["card"]
     if inverter:
         terminals = [Terminal("DI", inverter["tx"]), Terminal("RO", inverter["rx"])]
         notes = [_("RS-485 transceiver that"), _("switches itself; {} baud", inverter["baud"])]

@@ -1,7 +1,7 @@
 """Modbus frames: requests as the standard has them, and which replies count."""
 
-from passo.config.inverter_makes import MAKES
-from passo.control import modbus
+from passo.options.inverter import control_modbus as modbus
+from passo.options.inverter.config import MAKES
 
 CASES = {
     "check_only_the_right_reply_counts": (

@@ -4,15 +4,16 @@ from array import array
 from hashlib import sha256
 from math import atan2, cos, pi, sin, sqrt
 
-from boards.router_3axis import BOARD as ROUTER
-from boards.torch_manipulator import BOARD
 from passo.app import App
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
-from passo.motion import weave
+from passo.options.weaving import motion as weave
 from passo.ports.virtual import Nothing, VirtualPort
 from passo.protocols.torch import protocol as torch
 from passo.records import TICKS_PER_MS, TICKS_PER_S
+
+from boards.router_3axis import BOARD as ROUTER
+from boards.torch_manipulator import BOARD
 
 STEPS_PER_M = (48_000, 83_000)
 CASES = {

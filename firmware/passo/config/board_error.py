@@ -38,5 +38,6 @@ def own_rules(board, rules):
             except ImportError:
                 continue
             rules.update(module.RULES)
-            own.append(module)
+            if board[key] is not None:
+                own.append(module)
     return own

@@ -150,7 +150,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("card", "inverter", "jobs", "journal", "network", "registers", "servo", "tachometer", "tool_change", "weaving")  # device_keys.py
+DEVICES = ("card", "jobs", "journal", "network", "registers", "tool_change")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
@@ -232,6 +232,8 @@ def _section(where, data, rules):
 def _value(where, data, key, rule):
     if isinstance(rule, dict):
         part = data.get(key)
+        if part is None and where not in _BOARD and where == key:
+            return None  # an option's, which is not asked for
         if part is None and key not in _OPTIONAL:
             raise BoardError("%s: missing" % where)
         if part is None and key in _ABSENT or where == "interlock" and isinstance(part, dict) and isinstance(part.get("masks"), dict):

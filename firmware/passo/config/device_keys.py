@@ -1,9 +1,8 @@
-"""The keys `card`, `inverter`, `network`, `registers`, `servo`, `tachometer`, `tool_change` and `weaving` of a board file: only
+"""The keys `card`, `journal`, `network`, `registers` and `tool_change` of a board file: only
 boards that have one of them load this. RULES are in the notation of boardfile.py."""
 
-from passo.commands import INPUTS
 from passo.config.board_error import BoardError, want_input
-from passo.config.chip_pins import PIN, check_link
+from passo.config.chip_pins import PIN
 from passo.records import REGISTER_BIT
 
 EDGES = {
@@ -12,20 +11,6 @@ EDGES = {
 }
 RULES = {
     "card": {"spi": (int, 1, 0, 2), "sck": PIN, "mosi": PIN, "miso": PIN, "cs": PIN},
-    "inverter": {
-        "make": ("delta", "yl620", "h100", "nowforever"),
-        "port": (str, ..., 5, 5),
-        "tx": PIN,
-        "rx": PIN,
-        "baud": (int, 9600, 1200, 115_200),
-        "parity": ("none", "even", "odd"),
-        "stop_bits": (int, 1, 1, 2),
-        "address": (int, 1, 1, 247),
-        "poles": (int, 2, 2, 24),  # of the motor: rpm = 120 · Hz / poles
-        "timeout_ms": (int, 100, 10, 1000),
-        "at_speed_percent": (int, 5, 1, 50),
-        "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
-    },
     "journal": {
         "every_ms": (int, 1000, 100, 60_000),  # so old at most is what is written while the machine moves
         "power": (str, "", 0, 16),  # the input that is active when the power fails; "": none
@@ -52,20 +37,6 @@ RULES = {
         "edges": [EDGES, 0, 4],  # pins whose edges have the inputs read at once
         "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
     },
-    "servo": {
-        "pin": PIN,
-        "up_us": (int, 1000, 400, 2600),  # pulses
-        "down_us": (int, 1500, 400, 2600),
-        "up_ms": (int, 100, 0, 5000),  # all the way
-        "down_ms": (int, 200, 0, 5000),
-        "by_s": (bool, False, 0, 1),
-    },
-    "tachometer": {
-        "input": (str, ..., 1, 16),  # that its pulses come on
-        "pulses": (int, 1, 1, 1000),  # a turn
-        "at_speed_percent": (int, 10, 1, 50),
-        "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
-    },
     "tool_change": {
         "at": (list, ..., 2, 2),  # machine coordinates of X and Y, mm: where tools are changed
         "sensor": (list, ..., 2, 2),  # and where their length is found
@@ -73,7 +44,6 @@ RULES = {
         "seek_mm_min": (int, 200, 1, 10_000),
         "locate_mm_min": (int, 25, 1, 1000),
     },
-    "weaving": {"steady_mm_min": (int, 0, 0, 900_000)},  # up to so fast the path has no ramps, as with $140
 }
 
 
@@ -171,30 +141,6 @@ def _check_registers(board, config):
                 raise BoardError("output %s: a relay of the change-over needs a pin of its own" % item["name"])
 
 
-def _check_tachometer(board, config):
-    name = config["input"]
-    want_input(board, "tachometer.input", name)
-    item = [item for item in board["inputs"] if item["name"] == name][0]
-    named = str(board["homing"]) + str(board["interlock"])
-    if item["pin"] >= REGISTER_BIT or item["halt"] or name in named or name in [row[0] for row in INPUTS]:
-        raise BoardError("tachometer.input: %s needs a pin of its own, and no other use" % name)
-    if board["inverter"] or board["spindle"]["laser"]:
-        raise BoardError("tachometer: the inverter says the speed itself; a laser has none")
-    if config["pulses"] * board["spindle"]["max_rpm"] > 300_000:
-        raise BoardError("tachometer.pulses: no more than 5000 a second: %d a turn" % (300_000 // board["spindle"]["max_rpm"]))
-
-
-def _check_servo(board, config):
-    for way, wait in (("down_ms", "on_ms"), ("up_ms", "off_ms")):
-        least = config[way] + 20  # until the next pulse
-        if board["tool"][wait] < least:
-            raise BoardError("tool.%s: the servo takes %d ms" % (wait, least))
-    if board["spindle"]["pwm"] or board["spindle"]["laser"]:
-        raise BoardError("servo: it is the tool; leave out spindle.pwm and spindle.laser")
-    if config["by_s"] and [link for link in board["links"] if link["protocol"] != "grbl"]:
-        raise BoardError("servo.by_s: only links that speak grbl know S")
-
-
 def _prompt(board, config):
     """Names of the inputs behind registers that have these read at once."""
     names = []
@@ -209,16 +155,7 @@ def _prompt(board, config):
     return names
 
 
-def _check_inverter(board, config):
-    check_link(board["chip"], dict(config, name="inverter"))
-    for link in board["links"]:
-        if link["port"] == config["port"]:
-            raise BoardError("inverter: %s is link %s's; take another" % (config["port"], link["name"]))
-    if board["spindle"]["pwm"] or board["spindle"]["laser"]:
-        raise BoardError("inverter: it sets the spindle's speed; leave out spindle.pwm and spindle.laser")
-
-
 _CHECKS = (
-    ("card", _check_card), ("journal", _check_journal), ("inverter", _check_inverter), ("registers", _check_registers),
-    ("tool_change", _check_tool_change), ("tachometer", _check_tachometer), ("servo", _check_servo),
+    ("card", _check_card), ("journal", _check_journal), ("registers", _check_registers),
+    ("tool_change", _check_tool_change),
 )  # fmt: skip

@@ -39,7 +39,7 @@ class MachineState:
         self.known = 0  # mask of the axes that have
         self.cautious = True  # the next motion beyond the reach of soft limits is told
         self.job = None  # a CountedJob, of the feature that plays commands or points; lines have numbers of their own
-        self.weave = None  # what makes seams of lines and arcs, while it does: control/weaving.py
+        self.weave = None  # what makes seams of lines and arcs, while it does: options/weaving/control.py
         self.steady_mm_min = 0  # up to so fast there are no ramps, whatever $140 says
         self.alarm = 0
         self.checking = False  # commands are only checked

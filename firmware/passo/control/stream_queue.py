@@ -151,7 +151,7 @@ class StreamQueue(Queue):
         self.waiting = True
 
     def weave(self, woven, command):
-        """Go to the end of a seam (motion/weave.py), the way that it takes."""
+        """Go to the end of a seam (options/weaving/motion.py), the way that it takes."""
         self._change_tool(command.tool, command.number)
         self.chords = woven
         self.feed()

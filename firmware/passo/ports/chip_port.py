@@ -210,23 +210,15 @@ class ChipPort:
     catch_up = put_off
 
     def make(self, kind, config):
-        """What few boards have: "servo", its pin and ns; "pulses" of an input; "switching": outputs that change with a step, False if the
-        player cannot; "spi_line" and "memory_card": `spi_drivers` and `card` of the board file."""
-        if kind == "servo":
-            return PWM(Pin(config[0]), freq=50, duty_ns=config[1])
+        """What few boards have: what create() of an option's port.py makes, by the option's key; "switching": outputs that change with a
+        step, False if the player cannot; "memory_card": `card` of the board file."""
         if kind == "switching":
             return self._switching(config)
-        if kind == "pulses":
-            from passo.ports.pulses import PinPulses
+        if kind == "memory_card":
+            from passo.ports.memory_card import MemoryCard
 
-            return PinPulses(self._inputs[config], self)
-        if kind == "spi_line":
-            from passo.options.spi_drivers.port import SpiLine
-
-            return SpiLine(config)
-        from passo.ports.memory_card import MemoryCard
-
-        return MemoryCard(self, config)
+            return MemoryCard(self, config)
+        return __import__("passo.options.%s.port" % kind, None, None, ("create",)).create(self, self._inputs, config)
 
     def _switching(self, switches):
         return False  # the main loop changes them

@@ -149,9 +149,9 @@ class VirtualPort:
             if self.interlock is None:
                 self._player.mark(config, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
             return self.interlock is None
-        if kind == "spi_line":
+        if kind == "spi_drivers":
             return self.lines["drivers"]  # what the PC put there
-        return {"pulses": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
+        return {"tachometer": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
 
     def tripped(self):
         """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
@@ -237,7 +237,7 @@ class VirtualPort:
 
 
 class _Pulses:
-    """As ports/pulses.py."""
+    """As options/tachometer/port.py."""
 
     def __init__(self, port, _):
         self._port = port

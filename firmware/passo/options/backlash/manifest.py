@@ -17,7 +17,7 @@ def check(board):
         raise BoardError("backlash: remove kinematics: backlash is taken up where each motor moves its own axis")
     if board.get("rotary"):
         raise BoardError("backlash: remove rotary: a feed counts for all axes where backlash is taken up")
-    unfit = [other for other in ("encoders", "weaving", "step_program") if board[other]]
+    unfit = [other for other in ("encoders", "weaving", "step_program") if board.get(other)]
     if unfit:
         raise BoardError("backlash: remove %s: it reckons with motors that have none" % unfit[0])
     spoken = [link["protocol"] for link in board["links"]]

@@ -39,7 +39,7 @@ def check(board):
             raise BoardError("pin %d is claimed by %s and by %s" % (config[key], owners[config[key]], "drivers " + key))
     want_step_dir(board)
     taken = [(link["port"], "link " + link["name"]) for link in board["links"]]
-    if board["inverter"]:
+    if board.get("inverter"):
         taken.append((board["inverter"]["port"], "the inverter"))
     for port, who in taken:
         if port == config["port"]:

@@ -20,7 +20,7 @@ RULES = {
 def check(board):
     config = board["parking"]
     want_input(board, "parking", "door")
-    unfit = [other for other in ("encoders", "weaving", "step_program", "interlock") if board[other]]
+    unfit = [other for other in ("encoders", "weaving", "step_program", "interlock") if board.get(other)]
     unfit += [other for other in ("backlash", "kinematics") if board.get(other, "none") not in ("none", {}, "")]
     if unfit:
         raise BoardError("parking: remove %s: it parks one axis, by its own motor" % unfit[0])

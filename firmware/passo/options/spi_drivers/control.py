@@ -22,7 +22,7 @@ class Motors(drives.Motors):
 
     def _open(self, config):
         self._config = config
-        self._line = self._machine.port.make("spi_line", config)
+        self._line = self._machine.port.make("spi_drivers", config)
         self._registers = [chip.registers(motor, config) for motor in self._motors]
         self._chains = {}  # {cs: numbers of its drivers, the last first: that is the order of what is sent}
         for number in range(len(self._motors)):

@@ -1,12 +1,16 @@
 """SPI to motor drivers, on any pins, by MicroPython's own software.
 
-    line = port.make("spi_line", board["spi_drivers"])
+    line = port.make("spi_drivers", board["spi_drivers"])
     line.exchange(13, data)         # pin 13 low meanwhile; returns what comes back, as many bytes
 """
 
 from machine import Pin, SoftSPI
 
 _HZ = 1_000_000  # a driver takes 4 MHz
+
+
+def create(port, inputs, config):
+    return SpiLine(config)
 
 
 class SpiLine:

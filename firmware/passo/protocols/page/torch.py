@@ -22,7 +22,7 @@ _SHAPES = ("zigzag", "triangle", "trapezoid", "sine")  # from 1 on
 
 def can_of(board):
     words = ["place", "jog", "step", "goto", "jog_speed", "unlock", "log", "origin"]
-    if board["weaving"]:
+    if board.get("weaving"):
         words.append("weave")
     if [output for output in board["outputs"] if output["role"] == "ours"]:
         words.append("motors")

@@ -10,7 +10,7 @@ jog; the board says FINISHED when a move has ended, if it is asked to. A jog tha
 without a gap, as one jog, but asks for no more than the board file's jog.ahead_ms in advance. What comes while the
 machine moves and is no such jog, stop or question is dropped: `dropped` counts it, and the event log has the reason.
 
-WEAVE, `66 shape along way` and nine integers, is a seam (weave(), motion/weave.py), refused unless the board file has `weaving`.
+WEAVE, `66 shape along way` and nine integers, is a seam (weave(), options/weaving/motion.py), refused unless the board file has `weaving`.
 PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, and a jog's code for so
 many whole jogs as one. What the frames'
 cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
@@ -93,7 +93,7 @@ def configure(x_jog, y_jog, x_speed, y_speed):
 
 
 def weave(spec, x, y, speed_um_s, centre=(0, 0), clockwise=False):
-    """A seam to (x, y) steps from here, woven by a spec of motion/weave.py, at `speed_um_s`; about `centre`, steps from here, if that
+    """A seam to (x, y) steps from here, woven by a spec of options/weaving/motion.py, at `speed_um_s`; about `centre`, steps from here, if that
     is not 0;0."""
     shape, amplitude, pitch, left, right, along = spec
     head = bytes((shape, along, 1 if clockwise else 0))

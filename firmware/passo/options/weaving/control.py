@@ -1,12 +1,12 @@
 """Weaving on or off, and the seams made of the lines and arcs of a program. Board file: section `weaving`.
 
-WEAVE, `value`: a spec (motion/weave.py) or None, holds for the lines and arcs at a feed behind it, until the next one or a reset.
+WEAVE, `value`: a spec (options/weaving/motion.py) or None, holds for the lines and arcs at a feed behind it, until the next one or a reset.
 program.py asks `machine.weave` at each of these.
 """
 
 from passo import commands, errors
 from passo.control.feature import ANEW, Feature
-from passo.motion import weave
+from passo.options.weaving import motion as weave
 
 
 class Weaving(Feature):

@@ -23,9 +23,9 @@ from micropython import const
 
 from passo import errors
 from passo.commands import SPINDLE_OFF
-from passo.config.inverter_makes import MAKES
-from passo.control import modbus
 from passo.control.spindle_speed import PERIOD_MS, SpindleSpeed
+from passo.options.inverter import control_modbus as modbus
+from passo.options.inverter.config import MAKES
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _UNKNOWN = const(-1)

@@ -24,7 +24,7 @@ class Tachometer(SpindleSpeed):
         config = board["tachometer"]
         SpindleSpeed.__init__(self, board, machine, queue, config)
         self._per_turn = config["pulses"]
-        self._pulses = machine.port.make("pulses", config["input"])
+        self._pulses = machine.port.make("tachometer", config["input"])
         self._by_s = board["spindle"]["pwm"]
         self.rpm = 0  # as measured
         self._wanted = 0  # thousandths of a turn a minute

@@ -1,6 +1,6 @@
 """Counts the pulses of an input in its interrupt, and when the last one came.
 
-    pulses = port.make("pulses", name)              # of an input; edges within 50 µs are noise
+    pulses = port.make("tachometer", name)          # of an input; edges within 50 µs are noise
     pulses.count(), pulses.us                       # modulo 2²⁹ both; in this order, so that `us` is not older
 
 An edge takes about 20 µs of an RP2040.
@@ -15,6 +15,10 @@ from micropython import const
 from passo.records import COUNT_MASK
 
 _LEAST_US = const(50)
+
+
+def create(port, inputs, name):
+    return PinPulses(inputs[name], port)
 
 
 class PinPulses:

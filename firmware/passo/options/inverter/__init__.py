@@ -1,0 +1,1 @@
+"""The spindle's frequency inverter, over Modbus RTU."""

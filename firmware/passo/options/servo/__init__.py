@@ -1,0 +1,1 @@
+"""A servo as pen lift."""

@@ -1,0 +1,1 @@
+"""The spindle's speed, by pulses."""

@@ -1,0 +1,1 @@
+"""Seams made of lines and arcs."""

@@ -1,0 +1,82 @@
+"""Each folder of passo/options can be deleted: boards that do not ask for its key check and have the files that they had; the key is unknown.
+
+`make check` tries two of them by lot, `make test-all` each.
+"""
+
+import json
+import os
+import random
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from host_tools import boards
+from host_tools.build import tree
+from host_tools.build.reference import manifests
+from host_tools.resources import FIRMWARE, ROOT
+from passo.config.boardfile import check
+
+OPTIONS = sorted(manifests())
+SEED = int(os.environ.get("PASSO_LOT", "0")) or random.randrange(1, 1 << 16)
+LOT = random.Random(SEED).sample(OPTIONS, 2)
+# Says of each board: the files of its build, or why its board file is refused.
+_ALL_BOARDS = """
+import json, sys
+from pathlib import Path
+from host_tools import boards
+from host_tools.build import tree
+from host_tools.failure import Failure
+found = {}
+for name in boards.names():
+    try:
+        found[name] = sorted(path.as_posix() for path in tree.selected(boards.load(name), Path(sys.argv[1])))
+    except Failure as failure:
+        found[name] = str(failure)
+print(json.dumps(found))
+"""
+
+
+def builds(firmware):
+    """{board: the files of its build, or the error} with the firmware in this folder."""
+    path = os.pathsep.join([str(firmware), str(ROOT)])
+    done = subprocess.run([sys.executable, "-c", _ALL_BOARDS, str(firmware)], env={**os.environ, "PYTHONPATH": path}, cwd=ROOT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return builds(FIRMWARE)
+
+
+def parts(option):
+    """The option and those that share its files: they go together."""
+    return {option} | {other for other, manifest in manifests().items() if option in getattr(manifest, "SHARES", ())}
+
+
+@pytest.mark.parametrize("option", [pytest.param(option, marks=pytest.mark.quick if option in LOT else pytest.mark.slow) for option in OPTIONS])
+def test_an_option_can_be_deleted(option, whole, tmp_path):
+    firmware = tmp_path / "firmware"
+    shutil.copytree(FIRMWARE, firmware, ignore=shutil.ignore_patterns("__pycache__"))
+    gone = parts(option)
+    for name in gone:
+        shutil.rmtree(firmware / tree.OPTIONS / name)
+    left = builds(firmware)
+    assert left.keys() == whole.keys()
+    for name in boards.names():
+        asked = gone & boards.load(name).keys()
+        if asked:
+            assert isinstance(left[name], str) and any(f"unknown key '{key}'" in left[name] for key in asked), (name, SEED)
+        else:
+            assert left[name] == whole[name], (name, SEED)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("option", OPTIONS)
+def test_a_key_that_says_nothing_asks_for_nothing(option):
+    """A board file may say None: what is loaded and built is that of a board without the key."""
+    board = boards.load("plotter_2014")
+    checked = check({**board, option: None}) if isinstance(manifests()[option].RULES[option], dict) else None
+    assert checked is None or checked.get("features", {}) == {}
