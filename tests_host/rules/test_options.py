@@ -9,6 +9,8 @@ import random
 import shutil
 import subprocess
 import sys
+import time
+import zlib
 
 import pytest
 
@@ -19,7 +21,8 @@ from host_tools.resources import FIRMWARE, ROOT
 from passo.config.boardfile import check
 
 OPTIONS = sorted(manifests())
-SEED = int(os.environ.get("PASSO_LOT", "0")) or random.randrange(1, 1 << 16)
+_RUN = os.environ.get("PYTEST_XDIST_TESTRUNUID") or str(time.time())  # the same for all workers
+SEED = os.environ.get("PASSO_LOT") or str(zlib.crc32(_RUN.encode()) & 0xFFFF)
 LOT = random.Random(SEED).sample(OPTIONS, 2)
 # Says of each board: the files of its build, or why its board file is refused.
 _ALL_BOARDS = """
