@@ -8,13 +8,12 @@ import os
 import random
 import shutil
 import subprocess
-import sys
 import time
 import zlib
 
 import pytest
 
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.build import tree
 from host_tools.build.reference import manifests
 from host_tools.resources import FIRMWARE, ROOT
@@ -28,7 +27,7 @@ LOT = random.Random(SEED).sample(OPTIONS, 2)
 _ALL_BOARDS = """
 import json, sys
 from pathlib import Path
-from host_tools import boards
+from host_tools import boards, interpreter
 from host_tools.build import tree
 from host_tools.failure import Failure
 found = {}
@@ -41,17 +40,19 @@ print(json.dumps(found))
 """
 
 
-def builds(firmware):
-    """{board: the files of its build, or the error} with the firmware in this folder."""
-    path = os.pathsep.join([str(firmware), str(ROOT)])
-    done = subprocess.run([sys.executable, "-c", _ALL_BOARDS, str(firmware)], env={**os.environ, "PYTHONPATH": path}, cwd=ROOT, capture_output=True, text=True)
+def builds(firmware, folder):
+    """{board: the files of its build, or the error} with this firmware; `folder`: for the script that finds them."""
+    script = folder / "all_boards.py"
+    script.write_text(_ALL_BOARDS, encoding="utf-8")
+    command = [*interpreter.python(firmware, ROOT), str(script), str(firmware)]
+    done = subprocess.run(command, env=interpreter.environment(), cwd=folder, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
 
 
 @pytest.fixture(scope="module")
-def whole():
-    return builds(FIRMWARE)
+def whole(tmp_path_factory):
+    return builds(FIRMWARE, tmp_path_factory.mktemp("whole"))
 
 
 def parts(option):
@@ -66,7 +67,7 @@ def test_an_option_can_be_deleted(option, whole, tmp_path):
     gone = parts(option)
     for name in gone:
         shutil.rmtree(firmware / tree.OPTIONS / name)
-    left = builds(firmware)
+    left = builds(firmware, tmp_path)
     assert left.keys() == whole.keys()
     for name in boards.names():
         asked = gone & boards.load(name).keys()
