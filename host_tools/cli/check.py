@@ -252,16 +252,14 @@ def _parts(positions):
 
 def picture(path, job, title):
     """The path seen from above, the speed along it and the axes' accelerations over time."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    matplotlib.rcParams["agg.path.chunksize"] = _PIECE
-    import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
 
     from host_tools.drawings.plot import write
+    from host_tools.figures import pyplot
     from host_tools.programs.gcode_file import clock
 
+    plt = pyplot()
+    plt.rcParams["agg.path.chunksize"] = _PIECE
     rows = [["above", "table"], ["speed", "speed"], ["acceleration", "acceleration"]]
     figure, parts = plt.subplot_mosaic(
         rows, figsize=(10.5, 12), layout="constrained", height_ratios=[3, 1, 1], width_ratios=[4, 1.3]

@@ -72,18 +72,16 @@ def _place(text):
 
 def save_picture(path, program):
     """The path from above, each program line in a colour and with its number. Raises Failure if it cannot be written."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
 
     from host_tools.drawings.plot import finish, write
+    from host_tools.figures import pyplot
 
     strokes = program.listing.strokes
     if not strokes:
         raise Failure("a program that moves nothing has no picture")
     order = {source: at for at, source in enumerate(sorted({stroke.source for stroke in strokes}))}
+    plt = pyplot()
     figure, axes = plt.subplots(figsize=(10, 9), layout="constrained")
     colors = plt.get_cmap("turbo")
     rapids = [[point[:2] for point in stroke.points] for stroke in strokes if stroke.rapid]

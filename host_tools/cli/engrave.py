@@ -190,18 +190,16 @@ def _describe(console, powers, rows, options, machine, lines, seconds):
 
 def save_preview(path, powers, rows, options, machine, seconds):
     """What will burn, in grey, and the ways of the head at both sides in the order of rows. Raises Failure if it cannot be written."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
 
     from host_tools.drawings import engraving
     from host_tools.drawings.plot import finish, write
+    from host_tools.figures import pyplot
     from host_tools.programs.gcode_file import clock
 
     height, width = powers.shape
     x, y = options.origin
+    plt = pyplot()
     figure, axes = plt.subplots(figsize=(10, 8), layout="constrained")
     most = max(options.power, 1e-9)
     axes.imshow(1 - powers / most, cmap="gray", vmin=0, vmax=1, origin="lower", interpolation="antialiased",

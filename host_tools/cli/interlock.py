@@ -86,15 +86,13 @@ def truth_table(row):
 def draw(table, path):
     """A picture: what is gated against the inputs. Each product of a row is a line of its marks: filled, the input must be
     active; empty, it must not."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
+    from host_tools.figures import pyplot
 
     gated = table.gated()
     rows = [(name, number, product) for name, row in gated.items() for number, product in enumerate(row.products)]
     names = [name for name in table.inputs if any(name in product for _, _, product in rows)]
-    figure, axes = pyplot.subplots(figsize=(1.6 + 0.55 * len(names), 1.4 + 0.38 * len(rows)))
+    plt = pyplot()
+    figure, axes = plt.subplots(figsize=(1.6 + 0.55 * len(names), 1.4 + 0.38 * len(rows)))
     shade = False
     for line, (name, number, states) in enumerate(rows):
         if number == 0:
@@ -115,7 +113,7 @@ def draw(table, path):
     for spine in axes.spines.values():
         spine.set_visible(False)
     figure.savefig(path, dpi=110, bbox_inches="tight")
-    pyplot.close(figure)
+    plt.close(figure)
 
 
 def interlock(

@@ -15,13 +15,11 @@ _SHORTEST_MM = 6.0  # closed lines shorter than this are boulders, not relief
 
 def save(path):
     """Write the map, about 258 × 275 mm, to `path`."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
     import numpy
     from contourpy import contour_generator
     from matplotlib.cbook import get_sample_data
+
+    from host_tools.figures import pyplot
 
     with get_sample_data("jacksboro_fault_dem.npz") as model:
         heights = _smooth(model["elevation"].astype(float))
@@ -29,6 +27,7 @@ def save(path):
     rows, columns = heights.shape
     width_mm = HEIGHT_MM * columns / rows * math.cos(middle)
     lines = contour_generator(numpy.linspace(0, width_mm, columns), numpy.linspace(HEIGHT_MM, 0, rows), heights)
+    plt = pyplot()
     with plt.rc_context({"svg.hashsalt": "passo", "path.simplify": False}):
         figure = plt.figure(figsize=(width_mm / 25.4, HEIGHT_MM / 25.4))
         figure.patch.set_visible(False)

@@ -56,14 +56,13 @@ def save(path, strokes, title, table=None, page=None, order=False):
     """Write the picture of `strokes` to `path`, with what the machine can reach and the page around it, each left, bottom,
     right, top in mm or None; `order`: colours from the first line to the last. Raises Failure if there are no strokes or it
     cannot be written."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
+
+    from host_tools.figures import pyplot
 
     if not strokes:
         raise Failure("an empty path has no picture")
+    plt = pyplot()
     figure, axes = plt.subplots(figsize=(9, 8), layout="constrained")
     for pen_down, color, width in ((False, _UP, 0.6), (True, _DOWN, 0.9)):
         lines = [positions for down, positions in strokes if down == pen_down]

@@ -125,14 +125,12 @@ def clock(box, replay):
 
 def draw(path, box, replay=None):
     """Write the timeline. Of a board alone: places; with its replay the path and speeds of each axis, too, at the board's times."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
+    from host_tools.figures import pyplot
 
     axes = box.board["axes"]
     count = 1 + len(axes) + (len(axes) if replay else 0)
-    figure, plots = pyplot.subplots(count, 1, sharex=True, figsize=_INCHES, layout="constrained", height_ratios=[3] + [2] * (count - 1))
+    plt = pyplot()
+    figure, plots = plt.subplots(count, 1, sharex=True, figsize=_INCHES, layout="constrained", height_ratios=[3] + [2] * (count - 1))
     rows, states = [], [(row.ms, row.state) for row in box.samples]
     if replay:
         of = clock(box, replay)
@@ -161,7 +159,7 @@ def draw(path, box, replay=None):
     plots[0].set_xlim(1.02 * first, max(-0.02 * first, 0.01))
     figure.suptitle(f"{box.board['name']}: {reason(box)}")
     figure.savefig(path, dpi=110)
-    pyplot.close(figure)
+    plt.close(figure)
 
 
 def _draw_events(plot, box, states):

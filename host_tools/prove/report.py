@@ -67,12 +67,12 @@ def as_json(rows, about):
 
 def picture(path, timings):
     """Edges against their words, intervals, and answers."""
-    import matplotlib
+    from matplotlib import ticker
 
-    matplotlib.use("Agg")
-    from matplotlib import pyplot, ticker
+    from host_tools.figures import pyplot
 
-    figure, ((lateness, intervals), (stops, asks)) = pyplot.subplots(2, 2, figsize=(11, 7), layout="constrained")
+    plt = pyplot()
+    figure, ((lateness, intervals), (stops, asks)) = plt.subplots(2, 2, figsize=(11, 7), layout="constrained")
     for name, label in (("own", _("the board's own speeds")), ("fastest", _("three axes at their fastest"))):
         if name in timings and timings[name]["lateness_ns"]:
             lateness.plot(timings[name]["lateness_ns"], ".", markersize=2, label=label)
@@ -91,4 +91,4 @@ def picture(path, timings):
         if axes.get_legend_handles_labels()[0]:
             axes.legend(loc="best", fontsize=8)
     figure.savefig(path, dpi=110)
-    pyplot.close(figure)
+    plt.close(figure)

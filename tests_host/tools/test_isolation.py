@@ -128,3 +128,17 @@ def test_a_folder_named_passo_is_in_nobodys_way(downloads):
             (downloads / "passo" / "passo").mkdir()
         status, said = run(downloads, interpreter.passo("check", "part.nc"))
         assert status == 0, said
+
+
+def test_a_matplotlibrc_of_the_folder_is_not_obeyed(downloads):
+    """It can have LaTeX run, and stands before the user's own."""
+    for each in NAMES:
+        shutil.rmtree(downloads / each, ignore_errors=True)
+        (downloads / f"{each}.py").unlink(missing_ok=True)
+    latex = downloads / "latex"
+    latex.write_text(f"#!/bin/sh\necho latex >> {downloads.parent / 'ran'}\nexit 1\n")
+    latex.chmod(0o755)
+    (downloads / "matplotlibrc").write_text("text.usetex: True\n")
+    for words in (("check", "part.nc", "-o", "path.png"), ("compile", "part.nc", "--dialect", "ngc", "-o", "plain.nc", "--picture", "path.svg")):
+        status, said = run(downloads, interpreter.passo(*words), PATH=f"{downloads}:{os.environ['PATH']}")
+        assert (status, executed(downloads)) == (0, []), said
