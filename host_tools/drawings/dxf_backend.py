@@ -9,16 +9,18 @@ from ezdxf.addons.drawing import RenderContext
 from ezdxf.addons.drawing.backend import Backend as Base
 from ezdxf.addons.drawing.config import Configuration
 from ezdxf.entities import Insert
+from ezdxf.fonts import fonts
 from ezdxf.render.hatching import DenseHatchingLinesError
 
 from host_tools.drawings import svg_area
 from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Ink
-from host_tools.language import N_
+from host_tools.language import N_, _
 
 
 class Frontend(BaseFrontend):
     def __init__(self, document, backend, config):
         super().__init__(RenderContext(document), backend, config=config)
+        self._styles = document.styles
         self._frozen = {layer.dxf.name.lower() for layer in document.layers if layer.is_frozen()}
 
     def skip_entity(self, entity, msg):
@@ -46,7 +48,16 @@ class Frontend(BaseFrontend):
         if len(entity.dxf.get("text", "")) > LONGEST_TEXT:
             self.pipeline.backend.left_out[TOO_LONG] += 1
         else:
+            self._name_stand_in(entity, properties)
             draw(entity, properties)
+
+    def _name_stand_in(self, entity, properties):
+        """Name a text style's font that this computer has not: ezdxf takes another silently."""
+        name = entity.dxf.get("style", "Standard")
+        wanted = self._styles.get(name).dxf.font if self._styles.has_entry(name) else ""
+        if wanted and not fonts.font_manager.has_font(wanted):
+            face = fonts.font_manager.get_font_face(fonts.font_manager.find_font_name(self.get_font_face(properties)))
+            self.pipeline.backend.left_out[_("the font {}, which is not on this computer ({} is drawn)", wanted, face.family)] = 1
 
     def draw_hatch_pattern(self, polygon, paths, properties):
         """Name a pattern whose lines are too near to each other: ezdxf takes its area instead."""

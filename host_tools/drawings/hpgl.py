@@ -17,7 +17,7 @@ from collections import Counter
 import numpy
 
 from host_tools.drawings import hpgl_encoded
-from host_tools.drawings.hpgl_pen import Pen
+from host_tools.drawings.hpgl_pen import Pen, TooMany
 from host_tools.drawings.hpgl_symbols import SymbolSets
 from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Page
 from host_tools.failure import Failure, reason
@@ -48,6 +48,7 @@ def is_hpgl(data):
 class HpglFile:
     def __init__(self, path):
         """Raises Failure if the file is not there, or has no instruction."""
+        self._path = path
         try:
             data = open(path, "rb").read(_MOST + 1)
         except FileNotFoundError as error:
@@ -103,7 +104,10 @@ class HpglFile:
                 sheets.append(pen.finished().inks)
                 pen.inks = {}
             else:
-                pen.do(name, given)
+                try:
+                    pen.do(name, given)
+                except TooMany as error:
+                    raise Failure("{}: its arcs have more than {} chords: give them longer ones", self._path, error) from error
         sheets = [inks for inks in [*sheets, pen.finished().inks] if inks]
         pen.inks = sheets[0] if sheets else {}
         if len(sheets) > 1:

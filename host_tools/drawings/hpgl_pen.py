@@ -17,7 +17,12 @@ from host_tools.drawings.page import Ink
 from host_tools.drawings.svg_geometry import cubic
 from host_tools.language import N_
 
-_MOST_CHORDS = 10_000
+_MOST_CHORDS = 10_000  # of an arc
+_MOST_IN_ALL = 1_000_000
+
+
+class TooMany(ValueError):
+    """Chords of all arcs."""
 
 
 def _of_sheet(set_up):
@@ -41,6 +46,7 @@ class Pen:
         self.sheet = Sheet()
         self.left_out = self.sheet.left_out
         self._number = 1
+        self._chords = 0
         self._line = []
         self._reset()
 
@@ -159,6 +165,9 @@ class Pen:
         else:
             step = math.degrees(2 * math.acos(max(0.0, 1 - min(self._deviation, radius) / radius))) if radius else 360.0
         count = min(max(1, math.ceil(abs(degrees) / max(step, 1e-3) - 1e-6)), _MOST_CHORDS)
+        self._chords += count
+        if self._chords > _MOST_IN_ALL:
+            raise TooMany(_MOST_IN_ALL)
         turned = way * numpy.exp(1j * numpy.radians(numpy.linspace(0.0, degrees, count + 1)))[1:]
         return list(centre + turned.real * factors[0] + 1j * turned.imag * factors[1])
 

@@ -37,8 +37,7 @@ _URL = re.compile(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)")
 _DEEPEST = 100  # of elements in elements, <use> and clip paths included
 _DEEPEST_CLIP = 10  # of clip paths, each of which takes long
 _MOST_USES = 30_000  # of <use>, clip paths and the shapes in a <use>: those that lead to each other multiply; 3 s
-_POINTS, _OF_LETTER = 50, 5  # points of a line that count as a shape; shapes that a letter counts as
-_EDGES = 2  # edges of a clip path's area that count as a shape
+_POINTS, _OF_LETTER = 50, 5  # points of a line that count as a shape; shapes that a letter counts as; an edge of a clip path's area counts as one
 
 
 @dataclass(frozen=True)
@@ -320,7 +319,7 @@ class SvgFile:
         if match and self._by_id.get(match[1]) is not None:
             area = area.intersection(self._area(self._by_id[match[1]], lines, replace(context, used=around.used)))
         if context.used:
-            self._lead(clip, shapely.get_num_coordinates(area) // _EDGES)
+            self._lead(clip, int(shapely.get_num_coordinates(area)))
         return area
 
     def _area_of(self, child, context):

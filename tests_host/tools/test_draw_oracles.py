@@ -556,6 +556,17 @@ def test_hpgl_labels_have_the_signs_of_measures(tmp_path, name, words, codec):
     assert left < box_of([inner])[0] and box_of([inner])[2] < right, "between its neighbours"
 
 
+def test_hpgl_that_is_too_much_is_refused_or_named(tmp_path):
+    """A label of 120 000 letters is named; arcs that ask for 20 million chords are refused in a second or two."""
+    path = tmp_path / "a.plt"
+    path.write_text("IN;SP1;PU0,0;PD400,0;LB" + "Passo " * 20_000 + "\3PU;")
+    page = sources.opened(path).outlines(0.05)
+    assert page.left_out == {"text of more than 10000 letters": 1} and len(page.layers[1]) == 1
+    path.write_text("IN;SP1;PU0,0;" + "CI5000,0.36;" * 20_000)
+    with pytest.raises(Failure, match="a.plt: its arcs have more than 1000000 chords"):
+        sources.opened(path)
+
+
 def test_the_page_of_an_hpgl_file_holds_all_that_is_drawn(tmp_path):
     path = tmp_path / "a.plt"
     path.write_text("IN;SP1;PU300,200;CI200;PU900,400;CI333;PU0,500;PD900,400,700,30;PU;")

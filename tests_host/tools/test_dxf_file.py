@@ -4,6 +4,7 @@ import math
 import time
 
 import ezdxf
+import ezdxf.fonts.fonts
 import numpy
 import pytest
 from ezdxf.render.forms import cube
@@ -342,3 +343,22 @@ def test_bodies_are_no_frames(tmp_path):
     """A polyface has flags of its own: 64 and 128."""
     lines, _ = lines_mm(saved(tmp_path, lambda document, space: cube().render_polyface(space)))
     assert size_mm(lines) == pytest.approx((1, 1))
+
+
+@pytest.mark.parametrize("font, named", [("arial.ttf", True), ("txt", True), ("DejaVuSans.ttf", False)])
+@pytest.mark.parametrize("kind", ["text", "mtext", "text of a block"])
+def test_the_stand_in_of_a_font_is_named(tmp_path, font, named, kind):
+    def draw(document, space):
+        document.styles.add("S", font=font)
+        if kind == "mtext":
+            space.add_mtext("Passo", dxfattribs={"style": "S", "char_height": 5})
+            return
+        target = space if kind == "text" else document.blocks.new("B")
+        target.add_text("Passo", dxfattribs={"style": "S", "height": 5})
+        if kind != "text":
+            space.add_blockref("B", (0, 0))
+
+    if not named and not ezdxf.fonts.fonts.font_manager.has_font(font):
+        pytest.skip("DejaVu Sans is not installed")
+    lines, page = lines_mm(saved(tmp_path, draw))
+    assert len(lines) >= 5 and [each.startswith(f"the font {font}, which is not on this computer (") for each in page.left_out] == [True] * named
