@@ -107,6 +107,21 @@ def test_bytes_both_ways():
         line.close()
 
 
+def test_who_loses_the_line_is_told():
+    line = WebSocketLine(0)
+    try:
+        first = _connect(line, suppress_origin=True)
+        second = _connect(line, suppress_origin=True)
+        assert first.recv() == "[MSG:Another program has taken this connection]\r\n" and line.clients == 2
+        second.send("?")
+        come = b""
+        while not come:
+            come += line.read()
+        assert come == b"?"
+    finally:
+        line.close()
+
+
 def _connect(line, **options):
     """A client, made while the line is read."""
     with ThreadPoolExecutor(1) as pool:
