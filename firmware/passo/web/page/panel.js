@@ -7,7 +7,7 @@ import { Jog } from "./jog.js";
 import { JobFacts, dropped } from "./job_facts.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
-import * as modal from "./modal.js";
+import { open as openDialog, shut } from "./modal.js";
 import { OwnButtons } from "./own_buttons.js";
 import { unaccented } from "./pack.js";
 import { makePad } from "./pad.js";
@@ -94,9 +94,9 @@ async function order(name, fields = {}) {
 function ask(text) {
   $("ask-text").textContent = text;
   return new Promise((answer) => {
-    modal.open($("ask"), () => answer(false));
-    $("ask-yes").onclick = () => { answer(true); modal.shut(); };
-    $("ask-no").onclick = modal.shut;
+    openDialog($("ask"), () => answer(false));
+    $("ask-yes").onclick = () => { answer(true); shut(); };
+    $("ask-no").onclick = shut;
     $("ask-yes").focus();
   });
 }
@@ -583,7 +583,7 @@ function makeSetup() {
 
 function stop() {
   if (setup) setup.halt();
-  modal.shut();
+  shut();
   link.stop().then(refuse);
 }
 
@@ -607,14 +607,14 @@ for (const label of document.querySelectorAll("#card-jog fieldset label")) {
 // Keys that are no moves.
 function shortcut(key) {
   const steps = document.querySelectorAll("input[name=step]"), busy = report.state === "Run";
-  if (key === "?") modal.open($("help-keys"));
+  if (key === "?") openDialog($("help-keys"));
   else if ("1234".includes(key) && cards.can("step")) steps[Number(key) - 1].checked = true;
   else if (key === "p" || key === "P") $(busy ? "hold" : "resume").click();
   else return false;
   return true;
 }
 
-$("help-close").onclick = modal.shut;
+$("help-close").onclick = shut;
 // Esc stops, whatever is open and has the focus.
 document.addEventListener("keydown", (event) => { if (event.key === "Escape") stop(); }, true);
 document.addEventListener("keydown", (event) => {
