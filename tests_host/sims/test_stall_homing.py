@@ -127,7 +127,7 @@ def tried(machine, axis, count, pause=lambda: None):
         machine.machine.cycle = cycle
         if said.endswith("ok"):
             places.append(machine.plant.position[number])
-            machine.do(f"G90G0{axis}{attempt * 7919 % 97 + 1}")
+            machine.do("$X", f"G90G0{axis}{attempt * 7919 % 97 + 1}")  # the others are not homed
         else:
             alarms.append(said)
         machine.machine.run_ms(300)
