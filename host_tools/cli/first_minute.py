@@ -29,8 +29,8 @@ COMMANDS = (
     "passo plot pen.csv --order",
 )
 DRAWS = 2  # the command during which the pen moves
-_SECONDS = 24
-_TYPING_S, _LINE_S, _DRAWING_S, _END_S = 1.2, 0.25, 8.0, 6.0
+_SECONDS = 20
+_TYPING_S, _LINE_S, _DRAWING_S = 0.7, 0.2, 8.0
 _WIDTH, _HEIGHT, _TERMINAL, _MARGIN = 1000, 420, 610, 20
 _COLUMNS, _ROW = 72, 17
 _LEAST_MM = 0.5  # a point nearer to the last than this is left out
@@ -67,7 +67,7 @@ def _end(board):
     """As Ctrl-C does."""
     if board is not None and board.poll() is None:
         board.send_signal(signal.SIGINT)
-        board.wait(20)
+        board.wait(120)
         board.stdout.close()
 
 
@@ -81,14 +81,17 @@ def _thinned(points):
 
 def film(told, strokes):
     """The SVG's text."""
-    at, y, rows, styles, drawing = 0.6, 34, [], [], (0.0, 1.0)
+    at, y, rows, styles, drawing = 0.0, 34, [], [], (0.0, 1.0)
 
     def show(text, kind, begin):
-        styles.append(f"@keyframes r{len(rows)}{{0%,{100 * begin / _SECONDS:.2f}%{{opacity:0}}{100 * begin / _SECONDS + 0.1:.2f}%,100%{{opacity:1}}}}")
+        if begin < 0:
+            styles.append(f"@keyframes r{len(rows)}{{0%,100%{{opacity:1}}}}")
+        else:
+            styles.append(f"@keyframes r{len(rows)}{{0%,{100 * begin / _SECONDS:.2f}%{{opacity:0}}{100 * begin / _SECONDS + 0.1:.2f}%,100%{{opacity:1}}}}")
         rows.append(f'<text class="{kind}" style="animation-name:r{len(rows)}" x="{_MARGIN}" y="{y}" xml:space="preserve">{escape(text)}</text>')
 
     for number, (command, lines) in enumerate(told):
-        show(f"$ {command}", "typed", at)
+        show(f"$ {command}", "typed", at if number else -1)
         at, y = at + _TYPING_S, y + _ROW
         if number == DRAWS:
             drawing = at, at + _DRAWING_S

@@ -11,8 +11,8 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from host_tools import boards
-from host_tools.build import tree
+from host_tools import boards, interpreter
+from host_tools.build import tree, uf2
 from host_tools.cli import flash
 from host_tools.cli.build import build
 from host_tools.failure import Failure
@@ -349,3 +349,11 @@ def test_build_says_which_pins_are_free(tmp_path):
     app.command()(build)
     said = CliRunner().invoke(app, ["--board", "plotter_2014", "--out", str(tmp_path)])
     assert said.exit_code == 0 and "free: " in said.output.splitlines()[-3]
+
+
+def test_scripts_of_a_build_find_the_modules_beside_them(tmp_path, monkeypatch):
+    """As makemanifest.py of MicroPython does, which `make uf2` starts."""
+    monkeypatch.setenv("PYTHONSAFEPATH", "1")  # as isolate() sets it
+    (tmp_path / "beside.py").write_text("")
+    (tmp_path / "script.py").write_text("import beside")
+    uf2.run([interpreter.python()[0], str(tmp_path / "script.py")])
