@@ -6,7 +6,6 @@ Each command is run in an empty folder, and the lines are what it prints; the pa
 sheets alone: a browser that shows no motion shows the end.
 """
 
-import signal
 import subprocess
 import tempfile
 from html import escape
@@ -64,9 +63,9 @@ def run():
 
 
 def _end(board):
-    """As Ctrl-C does."""
+    """End it: its trace is whole."""
     if board is not None and board.poll() is None:
-        board.send_signal(signal.SIGINT)
+        board.terminate()
         board.wait(120)
         board.stdout.close()
 

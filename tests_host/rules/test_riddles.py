@@ -116,3 +116,19 @@ def test_sentences_of_a_page_are_found():
     page = "# What is it\n\nOne. What is\n`x` here is code.\n\n    What is code\n\n| what | x |\n| --- | --- |\n| a | b. Where it is |\n\n- What two\n  lines are\n"
     found = [sentence for paragraph in paragraphs(page) for _, sentence in riddles(paragraph)]
     assert found == ["What is `…` here is code.", "Where it is", "What two lines are"]
+
+
+MOST_WORDS = 16  # of a sentence, in the mean
+
+
+def whole_sentences(page):
+    """Words of each sentence that begins and ends as one."""
+    found = [sentence for paragraph in paragraphs(page.read_text(encoding="utf-8")) for sentence in sentences(paragraph)]
+    return [len(sentence.split()) for sentence in found if sentence[:1].isupper() and sentence[-1:] in ".!?:"]
+
+
+@pytest.mark.parametrize("folder", ["start", "use", "pt", "."])
+def test_sentences_are_short_in_the_mean(folder):
+    """Of README and the pages that are read from the beginning; `.`: of all."""
+    lengths = [words for page in PAGES if folder == "." or folder in page.parts or page == ROOT / "README.md" for words in whole_sentences(page)]
+    assert sum(lengths) / len(lengths) <= MOST_WORDS, f"{sum(lengths) / len(lengths):.1f} words"
