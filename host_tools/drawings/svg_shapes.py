@@ -42,7 +42,7 @@ class Shapes:
         segments = self.segments(tag, element, context, stretch)
         lines = svg_geometry.flattened(segments, self._deviation / stretch)
         stroked, filled = svg_style.painted(style, "stroke"), svg_style.painted(style, "fill")
-        if not stroked and (not filled or all(len(line) < 3 for line in lines)):
+        if not stroked and not filled:
             self._page.unseen += 1
             if not self._unseen:
                 return []

@@ -125,8 +125,8 @@ def test_a_page_far_from_zero_and_one_of_no_size(tmp_path):
 
 VISIBLE = '<path d="M20 40h60" stroke="#000"/>'
 UNSEEN = {
-    "no paint": '<rect width="30" height="30" stroke="none" fill="none"/>', "a fill of no area": '<line x2="9" y2="9" stroke="none" fill="#000"/>',
-    "a fill of a line": '<path d="M0 0L9 9" stroke="none" fill="#000"/>', "no width": '<rect width="30" height="30" stroke-width="0"/>', "no width in mm": '<rect width="30" height="30" style="stroke-width:0mm"/>',
+    "no paint": '<rect width="30" height="30" stroke="none" fill="none"/>',
+    "no width": '<rect width="30" height="30" stroke-width="0"/>', "no width in mm": '<rect width="30" height="30" style="stroke-width:0mm"/>',
     "clear stroke": '<rect width="30" height="30" stroke-opacity="0"/>', "clear": '<g opacity="0"><rect width="30" height="30"/></g>', "clear colours": '<rect width="30" height="30" stroke="rgba(0,0,0,0)" fill="#0000"/>',
     "text": '<text y="30" stroke="none" fill="none">Passo</text>',
 }  # fmt: skip
