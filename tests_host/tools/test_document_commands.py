@@ -134,6 +134,8 @@ class Reader:
             board["jobs"] = {"language": {"router_3axis": "grbl", "lpt_router": "pulses", "plotter_2014": "plotter"}[name]}
         else:
             del board["journal"]
+        if self._page == "frames.md":
+            board["links"] = [{**link, "frames": True} for link in board["links"]]
         own = self._folder / f"own_{name}.py"
         own.write_text(f'"""A board with a journal and jobs."""\n\nBOARD = {board!r}\n')
         pace = "real" if self._page == "jobs.md" else "fast"  # what is to be interrupted takes its time
@@ -176,7 +178,7 @@ class Reader:
         time.sleep(4)  # the board gives its host up
 
     def _journal(self):
-        paths = self._flash.glob("pages") if self._flash else self._passo.folder.glob("out/*.journal")
+        paths = self._flash.glob("pages") if self._flash else self._passo.folder.glob("examples/*.journal")
         return tuple((path.name, zlib.crc32(path.read_bytes())) for path in sorted(paths))
 
     def end(self):
