@@ -8,7 +8,7 @@ import tiers
 from emulated import make_machine, rig, uf2  # noqa: F401
 
 from host_tools.emulator.quadrature import Quadrature
-from host_tools.emulator.rig import router
+from host_tools.emulator.rig import Rig, router
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
 PINS = (11, 13, 16, 18)
@@ -101,11 +101,11 @@ def test_an_index_pulse_is_noticed_in_its_interrupt(rig):
     rig.pico.exec("import micropython\nmicropython.heap_lock()\nport.encoders.check()\ni.edge(None)\nmicropython.heap_unlock()")
 
 
-def test_the_spindles_pulses_are_counted_in_their_interrupt(rig):
+def test_the_spindles_pulses_are_counted_in_their_interrupt(uf2):  # noqa: F811
     """2 kHz beside three axes; a spike behind an edge is noise. The edge's handler allocates nothing."""
-    rig.fit(board())
+    rig = Rig({**board(), "tachometer": {"input": "index"}}, uf2)
     rig.pico.exec(UNARMED)
-    rig.pico.exec("turns = port.make('pulses', 'index')\nus = turns.us")
+    rig.pico.exec("turns = port.make('tachometer', 'index')\nus = turns.us")
     for _ in range(40):
         for level, us in ((1, 20), (0, 10), (1, 20), (0, 450)):
             rig.pico.drive(INDEX_PIN, level)

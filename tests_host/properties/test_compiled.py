@@ -6,7 +6,7 @@ import sys
 
 import pytest
 import tiers
-from test_digest import GOLDEN, HEX_JOBS, PULSES, digest, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
+from test_digest import CPYTHON, GOLDEN, HEX_JOBS, PULSES, digest, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, MODULES, ROOT
 
 from host_tools import interpreter
