@@ -38,6 +38,5 @@ def own_rules(board, rules):
             except ImportError:
                 continue
             rules.update(module.RULES)
-            if board[key] is not None:
-                own.append(module)
+            own.append(module)
     return own

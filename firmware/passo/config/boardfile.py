@@ -163,6 +163,7 @@ def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     check_shape(board)
     _want_dict(_WHOLE, board)
+    board = {key: value for key, value in board.items() if value is not None or key in _BOARD}  # None asks for no option
     rules = dict(_BOARD)
     more = devices = shift = lines = None
     if isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
@@ -232,8 +233,6 @@ def _section(where, data, rules):
 def _value(where, data, key, rule):
     if isinstance(rule, dict):
         part = data.get(key)
-        if part is None and where not in _BOARD and where == key:
-            return None  # an option's, which is not asked for
         if part is None and key not in _OPTIONAL:
             raise BoardError("%s: missing" % where)
         if part is None and key in _ABSENT or where == "interlock" and isinstance(part, dict) and isinstance(part.get("masks"), dict):
