@@ -96,6 +96,7 @@ QUICK = (
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 MANIFEST = "manifest.py"
+_WRITTEN = re.compile(r'"(passo(?:\.\w+)+)"')
 PORT_OF = "port_"  # how the name of an option's file for one of them begins
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
 WEB = Path("passo", "web")
@@ -177,12 +178,15 @@ def source_of(path, firmware):
 
 
 def modules_imported(path, firmware, spared=frozenset()):
-    """Full names of all that a file imports, or has loaded by name, without the features `spared`. Raises Failure if it is not
-    Python."""
+    """Full names of all that a file imports, or has loaded by name, without the features `spared`; of a manifest also those that it
+    writes. Raises Failure if it is not Python."""
+    text = source_of(path, firmware).read_text(encoding="utf-8")
     try:
-        imported, features = _names_read(source_of(path, firmware).read_text(encoding="utf-8"))
+        imported, features = _names_read(text)
     except SyntaxError as error:
         raise Failure("{}:{}: {}", path, error.lineno, error.msg) from None
+    if path.name == MANIFEST:
+        imported |= set(_WRITTEN.findall(text))
     return imported | {f"passo.control.{name}" for name in features - spared}
 
 
