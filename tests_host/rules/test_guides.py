@@ -153,7 +153,7 @@ def test_readme_is_read_in_a_minute():
 
 
 def test_the_film_shows_commands_that_exist():
-    from host_tools.build.first_minute import COMMANDS, FILM
+    from host_tools.cli.first_minute import COMMANDS, FILM
 
     text = html.unescape(FILM.read_text(encoding="utf-8"))
     assert FILM.stat().st_size < MOST_BYTES and all(f">$ {command}</text>" in text for command in COMMANDS)

@@ -1,6 +1,6 @@
 """README's film of the first minute: what `passo` says, and the drawing that the virtual plotter's pins make of it.
 
-    python -m host_tools.build.first_minute            # writes docs/start/first-minute.svg anew
+    python -m host_tools.cli.first_minute            # writes docs/start/first-minute.svg anew
 
 Each command is run in an empty folder, and the lines are what it prints; the path is that of the trace. An SVG that moves by style
 sheets alone: a browser that shows no motion shows the end.
@@ -102,7 +102,7 @@ def film(told, strokes):
     paths = _paths(strokes, *drawing, styles)
     begin = "\n".join(styles)
     return f"""<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" width="{_WIDTH}" height="{_HEIGHT}">
-<!-- made by python -m host_tools.build.first_minute -->
+<!-- made by python -m host_tools.cli.first_minute -->
 <style>
 text{{font:13px ui-monospace,Menlo,Consolas,monospace;fill:#c9d1d9}}
 .typed{{fill:#7ee787;font-weight:bold}}
@@ -144,4 +144,3 @@ def _paths(strokes, begin, end, styles):
 
 if __name__ == "__main__":
     FILM.write_text(film(*run()), encoding="utf-8")
-    print(FILM.relative_to(ROOT), FILM.stat().st_size, "bytes")
