@@ -115,6 +115,8 @@ def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=Non
 def _judge(job, program):
     """Raises Failure if lines were refused, or if the job is larger than the machine."""
     if job.errors:
+        if advice := program.advice():
+            typer.echo(f"{program.name}: {advice}", err=True)
         raise Failure("{}: {} would be refused; the first is {}", program.path, count_text(job.error_count, "line"), program.origin(job.errors[0][0]))
     if too_long := job.beyond():
         raise Failure("{} is larger than the machine: {}", program.path, too_long)

@@ -87,7 +87,8 @@ def _fault(job, program):
     if job.errors:
         number, text, what = job.errors[0]
         more = "; " + _("{} in all", count_text(job.error_count, "line")) if job.error_count > 1 else ""
-        return f"{program.origin(number)}: {text}: {what}{more}"
+        advice = program.advice()
+        return f"{program.origin(number)}: {text}: {what}{more}" + (f"; {advice}" if advice else "")
     too_long = job.beyond()
     return _("larger than the machine: {}", too_long) if too_long else ""
 

@@ -93,8 +93,18 @@ def stream(
         fitted = compiler.fit(program, client.command("$I") if program.listing else (), tools)
         if fitted is not program:
             program, lines = fitted, list(fitted.rows())
-        seconds, count = send(client, lines, file.name, flow == "count", first, yes, program.origin)
+        seconds, count = _send_program(client, program, lines, flow == "count", first, yes)
         print(_("{}: {} in {}", file, count_text(count, "line"), gcode_file.clock(seconds)))
+
+
+def _send_program(client, program, lines, count, first, yes):
+    """send() of a program. If a line is refused, say what to choose in the program that made the file."""
+    try:
+        return send(client, lines, program.name, count, first, yes, program.origin)
+    except Refused:
+        if client.alarm is None and (advice := program.advice()):
+            print(f"{program.name}: {advice}", file=sys.stderr)
+        raise
 
 
 def ask_settings(lines, origin=line_text):

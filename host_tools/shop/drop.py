@@ -42,7 +42,8 @@ def job_of(name, data, kind):
         job = VirtualJob(kind, (), None, None)
         job.run(program.rows())
     if job.errors:
-        raise Failure("{}: line {} would be refused: {}", name, job.errors[0][0], job.errors[0][2])
+        advice = program.advice()
+        raise Failure("{}: line {} would be refused: {}", name, job.errors[0][0], job.errors[0][2] + (f"; {advice}" if advice else ""))
     if too_long := job.beyond():
         raise Failure("{} is larger than the machine: {}", name, too_long)
     area = [round(high - low, 2) for low, high in zip(job.low[:2], job.high[:2])]
