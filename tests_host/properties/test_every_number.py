@@ -21,7 +21,6 @@ TIMEOUT_S = 1500
 def test_micropython_does_the_same(language, show):
     step = STEPS.get(tiers.current, {}).get(language, 1)
     told = every_number.run(language, 3 % step, step)
-    path = ":".join(str(folder) for folder in MODULE_PATH)
     words = [MICROPYTHON, "-X", "heapsize=64m", every_number.__file__, language, str(3 % step), str(step)]
     result = subprocess.run(words, env=interpreter.environment(*MODULE_PATH), capture_output=True, text=True, timeout=TIMEOUT_S)
     assert result.stdout == "%08x %d %d\n" % told, result.stdout + result.stderr

@@ -24,12 +24,11 @@ needs_micropython = pytest.mark.skipif(not MICROPYTHON.exists(), reason=f"there 
 
 def micro_run(folders, *arguments):
     """Run micro_runner.py under MicroPython with `folders` on its module path."""
-    path = ":".join(str(folder) for folder in folders)
     few = {"check": ["--few", "--most=%d" % tiers.FEW], "test": ["--short", "--most=%d" % tiers.SOME, "--part=%d" % tiers.PART]}.get(tiers.current, [])
     slow = ["--slow"] if tiers.current == "all" else []
     return subprocess.run(
         [MICROPYTHON, "-X", "heapsize=64m", CHECKS / "micro_runner.py", *few, *slow, *arguments],
-        env=interpreter.environment(*MODULE_PATH),
+        env=interpreter.environment(*folders),
         capture_output=True,
         text=True,
         timeout=TIMEOUT_S,

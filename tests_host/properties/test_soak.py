@@ -21,7 +21,6 @@ TIMEOUT_S = 800
     ],
 )
 def test_soak(script, arguments, show):
-    path = ":".join(str(folder) for folder in MODULE_PATH)
     done = subprocess.run(
         [MICROPYTHON, "-X", "heapsize=64m", CHECKS / script, *map(str, arguments)],
         env=interpreter.environment(*MODULE_PATH), capture_output=True, text=True, timeout=TIMEOUT_S,
