@@ -13,7 +13,7 @@ python3 -m venv env
 env/bin/pip -q install --disable-pip-version-check vpype==1.15.0 vpype-gcode==0.13.0 >&2
 env/bin/vpype line 10mm 10mm 60mm 10mm pagesize a5 gwrite -p gcode line.gcode >&2
 version=$(env/bin/python -c 'from importlib.metadata import version; print(version("vpype-gcode"))')
-seen="$version G20 $(grep -c G20 line.gcode || true) G01 $(grep -c G01 line.gcode || true) F $(grep -c F line.gcode || true) Z or M $(grep -c '[ZM]' line.gcode || true)"
-wanted='0.13.0 G20 1 G01 1 F 0 Z or M 0'
+seen="$version G20 $(grep -c G20 line.gcode || true) G01 $(grep -c G01 line.gcode || true) F $(grep -c F line.gcode || true) Z or M3 $(grep -cE 'Z|M0?[34]' line.gcode || true)"
+wanted='0.13.0 G20 1 G01 1 F 0 Z or M3 0'
 echo "$seen"
 [ "$seen" = "$wanted" ] || { echo "changed: it was $wanted" >&2; exit 1; }
