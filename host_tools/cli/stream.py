@@ -73,7 +73,7 @@ def stream(
         passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
         passo stream pocket.ngc --tools tools.tbl --home
         passo stream part.gcode --from 1200 --home
-    passo stream settings.nc --allow-settings
+        passo stream settings.nc --allow-settings
     """
     from host_tools.cli import ports
     from host_tools.clients.grbl import GrblClient

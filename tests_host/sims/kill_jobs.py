@@ -43,7 +43,7 @@ class Job:
         """What is done before the program is begun."""
 
     def run(self, path):
-        stream.stream(path, "memory", BAUD, "count", False, False, None, 5.0, None, None, None, True)
+        stream.stream(path, "memory", BAUD, "count", False, False, None, 5.0, yes=True)
 
 
 class Framed(Job):
