@@ -127,7 +127,7 @@ def whole_sentences(page):
     return [len(sentence.split()) for sentence in found if sentence[:1].isupper() and sentence[-1:] in ".!?:"]
 
 
-@pytest.mark.parametrize("folder", ["start", "pt", "."])
+@pytest.mark.parametrize("folder", ["start", "use", "pt", "."])
 def test_sentences_are_short_in_the_mean(folder):
     """Of README and the pages that are read from the beginning; `.`: of all."""
     lengths = [words for page in PAGES if folder == "." or folder in page.parts or page == ROOT / "README.md" for words in whole_sentences(page)]

@@ -3,6 +3,7 @@ folder. What it depends on is that of the environment the tests run in; the proj
 """
 
 import ast
+import importlib.metadata
 import os
 import re
 import shutil
@@ -331,3 +332,48 @@ def test_what_a_panel_imports_is_no_extra():
             for name in names:
                 first = name.split(".")[0]
                 assert first in plain or first in sys.stdlib_module_names, (path.name, name)
+
+
+def _link_packages(site, names):
+    """Link what these distributions brought, and what they want, into a folder `site`."""
+    wanted, linked = list(names), set()
+    while wanted:
+        name = wanted.pop()
+        if name in linked:
+            continue
+        linked.add(name)
+        distribution = importlib.metadata.distribution(name)
+        for top in {file.parts[0] for file in distribution.files or () if not file.parts[0].startswith(("..", "__pycache__"))}:
+            if not (site / top).exists():
+                (site / top).symlink_to(distribution.locate_file(top))
+        wanted += [re.match(r"[\w.-]+", text)[0] for text in distribution.requires or () if ";" not in text]
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/pt/README.md", "docs/use/core.md"])
+def test_the_core_is_tested_with_the_packages_that_a_page_names(page, tmp_path):
+    """In an environment that has those, and neither Passo nor what `make check` brings."""
+    text = (ROOT / page).read_text(encoding="utf-8")
+    packages = re.search(r"^    python -m pip install (.+)$", text, re.MULTILINE)[1].split()
+    arguments = re.search(r"^    python -m pytest (.+)$", text, re.MULTILINE)[1].split()
+    venv.create(tmp_path / "environment", with_pip=False)
+    _link_packages(next((tmp_path / "environment" / "lib").glob("python*/site-packages")), packages)
+    command = [tmp_path / "environment" / "bin" / "python", "-m", "pytest", "-p", "no:cacheprovider", *arguments]
+    done = subprocess.run(command, cwd=ROOT, env=interpreter.environment(), capture_output=True, text=True)
+    assert done.returncode == 0 and " passed" in done.stdout and "skipped" not in done.stdout, done.stdout + done.stderr
+
+
+def test_the_line_that_a_newcomer_changes_is_there(tmp_path):
+    """As core.md says: the tests that it names fail."""
+    text = (ROOT / "docs" / "use" / "core.md").read_text(encoding="utf-8")
+    part = text[text.index("## Change a line") : text.index("## Draw what it makes")]
+    line = re.search(r"^    (state.+)$", part, re.MULTILINE)[1]
+    for name in ("firmware", "host_tools", "tests_host"):
+        shutil.copytree(ROOT / name, tmp_path / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copyfile(ROOT / "pyproject.toml", tmp_path / "pyproject.toml")
+    file = tmp_path / re.search(r"`(firmware/\S+)`", part)[1]
+    source = file.read_text(encoding="utf-8")
+    assert source.count(line + "\n") == 1
+    file.write_text(source.replace(line + "\n", line + " + 1\n"), encoding="utf-8")
+    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "tests_host/properties/check_line.py"]
+    done = subprocess.run(command, cwd=tmp_path, env=interpreter.environment(), capture_output=True, text=True)
+    assert set(re.findall(r"^FAILED \S+::(\w+)", done.stdout, re.MULTILINE)) == set(re.findall(r"`(check_\w+)`", part)), done.stdout + done.stderr
