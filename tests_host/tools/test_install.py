@@ -374,6 +374,6 @@ def test_the_line_that_a_newcomer_changes_is_there(tmp_path):
     source = file.read_text(encoding="utf-8")
     assert source.count(line + "\n") == 1
     file.write_text(source.replace(line + "\n", line + " + 1\n"), encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "tests_host/properties/check_line.py"]
+    command = [*interpreter.python(), "-m", "pytest", "-p", "no:cacheprovider", "-p", "no:xdist", "tests_host/properties/check_line.py"]
     done = subprocess.run(command, cwd=tmp_path, env=interpreter.environment(), capture_output=True, text=True)
     assert set(re.findall(r"^FAILED \S+::(\w+)", done.stdout, re.MULTILINE)) == set(re.findall(r"`(check_\w+)`", part)), done.stdout + done.stderr
