@@ -4,6 +4,7 @@ from boards.router_3axis import BOARD
 from passo import errors
 from passo.protocols import HELLO_WIRE
 from passo.protocols.frames import codec
+from passo.records import TICKS_PER_MS
 from router import Machine
 
 NOT_QUICK = ("check_a_host_that_does_not_ask",)
@@ -227,3 +228,25 @@ def check_the_link_that_commands():
         other.incoming += b"?"
         run_ms(machine, 100)
     assert machine.controller.state == "hold"
+
+
+def check_a_board_that_stood_still_misses_nobody():
+    """What came while this board stood still is heard before its host counts as lost; then nothing more comes, and it does."""
+    machine = machine_with("stop")
+    begin(machine, "G1X40F200\n")
+    port = machine.port
+    tripped = port.tripped
+
+    def stall():
+        port.tripped = tripped
+        port.advance((LOST_MS + 200) * TICKS_PER_MS)
+        machine.put("?")
+        return tripped()
+
+    for _ in range(3):
+        port.tripped = stall  # called behind the links and before the watch
+        run_ms(machine, 50)
+        assert port.tripped is not stall and machine.controller.state == "run"
+        run_ms(machine, 3 * LOST_MS + 200, (100, "?"))
+    run_ms(machine, LOST_MS + 100)
+    assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST

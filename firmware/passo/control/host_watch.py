@@ -38,6 +38,7 @@ class HostWatch(Feature):
         homing = board["homing"]
         names = [axis["name"] for axis in board["axes"]]
         self._rises = bool(homing) and "z" in homing["high_end"] and names[_Z : _Z + 1] == ["z"]
+        self._silent = False  # for lost_ms, as the last cycle found
         self._retracts = False  # lost: once it stands, Z goes up before the tool goes off
         self._up = False  # it does
         self._power = 0  # of the tool, as it was
@@ -75,9 +76,14 @@ class HostWatch(Feature):
             self._doubt = -1
         if line.was_heard() or not worked:
             self._since_ms = now_ms
+            self._silent = False
             return
         link = self._links[self._number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
+            if not self._silent:  # the links are read once more: this board itself may have stood still, and what came then waits
+                self._silent = True
+                return
+            self._silent = False
             in_time = (self._since_ms - self._asked_ms) & COUNT_MASK < link["lost_ms"]
             if link["protocol"] != _MAY_BE_SILENT or self._asks and self._doubt < 0 and in_time:
                 self._lost(link)
