@@ -12,7 +12,9 @@ from passo.protocols.keys import protocol as keys
 from passo.protocols.keys.protocol import Keys
 
 TICKS_PER_MS = 12_500
+SETTLE_MS = 50  # from a motor's last step until its coils let go
 AHEAD_MS = 50  # words made ahead, and a turn of the main loop
+OFF_MS = AHEAD_MS + 2 * SETTLE_MS + 20  # from a key until coils have let go: words may end before they can say so
 # LEGACY.md: half step 1000 1100 0100 0110 0010 0011 0001 1001, S1 first.
 HALF = [int("".join(reversed(states)), 2) for states in "1000 1100 0100 0110 0010 0011 0001 1001".split()]
 KEYS = b"CDEFGHIJ"
@@ -119,7 +121,9 @@ def check_whatever_is_pressed(presses):
             assert kit.language._is_turning(motor) == on[motor]
             since = kit.now_ms() - told[motor][-1][0]
             if since > AHEAD_MS:
-                assert (kit.motors[motor].pattern != 0) == on[motor] or on[motor] and since < 4 * 127
+                assert kit.motors[motor].pattern or not on[motor] or since < 4 * 127
+            if since > OFF_MS and not on[motor]:
+                assert kit.motors[motor].pattern == 0
             recent = [delta for tick, delta in kit.motors[motor].steps[first[motor]:]
                       if tick / TICKS_PER_MS > told[motor][-1][0] + AHEAD_MS]
             assert recent == [sign[motor]] * len(recent)
@@ -178,6 +182,21 @@ def check_one_motor_leaves_the_other_alone():
     assert len(steady.switched) == 1 and kit.motors[1].pattern == 0
 
 
+def check_a_rotor_settles_before_its_coils_let_go():
+    """However fast it turned, alone or beside the other."""
+    for speed in (1, 2, 5, 30, 127):
+        for on, off in ((b"C", b"E"), (b"I", b"J"), (b"I", b"E"), (b"I", b"EF")):
+            for ms in (311, 318, 327):
+                kit = Kit()
+                kit.press(bytes((0x41, speed, 0x42, 3)) + on, ms + 4 * speed)
+                kit.press(off, OFF_MS)
+                for motor in kit.motors[: 1 if off == b"E" else 2]:
+                    assert motor.pattern == 0, (speed, off)
+                    if motor.steps:
+                        let_go = [tick for tick, on in motor.switched if not on]
+                        assert len(let_go) == 1 and let_go[0] - motor.steps[-1][0] >= SETTLE_MS * TICKS_PER_MS, (speed, off)
+
+
 def check_off_releases_the_coils_of_one_motor():
     kit = Kit()
     assert [motor.pattern for motor in kit.motors] == [0, 0]
@@ -185,13 +204,13 @@ def check_off_releases_the_coils_of_one_motor():
     assert kit.motors[0].pattern and kit.motors[1].switched == []
     kit.press(b"D", 100)
     assert kit.motors[0].pattern and kit.motors[1].pattern
-    kit.press(b"E", 60)
+    kit.press(b"E", OFF_MS)
     assert kit.motors[0].pattern == 0 and kit.motors[1].pattern
-    kit.press(b"C", 60)
+    kit.press(b"C", OFF_MS)
     assert kit.motors[0].pattern and kit.motors[1].pattern
-    kit.press(b"F", 60)
+    kit.press(b"F", OFF_MS)
     assert kit.motors[0].pattern and kit.motors[1].pattern == 0
-    kit.press(b"E", 60)
+    kit.press(b"E", OFF_MS)
     assert kit.motors[0].pattern == 0 and kit.controller.machine.motors.state == RELEASED
 
 
@@ -209,7 +228,7 @@ def check_slow_motors_are_off_at_once():
     kit = Kit()
     kit.press(b"A\x7fB\x7fI", 1200)
     assert kit.motors[0].pattern and kit.motors[1].pattern
-    kit.press(b"J", AHEAD_MS)
+    kit.press(b"J", OFF_MS)
     assert [motor.pattern for motor in kit.motors] == [0, 0]
     kit.press(b"C", 560)
     assert kit.motors[0].pattern and kit.motors[1].pattern == 0

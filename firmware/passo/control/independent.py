@@ -11,6 +11,7 @@ Where soft limits hold, an endless run and a turn on the way are refused: where 
 """
 
 import micropython
+from micropython import const
 
 from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
@@ -20,6 +21,7 @@ from passo.errors import LATER
 from passo.motion.independent_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
 
+_SETTLE_MS = const(50)  # from the last step until the rotor is at rest: its coils hold it for so long
 _STANDING = ("idle", "alarm", "check", "sleep")
 
 
@@ -37,6 +39,8 @@ class Independent(Feature):
         self._jog = None  # directions of the jog under way
         self._all = (1 << len(self._axes)) - 1
         self._off = self._unpowered = 0  # masks of the axes that shall have no current, and of those that have none
+        self._moved_ms = [-_SETTLE_MS] * len(self._axes)  # when words were last made that turn each
+        self._ended_ms = 0  # when the last word was found under way
         self._fastest = [0] * len(self._axes)  # steps/s of each axis
         self._from = self._queue.position()
 
@@ -66,12 +70,16 @@ class Independent(Feature):
         report["made"] = self.made()
 
     def poll(self, now_ms):
-        """Notices the end, and tells who asked last."""
+        """Notices the end, and tells who asked last. An axis that is to have no current keeps it until its rotor is at rest: by the
+        words, which are made as far ahead as its last step was, or once these have ended."""
         if self._command is None:
             return
         self._machine.awake = True
         self._switch_off()
         if self.walker.running or not self._queue.still():
+            self._ended_ms = now_ms
+            return
+        if self._off and (now_ms - self._ended_ms) & COUNT_MASK < _SETTLE_MS:
             return
         command = self._command
         if self._off == self._all:
@@ -81,10 +89,13 @@ class Independent(Feature):
         self._machine.tell(Event(FINISHED, command))
 
     def _switch_off(self):
-        """Take the current from the axes that shall have none and stand, and give it back to the others."""
+        """Take the current from the axes that shall have none and are at rest, and give it back to the others."""
+        now_ms = self._machine.port.machine_ms()
         unpowered = 0
         for axis in range(len(self._axes)):
-            if self._off >> axis & 1 and self.walker.stands(axis):
+            if not self.walker.stands(axis):
+                self._moved_ms[axis] = now_ms
+            elif self._off >> axis & 1 and (now_ms - self._moved_ms[axis]) & COUNT_MASK >= _SETTLE_MS:
                 unpowered |= 1 << axis
         if unpowered != self._unpowered:
             self._unpowered = unpowered
