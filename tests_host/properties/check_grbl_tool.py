@@ -384,3 +384,27 @@ def check_a_spindle_that_becomes_a_laser_is_dark():
         machine.do("M5")
         machine.settle()
         assert machine.world.tool == 0
+
+
+def check_a_laser_that_becomes_a_spindle_is_off():
+    """`$32=0`: M5 holds from then on, whether the beam was dark or lit, and whatever comes in the same piece; M3 spins it up."""
+    for code in ("M4", "M3"):
+        for apart in (True, False):
+            machine = Machine(spindle=LASER).ready()
+            machine.do("G91", "G1F600", code + "S500", "X1")
+            machine.settle()
+            before = len(machine.world.tool_changes)
+            if apart:
+                machine.do("$32=0")
+                machine.cycles(50)
+                assert machine.world.tool == 0 and machine.world.power_level == 0 and machine.status()["FS"] == "0,0", code
+                assert " M5 " in machine.ask("$G")[0]
+                machine.do("X1", "G0X1", "G1X1S700")
+            else:
+                machine.put(b"$32=0\nX1\nG0X1\nG1X1S700\n")
+            machine.settle()
+            machine.cycles(50)
+            assert not [on for _, on in machine.world.tool_changes[before:] if on] and machine.world.tool == 0, (code, apart)
+            machine.do("M3S400", "X1")
+            machine.settle()
+            assert machine.world.tool == 1

@@ -54,10 +54,14 @@ class Tools(Feature):
                 self._override_motion()
         if self._settings_of != machine.settings.version:
             self._settings_of = machine.settings.version
-            begins = not self._lasing and self.laser()
+            changes = self._lasing != self.laser()
+            if changes and self._lasing:  # a laser was on, and is a spindle now, which M3 or M4 has to start
+                machine.spindle = SPINDLE_OFF
+                machine.power = 0
+                self.show_outputs(machine.hold != "door")
             self._lasing = self.laser()
             self._override_all()
-            if begins and still and self._queue.lit():  # a spindle turned, and is a laser now: dark until a motion lights it
+            if changes and still and self._queue.lit():  # if it is a laser now, it is dark until a motion lights it
                 self._queue.rest(False)
         if not still:
             self._dark = False

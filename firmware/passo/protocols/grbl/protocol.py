@@ -82,7 +82,10 @@ class Grbl:
     def _configure(self):
         settings = self._settings
         self._version = settings.version
-        self.gcode.laser = bool(settings.value(SETTING_LASER))
+        laser = bool(settings.value(SETTING_LASER))
+        if self.gcode.laser and not laser:
+            self.gcode.spindle = 5  # the machine has switched it off: the next motion must not start a spindle
+        self.gcode.laser = laser
         self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
         if settings.places(SETTING_PARKING_END) is not None:
             self.gcode.retracts = True
