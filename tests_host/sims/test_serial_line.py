@@ -238,6 +238,7 @@ def test_lines_sent_without_waiting_are_answered(kind):
                 pass
             tenths = [number % 10 for number in range(300)]
             client.write(b"".join(b"G1X0.%d00F3000\n" % tenth for tenth in tenths))
+            assert client.readline().strip() == b"[MSG:Caution: not homed, soft limits do not hold]"
             said = [client.readline().strip() for _ in tenths]
             assert set(said) == {b"ok", b"error:11"}
             client.write(b"G4P0\n")
