@@ -155,7 +155,7 @@ def ends_program(line):
         _, found, rest = rest.partition(b"M")
         if not found:
             return False
-        size = 0
+        size = 1 if rest[:1] == b"+" else 0
         while rest[size : size + 1] and rest[size : size + 1] in b"0123456789.":
             size += 1
         try:
@@ -177,7 +177,8 @@ def _without_number(line):
     digits = words[at + 1 : end]
     if not digits or words[end : end + 1] == b"." or int(digits) > _MOST_NUMBER:
         return line
-    return line[:at] + line[end:]
+    left = line[:at] + line[end:]
+    return line if bare(left)[:1] in (b"$", b"%") else left
 
 
 def changes_settings(line):
@@ -194,7 +195,7 @@ def bare(line):
 
 def job_error(line):
     """0, or the number of an error: a job may not have this line, as it is sent, for it changes more than the job's own motion."""
-    if b"$" in line and bare(line)[:1] == b"$" and bare(line) != b"$H":
+    if b"$" in line.partition(b"=")[0] and bare(line) != b"$H":
         return errors.JOB_LINE
     for byte in line:
         if not 32 <= byte < 127 or byte in _REAL_TIME:

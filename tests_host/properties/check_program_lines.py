@@ -38,6 +38,8 @@ def check_what_is_sent():
 def check_n_words_the_controller_refuses_stay():
     for line in (b"NX1", b"N1N2X1", b"N1.5X1", b"N-3X1", b"N99999999X1"):
         assert _read(line)[0] == [(1, line)]
+    for line in (b"N5$20=0", b"/N5$X", b"N5/$H", b"N5%"):
+        assert _read(line)[0] == [(1, line)]
 
 
 def check_letters_beyond_ascii():
@@ -50,7 +52,7 @@ def check_letters_beyond_ascii():
 
 
 def check_where_a_program_ends():
-    for end in (b"M2", b"M30", b"m02", b"M 3 0", b"G0X0 M30", b"M2.0", b"N9M2", b"M5M30"):
+    for end in (b"M2", b"M30", b"m02", b"M 3 0", b"G0X0 M30", b"M2.0", b"N9M2", b"M5M30", b"M+2", b"m+30."):
         lines, told = _read(b"G0X1\n" + end + b"\n%\n\nG1 X9\nnotes: M\xc3\xbcller\n")
         assert lines[0] == (1, b"G0X1") and len(lines) == 2 and told == [(2, 2)]
     for goes_on in (b"M3", b"M20", b"M300", b"S=@@M2", b"$N0=M30", b"(M30)", b"M2.5", b"G2X30"):
@@ -61,6 +63,8 @@ def check_where_a_program_ends():
 
 def check_what_a_job_may_not_have():
     for line in (b"$20=0", b"$N0=G91G0X5", b"$J=G91X1F1", b"$", b"$$", b"/$20=0", b"$HX", b"$RST=*", b"$F=A", b"X1!", b"X1?", b"G0\x18", b"G0\x84", b"G0\nG1"):
+        assert job_error(line) == errors.JOB_LINE
+    for line in (b"N5$20=0", b"N5$H", b"%$X"):
         assert job_error(line) == errors.JOB_LINE
     for line in (b"$H", b"$h", b"N3G1X1", b"S=@@_@", b"(x)", b"G1 X1"):
         assert job_error(line) == 0

@@ -16,12 +16,13 @@ export function decode(bytes) {
 export const strip = (line) => line.replace(/\([^)]*\)?|;.*/gs, "").replace(BLANKS, "");
 
 const words = (line) => (line.startsWith("$") ? "" : line.split("=")[0].toUpperCase());
-const endsProgram = (line) => (words(line).match(/M[\d.]*/g) || []).some((word) => [2, 30].includes(word.length > 1 ? Number(word.slice(1)) : 0));
+const endsProgram = (line) => (words(line).match(/M\+?[\d.]*/g) || []).some((word) => [2, 30].includes(word.length > 1 ? Number(word.slice(1)) : 0));
 
 function withoutNumber(line) {
   const head = words(line), found = head.match(/N(\d+)/);
   if (!found || /N.*N/.test(head) || head[found.index + found[0].length] === "." || Number(found[1]) > MOST_NUMBER) return line;
-  return line.slice(0, found.index) + line.slice(found.index + found[0].length);
+  const left = line.slice(0, found.index) + line.slice(found.index + found[0].length);
+  return /^\/*[$%]/.test(left) ? line : left;
 }
 
 // {lines: [[number, text]], wrong: {line, letter} or null, last, behind}: `wrong`: a letter that is none of G-code, lines end there; `behind`: how many
@@ -45,4 +46,4 @@ export function programLines(text) {
 }
 
 // The first of the lines that no job may have, [number, text], or undefined: a $ line but $H.
-export const jobError = (lines) => lines.find(([, line]) => /^\/*\$/.test(line) && line.replace(/\//g, "").toUpperCase() !== "$H");
+export const jobError = (lines) => lines.find(([, line]) => line.split("=")[0].includes("$") && line.replace(/\//g, "").toUpperCase() !== "$H");
