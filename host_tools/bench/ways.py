@@ -69,11 +69,19 @@ class Passed:
 def _machine(*before, start=None):
     """A router at rest that has carried out `before`, one after the other. `start`: where it stands, in steps."""
     machine = VirtualMachine(_BOARD, trace=None, start=start)
-    for data in (b"$X\n", *before):
+    _unlock(machine)
+    for data in before:
         machine.send(data)
         machine.run_ms(1500)
     machine.take()
     return machine
+
+
+def _unlock(machine):
+    """As of a machine that has told that it is not homed, which its first motion does."""
+    machine.send(b"$X\n")
+    machine.run_ms(1500)
+    machine.app.controller.machine.cautious = False
 
 
 def _until(machine, done):
@@ -158,8 +166,7 @@ class _Browser:
         self._count = 0
         self.machine.run_until(lambda: self.has(b'"hello"'))
         self._session = Session(_KEY, re.search(rb'"nonce": "(\w+)"', self.heard)[1].decode())
-        self.machine.send(b"$X\n")
-        self.machine.run_ms(300)
+        _unlock(self.machine)
         self.order(do="give", to="page")
         self.machine.run_ms(1500)
 

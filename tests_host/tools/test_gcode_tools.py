@@ -424,10 +424,10 @@ def test_what_the_system_refuses_is_one_line(board, job, monkeypatch, capsys):
 def test_stream_from_a_line(board, job, capsys):
     """X20Y20 is gone to with the tool up, then the rest is cut."""
     job.write_bytes(SQUARE.replace(b"G2 X0 Y0 I5 J0\n", b""))
-    stream.stream(job, board.line.name, 115200, "count", True, False, None, 5.0, None, None, 6, True)
+    stream.stream(job, board.line.name, 115200, "count", True, False, None, 5.0, first=6, yes=True)
     assert board.position() == [0, 0, 0]
     assert "3 lines" in capsys.readouterr().out
     with pytest.raises(Failure, match="nobody can be asked"):
-        stream.stream(job, board.line.name, 115200, "count", False, False, None, 5.0, None, None, 6, False)
+        stream.stream(job, board.line.name, 115200, "count", False, False, None, 5.0, first=6)
     with pytest.raises(Failure, match="ends before line 20"):
-        stream.stream(job, board.line.name, 115200, "count", False, False, None, 5.0, None, None, 20, True)
+        stream.stream(job, board.line.name, 115200, "count", False, False, None, 5.0, first=20, yes=True)
