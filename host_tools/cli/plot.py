@@ -1,7 +1,7 @@
 """`passo plot`: the path of a trace as a picture."""
 
 from pathlib import Path
-from typing import Optional
+from typing import Annotated, Optional
 
 import typer
 
@@ -13,8 +13,8 @@ def plot(
     out: Optional[Path] = typer.Option(None, "-o", "--out", help="The picture; default TRACE.png."),
     board: str = typer.Option("plotter_2014", help="Board file with steps/mm and travel: a name, or the path of a .py file."),
     steps_per_mm: Optional[str] = typer.Option(None, metavar="N[,M]", help="Instead of --board; N for X, M for Y."),
-    order: bool = typer.Option(False, "--order", help="Colour each line by when it was drawn: first blue, last red."),
-    drawn: bool = typer.Option(False, "--drawn", help="Only where the pen was down, as large as it fits: single steps show."),
+    order: Annotated[bool, typer.Option("--order", help="Colour each line by when it was drawn: first blue, last red.")] = False,
+    drawn: Annotated[bool, typer.Option("--drawn", help="Only where the pen was down, as large as it fits: single steps show.")] = False,
 ):
     """Draw the path of a trace.
 

@@ -9,6 +9,7 @@ that F wants of a line, None for others.
 """
 
 import math
+import os
 import re
 import shutil
 import subprocess
@@ -119,7 +120,9 @@ def of_linuxcnc(program, table=None, skip=False, cwd=None):
     """The path of a program's file; None if rs274 refuses it."""
     words = [RS274, *(["-t", str(table)] if table else []), *(["-b"] if skip else []), "-g", str(program)]
     try:
-        found = subprocess.run(words, capture_output=True, timeout=60, cwd=cwd or program.parent, stdin=subprocess.DEVNULL)
+        folder = cwd or program.parent
+        own = {**os.environ, "HOME": str(folder)}  # where it keeps its table of tools: two at once spoil each other's
+        found = subprocess.run(words, capture_output=True, timeout=60, cwd=folder, env=own, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
         return None
     errors = [line for line in found.stderr.decode("latin-1").splitlines() if line and line != "executing"]

@@ -147,7 +147,7 @@ def test_a_word_that_is_wrong_is_found_in_them(tmp_path):
 
 def test_a_start_script_for_an_axis_that_is_not_there_is_told(tmp_path):
     path = tmp_path / "script.gc"
-    path.write_text(USER_ORIGIN.replace("M7;\n", "G90 G20\nG0 X0 Y0\nG1 X0 Z0 F100\n").replace("G40", "G43.2"))
+    path.write_text(USER_ORIGIN.replace("M7;\n", "G90 G20\nG0 X0 Y0\nG1 X0 Z1 F100\n").replace("G40", "G43.2"))
     job = VirtualJob("laser_xy")
     job.run(gcode_file.lines(path))
-    assert [(line, "no axis Z" in what) for line, _, what in job.errors] == [(8, True), (12, False)]
+    assert [(line, "this machine has no Z" in what) for line, _, what in job.errors] == [(8, True), (12, False)]
