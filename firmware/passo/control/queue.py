@@ -251,7 +251,9 @@ class Queue:
         self._feeder.retire(self._player.played())
 
     def drop(self):
-        """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
+        """Drop everything, after halt() or at the stand of a hold. The position stays exact. No words are made until the app finds the
+        motors ready: an interrupt that feeds would begin anew what the planner still holds."""
+        self._feeder.open = False
         position = self._feeder.cancel(self._player.played())
         self._planner.clear()
         self.chords = None
