@@ -1,6 +1,7 @@
 """Paths, hypothesis profiles, the collection of check_*.py, tiers, and the corpus of real files."""
 
 import gc
+import importlib.util
 import os
 import sys
 import time
@@ -47,6 +48,9 @@ programs_measured: coverage is measured of the programs that it starts, too
 
 def pytest_addoption(parser):
     parser.addoption("--tier", choices=tiers.TIERS, default="all", help="how much runs: see tests_host/tiers.py")
+    if importlib.util.find_spec("pytest_timeout") is None:  # the core's tests run without it, and warn of nothing
+        for name in ("timeout", "timeout_method"):
+            parser.addini(name, "of pytest-timeout, which is not installed")
 
 
 def pytest_configure(config):

@@ -102,7 +102,9 @@ def check_seek(dx, dy, part):
     later = Line(2)
     later.begin((dx, dy))
     seek(later, index)
-    assert masks(later, later.left) == masks(whole, whole.left)
+    assert later.left == whole.left
+    for one, other in zip(masks(later, later.left), masks(whole, whole.left)):
+        assert one == other  # not the lists: pytest compares thousands of items for minutes where CI is set
 
 
 def check_longest(dy, index):
