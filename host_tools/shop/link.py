@@ -160,6 +160,8 @@ class Link:
         self._waiting = collections.deque(maxlen=_MOST_WAITING)
         self._broker, self._name = broker, name
         self._own = os.urandom(8).hex()
+        self._mark = Properties(PacketTypes.PUBLISH)
+        self._mark.UserProperty = ("by", self._own)  # a state with it is no other agent's
         self.doubled = lambda text: None
         self._double = ""  # another agent speaks for the machine: what is said of that
         self._asking = None  # the timer of the answer
@@ -192,8 +194,10 @@ class Link:
         with self._lock:
             if self._double or self._closing or client is not self._client:
                 return
-            fresh = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
-            client.subscribe([(self._topic + WHO, 1), (self._topic + AGENT, 1), (self._topic + STATE, fresh)])
+            # Who takes the machine's name may tell its state before this subscription; at the start a retained state proves nothing.
+            handling = SubscribeOptions.RETAIN_SEND_ON_SUBSCRIBE if self.connections else SubscribeOptions.RETAIN_DO_NOT_SEND
+            state = SubscribeOptions(qos=1, retainHandling=handling)
+            client.subscribe([(self._topic + WHO, 1), (self._topic + AGENT, 1), (self._topic + STATE, state)])
             client.publish(self._topic + WHO, self._own, 1)
             if self._asking:
                 self._asking.cancel()
@@ -300,7 +304,8 @@ class Link:
             if message.payload.decode(errors="replace") == self._own:
                 self._yield()
         elif what == STATE:
-            if client is self._client and client is self._listener and message.payload not in (b"", GONE.encode()):
+            own = ("by", self._own) in getattr(message.properties, "UserProperty", [])
+            if client is self._client and client is self._listener and not own and message.payload not in (b"", GONE.encode()):
                 self._yield()
         elif what in (SHOP, ORDER):
             self._heard.append((what, message.payload.decode(errors="replace")))
@@ -328,7 +333,7 @@ class Link:
         for topic, text in topics.items():
             if self._told.get(topic) != text:
                 self._told[topic] = text
-                self._client.publish(self._topic + topic, text, 1, True)
+                self._client.publish(self._topic + topic, text, 1, True, self._mark)
         while self._waiting:
             self._client.publish(self._topic + "log", self._waiting.popleft(), 1)
 

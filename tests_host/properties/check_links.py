@@ -43,6 +43,14 @@ class Two:
         """The answer to a line on grbl's link."""
         return answers(self.machine.ask(text))[0]
 
+    def rest(self, turns=100_000):
+        """Until the machine stands, and the coils of what has turned are without current."""
+        self.machine.settle()
+        while self.controller.state == "run":
+            self.machine.app.cycle()
+            turns -= 1
+            assert turns, "still busy"
+
     def logged(self):
         return [(number, who) for _, number, who in self.controller.machine.log.entries]
 
@@ -255,8 +263,7 @@ def check_keys_beside_grbl():
     assert two.line("$LINK=1") == "error:%d" % errors.BUSY
     two.machine.do("$LINK")
     line.incoming += b"J"
-    two.machine.settle()
-    two.machine.cycles(5)
+    two.rest()
     steps = two.machine.world.steps
     two.machine.do("$LINK=1", "G0 X0")
     two.machine.settle()

@@ -781,14 +781,40 @@ def test_a_board_that_speaks_for_itself_keeps_its_name(shop):
         link = Link(Broker("127.0.0.1", shop.port), "a")
         link.doubled = said.append
         shop.until(lambda: said)
-        shop.until(lambda: board.is_connected() and not link.up)
-        time.sleep(2)
-        assert board.is_connected() and not link.up
+        stops = []
+        link.stopped = lambda: stops.append(link.up)
+        shop.until(lambda: board.is_connected() and not link.up and shop.told.get("passo/a/state") == "idle")
+        connections = link.connections
+        shop.until(lambda: link._client.is_connected())
+        shop.until(lambda: stops or shop.client.publish("passo/stop", "x", 1).wait_for_publish(LIMIT_S))  # it hears STOP all the same
+        shop.until(lambda: stops)
+        assert board.is_connected() and not any(stops) and link.connections == connections
     finally:
         board.disconnect()
         board.loop_stop()
         if link:
             link.close()
+
+
+@needs_broker
+def test_an_agent_that_lost_its_connection_knows_its_own_state(shop):
+    """The broker still has it, or is handed it late: it is no other agent's."""
+    import socket
+
+    from host_tools.shop.link import Broker, Link
+
+    doubled, link = [], Link(Broker("127.0.0.1", shop.port), "a")
+    link.doubled = doubled.append
+    try:
+        for count in (1, 2):
+            shop.until(lambda: link.up and link.connections >= count)
+            link.tell({"state": f"run {count}"})
+            shop.until(lambda: shop.told.get("passo/a/state") == f"run {count}")
+            link._client.socket().shutdown(socket.SHUT_RDWR)
+        shop.until(lambda: link.connections >= 3)
+        assert doubled == []
+    finally:
+        link.close()
 
 
 def test_what_has_not_begun_does_not_begin_at_a_machine_for_which_another_agent_speaks():
