@@ -13,14 +13,11 @@ from host_tools.clients.client import Client
 from host_tools.clients.refusal import Refused, explain
 from host_tools.clients.serial_port import LinkError, open_link
 from host_tools.language import _, error_text, line_text
-from host_tools.clients.grbl_wire import fields_of
-from passo.protocols.gcode.words import longest
+from host_tools.clients.grbl_wire import fields_of, number_line
 
 RX_BYTES = 128  # that a grbl keeps; more if its $I says so
 _OPTIONS = re.compile(r"\[OPT:[^,\]]*,(\d+),(\d+)\]")
 _FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest
-_TAG = 8  # characters of a number
-_HIGHEST = 9_999_999
 _SLICE_S = 0.02
 HOME_S = 600
 _SIGN_S = 0.3  # between two signs of life while an answer is awaited
@@ -209,7 +206,7 @@ class GrblClient(Client):
         one. Calls `idle()` while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
         error holds the machine, drops what is under way and raises Refused; `origin(number)` is what it calls a line.
         """
-        waiting = [(number, line, tagged(number, line) if numbered else line) for number, line in reversed(lines)]
+        waiting = [(number, line, number_line(number, line) if numbered else line) for number, line in reversed(lines)]
         under_way = []
         self.alarm = None
         self.answered = self.answered_then = 0
@@ -270,11 +267,6 @@ class GrblClient(Client):
             time.sleep(0.1)
         if self.foreign_ok():
             self._end_foreign(_("after the last line"))
-
-
-def tagged(number, line):
-    """`line` with its number, if there is room and it is no $ line."""
-    return line if line.startswith(b"$") or len(line) > longest(line) - _TAG or number > _HIGHEST else b"N%d%s" % (number, line)
 
 
 def alarm_text(number):

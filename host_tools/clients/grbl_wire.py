@@ -13,11 +13,14 @@ from micropython import const
 
 from passo import commands
 from passo.commands import ACCEPTED, REFUSED, Event
+from passo.protocols.gcode.words import longest
 from passo.protocols.grbl.lines import real_time
 
 PAGE = const(0)
 GUEST = const(1)
 RX_ROOM = const(128)  # bytes of lines under way: what every grbl has room for
+_NUMBER = const(8)  # characters of an N word
+_MOST_NUMBER = const(9_999_999)
 _LONGEST = const(1024)  # bytes of a line from the board; more is noise
 LOST = const(-1)  # answered(LOST): a reset has dropped the line
 _BYTES = {commands.HOLD: 0x21, commands.RESUME: 0x7E, commands.JOG_CANCEL: 0x85, commands.RESET: 0x18}
@@ -150,6 +153,11 @@ def dwell_ms(line):
             except ValueError:
                 return 0
     return 0
+
+
+def number_line(number, line):
+    """`line` with its number in the file as N word, which reports then show. One that begins with no letter stays, for the number would become another."""
+    return line if not line[:1].isalpha() or len(line) > longest(line) - _NUMBER or number > _MOST_NUMBER else b"N%d%s" % (number, line)
 
 
 def fields_of(report):

@@ -9,7 +9,7 @@ import os
 import re
 from threading import Lock
 
-from host_tools.clients.grbl import tagged
+from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
 from host_tools.page.later import is_refusal
 from host_tools.panel import job_facts
@@ -131,7 +131,7 @@ class Store:
     @staticmethod
     def numbered(lines):
         """Lines of a program as they are sent."""
-        return [(number, tagged(number, line)) for number, line in lines]
+        return [(number, number_line(number, line)) for number, line in lines]
 
     def packed(self, name):
         """(bytes, CRC-32, the packed bytes) of a job as a board stores it, or the number of an error."""

@@ -4,8 +4,9 @@
     job_error(line)                                     # 0, or why a job of the panel, the shop or the board may not have it
 
 A program ends with its first line that has M2 or M30, or at a `%` alone in a line behind its first line. A file is UTF-8, else Latin-1. Blanks of all
-kinds are dropped; any other letter beyond ASCII, and a real-time command, refuses the line unless it stands in a comment. N words give way to the
-numbers of the file's lines, which senders put there, so that reports name a line of the file.
+kinds are dropped, and `/`, as the controller drops them; any other letter beyond ASCII, and a real-time command, refuses the line unless it stands in a
+comment. N words give way to the numbers of the file's lines, which senders put there, so that reports name a line of the file. An N word stays if the
+controller refuses it, or if what stands left and right of it would become one word.
 
 It runs under MicroPython, too, in the tab of the site. The board's own page has the same rules in web/page/program.js.
 """
@@ -19,10 +20,9 @@ from passo import errors
 
 _REAL_TIME = b"?!~\x18"
 _BLANKS = "\xa0\u1680\u2000\u2001\u2002\u2003\u2004\u2005\u2006\u2007\u2008\u2009\u200a\u200b\u202f\u205f\u2060\u3000\ufeff"
-_DIGITS = b"0123456789"
 _MOST_NUMBER = 9_999_999  # of an N word
-_DROPPED = bytes([byte for byte in range(33) if byte not in _REAL_TIME] + [127])
-_PLAIN = bytes([byte for byte in range(33, 127) if byte not in _REAL_TIME])
+_DROPPED = bytes([byte for byte in range(33) if byte not in _REAL_TIME] + [47, 127])
+_PLAIN = bytes([byte for byte in range(33, 127) if byte not in _REAL_TIME + b"/"])
 
 
 class WrongLetter(Exception):
@@ -172,13 +172,19 @@ def _without_number(line):
     if at < 0 or words.count(b"N") > 1:
         return line
     end = at + 1
-    while words[end : end + 1] and words[end : end + 1] in _DIGITS:
+    while words[end : end + 1] and words[end : end + 1] in b"+-.0123456789":
         end += 1
-    digits = words[at + 1 : end]
-    if not digits or words[end : end + 1] == b"." or int(digits) > _MOST_NUMBER:
+    if not _is_line_number(words[at + 1 : end]) or line[end:] and not b"A" <= words[end : end + 1] <= b"Z":
         return line
     left = line[:at] + line[end:]
-    return line if bare(left)[:1] in (b"$", b"%") else left
+    return line if left[:1] in (b"$", b"%") else left
+
+
+def _is_line_number(digits):
+    try:
+        return 0 <= float(digits) <= _MOST_NUMBER
+    except ValueError:
+        return False
 
 
 def changes_settings(line):

@@ -13,7 +13,8 @@ import itertools
 import re
 from dataclasses import replace
 
-from host_tools.clients.grbl import explain, tagged
+from host_tools.clients.grbl import explain
+from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
 from host_tools.programs.replayed_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact
 from passo import commands, errors
@@ -112,7 +113,7 @@ class Replay:
 
     def _numbered(self, at, line):
         """`line` with the number of line `at`: to the journal it is that line."""
-        return tagged(self._lines[at][0], line.encode()).decode()
+        return number_line(self._lines[at][0], line.encode()).decode()
 
     # --- what is not known of how the program began
 

@@ -50,11 +50,11 @@ def gcode_job(path, ended=None):
 
 def gcode_lines(lines):
     """The same of a file's [(number, bytes)]."""
-    from host_tools.clients.grbl import tagged
+    from host_tools.clients.grbl_wire import number_line
 
     rows = [b""] * lines[-1][0]
     for number, line in lines:
-        rows[number - 1] = tagged(number, line)
+        rows[number - 1] = number_line(number, line)
     return b"\n".join(rows) + b"\n"
 
 

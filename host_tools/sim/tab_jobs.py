@@ -6,19 +6,14 @@
 The page asks for the same methods of `passo panel`'s folder of jobs.
 """
 
+from host_tools.clients.grbl_wire import number_line
 from host_tools.programs.program_lines import WrongLetter, program_lines, raw_lines_of
 from passo import errors
 
 _MOST_BYTES = 8_000_000
 _PIECE = 32_768
 _MOST_NAME = 60
-_LONGEST_TAGGED = 72  # of the 80 characters that every grbl has room for
 _LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
-
-
-def tagged(number, line):
-    """A line of G-code with its number in the file, which reports then show."""
-    return line if line[:1] == b"$" or len(line) > _LONGEST_TAGGED else b"N%d%s" % (number, line)
 
 
 def text_error(text):
@@ -50,7 +45,7 @@ class Jobs:
             found = [(number + 1, line.partition("#")[0].strip()) for number, line in enumerate(text.split("\n"))]
             return [(number, line.encode()) for number, line in found if line]
         try:
-            return [(number, tagged(number, line)) for number, line in program_lines(raw_lines_of(text.encode()))]
+            return [(number, number_line(number, line)) for number, line in program_lines(raw_lines_of(text.encode()))]
         except WrongLetter as wrong:
             return {"error": errors.JOB_LINE, "line": wrong.number, "text": ""}
 

@@ -2,12 +2,15 @@
 
 import pc_modules  # noqa: F401: before host_tools
 from draws import Random
+from host_tools.clients.grbl_wire import number_line
 from host_tools.programs.program_lines import (
     WrongLetter, changes_settings, ends_program, first_job_error, job_error, program_lines, raw_lines_of, strip,
 )  # fmt: skip
 from passo import errors
+from router import Machine, answers
 
-CASES = {"check_no_byte_beyond_ascii_is_sent": (("seed", "seed"),)}
+CASES = {"check_no_byte_beyond_ascii_is_sent": (("seed", "seed"),), "check_what_is_sent_is_what_stands": (("seed", "seed"),)}
+_WORDS = ("G1", "G0", "X", "X1", "Y2", "Y", "N5", "N", "N7.", "N+3", "N1.5", "-", "-3", "+2", ".5", "/", "4", "S", "S0:500", ":3", "=@@", "@", "%", "$H", "(a)", " ", ";x", "*71", "F900", "E3", "M3")
 _COMMON = b"GMNXS=@123 ().;%\n$/?"
 _MINUS = b"\xe2\x88\x92"
 _DOT = b"\xc2\xb7"
@@ -32,14 +35,36 @@ def _wrong(text):
 def check_what_is_sent():
     """Comments, blanks, program numbers and N words of the file are not."""
     lines, told = _read(b"\xef\xbb\xbf%\r\nO1000\n(a; b) N10 G1 X1 (?!) Y2 ; M30\n\n N20 x3 ; (\n:7\n/G1(c\nN5 S=@N@M\n")
-    assert lines == [(3, b"G1X1Y2"), (5, b"x3"), (7, b"/G1"), (8, b"S=@N@M")] and not told
+    assert lines == [(3, b"G1X1Y2"), (5, b"x3"), (7, b"G1"), (8, b"S=@N@M")] and not told
 
 
 def check_n_words_the_controller_refuses_stay():
-    for line in (b"NX1", b"N1N2X1", b"N1.5X1", b"N-3X1", b"N99999999X1"):
+    for line in (b"NX1", b"N1N2X1", b"N-3X1", b"N99999999X1", b"N5$20=0", b"N5$X", b"N5$H", b"N5%"):
         assert _read(line)[0] == [(1, line)]
-    for line in (b"N5$20=0", b"/N5$X", b"N5/$H", b"N5%"):
+
+
+def check_an_n_word_joins_nothing():
+    """What stands left and right of one would become another word: X-3, S0:500, S=@@, X12, M30. The line stays, and the board refuses it."""
+    for line in (b"XN5-3", b"G1X1YN5+3", b"X1N5.5.5", b"S0:500N5:3", b"SN5=@@", b"N5=@@", b"X1N5@", b"N5*71", b"N5-3X1", b"X1N5%"):
         assert _read(line)[0] == [(1, line)]
+    assert _read(b"X1N5/2Y1")[0] == [(1, b"X1Y1")]
+    assert _read(b"XN5Y2\nN+5X1\nX2N5.\nG1N5X1\nn7y1")[0] == [(1, b"XY2"), (2, b"X1"), (3, b"X2"), (4, b"G1X1"), (5, b"y1")]
+    assert _read(b"M3/0\nX1") == ([(1, b"M30")], [(1, 1)])
+
+
+def check_what_is_sent_is_what_stands(seed):
+    """A line as it stands and the line that is sent do the same on a board: both are refused, or both move it alike."""
+    random = Random(seed)
+    lines = ["".join([random.choice(_WORDS) for _ in range(random.between(1, 6))]) for _ in range(3)]
+    as_they_stand, as_sent = Machine().ready(), Machine().ready()
+    for line in lines:
+        sent = [number_line(7, text).decode() for _, text in _read(line.encode())[0]]
+        wanted = answers(as_they_stand.ask(line))
+        got = answers(as_sent.ask(sent[0])) if sent else wanted  # a program's number, or nothing
+        assert (wanted == ["ok"]) == (got == ["ok"]), (line, sent, wanted, got)
+        as_they_stand.settle()
+        as_sent.settle()
+        assert as_they_stand.controller.position() == as_sent.controller.position(), (line, sent)
 
 
 def check_letters_beyond_ascii():

@@ -6,7 +6,8 @@ import threading
 import pytest
 
 from host_tools.cli import check, main as cli, settings, stream
-from host_tools.clients.grbl import RESET, GrblClient, LinkError, Refused, fields_of, tagged
+from host_tools.clients.grbl import RESET, GrblClient, LinkError, Refused, fields_of
+from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
 from host_tools.programs import gcode_file
 from host_tools.sim.job import VirtualJob
@@ -147,9 +148,9 @@ def test_where_the_queue_was_empty_is_told(board, capsys, monkeypatch):
 
 
 def test_what_may_be_numbered():
-    assert tagged(7, b"G1X1") == b"N7G1X1" and len(tagged(9_999_999, b"G" * 72)) == 80
-    for number, line in ((7, b"$H"), (7, b"G" * 73), (10_000_000, b"G0")):
-        assert tagged(number, line) == line
+    assert number_line(7, b"G1X1") == b"N7G1X1" and len(number_line(9_999_999, b"G" * 72)) == 80
+    for number, line in ((7, b"$H"), (7, b"G" * 73), (10_000_000, b"G0"), (7, b"5X1"), (7, b".5X1"), (7, b"=@@")):
+        assert number_line(number, line) == line
 
 
 def test_a_reset_ends_a_job(board, job):

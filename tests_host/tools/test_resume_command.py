@@ -9,7 +9,8 @@ from host_tools.cli.main import app
 from host_tools.drawings import engraving
 from host_tools.drawings.engraving import Machine, Options
 from host_tools.programs.interrupted import interrupted, number_of
-from host_tools.clients.grbl import GrblClient, Refused, tagged
+from host_tools.clients.grbl import GrblClient, Refused
+from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
 from host_tools.programs import compiler, gcode_file, stored_job
 from passo import commands
@@ -39,7 +40,7 @@ def begin(client, lines, count):
     client.command("$H", 600)
     client.command(f"$JR={number_of(lines):08x}")
     for number, line in lines[:count]:
-        client.command(tagged(number, line).decode())
+        client.command(number_line(number, line).decode())
 
 
 def test_a_lost_pc(board, part, capsys):
@@ -69,7 +70,7 @@ def test_a_wait_for_an_input(tmp_path, capsys):
         machine = running.app.controller.machine
         with GrblClient(running.line.name) as client:
             begin(client, lines, 2)
-            client.real_time(tagged(*lines[2]) + b"\n")
+            client.real_time(number_line(*lines[2]) + b"\n")
             running.until(lambda: machine.busy_with(commands.CODE + 66) and running.app.controller.queue.still())
             client.reset()
         assert machine.command is None

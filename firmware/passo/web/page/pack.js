@@ -26,7 +26,7 @@ function numbered(text) {
   if (!lines.length) return null;
   for (const [number, line] of lines) {
     const longest = line.includes("=") ? 243 : line.includes(":") ? 127 : 80;
-    rows[number - 1] = line.startsWith("$") || line.length > longest - TAG || number > MOST_TAG ? line : `N${number}${line}`;
+    rows[number - 1] = !/^[a-z]/i.test(line) || line.length > longest - TAG || number > MOST_TAG ? line : `N${number}${line}`;
   }
   return new TextEncoder().encode(Array.from(rows, (row) => row || "").join("\n") + "\n");
 }

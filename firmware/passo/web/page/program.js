@@ -1,6 +1,6 @@
 // A program of plain G-code as the lines that a controller gets, by the rules of host_tools/programs/program_lines.py: a test compares the two.
 
-const BLANKS = /[\x00-\x17\x19-\x20\x7f\xa0\u1680\u2000-\u200b\u202f\u205f\u2060\u3000\ufeff]/g;
+const DROPPED = /[\x00-\x17\x19-\x20/\x7f\xa0\u1680\u2000-\u200b\u202f\u205f\u2060\u3000\ufeff]/g;
 const MOST_NUMBER = 9999999;
 
 // The text of a file: UTF-8, or Latin-1 as older programs write it.
@@ -12,17 +12,17 @@ export function decode(bytes) {
   }
 }
 
-// A line without comments, blanks and control characters.
-export const strip = (line) => line.replace(/\([^)]*\)?|;.*/gs, "").replace(BLANKS, "");
+// A line without comments, blanks, / and control characters.
+export const strip = (line) => line.replace(/\([^)]*\)?|;.*/gs, "").replace(DROPPED, "");
 
 const words = (line) => (line.startsWith("$") ? "" : line.split("=")[0].toUpperCase());
 const endsProgram = (line) => (words(line).match(/M\+?[\d.]*/g) || []).some((word) => [2, 30].includes(word.length > 1 ? Number(word.slice(1)) : 0));
 
 function withoutNumber(line) {
-  const head = words(line), found = head.match(/N(\d+)/);
-  if (!found || /N.*N/.test(head) || head[found.index + found[0].length] === "." || Number(found[1]) > MOST_NUMBER) return line;
-  const left = line.slice(0, found.index) + line.slice(found.index + found[0].length);
-  return /^\/*[$%]/.test(left) ? line : left;
+  const head = words(line), found = head.match(/N([-+.\d]+)/);
+  if (!found || /N.*N/.test(head) || !(Number(found[1]) >= 0 && Number(found[1]) <= MOST_NUMBER)) return line;
+  const end = found.index + found[0].length, left = line.slice(0, found.index) + line.slice(end);
+  return /^[$%]/.test(left) || (line[end] && !/[a-z]/i.test(line[end])) ? line : left;
 }
 
 // {lines: [[number, text]], wrong: {line, letter} or null, last, behind}: `wrong`: a letter that is none of G-code, lines end there; `behind`: how many
