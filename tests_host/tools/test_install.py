@@ -349,7 +349,7 @@ def _link_packages(site, names):
         wanted += [re.match(r"[\w.-]+", text)[0] for text in distribution.requires or () if ";" not in text]
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/pt/README.md", "docs/use/core.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/pt/README.md", "docs/use/core.md", "docs/pt/core.md"])
 def test_the_core_is_tested_with_the_packages_that_a_page_names(page, tmp_path):
     """In an environment that has those, and neither Passo nor what `make check` brings."""
     text = (ROOT / page).read_text(encoding="utf-8")
