@@ -2,6 +2,10 @@
 
     board = load("plotter_2014")            # boards/plotter_2014.py
     board = load("~/mine/router.py")        # any file with BOARD = {...}
+    data = board_py("router_4axis")         # what lies on the board as board.py: the file, or the whole of one that is like another
+
+A file with `"like": "router_3axis"` says only what differs from that file of boards/: see merge(). Boards, builds and everything behind
+load() get the whole.
 
 A board file is data, though it is written in Python: it is read here, and nowhere else on a PC, and never executed.
 What is wrong with a file is a Failure; its values are checked by the firmware (passo.config.boardfile).
@@ -9,6 +13,7 @@ What is wrong with a file is a Failure; its values are checked by the firmware (
 
 import ast
 import copy
+import json
 import tokenize
 import warnings
 from pathlib import Path
@@ -18,6 +23,8 @@ from passo.config.boardfile import BoardError, check
 from host_tools.failure import Failure, reason
 from host_tools.language import line_text
 from host_tools.resources import BOARDS
+
+LIKE = "like"
 
 
 def names():
@@ -40,12 +47,7 @@ def path(name):
 def load(name):
     """The BOARD dict of a board given by name or path, as it stands there. Raises Failure with what was wrong with the file."""
     found = path(name)
-    try:
-        with tokenize.open(found) as file:
-            text = file.read()
-    except (SyntaxError, ValueError, OSError) as error:
-        raise Failure("board file {} cannot be read: {}", found, _why(error)) from error
-    board = table(text, found)
+    board = table(_text(found), found)
     try:
         check(copy.deepcopy(board))
     except BoardError as error:
@@ -55,8 +57,118 @@ def load(name):
     return board
 
 
+def board_py(name):
+    """The bytes of board.py for a board given by name or path. Raises Failure."""
+    found = path(name)
+    text = _text(found)
+    own = _own_table(text, found)
+    if LIKE not in own:
+        return found.read_bytes()
+    head = f"# The whole of {found.name}, which is like {own[LIKE]}: change that file, not this one.\n"
+    return (head + text_of(resolve(own, found))).encode()
+
+
+def text_of(board):
+    """The text of a board file that has these values."""
+    return f"BOARD = {_lines(board, 0)}\n"
+
+
+def like(base):
+    """Names of the project's boards that say "like": `base`."""
+    return [name for name in names() if _own_table(_text(path(name)), path(name)).get(LIKE) == base]
+
+
+def _text(found):
+    try:
+        with tokenize.open(found) as file:
+            return file.read()
+    except (SyntaxError, ValueError, OSError) as error:
+        raise Failure("board file {} cannot be read: {}", found, _why(error)) from error
+
+
 def table(text, found):
-    """The BOARD dict of a board file's text; `found`: where it stands. Raises Failure, with the line of what is more than data."""
+    """The BOARD dict of a board file's text, whole; `found`: where it stands. Raises Failure, with the line of what is more than data."""
+    return resolve(_own_table(text, found), found)
+
+
+def resolve(board, found):
+    """`board` merged into the board of boards/ that it is like, or as it is. Raises Failure."""
+    if LIKE not in board:
+        return board
+    base = board[LIKE]
+    if not isinstance(base, str) or base not in names():
+        if isinstance(base, str) and ("/" in base or "\\" in base or base.endswith(".py")):
+            raise Failure("board file {}: like: {!r} is a path; a name of boards/ is wanted", found, base)
+        raise Failure("board file {}: like: unknown board {!r}; known are {}", found, base, ", ".join(names()))
+    if not isinstance(board.get("name"), str):
+        raise Failure("board file {}: name: missing; that of {} is another machine's", found, base)
+    under = _own_table(_text(path(base)), path(base))
+    if LIKE in under:
+        raise Failure("board file {}: like: {} is itself like {}; say what differs from that one", found, base, under[LIKE])
+    try:
+        return merge(under, {key: value for key, value in board.items() if key != LIKE})
+    except Failure as failure:
+        raise Failure("board file {}, which is like {}: {}", found, base, failure) from None
+
+
+def merge(base, changes, where=""):
+    """`base` with `changes`; both stay as they are. None removes a key. A dict is merged key by key; a list of things that have names, such
+    as axes or links, name by name: known ones are changed where they stand, new ones go to the end. A dict in the place of such a list is
+    {name: changes}, so that None removes one. Everything else takes the place of what was there.
+    Raises Failure."""
+    result = {key: copy.deepcopy(value) for key, value in base.items() if key not in changes}
+    for key, change in changes.items():
+        before, at = base.get(key), f"{where}{key}"
+        if change is None:
+            if key not in base:
+                raise Failure("{}: there is none to remove", at)
+        elif _has_names(before) and (isinstance(change, dict) or _has_names(change)):
+            result[key] = _merge_list(before, change, at)
+        elif isinstance(change, dict):
+            result[key] = merge(before if isinstance(before, dict) else {}, change, at + ".")
+        else:
+            result[key] = copy.deepcopy(change)
+    return {key: result[key] for key in [*base, *changes] if key in result}
+
+
+def _merge_list(before, change, at):
+    if not isinstance(change, dict):
+        listed = [item["name"] for item in change]
+        if twice := [name for name in listed if listed.count(name) > 1]:
+            raise Failure("{}: {!r} is there twice", at, twice[0])
+        change = {item["name"]: item for item in change}
+    named = {item["name"]: item for item in before}
+    changes = {name: {"name": name, **item} if isinstance(item, dict) else item for name, item in change.items()}
+    return list(merge(named, changes, at + ".").values())
+
+
+def _has_names(value):
+    return isinstance(value, list) and bool(value) and all(isinstance(item, dict) and isinstance(item.get("name"), str) for item in value)
+
+
+def _lines(value, indent):
+    """The text of a value: what does not fit on a line of 120 characters has a line an item."""
+    text, inner = _line(value), " " * (indent + 4)
+    if len(text) + indent <= 120 and indent or not value or not isinstance(value, (dict, list)):
+        return text
+    if isinstance(value, dict):
+        items = "".join(f"{inner}{_line(key)}: {_lines(item, indent + 4)},\n" for key, item in value.items())
+        return "{\n" + items + " " * indent + "}"
+    return "[\n" + "".join(f"{inner}{_lines(item, indent + 4)},\n" for item in value) + " " * indent + "]"
+
+
+def _line(value):
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{_line(key)}: {_line(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_line, value)) + "]"
+    return repr(value)
+
+
+def _own_table(text, found):
+    """What a board file itself says: only what differs, if it is like another."""
     try:
         with warnings.catch_warnings(action="ignore"):  # a backslash that means nothing, in a comment of several lines
             statements = ast.parse(text).body

@@ -1,7 +1,7 @@
 """The firmware of one board, compiled to what its file system holds.
 
     build/plotter_2014/main.py          as it is
-    build/plotter_2014/board.py         boards/plotter_2014.py
+    build/plotter_2014/board.py         boards/plotter_2014.py, whole if that is like another
     build/plotter_2014/passo/…/*.mpy    compiled for the board's chip
     build/plotter_2014/passo/files.txt  the modules of this build; what else lies there is of an older one
     build/plotter_2014/package.json     the same for mip, which installs all of it with target /
@@ -17,7 +17,6 @@ import copy
 import hashlib
 import json
 import re
-import shutil
 import subprocess
 import tempfile
 from functools import lru_cache
@@ -371,7 +370,7 @@ def _left(board):
 def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     """Build a board's file system in `out`; returns rows (module, bytes of source, bytes compiled). `by`: a list, to which goes what
     compiled its kernels. It is no package for mip until write_package()."""
-    board_file = boards.path(name)
+    board_file = boards.board_py(name)
     board = boards.load(name)
     files = selected(board, firmware)
     main = source_of(Path("main.py"), firmware)
@@ -407,9 +406,9 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     for stale in (out / PAGES).glob("*"):
         stale.unlink()
     rows += [((PAGES / file_name).as_posix(), before, packed) for file_name, before, packed in pages.pack(board, out / PAGES)]
-    for source, file_name in [(main, "main.py"), (board_file, "board.py")]:
-        shutil.copyfile(source, out / file_name)
-        rows.append((file_name, source.stat().st_size, source.stat().st_size))
+    for data, file_name in [(main.read_bytes(), "main.py"), (board_file, "board.py")]:
+        (out / file_name).write_bytes(data)
+        rows.append((file_name, len(data), len(data)))
     _check_flash(board, out)
     listed = [name + "\n" for name in (*(path.with_suffix(".mpy").as_posix() for path in files), *compiled.modules)]
     (out / "passo" / FILE_LIST).write_text("".join(listed), encoding="utf-8")

@@ -8,6 +8,7 @@ Unchanged files are not copied again. The package, main.py and board.py are repl
 import os
 import shlex
 import subprocess
+import tempfile
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Optional
@@ -165,4 +166,7 @@ def put_board_file(board, config, found, port):
     flash_uf2.check_fits(found, config, board)
     if found.stamp != stamp(found.chip):
         print(_("the UF2 on the board is build {} of Passo {}, and not of this source: make uf2 CHIP={} builds one", found.stamp, found.version, found.chip))
-    put(flash_uf2.copying(port, boards.path(board)), board, port)
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "board.py"
+        file.write_bytes(boards.board_py(board))
+        put(flash_uf2.copying(port, file), board, port)

@@ -118,7 +118,7 @@ def store(board, port, call, out=None):
             copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
         stored = machines / name
         stored.mkdir()
-        (stored / "board.py").write_bytes(boards.path(board).read_bytes())
+        (stored / "board.py").write_bytes(boards.board_py(board))
         (stored / "modules.txt").write_text(text, encoding="ascii")
         copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
     return _run(port, "tidy()\n" + call, "+", "reset")

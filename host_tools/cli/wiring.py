@@ -12,6 +12,7 @@ from host_tools.language import _
 def wiring(
     board: Annotated[str, typer.Argument(help="Board file: a name, or the path of a .py file.")],
     out: Annotated[Optional[Path], typer.Option("-o", "--out", help="Write a drawing instead, as SVG, for a sheet of A4.")] = None,
+    whole: Annotated[bool, typer.Option("--whole", help="Print the whole board file instead, as a board gets it.")] = False,
 ):
     """Show how a board file is wired: each pin, and the driver, switch or relay that it goes to.
 
@@ -23,11 +24,17 @@ def wiring(
         passo wiring router_3axis                    # the table
         passo wiring router_3axis --out router.svg   # the drawing: open it in a browser, print it
         passo wiring boards/mine.py -o mine.svg      # that of your own machine
+        passo wiring boards/mine.py --whole          # if it is "like" another: all that the board gets
     """
     from host_tools import boards
     from passo.config.boardfile import check
 
     checked = check(boards.load(board))
+    if whole:
+        if out is not None:
+            raise Failure("--whole prints the board file; leave out --out")
+        print(boards.board_py(board).decode(), end="")
+        return
     if out is None:
         return _show(checked)
     from host_tools.wiring.drawing import drawing

@@ -39,7 +39,7 @@ def find_frozen(name):
 
 def board_file(board):
     """{"board.py": …} of a board file's name or path, or of a dict."""
-    text = f"BOARD = {board!r}\n".encode() if isinstance(board, dict) else boards.path(board).read_bytes()
+    text = f"BOARD = {board!r}\n".encode() if isinstance(board, dict) else boards.board_py(board)
     return {"board.py": text}
 
 

@@ -55,7 +55,7 @@ def texts():
     found |= {name: HOST_TOOLS.parent / name for name in TAB}
     read = numbered_only({name: path.read_text(encoding="utf-8") for name, path in found.items()})
     read |= {name: (OWN / name).read_text(encoding="utf-8") for name in SHIMS}
-    read |= {f"boards/{name}.py": boards.path(name).read_text(encoding="utf-8") for name in BOARDS}
+    read |= {f"boards/{name}.py": boards.board_py(name).decode() for name in BOARDS}
     return {name: _MACHINE_CODE.sub("", text) for name, text in read.items()}
 
 

@@ -93,7 +93,7 @@ def test_it_starts_in_pieces_if_it_fits(core, name, tmp_path):
 
 @pytest.fixture
 def digest_files():
-    named = {f"boards/{path.name}": path.read_bytes() for path in map(boards.path, boards.names())}
+    named = {f"boards/{name}.py": boards.board_py(name) for name in boards.names()}
     return {"digest.py": (CHECKS / "digest.py").read_text(), "boards/__init__.py": b"", **named}
 
 

@@ -132,7 +132,7 @@ def test_stop(started, show):
 
 
 def digest_files(**files):
-    named = {f"boards/{path.name}": path.read_bytes() for path in map(boards.path, boards.names())}
+    named = {f"boards/{name}.py": boards.board_py(name) for name in boards.names()}
     return {**beside("rp2350", {"digest.py": (CHECKS / "digest.py").read_text()}), "boards/__init__.py": b"", **named, **files}
 
 

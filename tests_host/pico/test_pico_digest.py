@@ -44,7 +44,7 @@ def with_digest(board, job, data, *more, changes=None):
     sources = {path.as_posix(): ROOT / "firmware" / path for path in selected({**boards.load(board), **(changes or {})})}
     files = compiled({**sources, **{name: CHECKS / name for name in ("digest.py", *more)}}, board)
     files["boards/__init__.py"] = b""
-    files[f"boards/{board}.py"] = boards.path(board).read_bytes()
+    files[f"boards/{board}.py"] = boards.board_py(board)
     files[job] = data
     return files
 

@@ -97,7 +97,7 @@ def test_every_machine_starts(frozen, board, show):
 
 def digest_files(**files):
     texts = {"digest.py": (CHECKS / "digest.py").read_text()}
-    named = {f"boards/{path.name}": path.read_bytes() for path in map(boards.path, boards.names())}
+    named = {f"boards/{name}.py": boards.board_py(name) for name in boards.names()}
     return {**beside("rp2040", texts), "boards/__init__.py": b"", **named, **files}
 
 

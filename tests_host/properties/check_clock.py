@@ -4,9 +4,9 @@ import sys
 
 from boards.plotter_2014 import BOARD as PICO
 from boards.plotter_esp32 import BOARD as ESP32
-from boards.plotter_pico_2 import BOARD as PICO_2
 from passo.config.boardfile import CLOCKS_MHZ, BoardError, check
 
+PICO_2 = dict(PICO, chip="rp2350")
 CASES = {
     "check_any_start": (
         ("mhz", "choice", 125, 150, 200), ("now_mhz", "choice", 48, 125, 133, 150, 200, 250), ("vsel", 9, 15),

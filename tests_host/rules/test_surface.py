@@ -46,9 +46,10 @@ def settings():
 def board_keys():
     from passo.config import boardfile
 
+    from host_tools import boards
     from host_tools.build.reference import all_rules, keys
 
-    return (f"board file {key}" for key in keys(all_rules(boardfile)))
+    return [f"board file {key}" for key in keys(all_rules(boardfile))] + [f"board file {boards.LIKE}"]
 
 
 def codes():

@@ -4,14 +4,11 @@ What is refused is refused by BoardError, with a sentence."""
 
 import contextlib
 import copy
-import importlib
-import pkgutil
 import pprint
 from random import Random
 
 import pytest
 
-import boards
 from host_tools import boards as project
 from host_tools.cli.main import main
 from host_tools.failure import Failure
@@ -19,7 +16,7 @@ from host_tools.programs import blackbox
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 
-NAMES = sorted(module.name for module in pkgutil.iter_modules(boards.__path__))
+NAMES = project.names()
 WRONG = (
     None, True, -1, 0, 3, 2**40, 1.5, float("nan"), "", "x", "x" * 90, " ", "!", "x |", "uart9", b"x", [], [1], [[]], [None], ["x"], [-1, "x"], [2, 2],
     {}, {"x": 1}, {1: 2}, {None: None}, {"x": {}}, {"x": "x"}, {"x": None}, {"masks": 1}, (), (1, 2), {1}, object, "x+",
@@ -75,7 +72,7 @@ def mutants(board):
             yield path, GONE
     tried = set()
     for name in NAMES:  # and what other boards have, each of it once
-        for key, value in importlib.import_module("boards." + name).BOARD.items():
+        for key, value in project.load(name).items():
             if repr((key, value)) in tried:
                 continue
             tried.add(repr((key, value)))
@@ -92,7 +89,7 @@ def mutants(board):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_a_mistake_is_a_board_error(name):
-    board = importlib.import_module("boards." + name).BOARD
+    board = project.load(name)
     before = repr(board)
     found = {}
     refused = 0
@@ -114,7 +111,7 @@ def test_a_mistake_is_a_board_error(name):
 @pytest.mark.quick
 def test_what_no_message_could_show_is_a_board_error():
     """Lists in lists, a list in itself, and texts without end, at every place."""
-    board = importlib.import_module("boards.router_3axis").BOARD
+    board = project.load("router_3axis")
     for path in places(board):
         for shape in SHAPES:
             with pytest.raises(BoardError) as found:
@@ -131,9 +128,9 @@ def test_what_no_message_could_show_is_a_board_error():
 @pytest.mark.parametrize("name", NAMES)
 def test_several_mistakes_at_once_are_a_board_error(name):
     """Values of other places and boards, keys renamed, entries twice, in another order or gone, numbers and texts a little off."""
-    board = importlib.import_module("boards." + name).BOARD
+    board = project.load(name)
     random = Random(name)
-    whole = [importlib.import_module("boards." + other).BOARD for other in NAMES]
+    whole = [project.load(other) for other in NAMES]
     pool = [value_at(other, path) for other in whole for path in places(other)]
     for _ in range(150):
         made = copy.deepcopy(board)

@@ -208,7 +208,7 @@ def test_every_board_builds(tmp_path, name):
     assert result.exit_code == 0, result.output
     assert "bytes in all" in result.output
     assert not list(tmp_path.rglob("virtual*"))
-    assert (tmp_path / "board.py").read_text() == boards.path(name).read_text()
+    assert (tmp_path / "board.py").read_bytes() == boards.board_py(name)
 
 
 @pytest.fixture

@@ -36,7 +36,7 @@ def test_only_the_board_file_goes_over(folder, with_uf2):
     result = run_flash("--port", port)
     assert result.exit_code == 0, (result.output, result.exception)
     assert not (folder / "build").exists() and "not of this source" not in result.output
-    assert (files / "board.py").read_bytes() == boards.path("plotter_2014").read_bytes()
+    assert (files / "board.py").read_bytes() == boards.board_py("plotter_2014")
     assert not (files / "passo").exists() and not (files / "source.txt").exists() and not (files / "main.py").exists()
     assert {name: (files / name).read_text() for name in KEPT} == KEPT
     assert wait_for(files / ".reset")

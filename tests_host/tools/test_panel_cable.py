@@ -90,7 +90,7 @@ def test_the_port_is_handed_over_and_taken_again(cable):
                 raise Failure(fails.pop())
             opened.write(CTRL_C)
             opened.read(1)
-            shutil.copy(boards.path(board), cable.folder / "board.py")
+            (cable.folder / "board.py").write_bytes(boards.board_py(board))
             (cable.folder / ".reset").touch()
 
     def visit(page):

@@ -11,9 +11,10 @@ from host_tools.prove.gcode_jobs import all_jobs
 from test_digest import GOLDEN, HEX_JOBS, PULSES, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
 from test_words import Texts
 
+from host_tools import boards
 from host_tools.drawings.objects import objects
 from host_tools.failure import Failure
-from host_tools.resources import BOARDS, ROOT
+from host_tools.resources import ROOT
 from host_tools.site import builder as site
 
 pytestmark = pytest.mark.unmeasured
@@ -38,7 +39,7 @@ def order(jobs):
     """(what site_digests.js takes, {name: golden fields}) of jobs by name: those of test_digest.py."""
     texts = dict(site.texts())
     texts["digest.py"] = DIGEST.read_text(encoding="utf-8")
-    texts |= {f"boards/{path.name}": path.read_text(encoding="utf-8") for path in BOARDS.glob("*.py")}
+    texts |= {f"boards/{name}.py": boards.board_py(name).decode() for name in boards.names()}
     files, arguments, golden = {}, [], {}
     drawn = {line.split()[0]: line.split()[1:] for line in GOLDEN.read_text().splitlines()}
     for name in jobs:
