@@ -29,9 +29,10 @@ COMMANDS = (
 )
 DRAWS = 2  # the command during which the pen moves
 _SECONDS = 20
+_FINISHED_S = 16  # the film begins where all is drawn: what shows no motion, and who looks once, sees what becomes of it
 _TYPING_S, _LINE_S, _DRAWING_S = 0.7, 0.2, 8.0
 _WIDTH, _HEIGHT, _TERMINAL, _MARGIN = 1000, 420, 610, 20
-_COLUMNS, _ROW = 72, 17
+_COLUMNS, _ROW = 64, 21
 _LEAST_MM = 0.5  # a point nearer to the last than this is left out
 
 
@@ -104,9 +105,9 @@ def film(told, strokes):
     return f"""<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" width="{_WIDTH}" height="{_HEIGHT}">
 <!-- made by python -m host_tools.cli.first_minute -->
 <style>
-text{{font:13px ui-monospace,Menlo,Consolas,monospace;fill:#c9d1d9}}
+text{{font:15px ui-monospace,Menlo,Consolas,monospace;fill:#c9d1d9}}
 .typed{{fill:#7ee787;font-weight:bold}}
-text,path{{animation-duration:{_SECONDS}s;animation-iteration-count:infinite;animation-timing-function:linear}}
+text,path{{animation-duration:{_SECONDS}s;animation-iteration-count:infinite;animation-timing-function:linear;animation-delay:-{_FINISHED_S}s}}
 path{{fill:none;stroke-width:9;stroke-dasharray:1;stroke-linecap:round;stroke-linejoin:round}}
 @media (prefers-reduced-motion:reduce){{text,path{{animation:none}}}}
 {begin}

@@ -156,6 +156,13 @@ def test_readme_is_read_in_a_minute():
     assert f"**{address()}**" in text.split("## Get it")[1] and "github.com" not in text
 
 
+def test_the_film_begins_with_what_becomes_of_it():
+    """Who looks once, or prints the page, sees the drawing and all that was said."""
+    text = (ROOT / "docs" / "start" / "first-minute.svg").read_text(encoding="utf-8")
+    seconds, shown_s = (int(re.search(rf"animation-{word}:-?(\d+)s", text)[1]) for word in ("duration", "delay"))
+    assert max(float(percent) for percent in re.findall(r"([\d.]+)%,100%", text)) <= 100 * shown_s / seconds < 90
+
+
 def test_the_film_shows_commands_that_exist():
     from host_tools.cli.first_minute import COMMANDS, FILM
 
