@@ -3,6 +3,7 @@
 import gc
 import importlib.util
 import os
+import signal
 import sys
 import time
 from pathlib import Path
@@ -55,6 +56,8 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     os.environ["LANGUAGE"] = "en"  # what `passo` says is compared
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # a run in the background ignores Ctrl-C, and so would what it starts
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     own_fonts.bring()
     os.environ.setdefault("PASSO_PC_KERNELS", "plain")  # coverage sees kernels as Python; test_compiled.py has them as C
     if "PASSO_BUILDS" not in os.environ:  # a board of the same texts is built once, for all workers
