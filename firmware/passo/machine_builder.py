@@ -32,7 +32,7 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
-_CHECKED = ("motor", "device", "shift", "network")
+_CHECKED = ("device", "shift", "network")
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.arcs")  # fmt: skip
@@ -45,8 +45,6 @@ FEATURES = (
     ("interlock", "InterlockWatch", lambda board: board["interlock"]),
     ("switches", "Switches", lambda board: board["inputs"]),
     ("homing", "Homing", lambda board: board["homing"]),
-    ("gantry", "GantryWatch", lambda board: board["gantry"]),
-    ("encoders", "EncoderWatch", lambda board: board["encoders"]),
     ("drawing", "Drawing", None),
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
     ("independent", "Independent", None),
@@ -75,15 +73,14 @@ def load_all(board):
     for name in list(sys.modules):
         if name[:14] == "passo.options." and name[-9:] == ".manifest":
             forget(name, True)
-    if board["gantry"]:
-        from passo.drives import gantry
+    if board.get("drive_module"):  # an option's
+        __import__(board["drive_module"])
     names = wanted(board, languages(board))
     homing = board["homing"]
     for asked, modules in (
         (True, _OF_ALL),
         ("program" in names, _OF_PROGRAM),
         ("independent" in names, ("motion.independent",)),
-        (board["gantry"] and board["gantry"]["sensor"], ("control.squaring",)),
         (homing and homing["latch"], ("control.quality",)),
         (homing and not board["interlock"], ("ports.limit_watch",)),
         (board["jobs"], ("config.job_store",)),
@@ -163,7 +160,7 @@ def rows(board):
         rule = bool if name in own else rule
         module, kind = own.pop(name, ("passo.control." + name, kind))
         found.append((name, module, kind, rule))
-    return found + [(name, own[name][0], own[name][1], bool) for name in own]
+    return found + [(name, own[name][0], own[name][1], bool) for name in sorted(own)]
 
 
 def load(names, board):
@@ -208,15 +205,11 @@ def make_drive(board):
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
     if kind == "step_dir":
-        gantry = board.get("gantry")
-        motors = names + [gantry["axis"] + "2"] if gantry else names
+        motors = names + [motor["name"] for motor in board.get("more_motors", ())]
         pins = [name + "_step" for name in motors] + [name + "_dir" for name in motors]
         layout = Layout(kind, count, len(pins), pins, (1 << len(motors)) - 1, len(motors))
-        if not gantry:
-            return layout, None, 0
-        from passo.drives.gantry import GantryDrive
-
-        return layout, GantryDrive(count, names.index(gantry["axis"])), 0
+        name = board.get("drive_module")
+        return layout, __import__(name, None, None, ("create",)).create(board) if name else None, 0
     from passo.drives.coils import CoilDrive
 
     if kind == "unipolar":

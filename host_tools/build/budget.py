@@ -2,7 +2,6 @@
 
     budget(check(BOARD))        # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
 """
-from host_tools.build.reference import spi_pins
 
 from host_tools.build.tree import digital
 from host_tools.failure import Failure
@@ -42,7 +41,7 @@ BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 def budget(board):
     """[(name, text)] of a checked board."""
-    claimed = sorted({pin for pin, _ in claimed_pins(board)} | {pin for pin, *_ in spi_pins(board)})
+    claimed = sorted({pin for pin, _ in claimed_pins(board)})
     rows = [(_("pins"), _pins(board, claimed))]
     if board["chip"] in RP2_BLOCKS:
         rows.append(("PIO", _pio(board)))
@@ -131,7 +130,7 @@ def _pins(board, claimed):
 def _pio(board):
     """Of the player in block 0, and the encoders, whose program wants all of block 1."""
     blocks = RP2_BLOCKS[board["chip"]]
-    encoders = len(board["encoders"])
+    encoders = len(board.get("encoders", ()))
     player = 1
     parts = [_("player 1 in block 0")]
     if encoders:

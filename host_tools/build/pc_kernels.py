@@ -39,13 +39,13 @@ from host_tools.resources import FIRMWARE
 CHOICE = "PASSO_PC_KERNELS"  # plain or c
 TAKEN = {
     "passo.drives.coils_viper.apply",
-    "passo.drives.gantry_viper.double",
     "passo.motion.block_viper.plan_block",
     "passo.motion.circle_viper.walk",
     "passo.motion.independent_viper.walk",
     "passo.motion.line_viper.walk",
     "passo.motion.look_ahead_viper.look_back",
     "passo.motion.look_ahead_viper.plan_lines",
+    "passo.options.gantry.drive_viper.double",
     "passo.protocols.gcode.parse_viper.parse",
     "passo.protocols.grbl.lines.keep",
     "passo.protocols.grbl.text_viper.tell",

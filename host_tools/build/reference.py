@@ -17,7 +17,7 @@ DOCS = ROOT / "docs" / "reference"
 BEGIN = "<!-- made by python -m host_tools.build.reference: change the firmware's table, not these lines -->"
 END = "<!-- end -->"
 EXAMPLE = "router_3axis"
-WRITTEN = ("drives", "features", "keep", "motion", "queue", "settings", "stalls")  # by an option's check(), no key of a board file
+WRITTEN = ("drive_module", "drives", "features", "keep", "more_motors", "motion", "parts", "queue", "settings", "stalls")  # by an option's check(), no key of a board file
 
 
 def text(name):
@@ -60,11 +60,11 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import device_keys, motor_keys, shift_keys
+    from passo.config import device_keys, shift_keys
     from passo.config.job_keys import JOBS
 
     own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items() if key not in WRITTEN}
-    rules = {**boardfile._BOARD, **own, **motor_keys.RULES, **device_keys.RULES, "jobs": JOBS}
+    rules = {**boardfile._BOARD, **own, **device_keys.RULES, "jobs": JOBS}
     shift_keys.extend(rules)
     return rules
 
@@ -175,10 +175,10 @@ def _pins(board):
         for pin, coil in zip(axis["pins"], coils):
             yield pin, f"motor {axis['name'].upper()} {coil.upper()}", ""
     yield board["tool"]["pin"], "tool", _active(board["tool"])
-    if board["gantry"]:
+    if board.get("gantry"):
         for pin, coil in zip(board["gantry"]["pins"], coils):
             yield pin, f"motor {board['gantry']['axis'].upper()}2 {coil.upper()}", ""
-    for item in board["encoders"]:
+    for item in board.get("encoders", ()):
         for pin, wire in zip(item["pins"], "AB"):
             yield pin, f"encoder {item['motor'].upper()} {wire}", ", pull-up"
     if board["registers"]:

@@ -62,8 +62,6 @@ COLD = (
     "passo/app.py",
     "passo/control/line_batches.py",
     "passo/control/queue.py",
-    "passo/drives/gantry.py",
-    "passo/drives/gantry_viper.py",
     "passo/motion/circle.py",
     "passo/motion/circle_viper.py",
     "passo/motion/integers.py",
@@ -73,11 +71,14 @@ COLD = (
     "passo/motion/s_curve.py",
     "passo/motion/s_curve_block.py",
     "passo/motion/steady.py",
+    "passo/options/encoders/port.py",
+    "passo/options/encoders/port_rp2.py",
+    "passo/options/encoders/steps_viper.py",
+    "passo/options/gantry/drive.py",
+    "passo/options/gantry/drive_viper.py",
     "passo/ports/chip_port.py",
-    "passo/ports/encoders.py",
     "passo/ports/latch.py",
     "passo/ports/rp2/console.py",
-    "passo/ports/rp2/encoders.py",
     "passo/ports/rp2/flash_code.py",
     "passo/ports/rp2/pio_player.py",
     "passo/ports/usb_line.py",
@@ -85,7 +86,6 @@ COLD = (
     "passo/protocols/grbl/protocol.py",
     "passo/protocols/grbl/text_viper.py",
     "passo/steps/feeder.py",
-    "passo/steps/following_viper.py",
     "passo/steps/position_viper.py",
 )
 # Kernels of these are C in RAM all the same: each call of the feeder, each line or each status report wants them.
@@ -109,7 +109,7 @@ BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
 # Ports that only boards with a key have; spared, as features are, where a network takes the room of the flash.
 OF_KEYS = {
-    "encoders": ("encoders.py", "pin_encoders.py", "rp2/encoders.py"), "interlock": ("interlock.py", "pin_interlock.py"),
+    "interlock": ("interlock.py", "pin_interlock.py"),
     "registers": ("shift_registers.py", "rp2/shift_registers.py"),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them

@@ -52,7 +52,7 @@ class Wiring:
         for name, gpio in self._inputs.items():
             self._drive(gpio, world.input(self.tick, name))
         self._encoders = [
-            (plant.encoders[item["motor"]], Quadrature(pico, item["pins"][0], ENCODER_COUNTS_S)) for item in board["encoders"]
+            (plant.encoders[item["motor"]], Quadrature(pico, item["pins"][0], ENCODER_COUNTS_S)) for item in board.get("encoders", ())
         ]
 
     @property

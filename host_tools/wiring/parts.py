@@ -54,7 +54,7 @@ def pin_of(number, way):
 def motors(board):
     """(name, pins) of all motors, a gantry's second one too."""
     found = [(axis["name"], axis["pins"]) for axis in board["axes"]]
-    gantry = board["gantry"]
+    gantry = board.get("gantry")
     return found + ([(gantry["axis"] + "2", gantry["pins"])] if gantry else [])
 
 
@@ -192,7 +192,7 @@ def _outputs(board):
 
 
 def _encoders(board):
-    for item in board["encoders"]:
+    for item in board.get("encoders", ()):
         terminals = [Terminal(wire, pin) for wire, pin in zip("AB", item["pins"])]
         notes = [_("{} pulses a turn, 3.3 V", item["pulses"])]
         yield Part(f"encoder_{item['motor']}", "encoder", _("{} encoder", item["motor"].upper()), terminals, notes, ("3V3", "GND"))

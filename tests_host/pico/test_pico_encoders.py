@@ -5,12 +5,12 @@ import copy
 import gantry
 import pytest
 import tiers
-from emulated import make_machine, rig, uf2  # noqa: F401
+from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools.emulator.quadrature import Quadrature
 from host_tools.emulator.rig import Rig, router
 
-pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
+pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("encoders")]
 PINS = (11, 13, 16, 18)
 INDEX_PIN = 20
 COUNTS_S = 250_000
@@ -26,6 +26,12 @@ def board(axes=4):
     encoders[0]["index"] = "index"
     inputs = [{"name": "index", "pin": INDEX_PIN, "active": 1, "pull": "down"}]
     return router(axes, encoders=copy.deepcopy(encoders), inputs=inputs)
+
+
+@pytest.fixture(scope="module")
+def rig(uf2):  # noqa: F811
+    """A Rig whose build has encoders."""
+    return Rig(board(), uf2)
 
 
 def counted(rig):

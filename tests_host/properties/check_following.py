@@ -3,7 +3,7 @@
 from array import array
 
 from passo.records import COUNT_MASK
-from passo.steps.following_viper import (
+from passo.options.encoders.steps_viper import (
     FOLLOW_AXIS, FOLLOW_DEN, FOLLOW_ERROR, FOLLOW_FIELDS, FOLLOW_LIMIT, FOLLOW_MOST, FOLLOW_NEGATIVE, FOLLOW_NUM, FOLLOW_OFF,
     FOLLOW_SHIFT, FOLLOW_TOTAL, follow,
 )  # fmt: skip

@@ -2,7 +2,7 @@
 
 from array import array
 
-from passo.drives.gantry import GantryDrive
+from passo.options.gantry.drive import GantryDrive
 from passo.machine_builder import make_drive
 
 CASES = {
@@ -47,7 +47,7 @@ def check_words_become_pins_and_steps_again(axes, axis, motors, words):
 
 
 def check_names_are_in_the_order_of_the_bits():
-    board = {"drive": {"kind": "step_dir"}, "axes": [{"name": "x"}, {"name": "y"}], "gantry": {"axis": "x"}}
+    board = {"drive": {"kind": "step_dir"}, "axes": [{"name": "x"}, {"name": "y"}], "more_motors": [{"name": "x2", "axis": 0}], "drive_module": "passo.options.gantry.drive"}
     assert make_drive(board)[0].pin_names == ["x_step", "y_step", "x2_step", "x_dir", "y_dir", "x2_dir", "tool"]
     drive = GantryDrive(2, 1)
     assert drive.pins(0) == (2, 16) and drive.pins(1) == (4, 32)

@@ -49,11 +49,11 @@ MAY_IMPORT = {
 
 # The layer of an option's file, by the first word of its name.
 OF_OPTIONS = {
-    "manifest": "config", "config": "config", "motion": "motion", "steps": "steps", "control": "control", "port": "ports", "language": "protocols",
+    "manifest": "config", "config": "config", "motion": "motion", "steps": "steps", "control": "control", "drive": "drives", "port": "ports", "language": "protocols",
 }  # fmt: skip
 
-# These load an option's manifest, and its port, by the option's key.
-BY_KEY = ("board_error.py", "chip_port.py")
+# These load an option's manifest, and its part of a port, by the option's key or the name that its manifest writes.
+BY_KEY = ("board_error.py", "chip_port.py", "parts.py")
 
 # Core names no option: these files still do, and the list only shrinks.
 NAMES_OPTIONS = {}

@@ -17,6 +17,7 @@ from host_tools.build.tree import FIRMWARE
 pytestmark = pytest.mark.quick
 
 RP2 = FIRMWARE / "passo" / "ports" / "rp2"
+OPTIONS = FIRMWARE / "passo" / "options"
 CHIPS = "rp2040", "rp2350"
 # Name in chip.py or vectors.py: macros whose sum it is, and the values on either chip.
 DIFFERENT = {
@@ -128,7 +129,7 @@ def test_what_differs(number, monkeypatch):
 
 def test_no_other_address_is_written_out():
     found = set()
-    for path in RP2.glob("*.py"):
+    for path in [*RP2.glob("*.py"), *OPTIONS.glob("*/port_rp2.py")]:
         if path.name not in ("chip.py", "vectors.py"):
             nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
             found |= {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, int)}

@@ -71,7 +71,7 @@ PAGES = ("firmware/passo/protocols/page", "firmware/passo/web", "host_tools/page
 
 # {kind: (folders, files, expression)} of what stands in the source as a text.
 TEXTS = {
-    "$ line": (("firmware/passo/protocols/grbl",), "*.py", r'"(\$[A-Z#$+]*=?)'),
+    "$ line": (("firmware/passo/protocols/grbl", "firmware/passo/options"), "**/*.py", r'"(\$[A-Z#$+]*=?)'),
     "HTTP path": (("firmware/passo/web", "firmware/passo/protocols/torch"), "*.py", r'b?"(/[A-Za-z.]*)"'),
     "panel path": (("host_tools/panel",), "*.py", r'app\.(?:get|post)\("([^"]*)"'),
     "page order": (PAGES, "*.py", r'"([a-z_]+)"(?:: |\] = )self\._[a-z]\w*[,}\n]'),

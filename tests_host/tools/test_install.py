@@ -24,7 +24,7 @@ from host_tools.resources import FIRMWARE, ROOT
 from test_docs import PAGES, shown_commands
 
 pytestmark = pytest.mark.xdist_group("install")
-COPIED = ("LICENSE", "README.md", "boards", "examples", "firmware", "host_tools", "pyproject.toml")
+COPIED = ("LICENSE", "README.md", "boards", "examples", "firmware", "host_tools", "pyproject.toml", "setup.py")
 GCODE = "G21G90\nG1X10F600\nG2X20Y10I10J0\nM2\n"
 SVG = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">'

@@ -40,11 +40,8 @@ def checked(name):
 def expected(board):
     """{pin as `data-pin` has it: names of the parts that it leads to}, by the claims of the firmware's own check."""
     claims = claimed_pins(board) + (shift_keys.claims(board) if board["shift"] else [])
-    spi = board.get("spi_drivers")
-    if spi:
-        claims += [(pin, "drives cs") for pin in {spi["sck"], *(motor["cs"] for motor in spi["motors"])}]
     power = "power" if board["tool"]["pin"] >= REGISTER_BIT else "tool"
-    whole = {"tool": "tool", "spindle's power": power, "input of the registers": "registers", "drives": "drivers", **{name: name for name in ("inverter", "card", "servo")}}
+    whole = {"tool": "tool", "spindle's power": power, "input of the registers": "registers", "drivers": "drivers", "spi_drivers": "drivers", **{name: name for name in ("inverter", "card", "servo")}}
     begun = {"axis ": "motor_", "input of encoder ": "encoder_", "input ": "in_", "output ": "out_", "link ": "link_"}
     found = {}
     for pin, who in claims:

@@ -29,7 +29,9 @@ def check_shape(value, depth=_DEPTH):
 
 
 def own_rules(board, rules):
-    """The manifests of the options that the board file asks for, by their keys. Adds their RULES to `rules`."""
+    """The manifests of the options that the board file asks for, by their keys. Adds their RULES to `rules`.
+
+    A manifest may have prepare(board), called before pins are checked, claims(board): [(pin, who)], and check(board)."""
     own = []
     for key in board:
         if key not in rules and isinstance(key, str) and "." not in key:

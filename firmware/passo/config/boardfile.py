@@ -133,8 +133,6 @@ _BOARD = {
     "tool": _TOOL,
     "inputs": [_INPUT, 0, 24],
     "outputs": [_OUTPUT, 0, 16],
-    "encoders": [{}, 0, 0],  # the rules of these two are in motor_keys.py
-    "gantry": {},
     "homing": _HOMING,
     "interlock": _INTERLOCK,
     "speed": _SPEED,
@@ -152,7 +150,7 @@ _BOARD = {
 _WHOLE = "the board file"
 DEVICES = ("card", "jobs", "journal", "network", "registers", "tool_change")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
-_ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
+_ABSENT = ("homing", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
@@ -165,15 +163,11 @@ def check(board):
     _want_dict(_WHOLE, board)
     board = {key: value for key, value in board.items() if value is not None or key in _BOARD}  # None asks for no option
     rules = dict(_BOARD)
-    more = devices = shift = lines = None
+    devices = shift = lines = None
     if isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
         from passo.config import port_pins
 
         board, lines = port_pins.applied(board)
-    if board.get("encoders") or board.get("gantry"):
-        from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
-
-        rules.update(more.RULES)
     if [key for key in DEVICES if board.get(key)]:
         from passo.config import device_keys as devices
 
@@ -193,11 +187,10 @@ def check(board):
     _check_clock(board)
     if shift is not None:
         shift.check(board)
-    _check_pins(board, shift)
+    _call(own, "prepare", board)
+    _check_pins(board, shift, own)
     _check_order(board)
     _check_homing(board)
-    if more is not None:
-        more.check(board)
     _check_links(board)
     if devices is not None:
         devices.check(board)
@@ -205,8 +198,7 @@ def check(board):
         raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _check_interlock(board)
-    for module in own:
-        module.check(board)
+    _call(own, "check", board)
     modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
     if board["drive"]["mode"] not in modes.split(", "):
         raise BoardError("drive.mode: %r is none of %s, those of %s" % (board["drive"]["mode"], modes, board["drive"]["kind"]))
@@ -214,6 +206,13 @@ def check(board):
     if not speed["min"] <= speed["default"] <= speed["max"]:
         raise BoardError("speed.default: %(default)d is not between %(min)d and %(max)d" % speed)
     return board
+
+
+def _call(manifests, name, board):
+    """Call this function of each manifest that has it."""
+    for module in manifests:
+        if hasattr(module, name):
+            getattr(module, name)(board)
 
 
 def _want_dict(where, data):
@@ -278,40 +277,40 @@ def _check_clock(board):
         raise BoardError("clock_mhz: an %s runs at %s here, not %d" % (chip, " or ".join([str(mhz) for mhz in clocks]), board["clock_mhz"]))
 
 
-def claimed_pins(board):
-    """[(pin, who)] of everything that claims a pin, a serial port's two included."""
+def claimed_pins(board, own=None):
+    """[(pin, who)] of everything that claims a pin, a serial port's two included. `own`: the manifests of its options, if they are
+    loaded."""
     claims = [(pin, "axis %s" % axis["name"]) for axis in board["axes"] for pin in axis["pins"]]
     claims.append((board["tool"]["pin"], "tool"))
     if board["spindle"]["pwm"]:
         claims.append((board["spindle"]["pin"], "spindle's power"))
     for what in ("input", "output"):
         claims += [(item["pin"], "%s %s" % (what, item["name"])) for item in board[what + "s"] if item["pin"] < REGISTER_BIT]
-    if board["gantry"]:
-        claims += [(pin, "axis %s2" % board["gantry"]["axis"]) for pin in board["gantry"]["pins"]]
-    claims += [(pin, "input of encoder %s" % item["motor"]) for item in board["encoders"] for pin in item["pins"]]
+    for module in own_rules(board, {}) if own is None else own:
+        if hasattr(module, "claims"):
+            claims += module.claims(board)
     if board["registers"]:
         for key in ("clock", "latch", "in", "out"):
             claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
         claims += [(item["pin"], "input of the registers' edges of " + item["inputs"]) for item in board["registers"]["edges"]]
-    for device, keys in (("inverter", ("tx", "rx")), ("drives", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs")), ("servo", ("pin",))):
-        for key in keys if board.get(device) else ():
-            claims.append((board[device][key], device + " " + key))
+    if board["card"]:
+        claims += [(board["card"][key], "card " + key) for key in ("sck", "mosi", "miso", "cs")]
     for link in board["links"]:
         if link["port"].startswith("uart"):
             claims += [(link[key], "link %s %s" % (link["name"], key)) for key in ("tx", "rx")]
     return claims
 
 
-def _check_pins(board, shift):
+def _check_pins(board, shift, own):
     kind = board["drive"]["kind"]
-    most = (MOST_BITS - 1) // PINS_OF[kind] - (1 if board["gantry"] else 0)
+    most = (MOST_BITS - 1) // PINS_OF[kind] - len(board.get("more_motors", ()))
     if len(board["axes"]) > most:
         raise BoardError("axes: %d are too many for a %s drive; it moves %d" % (len(board["axes"]), kind, most))
     for axis in board["axes"]:
         if len(axis["pins"]) != PINS_OF[kind]:
             raise BoardError("axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, PINS_OF[kind], len(axis["pins"])))
     owners = {}
-    for pin, who in claimed_pins(board) + (shift.claims(board) if shift is not None else []):
+    for pin, who in claimed_pins(board, own) + (shift.claims(board) if shift is not None else []):
         outside = shift is not None and shift.shifted(pin)
         if not outside and (not isinstance(pin, int) or not 0 <= pin <= 48):
             raise BoardError("%s: %r is no pin number" % (who, pin))

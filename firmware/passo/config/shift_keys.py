@@ -41,10 +41,10 @@ def check(board):
     drive = board["drive"]
     if drive["kind"] != "step_dir":
         raise BoardError("shift: a frame of zeros would drop the coils; drive.kind has to be 'step_dir'")
-    if board["gantry"]:
+    if board.get("gantry"):
         raise BoardError("shift: no gantry; squaring it steps faster than frames follow")
     for key in ("interlock", "encoders"):
-        if board[key]:
+        if board.get(key):
             raise BoardError("shift: no %s yet; frames already on their way would not obey it" % key)
     if board["registers"]:
         raise BoardError("shift: no registers beside it; its own have outputs to spare")

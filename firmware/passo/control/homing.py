@@ -4,7 +4,7 @@
     2 seek      quickly towards the sensors; each axis goes on until its own trips
     3 pull off  away from where it tripped
     4 locate    slowly towards it: this edge counts
-    5 square    of a gantry: the other side alone, until its own sensor trips; see squaring.py
+    5 square    of an axis with two motors: the other side alone, until its own sensor trips; see machine.squaring
     6 pull off  to the origin, a fixed distance from that edge
 
 Each phase has a travel limit; reaching it is an alarm. The edge is where the sensor first moved, not where its
@@ -16,7 +16,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.config import setting_numbers as table
-from passo.control.feature import HOMING, WORK_GONE, Feature
+from passo.control.feature import HOMING, Feature
 from passo.control.sensor import Sensor
 from passo.errors import LATER
 
@@ -24,7 +24,7 @@ _ON_ITS_WAY = const(-1)
 
 
 class Seeker:
-    """An axis on its way to its sensor; a gantry has two sensors, one at each side."""
+    """An axis on its way to its sensor; one with two motors has two sensors, one at each side."""
 
     def __init__(self, axis, position, sensors, away, values, distance):
         self.axis = axis
@@ -54,8 +54,6 @@ class Seeker:
 
 
 class Homing(Feature):
-    heeds = WORK_GONE
-
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]
@@ -68,13 +66,7 @@ class Homing(Feature):
         self._groups = []  # of seekers; those of a group home at once
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
-        self._squaring = self._quality = None
-        gantry = board["gantry"]
-        if gantry and gantry["sensor"]:
-            from passo.control.squaring import Squaring
-
-            self._squaring = Squaring(board, queue, self)
-            self._phases = self._phases[:4] + self._squaring.phases()
+        self._quality = None
         if self._config["latch"]:
             from passo.control.quality import Quality
 
@@ -82,10 +74,6 @@ class Homing(Feature):
 
     def handlers(self):
         return {commands.HOME: self._home}
-
-    def heed(self, what):
-        if self._squaring:
-            self._squaring.both()
 
     def report(self, report):
         machine = self._machine
@@ -144,8 +132,8 @@ class Homing(Feature):
         """Every axis asked for stands at its origin."""
         machine = self._machine
         homed = machine.command.value
-        if self._squaring:
-            self._squaring.both()
+        if machine.squaring:
+            machine.squaring.both()
         again = self._quality and self._quality.again(self._groups)
         self._queue.set_origin(homed or -1)
         if again:
@@ -159,8 +147,9 @@ class Homing(Feature):
 
     def _sensors(self, number):
         names = [self._config["sensors"][self._axes[number]["name"]]]
-        if self._squaring and self._squaring.axis == number:
-            names.append(self._squaring.sensor)
+        squaring = self._machine.squaring
+        if squaring and squaring.axis == number:
+            names.append(squaring.sensor)
         return [self._sensor(name, number) for name in names]
 
     def _sensor(self, name, axis, kind=Sensor):
@@ -169,6 +158,9 @@ class Homing(Feature):
 
     def _begin(self, now_ms):
         """Begin, with the settings as they are now."""
+        squaring = self._machine.squaring
+        if squaring:
+            self._phases = self._phases[:4] + squaring.phases(self)
         names = [axis["name"] for axis in self._axes]
         order = self._config["order"] or [name for name in names if name in self._config["sensors"]]
         mask = self._machine.command.value or self._all

@@ -32,7 +32,9 @@ class MachineState:
         self.inputs = Inputs(board, settings, port)
         self.log = Log()
         self.interlock = getattr(port, "interlock", None)  # of the port, if the board file has one
-        self.encoders = getattr(port, "encoders", None)
+        self.queries = {}  # of features, by a line that asks: a function that says the answer
+        self.orders = {}  # likewise, by a line: the kind of its command
+        self.squaring = None  # what has both sides of an axis home, if an option does
         self.about = ""  # what the port says of itself, for who asks
         self.awake = True  # something is under way or new: features are polled
         self.homed = False  # each axis with a sensor has been, since the position was lost

@@ -10,6 +10,7 @@ import micropython
 from machine import PWM, WDT, Pin, idle
 from micropython import const
 
+from passo.ports import parts
 from passo.ports.uart_line import UartLine
 from passo.records import COUNT_MASK, REGISTER_BIT, TICKS_PER_MS
 
@@ -72,7 +73,7 @@ class ChipPort:
         self._shown = 0  # power
         self._laser = None  # the player, where it sees to the power of the words it plays
         self._player = self._feeder = self._timer = self._watchdog = None
-        self._follows = False  # registers or encoders want to be looked at in each call of the feeder
+        self._looks = ()  # functions that each call of the feeder calls: of what follows the steps, and has no interrupt of its own
         self._aside = FEED_NOW
         self._behind = False  # the interrupt has left out a call while the main loop made words
         self._left_out = False  # the call that was to come later has been left out
@@ -98,7 +99,10 @@ class ChipPort:
             if self.registers is not None:
                 self._watch = shifted.RegisterWatch(self.interlock, self.registers)
                 self._watch.watch(self, board["registers"]["edges"], board["inputs"])
-        self.encoders = None  # a chip's Port makes it, if the board file has any
+        self._parts = []  # of options: each has join(feeder, player) and close(), and may have check(), for each call of the feeder
+        for name, module in parts.load(board):
+            self._parts.append(module.create(board, self, self._inputs, self._outputs))
+            setattr(self, name, self._parts[-1])
 
     # --- what the contract of ports asks for
 
@@ -262,30 +266,34 @@ class ChipPort:
         for item in self._halting:
             if item.pin is not None:
                 item.pin.irq(None)
-        for part in [self.interlock, self.encoders] + self._lines:
-            if part is not None:
-                part.close()
+        if self.interlock is not None:
+            self.interlock.close()
+        for part in self._parts + self._lines:
+            part.close()
         if self.registers is not None:
             self.registers.exchange()
 
     # --- interrupts
 
     def _join(self, feeder, player):
-        """What follows the steps gets them: the registers, the interlock, encoders."""
+        """What follows the steps gets them: the registers, the interlock, parts of options."""
         self._feeder = feeder
-        self._follows = self.registers is not None or self.encoders is not None
         if self.registers is not None:
             self.registers.show_tool(self._tool)
-        for part in (self.interlock, self.encoders):
-            if part is not None:
-                part.join(feeder, player)
+            self._looks = (self._exchange,)
+        if self.interlock is not None:
+            self.interlock.join(feeder, player)
+        for part in self._parts:
+            part.join(feeder, player)
+        self._looks += tuple([part.check for part in self._parts if hasattr(part, "check")])
 
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation
         """A call of the feeder; `timer`: self where the main loop makes up for one."""
         feeder = self._feeder
-        if self._follows and timer is not self:
-            self._follow()
+        if timer is not self:
+            for look in self._looks:
+                look()
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:
             feeder.brake = True
         aside = self._aside
@@ -314,14 +322,10 @@ class ChipPort:
             if self._trip is not None:
                 self.power(0)  # a halting input came in between
 
-    def _follow(self):  # ISR: no allocation
-        """What keeps pace with the steps, and has no interrupt of its own."""
-        if self.registers is not None:
-            self.registers.exchange()
-            if self._watch is not None:
-                self._watch.look()
-        if self.encoders is not None:
-            self.encoders.check()
+    def _exchange(self):  # ISR: no allocation
+        self.registers.exchange()
+        if self._watch is not None:
+            self._watch.look()
 
     def _set_out(self, played):  # ISR: no allocation
         """From a standstill, or a call behind, the first words go out before the others are made: these are handed over in
@@ -351,5 +355,5 @@ class ChipPort:
             self.power(0)
         if self.registers is not None:
             self.registers.exchange()  # the tool may show there
-        if self.interlock is not None and item is not None and item is not self.interlock and item is not self.encoders:
+        if self.interlock is not None and item in self._halting:
             self.interlock.halted(item)

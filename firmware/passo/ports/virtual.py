@@ -34,6 +34,7 @@ try:
 except ImportError:  # MicroPython's clock is monotonic only as far as the system's is
     from time import time_ns as wall_ns
 
+from passo.ports import parts
 from passo.ports.virtual_player import Player
 from passo.records import COUNT_MASK, JOURNAL_BYTES, TICKS_PER_MS
 from passo.steps.position import Latch
@@ -89,11 +90,10 @@ class VirtualPort:
             self.keep_box = lambda why, numbers, text, feed=None: self.boxes.append((why, bytes(numbers), bytes(text)))
         self._listen = getattr(world, "listen", None)
         self._watches = {}
-        self.encoders = None
-        if board.get("encoders"):
-            from passo.ports.virtual_inputs import VirtualEncoders
-
-            self.encoders = VirtualEncoders(board, self, world)
+        self._parts = []
+        for name, module in parts.load(board, "port_virtual"):
+            self._parts.append(module.create(board, self, world))
+            setattr(self, name, self._parts[-1])
         if mode == "stepped":
             self.link_ms = self.machine_ms
         self._anchor()
@@ -109,7 +109,7 @@ class VirtualPort:
 
     def feed_from_interrupt(self, feeder, player):
         """There are no interrupts here: the main loop fills the ring itself."""
-        for part in (self.interlock, self._limits, self.encoders):
+        for part in [self.interlock, self._limits] + self._parts:
             if part is not None:
                 part.join(feeder, player)
         return False
@@ -204,19 +204,18 @@ class VirtualPort:
     def advance(self, ticks):
         """Let `ticks` of virtual time pass: words play and the world's events happen, in the order of their ticks."""
         world = self.world
-        encoders = self.encoders
         end = self.now + ticks
         while self.now < end:
             event = world.next_event()
             until = end if event is None or event > end else max(event, self.now)
-            if encoders is not None:
-                until = min(until, encoders.due)
+            for part in self._parts:
+                until = min(until, part.due)
             if self._player is not None:
                 self._player.run(until)
             self.now = until
             world.run(until)
-            if encoders is not None:
-                encoders.run(until)
+            for part in self._parts:
+                part.run(until)
 
     def _anchor(self):
         self._anchor_ns = wall_ns()

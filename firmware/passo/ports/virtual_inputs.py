@@ -5,14 +5,11 @@ what a chip's interrupt takes on top of that is not modelled, but that no pulse 
 the first edge behind that time that leaves no pulse up.
 """
 
-from passo.ports.encoders import Encoders
 from passo.ports.interlock import Interlock
-from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.steps.permits import INTERLOCK_OUTPUTS
 from passo.steps.position import Latch
 
 TICKS_PER_US = 12.5
-CHECK_TICKS = 3 * TICKS_PER_MS  # between two checks of encoders, as on an RP2040
 
 
 class VirtualInputs:
@@ -192,30 +189,3 @@ class VirtualInterlock(Interlock, VirtualInputs):
             if mask & bit:
                 self._world.output(tick, name, off ^ on)
             bit <<= 1
-
-
-class VirtualEncoders(Encoders):
-    """The world counts: encoder(number) for each entry of the board file's `encoders`, in their order."""
-
-    def __init__(self, board, port, world):
-        Encoders.__init__(self, board, port)
-        self._encoder = world.encoder
-        self.due = CHECK_TICKS  # tick of the next check
-        levels = {item["name"]: item["active"] for item in board["inputs"]}
-        for number in range(len(board["encoders"])):
-            name = board["encoders"][number]["index"]
-            if name:
-                self._watch(world, self.index(number, name), levels[name])
-
-    def _watch(self, world, index, active):
-        world.listen(lambda tick, name, level: name == index.name and level == active and index.edge(None))
-
-    def read(self, counts):
-        for number in range(len(counts)):
-            counts[number] = self._encoder(number) & COUNT_MASK
-
-    def run(self, tick):
-        """Check, if it is time."""
-        if tick >= self.due:
-            self.due = tick + CHECK_TICKS
-            self.check()

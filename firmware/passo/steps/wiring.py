@@ -6,11 +6,11 @@ COIL_WORD_TICKS = us_to_ticks(4)  # the shortest word without a pulse: what a re
 
 
 def word_pins(board):
-    """Pin numbers in the order of a word's bits, the tool last. STEP/DIR: all STEPs, then all DIRs, a gantry's second motor behind
-    the axes."""
+    """Pin numbers in the order of a word's bits, the tool last. STEP/DIR: all STEPs, then all DIRs, a second motor of an axis
+    behind the axes."""
     axes = board["axes"]
     if board["drive"]["kind"] == "step_dir":
-        motors = axes + ([board["gantry"]] if board.get("gantry") else [])
+        motors = axes + board.get("more_motors", [])
         pins = [motor["pins"][0] for motor in motors] + [motor["pins"][1] for motor in motors]
     else:
         pins = [pin for axis in axes for pin in axis["pins"]]
@@ -38,12 +38,11 @@ def inverted_pins(board, layout):
                 mask ^= 1 << axis
             if axes[axis].get("reversed", False):
                 mask |= 1 << (layout.motors + axis)
-        if layout.motors > layout.axes:
-            gantry = board["gantry"]  # of its second motor $2 turns the pulses round as of the first, $3 the directions
-            axis = axes[[each["name"] for each in axes].index(gantry["axis"])]
+        for motor in board.get("more_motors", ()):
+            axis = axes[motor["axis"]]  # of whose second motor $2 turns the pulses round as of the first, $3 the directions
             if axis.get("step_inverted", False):
                 mask ^= 1 << layout.axes
-            if axis.get("reversed", False) != gantry["opposite"]:
+            if axis.get("reversed", False) != motor["opposite"]:
                 mask ^= 1 << (layout.motors + layout.axes)
         mask ^= _of_lines(board, "inverted")
     return mask

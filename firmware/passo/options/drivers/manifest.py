@@ -2,8 +2,7 @@
 file has one of them."""
 
 from passo.config.board_error import BoardError
-from passo.config.boardfile import claimed_pins
-from passo.config.chip_pins import PIN, check_link, check_pin
+from passo.config.chip_pins import PIN, check_link
 from passo.options.drivers.config import scale
 
 _DRIVER = {
@@ -31,12 +30,12 @@ RULES = {
 }
 
 
+def claims(board):
+    return [(board["drivers"][key], "drivers " + key) for key in ("tx", "rx")]
+
+
 def check(board):
     config = board["drivers"]
-    owners = dict(claimed_pins(board))
-    for key in ("tx", "rx"):
-        if config[key] in owners:
-            raise BoardError("pin %d is claimed by %s and by %s" % (config[key], owners[config[key]], "drivers " + key))
     want_step_dir(board)
     taken = [(link["port"], "link " + link["name"]) for link in board["links"]]
     if board.get("inverter"):
@@ -45,8 +44,6 @@ def check(board):
         if port == config["port"]:
             raise BoardError("drivers: %s belongs to %s; take another" % (port, who))
     check_link(board["chip"], dict(config, name="drivers"))
-    check_pin(board["chip"], config["tx"], "drivers tx", True)
-    check_pin(board["chip"], config["rx"], "drivers rx", False)
     check_motors(board, "drivers", ("axis", "address"), lambda current_ma: scale(current_ma, config["sense_mohm"]))
     feel = [motor for motor in config["motors"] if motor["stall"]]
     if feel:
@@ -91,7 +88,7 @@ def check_stalls(board, feel, key):
         where = "%s.motors, %s: stall" % (key, axis)
         if not homing or axis not in homing["sensors"]:
             raise BoardError("%s: homing.sensors must name the input that its DIAG pin goes to" % where)
-        if board["interlock"] or board["gantry"] and board["gantry"]["axis"] == axis:
+        if board["interlock"] or axis in [motor["name"][0] for motor in board.get("more_motors", ())]:
             raise BoardError("%s: not with an interlock, and not of a gantry" % where)
         for group in homing["order"].split() if " " in homing["order"] else ():
             if axis in group and len(group) > 1:

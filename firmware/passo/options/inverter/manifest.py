@@ -22,6 +22,10 @@ RULES = {
 }
 
 
+def claims(board):
+    return [(board["inverter"][key], "inverter " + key) for key in ("tx", "rx")]
+
+
 def check(board):
     config = board["inverter"]
     check_link(board["chip"], dict(config, name="inverter"))

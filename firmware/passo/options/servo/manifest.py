@@ -16,6 +16,10 @@ RULES = {
 }
 
 
+def claims(board):
+    return [(board["servo"]["pin"], "servo pin")]
+
+
 def check(board):
     config = board["servo"]
     for way, wait in (("down_ms", "on_ms"), ("up_ms", "off_ms")):

@@ -1,8 +1,7 @@
 """The key `spi_drivers`: TMC2130 or TMC5160 drivers that are set up over SPI. Only loaded if the board file has it."""
 
 from passo.config.board_error import BoardError
-from passo.config.boardfile import claimed_pins
-from passo.config.chip_pins import PIN, check_pin
+from passo.config.chip_pins import PIN
 from passo.options.drivers.manifest import check_motors, check_stalls, want_step_dir
 from passo.options.spi_drivers.config import scale
 
@@ -33,22 +32,17 @@ RULES = {
 }
 
 
+def claims(board):
+    config = board["spi_drivers"]
+    pins = [(config[key], "spi_drivers " + key) for key in ("sck", "tx", "rx")]
+    return pins + [(pin, "spi_drivers cs") for pin in sorted({motor["cs"] for motor in config["motors"]})]
+
+
 def check(board):
     config = board["spi_drivers"]
     if board.get("drivers") or board.get("drives"):
         raise BoardError("spi_drivers: not beside drivers, which are on a UART")
     want_step_dir(board)
-    claims = [("spi_drivers " + key, config[key]) for key in ("sck", "tx", "rx")]
-    for motor in config["motors"]:
-        claim = "spi_drivers cs", motor["cs"]
-        if claim not in claims:
-            claims.append(claim)
-    owners = dict(claimed_pins(board))
-    for who, pin in claims:
-        check_pin(board["chip"], pin, who, who != "spi_drivers rx")
-        if pin in owners:
-            raise BoardError("pin %d is claimed by %s and by %s" % (pin, owners[pin], who))
-        owners[pin] = who
     check_motors(board, "spi_drivers", ("axis",), lambda current_ma: scale(current_ma, config))
     feel = [motor for motor in config["motors"] if motor["stall"] != NO_STALL]
     if feel:

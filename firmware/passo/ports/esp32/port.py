@@ -49,10 +49,6 @@ class Port(ChipPort):
             pin = i2s_player.ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"])
             self._shift_pins.append(pin)
             self._outputs[entry["name"]] = pin, entry["active"]
-        if board["encoders"]:
-            from passo.ports.pin_encoders import PinEncoders
-
-            self.encoders = PinEncoders(board, self, self._inputs)
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""

@@ -13,6 +13,7 @@ import micropython
 from machine import Pin, Timer, mem32
 from micropython import const
 
+from passo.ports import parts
 from passo.ports.chip_port import FEED_NOW, FEED_LATER, ChipPort
 from passo.ports.rp2 import chip
 from passo.ports.rp2.fields import LEAD_TICKS
@@ -42,8 +43,7 @@ def load(board):
         from passo.ports import pin_interlock  # noqa: F401
     if board["registers"]:
         from passo.ports.rp2 import shift_registers  # noqa: F401
-    if board["encoders"]:
-        from passo.ports.rp2 import encoders  # noqa: F401
+    parts.load(board)
     if "usb" in [link["port"] for link in board["links"]]:
         from passo.ports.rp2 import console  # noqa: F401
         from passo.ports import usb_line  # noqa: F401
@@ -88,10 +88,6 @@ class Port(ChipPort):
             from passo.ports.rp2.pages import Pages
 
             self.pages = Pages()
-        if board["encoders"]:
-            from passo.ports.rp2.encoders import PioEncoders
-
-            self.encoders = PioEncoders(board, self, self._inputs)
 
     @micropython.viper
     def levels(self) -> int:

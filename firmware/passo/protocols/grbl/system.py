@@ -62,10 +62,8 @@ class System:
             return answer(grbl_report.modes(self._gcode, self.inches()))
         if line == "$LOG":
             return told(grbl_report.log(self._machine.log))
-        encoders = self._machine.encoders
-        if line == "$ENC" and encoders is not None:  # motor, counts, steps turned beyond those stepped, the largest such error so far
-            told_of = [(name, encoders.count(of), encoders.steps(of), encoders.most(of)) for of, name in enumerate(encoders.names)]
-            return answer("".join(["[ENC:%s,%d,%d,%d]\r\n" % values for values in told_of]))
+        if line in self._machine.queries:
+            return answer(self._machine.queries[line]())
         if line == "$MASKS":
             # What the board file says of the settings that are masks, by which old ones are converted.
             return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
@@ -81,8 +79,8 @@ class System:
             return [Command(commands.CONNECT, value=int(line[8]))]
         if line[:7] == "$WEAVE=":
             return self._weave(line[7:])
-        if line == "$ENC=0" and encoders is not None:
-            return [Command(commands.ZERO_COUNTS)]
+        if line in self._machine.orders:
+            return [Command(self._machine.orders[line])]
         if line[1:2] == "F" and commands.JOB in self._machine.handlers:
             from passo.protocols.jobs import files  # loaded at the start, by check()
 

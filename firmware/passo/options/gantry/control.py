@@ -18,8 +18,9 @@ These single steps are no words: the position does not change by them. Without e
 from micropython import const
 
 from passo import commands, errors
-from passo.control.feature import Feature
+from passo.control.feature import WORK_GONE, Feature
 from passo.control.motors import RELEASED
+from passo.options.gantry.control_squaring import Squaring
 from passo.records import COUNT_MASK
 
 _SQUARINGS = const(4)  # at one stand
@@ -30,17 +31,19 @@ _FALL = const(3)  # and falls
 
 
 class GantryWatch(Feature):
+    heeds = WORK_GONE
+
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._feeder, self._player = queue.lend()
-        self._encoders = machine.encoders
+        self._encoders = getattr(machine.port, "encoders", None)  # of the port, if the board file has any
         section = board["gantry"]
         self._axis = [axis["name"] for axis in board["axes"]].index(section["axis"])
         self._motors = section["axis"], section["axis"] + "2"
-        self._pair = () if machine.encoders is None else machine.encoders.gantry
+        self._pair = self._encoders.gantry if self._encoders else ()
         self._wait_steps = section["wait_steps"]
         self._limit_steps = section["limit_steps"]
-        self._settle_ms = max([item["settle_ms"] for item in board["encoders"]] + [_LEAST_MS])
+        self._settle_ms = max([item["settle_ms"] for item in board.get("encoders", ())] + [_LEAST_MS])
         self._waiting = False  # the move stands, or is coming to its stand, for the lag
         self._phase = 0  # of the step under way
         self._motor = self._forward = self._left = 0
@@ -48,6 +51,12 @@ class GantryWatch(Feature):
         self._taken = 0  # lag that has been taken away since homing, steps, signed
         self._stood_ms = 0
         self._checks = 0
+
+        self._squaring = machine.squaring = Squaring(board, queue) if section["sensor"] else None
+
+    def heed(self, what):
+        if self._squaring:
+            self._squaring.both()
 
     def ready(self):
         return not self._phase

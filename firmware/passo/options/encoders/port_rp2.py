@@ -14,7 +14,7 @@ import rp2
 from machine import Pin, freq
 from micropython import const
 
-from passo.ports.encoders import Encoders
+from passo.options.encoders.port import Encoders
 from passo.ports.rp2.registers import BLOCK_FLEVEL
 from passo.records import COUNT_MASK
 
@@ -92,6 +92,10 @@ class PioEncoders(Encoders):
     def close(self):
         for machine in self._machines:
             machine.active(0)
+
+
+def create(board, port, inputs, outputs):
+    return PioEncoders(board, port, inputs)
 
 
 @micropython.viper

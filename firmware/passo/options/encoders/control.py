@@ -3,7 +3,7 @@
     [{"motor": "x", "pins": [14, 15], "pulses": 500, "steps": 400, "limit_steps": 8, "correct": True}]
 
 The port compares counts and steps every 3 ms, and halts the player if a motor is further off than its limit_steps
-(ports/encoders.py); that is alarm 230, and the log says how many steps are missing and where. It cannot tell whether the motor has
+(port.py); that is alarm 230, and the log says how many steps are missing and where. It cannot tell whether the motor has
 lost steps or the encoder counts: after this alarm the machine has to be homed. How many are missing is exact once the
 motor has settled, settle_ms behind the last step:
 
@@ -20,6 +20,7 @@ from passo import commands, errors
 from passo.control.feature import Feature
 from passo.control.motors import RELEASED
 from passo.config import setting_numbers as table
+from passo.options.encoders.language_grbl import text
 from passo.records import COUNT_MASK
 
 _TRIES = const(3)
@@ -28,15 +29,17 @@ _TRIES = const(3)
 class EncoderWatch(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
-        self._encoders = machine.encoders
+        self._encoders = machine.port.encoders
+        machine.queries["$ENC"] = lambda: text(self._encoders)
+        machine.orders["$ENC=0"] = commands.ZERO_COUNTS
         self._axes = [axis["name"] for axis in board["axes"]]
         self._correct = [item["correct"] for item in board["encoders"]]
         self._limits = [item["limit_steps"] for item in board["encoders"]]
         self._made_up = [0] * len(self._correct)  # steps of each motor since its axis homed, signed
-        self._first, self._second = machine.encoders.gantry or (-1, -1)
+        self._first, self._second = self._encoders.gantry or (-1, -1)
         self._settle_ms = max([item["settle_ms"] for item in board["encoders"]])
         homing = board["homing"]
-        self._all = not [name for name in (homing["sensors"] if homing else self._axes) if name not in machine.encoders.names]
+        self._all = not [name for name in (homing["sensors"] if homing else self._axes) if name not in self._encoders.names]
         self._still_ms = 0  # since when it stands
         self._checks = 0  # of the encoders as it came to stand, or as an error was last accounted for
         self._settled = False
@@ -67,7 +70,7 @@ class EncoderWatch(Feature):
         self._move()
 
     def stopped(self, name):
-        if name != self._encoders.name:
+        if name != self._encoders.name or self._encoders.lagging:  # a gantry sees to that
             return False
         beyond = self._encoders.beyond
         self._alarm([number for number in range(len(self._correct)) if beyond >> number & 1])

@@ -7,7 +7,7 @@ two of them counts nothing.
 import micropython
 from machine import Pin
 
-from passo.ports.encoders import Encoders
+from passo.options.encoders.port import Encoders
 from passo.records import COUNT_MASK
 
 # By the pins before and now, B A each: 0 none, or one was missed; 1 up, 2 down.
@@ -51,3 +51,7 @@ class PinEncoders(Encoders):
     def close(self):
         for each in self._each:
             each.close()
+
+
+def create(board, port, inputs, outputs):
+    return PinEncoders(board, port, inputs)

@@ -12,7 +12,7 @@ from passo import errors
 
 
 class Squaring:
-    def __init__(self, board, queue, homing):
+    def __init__(self, board, queue):
         gantry = board["gantry"]
         self.axis = [axis["name"] for axis in board["axes"]].index(gantry["axis"])
         self.sensor = gantry["sensor"]
@@ -20,11 +20,12 @@ class Squaring:
         self._rack_steps = gantry["rack_steps"]
         self._drive = queue.lend()[0].drive
         self._queue = queue
-        self._homing = homing
+        self._homing = None
         self._rest = self._alone = 0  # steps that one side has to go alone, and which
         self._stood = 0  # where the first side to trip stands
 
-    def phases(self):
+    def phases(self, homing):
+        self._homing = homing
         return self._other, self._together, self._square
 
     def both(self):

@@ -6,7 +6,7 @@
 
 import micropython
 
-from passo.drives.gantry_viper import double, tally
+from passo.options.gantry.drive_viper import double, tally
 
 
 class GantryDrive:
@@ -45,3 +45,7 @@ class GantryDrive:
 
     def seek(self, position):
         """Nothing: these motors have no phase here."""
+
+
+def create(board):
+    return GantryDrive(len(board["axes"]), board["more_motors"][0]["axis"])

@@ -18,7 +18,7 @@ from array import array
 import micropython
 
 from passo.records import COUNT_MASK
-from passo.steps.following_viper import (
+from passo.options.encoders.steps_viper import (
     FOLLOW_AXIS, FOLLOW_DEN, FOLLOW_ERROR, FOLLOW_FIELDS, FOLLOW_LIMIT, FOLLOW_MOST, FOLLOW_NEGATIVE, FOLLOW_NUM, FOLLOW_OFF,
     FOLLOW_SHIFT, FOLLOW_TOTAL, Follower, follow,
 )  # fmt: skip
@@ -63,7 +63,7 @@ class Index:
 
 
 class Encoders:
-    """Has no pins: see rp2/encoders.py, pin_encoders.py and virtual_inputs.py."""
+    """Has no pins: see port_rp2.py, port_pins.py and port_virtual.py."""
 
     name = "encoders"  # as what has stopped the player
 
@@ -90,7 +90,7 @@ class Encoders:
         self._zeros = array("i", [0] * len(entries))  # totals that are shown as 0
         self._first = self._second = self._lag = 0  # of a gantry's motors: where in the table they are, and the largest lag
         self.gantry = ()  # the numbers of both its encoders, if it has them
-        gantry = board["gantry"]
+        gantry = board.get("gantry")
         if gantry and gantry["axis"] in self.names and gantry["axis"] + "2" in self.names:
             self.gantry = self.names.index(gantry["axis"]), self.names.index(gantry["axis"] + "2")
             self._first, self._second = [number * FOLLOW_FIELDS for number in self.gantry]

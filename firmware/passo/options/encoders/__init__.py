@@ -1,0 +1,1 @@
+"""Encoders count what the motors turn."""

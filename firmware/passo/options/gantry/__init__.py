@@ -1,0 +1,1 @@
+"""An axis with a motor at each side."""

@@ -1,0 +1,13 @@
+"""What options add to a port: their manifests write the names of the modules into board["parts"]."""
+
+
+def load(board, file=None):
+    """[(name, module)] of the parts, whose modules have create(). `file`: the name of the option's file to take instead."""
+    found = []
+    parts = board.get("parts") or {}
+    for name in sorted(parts):
+        module = parts[name]
+        if file:
+            module = module.rpartition(".")[0] + "." + file
+        found.append((name, __import__(module, None, None, ("create",))))
+    return found
