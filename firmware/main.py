@@ -96,7 +96,8 @@ def main():
     try:
         board = checked(BOARD)
         BOARD = None
-        for name in ("board", "passo.config.boardfile", "passo.config.chip_pins", "passo.config.interlock_table"):
+        manifests = [name for name in sys.modules if name[:14] == "passo.options." and ".manifest" in name]
+        for name in ["board", "passo.config.boardfile", "passo.config.chip_pins"] + manifests:
             forget(name, True)
         start.keep(board)
         from passo.app import App

@@ -92,7 +92,7 @@ class App:
         forget("passo.config.setting_numbers")
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
-        inverted = bool(settings.turned(ENABLE_INVERT)) and not board["interlock"]  # which knows the board file's only
+        inverted = bool(settings.turned(ENABLE_INVERT)) and getattr(port, "veto", None) is None  # which knows the board file's only
         coils = None if self.layout.kind == "step_dir" else self._drive
         self._motors = Motors(port, self.player, self.layout, coils, off_levels, board, inverted)
         queue = self._make_queue(machine_builder, settings, "program" in names)

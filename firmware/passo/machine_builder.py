@@ -3,8 +3,6 @@
 A board forgets this module when that is done: it has better uses for the memory.
 """
 
-import sys
-
 from passo.commands import INPUTS
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
@@ -42,7 +40,6 @@ _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp",
 # asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is neither
 # loaded nor, but for those with a rule, in the build.
 FEATURES = (
-    ("interlock", "InterlockWatch", lambda board: board["interlock"]),
     ("switches", "Switches", lambda board: board["inputs"]),
     ("homing", "Homing", lambda board: board["homing"]),
     ("drawing", "Drawing", None),
@@ -70,9 +67,6 @@ def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
     for key in _CHECKED:
         forget("passo.config.%s_keys" % key, True)
-    for name in list(sys.modules):
-        if name[:14] == "passo.options." and name[-9:] == ".manifest":
-            forget(name, True)
     if board.get("drive_module"):  # an option's
         __import__(board["drive_module"])
     names = wanted(board, languages(board))
@@ -82,7 +76,7 @@ def load_all(board):
         ("program" in names, _OF_PROGRAM),
         ("independent" in names, ("motion.independent",)),
         (homing and homing["latch"], ("control.quality",)),
-        (homing and not board["interlock"], ("ports.limit_watch",)),
+        (homing and "veto" not in board.get("parts", ()), ("ports.limit_watch",)),
         (board["jobs"], ("config.job_store",)),
     ):
         for module in modules if asked else ():

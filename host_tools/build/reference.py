@@ -17,7 +17,7 @@ DOCS = ROOT / "docs" / "reference"
 BEGIN = "<!-- made by python -m host_tools.build.reference: change the firmware's table, not these lines -->"
 END = "<!-- end -->"
 EXAMPLE = "router_3axis"
-WRITTEN = ("drive_module", "drives", "features", "keep", "more_motors", "motion", "parts", "queue", "settings", "stalls")  # by an option's check(), no key of a board file
+WRITTEN = ("drive_module", "drives", "features", "keep", "limits", "masks", "more_motors", "motion", "parts", "queue", "settings", "stalls")  # by an option's check(), no key of a board file
 
 
 def text(name):

@@ -109,7 +109,6 @@ BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
 # Ports that only boards with a key have; spared, as features are, where a network takes the room of the flash.
 OF_KEYS = {
-    "interlock": ("interlock.py", "pin_interlock.py"),
     "registers": ("shift_registers.py", "rp2/shift_registers.py"),
 }  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them

@@ -21,24 +21,24 @@ class Table:
     """
 
     def __init__(self, board):
-        from passo.config import interlock_table
+        from passo.options.interlock import manifest_table
         from passo.config.boardfile import check
 
         section = board.get("interlock")
         if not section:
             raise Failure("board {} has no interlock", board.get("name"))
         self.board = check(board)
-        self.bits = interlock_table.gates(self.board)
+        self.bits = manifest_table.gates(self.board)
         self.inputs = [item["name"] for item in self.board["inputs"]]
         self.signals = section.get("signals", {})
         texts = dict(section.get("rows", {}))
-        self.rows = {name: Row(name, interlock_table.parse(text, name)) for name, text in texts.items()}
+        self.rows = {name: Row(name, manifest_table.parse(text, name)) for name, text in texts.items()}
         self.limits = section.get("limits", {})
-        self.masks = self.board["interlock"]["masks"]
+        self.masks = self.board["masks"]
 
     def gated(self):
         """{name: Row} of what the firmware gates: over the inputs alone, as its masks have it."""
-        from passo.steps.permits import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
+        from passo.options.interlock.steps_viper import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
 
         found = {}
         table = self.masks["table"]

@@ -173,7 +173,7 @@ class Plant:
         section = self._board.get("interlock")
         if not section:
             return
-        masks = section["masks"]
+        masks = self._board["masks"]
         for number, item in enumerate(self._board["inputs"]):
             if masks["fall"] >> number & 1 and not masks["rise"] >> number & 1:
                 self._levels[item["name"]] = item["active"]

@@ -138,7 +138,7 @@ def _inputs(board):
 def _input(board, item):
     name = item["name"]
     homed = {sensor: axis for axis, sensor in (board["homing"] or {"sensors": {}})["sensors"].items()}
-    ends = {sensor: end for end, sensor in (board["interlock"] or {"limits": {}})["limits"].items()}
+    ends = {sensor: end for end, sensor in board.get("limits", {}).items()}
     if item["halt"]:
         return "stop", _("2nd contact of E-STOP")
     if name.startswith("barrier"):

@@ -25,7 +25,7 @@ TABLE = {
 }
 DELTAS = (3000, 2333, -1875)
 SAID = """
-print([port.interlock.glitches[n] for n in range(4)], controller.machine.alarm, controller.machine.log.entries)
+print([port.veto.glitches[n] for n in range(4)], controller.machine.alarm, controller.machine.log.entries)
 """
 
 
@@ -137,7 +137,7 @@ def test_bursts_of_many_spikes_stop_nothing(guarded, steps_s, show):
 
 LOCKED = """
 import micropython
-interlock = port.interlock
+interlock = port.veto
 watch = interlock.items[0]
 def locked():
     micropython.heap_lock()

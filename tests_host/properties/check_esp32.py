@@ -295,7 +295,7 @@ def check_an_interlock():
         data["inputs"].append({"name": "stop", "pin": 13, "active": 0, "pull": "up", "filter_us": 100})
         data["interlock"] = {"limits": {"x+": "stop"}}
         board = Board(data, Switched())
-        interlock = board.port.interlock
+        interlock = board.port.veto
         pin = fake_esp32.Pin(13)
         board.cycles(100)
         chip.irqs[13](pin)

@@ -5,7 +5,7 @@ from array import array
 from passo.records import (
     COUNT_MASK, FEED_AXES, FEED_NEWEST, FEED_OLDEST, FEED_POSITION, MARKS, MARK_FIELDS, MARK_WORD,
 )  # fmt: skip
-from passo.steps.permits import INTERLOCK_TOOL, ahead, denied
+from passo.options.interlock.steps_viper import INTERLOCK_TOOL, ahead, denied
 from router import Machine, World, answers
 
 INPUTS = [
@@ -188,7 +188,7 @@ def check_log_and_status_tell_of_the_inputs():
     machine.cycles(100)
     said = [line for line in machine.ask("$LOG") if line[:5] == "[PIN:"][0][1:-1].split(",")
     assert said[1] == "0" and 10 <= int(said[5]) < 1000, said
-    machine.port.interlock.glitches[3] = 7
+    machine.port.veto.glitches[3] = 7
     texts = []
     for _ in range(40):
         texts.append(machine.status()["text"])

@@ -415,8 +415,11 @@ def _import_port():
 
         base = registers.gpio_base
         registers.gpio_base = lambda machine=_MACHINE: base(machine)
-        from passo.ports import limit_watch, pin_interlock  # noqa: F401: the port asks for them later
+        from passo.ports import limit_watch  # noqa: F401: the port asks for it later, as for parts of options
         from passo.ports.esp32 import i2s_player, port, start, timer_player
+
+        for option in ("encoders", "interlock"):
+            __import__("passo.options.%s.port_pins" % option)
     finally:
         for name in before:
             if before[name] is None:

@@ -48,10 +48,10 @@ def test_homing_comes_up_to_its_switches_and_all_others_still_count():
     machine = mill()
     assert "ok" in say(machine, b"$H\n") and machine.plant.position == [0, 0, 0]
     machine.run_ms(5)
-    assert machine.port.interlock.exempt == 0
+    assert machine.port.veto.exempt == 0
     machine.send(b"$H\n")
     machine.run_ms(300)
-    assert machine.app.controller.state == "home" and machine.port.interlock.exempt
+    assert machine.app.controller.state == "home" and machine.port.veto.exempt
     press(machine, "dz", False)
     assert "ALARM:20" in machine.take().decode() and machine.app.controller.machine.log.entries[-1][2] == "dz"
     position = list(machine.plant.position)

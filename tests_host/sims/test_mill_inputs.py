@@ -63,7 +63,7 @@ class Fast:
         self.machine.run_until(lambda: self.machine.now_ms() > start)
 
     def interlock(self):
-        return self.machine.port.interlock
+        return self.machine.port.veto
 
 
 @pytest.mark.parametrize("steps_s", [30_000, 100_000])

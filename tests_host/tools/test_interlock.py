@@ -14,12 +14,12 @@ from host_tools.cli.interlock import Row, Table, draw, truth_table
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 from host_tools.sim.machine import VirtualMachine
-from passo.config import interlock_table
+from passo.options.interlock import manifest_table
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.torch import protocol as torch
-from passo.steps.permits import INTERLOCK_TOOL, denied
+from passo.options.interlock.steps_viper import INTERLOCK_TOOL, denied
 
 pytestmark = pytest.mark.quick
 MILL = Table(boards.load("mill_2004"))
@@ -122,7 +122,7 @@ def test_pins_are_never_looser_than_the_equations():
 def test_without_leave_nothing_is_on_unasked():
     board = boards.load("mill_2004")
     board["interlock"] = {**board["interlock"], "unasked_ms": 0}
-    assert check(board)["interlock"]["masks"]["unasked"][:2] == [0, 0]
+    assert check(board)["masks"]["unasked"][:2] == [0, 0]
 
 
 def test_what_a_filter_may_wait_for_is_known():
@@ -225,7 +225,7 @@ def test_every_language_is_refused_what_is_forbidden(board, protocol, press, tow
     machine.run_ms(100)
     machine.settle()
     before = list(machine.plant.position)
-    interlock = machine.port.interlock
+    interlock = machine.port.veto
     interlock.change(interlock._names.index(press), 1)
     machine.send(towards)
     for _ in range(8):
@@ -313,7 +313,7 @@ def test_a_checked_board_may_be_checked_again():
 
 
 def test_products_that_another_covers_are_left_out():
-    masks = check(small({"x+": "!stop | !stop & !door | !limit_x & door & !stop"}))["interlock"]["masks"]
+    masks = check(small({"x+": "!stop | !stop & !door | !limit_x & door & !stop"}))["masks"]
     assert masks["table"][0] == 1
 
 
@@ -331,7 +331,7 @@ def test_truth_table_and_picture(tmp_path):
 
 
 def test_a_row_reads_what_parse_made():
-    row = Row("x", interlock_table.parse("a & !b | c"))
+    row = Row("x", manifest_table.parse("a & !b | c"))
     assert [row.value(dict(zip("abc", levels))) for levels in product((False, True), repeat=3)] == [
         False, True, False, True, True, True, False, True
     ]  # fmt: skip

@@ -33,8 +33,8 @@ def own_rules(board, rules):
 
     A manifest may have prepare(board), called before pins are checked, claims(board): [(pin, who)], and check(board)."""
     own = []
-    for key in board:
-        if key not in rules and isinstance(key, str) and "." not in key:
+    for key in sorted([key for key in board if isinstance(key, str)]):
+        if key not in rules and "." not in key:
             try:
                 module = __import__("passo.options.%s.manifest" % key, None, None, ("RULES",))
             except ImportError:

@@ -22,7 +22,7 @@ _INPUT = {
     "active": _BIT,
     "pull": ("up", "down", "none"),
     "halt": (bool, False, 0, 1),  # becoming active stops the machine at once: emergency stop, limit switch
-    "filter_us": (int, 0, 0, 2000),  # of an input of the interlock: what does not last so long is noise
+    "filter_us": (int, 0, 0, 2000),  # what does not last so long is noise
 }
 _OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN_OR_BIT, "active": _BIT, "role": ("none", "ours", "theirs")}  # changeover.py's
 _AXIS = {
@@ -99,15 +99,6 @@ _STEP_PROGRAM = {
     "port_bits": (str, "76543210", 8, 8),
     "port_invert": (int, 0, 0, 255),
 }
-# What interlock_table.py compiles; behind check() there is "masks" in the place of rows, signals and elsewhere.
-_INTERLOCK = {
-    "rows": (dict, {}, 0, 40),
-    "signals": (dict, {}, 0, 40),
-    "elsewhere": (str, "", 0, 400),
-    "limits": (dict, {}, 0, 8),
-    "release_ms": (int, 20, 1, 1000),  # what a changed input allows is allowed once it has lasted so long
-    "unasked_ms": (int, 0, 0, 60_000),  # so long at rest before outputs go on that rows switch on by themselves; 0: never
-}
 _LINK = {
     "name": (str, MUST, 1, 16),
     "port": (str, MUST, 1, 16),
@@ -134,7 +125,6 @@ _BOARD = {
     "inputs": [_INPUT, 0, 24],
     "outputs": [_OUTPUT, 0, 16],
     "homing": _HOMING,
-    "interlock": _INTERLOCK,
     "speed": _SPEED,
     "planning": _PLANNING,
     "spindle": _SPINDLE,
@@ -150,7 +140,7 @@ _BOARD = {
 _WHOLE = "the board file"
 DEVICES = ("card", "jobs", "journal", "network", "registers", "tool_change")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
-_ABSENT = ("homing", "interlock", "shift", "step_program") + DEVICES  # None if not there
+_ABSENT = ("homing", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
@@ -197,8 +187,8 @@ def check(board):
     elif shift is None and [item for item in board["inputs"] + board["outputs"] if item["pin"] >= REGISTER_BIT]:
         raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
-    _check_interlock(board)
     _call(own, "check", board)
+    _check_filters(board)
     modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
     if board["drive"]["mode"] not in modes.split(", "):
         raise BoardError("drive.mode: %r is none of %s, those of %s" % (board["drive"]["mode"], modes, board["drive"]["kind"]))
@@ -234,8 +224,8 @@ def _value(where, data, key, rule):
         part = data.get(key)
         if part is None and key not in _OPTIONAL:
             raise BoardError("%s: missing" % where)
-        if part is None and key in _ABSENT or where == "interlock" and isinstance(part, dict) and isinstance(part.get("masks"), dict):
-            return part  # compiled already
+        if part is None and key in _ABSENT:
+            return None
         return _section(where, part or {}, rule)
     if isinstance(rule, list):
         return _list(where, data, key, rule)
@@ -250,8 +240,8 @@ def _value(where, data, key, rule):
         raise BoardError("%s: missing" % where)
     if not isinstance(value, kind) or kind is int and isinstance(value, bool):
         raise BoardError("%s: %r is no %s" % (where, value, kind.__name__))
-    if kind is dict and [name for name in value if not isinstance(name, str) or where[:9] == "interlock" and not isinstance(value[name], str)]:
-        raise BoardError("%s: names are wanted, in an interlock with texts behind them" % where)
+    if kind is dict and [name for name in value if not isinstance(name, str)]:
+        raise BoardError("%s: names are wanted" % where)
     size = value if kind in (int, bool) else len(value)
     if not least <= size <= most:
         what = "" if kind is int else "of length %d " % size
@@ -355,19 +345,13 @@ def _check_step_program(board):
             raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
 
 
-def _check_interlock(board):
-    section = board["interlock"]
-    if section is None:
-        sensors = list(board["homing"]["sensors"].values()) if board["homing"] else []
-        for item in board["inputs"]:
-            if item["filter_us"] and (item["halt"] or item["name"] not in sensors and item["name"][:6] != "limit_"):
-                raise BoardError("input %s: filter_us is for limits and inputs of the interlock that do not halt" % item["name"])
-    elif "masks" not in section:
-        from passo.config import interlock_table  # most boards have none
-
-        section["masks"] = interlock_table.compile_rows(board)
-        for key in ("rows", "signals", "elsewhere"):
-            del section[key]
+def _check_filters(board):
+    if "veto" in board.get("parts", ()):  # which filters inputs of its own
+        return
+    sensors = list(board["homing"]["sensors"].values()) if board["homing"] else []
+    for item in board["inputs"]:
+        if item["filter_us"] and (item["halt"] or item["name"] not in sensors and item["name"][:6] != "limit_"):
+            raise BoardError("input %s: filter_us is for limits and inputs of the interlock that do not halt" % item["name"])
 
 
 def _check_homing(board):

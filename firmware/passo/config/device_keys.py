@@ -109,7 +109,7 @@ def _check_registers(board, config):
     quick = {}  # name of an input: why not
     for name in (board["homing"]["sensors"].values() if board["homing"] else ()):
         quick[name] = "homing's sensor"
-    for name in (board["interlock"]["limits"].values() if board["interlock"] else ()):
+    for name in [str(name) for name in (board["interlock"]["limits"].values() if board.get("interlock") else ())]:
         quick[name] = "a limit"
     for key, what in (("inputs", "74HC165"), ("outputs", "74HC595")):
         owners = {}

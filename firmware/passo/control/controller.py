@@ -198,13 +198,11 @@ class Controller:
             machine.awake = True
 
     def stopped_by(self, name):
-        """An input has stopped the player: one that halts, or one that the interlock looks at; or a feature."""
+        """An input that halts has stopped the player; or a feature, or what a feature looks at."""
         for stopped in self._stops:
             if stopped(name):
                 return
-        machine = self.machine
-        limit = machine.interlock is None or machine.interlock.stops(name)
-        machine.raise_alarm(errors.ALARM_HARD_LIMIT if limit else errors.ALARM_INTERLOCK, name)
+        self.machine.raise_alarm(errors.ALARM_HARD_LIMIT, name)
 
     def tell(self, text):
         """Keep a line about this board for who asks what it is."""

@@ -128,7 +128,7 @@ class LineBatches(Feature):
         if (
             machine.commander != batch.link or machine.command is not None or machine.alarm or machine.sleeping or machine.checking
             or machine.detached or machine.cautious and not machine.homed or machine.jogging or machine.drawing or machine.dropping or machine.actives and machine.occupied()
-            or not self._planner.ready or machine.interlock is not None and machine.interlock.denied
+            or not self._planner.ready or machine.veto is not None and machine.veto.denied
         ):  # fmt: skip
             return False
         queue = self._queue

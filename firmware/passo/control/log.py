@@ -15,7 +15,7 @@ class Log:
         self._who = [""] * _SIZE
         self.added = 0  # entries since the start
         self.last = 0  # the latest number nobody has read; 0: none
-        self.pins = None  # a function: what the interlock's inputs have done; None: there is none
+        self.pins = None  # a function: what inputs that forbid motion have done; None: there is none
         self.counts = {}  # of each number: how many times since the start
 
     def add(self, now_ms, number, who=""):

@@ -70,7 +70,7 @@ class Program(LineBatches):
         if not self._reachable(command):
             machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
-        if machine.interlock is not None and machine.interlock.denied:
+        if machine.veto is not None and machine.veto.denied:
             if self._forbidden(command, False):  # what is queued before it may lead out of it
                 return self._forbidden(command) if machine.settle() else LATER
         if command.dots and not self.dots[DOTS_MASK]:
@@ -82,7 +82,7 @@ class Program(LineBatches):
         return self._checked(command) if machine.checking else self._begin(command)
 
     def _forbidden(self, command, note=True):
-        """0, or why the interlock forbids a motion; of an arc's plane it must allow both directions."""
+        """0, or why a motion is forbidden; of an arc's plane it must allow both directions."""
         machine = self._machine
         if machine.checking:
             return 0
@@ -154,7 +154,7 @@ class Program(LineBatches):
             not planner.ready or self._limits_of != machine.settings.version or queue.chords or machine.weave is not None
             or command.per_min or command.also or command.dots or command.feed > FASTEST_NM_S or command.tool != queue.tool
             or command.dynamic != planner.dynamic or command.power != 1000 * planner.power
-            or machine.interlock is not None and machine.interlock.denied or room(planner.indices) < _BLOCKS_A_MOTION
+            or machine.veto is not None and machine.veto.denied or room(planner.indices) < _BLOCKS_A_MOTION
             or queue.turns and command.target[-1] != queue.target[-1]  # F counts for the linear axes only, see options/rotary
         ):  # fmt: skip
             return False

@@ -31,7 +31,7 @@ class MachineState:
         self.port = port
         self.inputs = Inputs(board, settings, port)
         self.log = Log()
-        self.interlock = getattr(port, "interlock", None)  # of the port, if the board file has one
+        self.veto = getattr(port, "veto", None)  # of the port, if the board file has an option that forbids motion
         self.queries = {}  # of features, by a line that asks: a function that says the answer
         self.orders = {}  # likewise, by a line: the kind of its command
         self.squaring = None  # what has both sides of an axis home, if an option does
@@ -144,16 +144,16 @@ class MachineState:
         return errors.NOT_HOMED if self._homing_first and not self.homed else 0
 
     def barred(self, steps, tool=False, note=True):
-        """0, or INTERLOCKED if the interlock forbids steps of these signs now (None or 0: none), or the tool. `note`: log the
+        """0, or INTERLOCKED if steps of these signs (None or 0: none), or the tool, are forbidden now. `note`: log the
         input."""
-        interlock = self.interlock
-        if interlock is None or not interlock.denied:
+        veto = self.veto
+        if veto is None or not veto.denied:
             return 0
-        wrong = interlock.refusal(steps, tool)
+        wrong = veto.refusal(steps, tool)
         if not wrong:
             return 0
         if note:
-            self.note(errors.INTERLOCKED, interlock.blamed(wrong))
+            self.note(errors.INTERLOCKED, veto.blamed(wrong))
         return errors.INTERLOCKED
 
     def gate(self):

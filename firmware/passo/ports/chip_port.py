@@ -91,18 +91,14 @@ class ChipPort:
                 self._inputs[entry["name"]] = Input(entry, self)
                 self._mask |= 1 << entry["pin"]
         self._halting = [self._inputs[entry["name"]] for entry in board["inputs"] if entry["halt"]]
-        self.interlock = None
-        if board["interlock"]:
-            from passo.ports.pin_interlock import PinInterlock  # here: most boards have none
-
-            self.interlock = PinInterlock(board, self, self._inputs, self._outputs)
-            if self.registers is not None:
-                self._watch = shifted.RegisterWatch(self.interlock, self.registers)
-                self._watch.watch(self, board["registers"]["edges"], board["inputs"])
+        self.veto = None  # the part that forbids motion: the outputs are its affair, too
         self._parts = []  # of options: each has join(feeder, player) and close(), and may have check(), for each call of the feeder
         for name, module in parts.load(board):
             self._parts.append(module.create(board, self, self._inputs, self._outputs))
             setattr(self, name, self._parts[-1])
+        if self.veto is not None and self.registers is not None:
+            self._watch = shifted.RegisterWatch(self.veto, self.registers)
+            self._watch.watch(self, board["registers"]["edges"], board["inputs"])
 
     # --- what the contract of ports asks for
 
@@ -137,8 +133,8 @@ class ChipPort:
 
     def output(self, name, on):
         """Switch an output of the board file on or off."""
-        if self.interlock is not None:
-            self.interlock.output(name, on)
+        if self.veto is not None:
+            self.veto.output(name, on)
             return
         pin, active = self._outputs[name]
         pin.value(active if on else 1 - active)
@@ -231,11 +227,11 @@ class ChipPort:
         """Return the watch of an input's pin: its interrupt stops the player once a limit has been active for `filter_us`, and keeps the
         moment of a change for homing (a Latch). The first call for a name sets its filter: Switches asks at the start, homing later.
         Return None if the pin has no interrupt of its own."""
-        if self.interlock is not None:
-            return self.interlock.watches.get(list(self._inputs).index(name))
+        if self.veto is not None:
+            return self.veto.watches.get(list(self._inputs).index(name))
         item = self._inputs[name]
         if name not in self._watches and item.pin is not None and item not in self._halting:
-            from passo.ports.limit_watch import LimitWatch  # here: an interlock sees to its limits itself
+            from passo.ports.limit_watch import LimitWatch  # here: not every board has one
 
             self._watches[name] = LimitWatch(item, filter_us, self)
         return self._watches.get(name)
@@ -266,8 +262,6 @@ class ChipPort:
         for item in self._halting:
             if item.pin is not None:
                 item.pin.irq(None)
-        if self.interlock is not None:
-            self.interlock.close()
         for part in self._parts + self._lines:
             part.close()
         if self.registers is not None:
@@ -276,13 +270,11 @@ class ChipPort:
     # --- interrupts
 
     def _join(self, feeder, player):
-        """What follows the steps gets them: the registers, the interlock, parts of options."""
+        """What follows the steps gets them: the registers, parts of options."""
         self._feeder = feeder
         if self.registers is not None:
             self.registers.show_tool(self._tool)
             self._looks = (self._exchange,)
-        if self.interlock is not None:
-            self.interlock.join(feeder, player)
         for part in self._parts:
             part.join(feeder, player)
         self._looks += tuple([part.check for part in self._parts if hasattr(part, "check")])
@@ -355,5 +347,5 @@ class ChipPort:
             self.power(0)
         if self.registers is not None:
             self.registers.exchange()  # the tool may show there
-        if self.interlock is not None and item in self._halting:
-            self.interlock.halted(item)
+        if self.veto is not None and item in self._halting:
+            self.veto.halted(item)

@@ -74,12 +74,8 @@ class VirtualPort:
         self._outputs = {entry["name"]: entry.get("active", 1) for entry in outputs}
         self._by_pins = {entry.get("pin"): entry["name"] for entry in outputs}
         self._trip = None  # what has stopped the player, until the main loop has been told
-        self.interlock = self._limits = None
-        if board.get("interlock"):
-            from passo.ports.virtual_inputs import VirtualInterlock
-
-            self.world = self.interlock = VirtualInterlock(board, self, self.world)
-        elif hasattr(world, "listen") and self._inputs:
+        self.veto = self._limits = None
+        if "veto" not in board.get("parts", ()) and hasattr(world, "listen") and self._inputs:
             from passo.ports.virtual_inputs import VirtualLimits
 
             self.world = self._limits = VirtualLimits(self, world, self._inputs)
@@ -90,9 +86,10 @@ class VirtualPort:
             self.keep_box = lambda why, numbers, text, feed=None: self.boxes.append((why, bytes(numbers), bytes(text)))
         self._listen = getattr(world, "listen", None)
         self._watches = {}
+        self.clocked = []  # those of the parts that have a time: run(tick) once it is `due`
         self._parts = []
         for name, module in parts.load(board, "port_virtual"):
-            self._parts.append(module.create(board, self, world))
+            self._parts.append(module.create(board, self, self.world))
             setattr(self, name, self._parts[-1])
         if mode == "stepped":
             self.link_ms = self.machine_ms
@@ -109,7 +106,7 @@ class VirtualPort:
 
     def feed_from_interrupt(self, feeder, player):
         """There are no interrupts here: the main loop fills the ring itself."""
-        for part in [self.interlock, self._limits] + self._parts:
+        for part in [self._limits] + self._parts:
             if part is not None:
                 part.join(feeder, player)
         return False
@@ -146,15 +143,15 @@ class VirtualPort:
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
         if kind == "switching":  # as rp2/port.py
-            if self.interlock is None:
+            if self.veto is None:
                 self._player.mark(config, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
-            return self.interlock is None
+            return self.veto is None
         if kind == "spi_drivers":
             return self.lines["drivers"]  # what the PC put there
         return {"tachometer": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
 
     def tripped(self):
-        """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
+        """The name of a halting input that is active, or of what the veto has stopped the player for; or None. Halting
         inputs are looked at once a cycle."""
         trip, self._trip = self._trip, None
         if trip is not None:
@@ -165,8 +162,8 @@ class VirtualPort:
         return None
 
     def output(self, name, on):
-        if self.interlock is not None:
-            self.interlock.output(name, on)
+        if self.veto is not None:
+            self.veto.output(name, on)
             return
         active = self._outputs[name]
         self.world.output(self.now, name, active if on else 1 - active)
@@ -208,13 +205,13 @@ class VirtualPort:
         while self.now < end:
             event = world.next_event()
             until = end if event is None or event > end else max(event, self.now)
-            for part in self._parts:
+            for part in self.clocked:
                 until = min(until, part.due)
             if self._player is not None:
                 self._player.run(until)
             self.now = until
             world.run(until)
-            for part in self._parts:
+            for part in self.clocked:
                 part.run(until)
 
     def _anchor(self):

@@ -88,7 +88,7 @@ def check_stalls(board, feel, key):
         where = "%s.motors, %s: stall" % (key, axis)
         if not homing or axis not in homing["sensors"]:
             raise BoardError("%s: homing.sensors must name the input that its DIAG pin goes to" % where)
-        if board["interlock"] or axis in [motor["name"][0] for motor in board.get("more_motors", ())]:
+        if board.get("interlock") or axis in [motor["name"][0] for motor in board.get("more_motors", ())]:
             raise BoardError("%s: not with an interlock, and not of a gantry" % where)
         for group in homing["order"].split() if " " in homing["order"] else ():
             if axis in group and len(group) > 1:

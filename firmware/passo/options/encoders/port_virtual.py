@@ -34,4 +34,6 @@ class VirtualEncoders(Encoders):
 
 
 def create(board, port, world):
-    return VirtualEncoders(board, port, world)
+    made = VirtualEncoders(board, port, world)
+    port.clocked.append(made)
+    return made

@@ -20,7 +20,7 @@ def check(board):
     name = config["input"]
     want_input(board, "tachometer.input", name)
     item = [item for item in board["inputs"] if item["name"] == name][0]
-    named = str(board["homing"]) + str(board["interlock"])
+    named = str(board["homing"]) + str(board.get("interlock"))
     if item["pin"] >= REGISTER_BIT or item["halt"] or name in named or name in [row[0] for row in INPUTS]:
         raise BoardError("tachometer.input: %s needs a pin of its own, and no other use" % name)
     if board.get("inverter") or board["spindle"]["laser"]:

@@ -39,8 +39,6 @@ def load(board):
 
         if board["spindle"]["pwm"]:
             from passo.ports.rp2 import laser_player  # noqa: F401
-    if board["interlock"]:
-        from passo.ports import pin_interlock  # noqa: F401
     if board["registers"]:
         from passo.ports.rp2 import shift_registers  # noqa: F401
     parts.load(board)
@@ -178,7 +176,7 @@ class Port(ChipPort):
 
     def _switching(self, switches):
         """From here on the player shows what is asked of `switches`; False: it cannot."""
-        if self.interlock is not None or self.registers is not None or hasattr(self._player, "close"):  # which the timer player has
+        if self.veto is not None or self.registers is not None or hasattr(self._player, "close"):  # which the timer player has
             return False
         from passo.ports.rp2.switching import PinSwitches
 

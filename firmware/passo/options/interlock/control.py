@@ -1,4 +1,4 @@
-"""The interlock's part in the main loop: what the pins' interrupts leave to it. See ports/interlock.py for theirs.
+"""The interlock's part in the main loop: what the pins' interrupts leave to it. See port.py for theirs.
 
 It lets a changed input allow again what it forbade, once it has lasted release_ms; notices changes whose edge was missed;
 says why outputs went off; lets homing and probing come up to their sensors; switches on what the equations switch on by
@@ -8,14 +8,14 @@ themselves, if the board file asks for it; and keeps for each input when it last
 from passo import commands, errors
 from passo.control.feature import Feature
 from passo.records import COUNT_MASK
-from passo.steps.permits import INTERLOCK_OUTPUTS
+from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS
 
 
 class InterlockWatch(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._port = machine.port
-        self._interlock = machine.interlock
+        self._interlock = machine.veto
         self._levels = machine.inputs.levels
         section = board["interlock"]
         self._release_ms = section["release_ms"]
@@ -58,6 +58,12 @@ class InterlockWatch(Feature):
             elif machine.command.kind == commands.PROBE:
                 exempt = self._probes
         self._interlock.excuse(exempt)
+
+    def stopped(self, name):
+        if name not in self._names or self._interlock.stops(name):
+            return False
+        self._machine.raise_alarm(errors.ALARM_INTERLOCK, name)
+        return True
 
     def look(self, now_ms):
         interlock = self._interlock

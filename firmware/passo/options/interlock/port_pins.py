@@ -11,8 +11,8 @@ from time import ticks_diff, ticks_us
 import micropython
 from machine import Pin, disable_irq, enable_irq
 
-from passo.ports.interlock import Interlock
-from passo.steps.permits import INTERLOCK_OUTPUTS, INTERLOCK_TOOL, ahead, denied
+from passo.options.interlock.port import Interlock
+from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS, INTERLOCK_TOOL, ahead, denied
 from passo.steps.position import Latch
 
 
@@ -112,3 +112,7 @@ class PinWatch(Latch):
             halt()  # the sooner the better; change() says why
             hold(True)
         interlock.change(number, active)
+
+
+def create(board, port, inputs, outputs):
+    return PinInterlock(board, port, inputs, outputs)

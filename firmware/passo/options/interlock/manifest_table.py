@@ -15,7 +15,7 @@ The masks are made with the board's request put in and nothing asked for elsewhe
 """
 
 from passo.config.board_error import BoardError
-from passo.steps.permits import INTERLOCK_OUTPUTS, INTERLOCK_TOOL
+from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS, INTERLOCK_TOOL
 
 
 def parse(text, where="row"):
@@ -149,7 +149,7 @@ def _targets(name, products, names):
 
 
 def compile_rows(board):
-    """{"table", "unasked", "rise", "fall", "limits"}: see passo/steps/permits.py for the tables; `rise` and `fall` are the inputs
+    """{"table", "unasked", "rise", "fall", "limits"}: see steps_viper.py for the tables; `rise` and `fall` are the inputs
     whose becoming active, or inactive, may forbid something; `limits` those that interlock.limits names."""
     section = board["interlock"]
     names = _Names(board)

@@ -3,7 +3,7 @@
     forbidden = denied(table, states)               # mask of INTERLOCK_…; `states`: a bit an input, 1: active
     if ahead(state, marks, played, forbidden): …    # what is made and not yet played steps so, or has the tool on
 
-A table is what config/interlock_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 denied()
+A table is what manifest_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 denied()
 takes about 0.5 µs a product, ahead() about 3 µs a segment until it finds something: 40 µs if that is nothing.
 
 A segment counts with the whole of its way, so of an arc that turns round within one segment (6 ms at most) only the net
@@ -22,7 +22,7 @@ from passo.records import *
 INTERLOCK_TOOL = const(0x100)
 INTERLOCK_OUTPUTS = const(0x200)  # the first of the board file's outputs
 
-# A table of the interlock, made by config/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
+# A table of the interlock, made by manifest_table.py: these, then PERMIT_FIELDS numbers a product.
 PERMIT_PRODUCTS = const(0)  # how many
 PERMIT_GATED = const(1)  # mask of all that the table is about, INTERLOCK_…
 PERMIT_FIRST = const(2)

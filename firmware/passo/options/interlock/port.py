@@ -1,7 +1,7 @@
 """The interlock at the pins, shared by all ports: which inputs are active, what they forbid, and who is stopped for it.
 
-    port.interlock.change(number, active)       # from an interrupt: an input has changed, and has lasted its filter's time
-    port.interlock.denied                       # mask of INTERLOCK_…, now
+    port.veto.change(number, active)       # from an interrupt: an input has changed, and has lasted its filter's time
+    port.veto.denied                       # mask of INTERLOCK_…, now
 
 What is derived from it, for chips and for the virtual port, tells it of changes, and has now(), lit() and put(mask, on).
 
@@ -15,17 +15,17 @@ from array import array
 
 import micropython
 
-from passo.steps.permits import (
+from passo.options.interlock.steps_viper import (
     INTERLOCK_OUTPUTS, INTERLOCK_TOOL, PERMIT_ALLOWS, PERMIT_CARE, PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED,
     PERMIT_VALUE, ahead, denied,
 )  # fmt: skip
 
 
 class Interlock:
-    """Has no pins: see pin_interlock.py and virtual_inputs.py."""
+    """Has no pins: see port_pins.py and port_virtual.py."""
 
     def __init__(self, board, port):
-        compiled = board["interlock"]["masks"]
+        compiled = board["masks"]
         self._port = port
         self.table = array("i", compiled["table"])
         self._unasked = array("i", compiled["unasked"])

@@ -1,0 +1,1 @@
+"""Inputs forbid steps in a direction, outputs or the tool."""

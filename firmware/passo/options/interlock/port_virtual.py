@@ -1,0 +1,84 @@
+"""The interlock on the virtual port: it stands between the port and its world."""
+
+from passo.options.interlock.port import Interlock
+from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS
+from passo.ports.virtual_inputs import TICKS_PER_US, VirtualInputs
+
+
+class VirtualInterlock(Interlock, VirtualInputs):
+    """Hears of each change of an input at its tick. A world that has no listen(callback) is looked at once a cycle."""
+
+    def __init__(self, board, port, world):
+        Interlock.__init__(self, board, port)
+        VirtualInputs.__init__(self, port, world)
+        self._levels = [item["active"] for item in board["inputs"]]
+        self._ticks = [int(us * TICKS_PER_US) for us in self.filters_us]
+        self._tool = 0  # mask of the player's pin
+        self._offs = [(item["name"], 1 - item["active"]) for item in board["outputs"]]
+        self._hears = hasattr(world, "listen")
+        if self._hears:
+            world.listen(self.changed)
+        self.read(self.now())
+
+    def join(self, feeder, player):
+        Interlock.join(self, feeder, player)
+        VirtualInputs.join(self, feeder, player)
+        self._tool = feeder.layout.tool_mask
+
+    def run(self, tick):
+        self._world.run(tick)
+        if not self._hears:
+            raw = self._look(tick)
+            for number in range(len(self._names)):
+                if (raw ^ self.states) >> number & 1:
+                    self._changed(tick, number, raw >> number & 1)
+        self._let(tick)
+
+    # --- inputs
+
+    def changed(self, tick, name, level):
+        """The world says that an input has changed."""
+        number = self._names.index(name)
+        self._changed(tick, number, 1 if level == self._levels[number] else 0)
+
+    def _changed(self, tick, number, active):
+        self._let(tick)
+        if active == self.states >> number & 1:
+            if self._due.pop(number, None) is not None:
+                self.glitches[number] += 1
+        elif (self.rise if active else self.fall) >> number & 1 and number not in self._due:
+            self._due[number] = tick + self._ticks[number], active
+            self._let(tick)
+
+    def _lasted(self, key, active):
+        if self.states >> key & 1 != active:  # else the main loop has been first
+            self.change(key, active)
+
+    def now(self):
+        return self._look(self._port.now)
+
+    def _look(self, tick):
+        states = 0
+        for number in range(len(self._names)):
+            if self._world.input(tick, self._names[number]) == self._levels[number]:
+                states |= 1 << number
+        return states
+
+    # --- outputs
+
+    def lit(self):
+        return bool(self._player.levels() & self._tool)
+
+    def put(self, mask, on):
+        tick = max(self._port.now, self._player.now) if self._player is not None else self._port.now
+        bit = INTERLOCK_OUTPUTS
+        for name, off in self._offs:
+            if mask & bit:
+                self._world.output(tick, name, off ^ on)
+            bit <<= 1
+
+
+def create(board, port, world):
+    made = VirtualInterlock(board, port, world)
+    port.world = made
+    return made
