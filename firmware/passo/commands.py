@@ -150,6 +150,7 @@ DROPPED = const(6)  # pushed to every link, `command` None: what it sent before 
 
 class Command:
     accepted = None  # the Event that says so, of one that is used again and again
+    ends = False  # COOLANT: of a program's end
     unpowered = 0  # RUN, REST: mask of axes that have no current once they stand, until the next such command
 
     def __init__(self, kind, target=None, value=0, tool=False, error=0):

@@ -23,6 +23,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from passo import machine_builder
+from passo.config.board_error import OF_OUTPUT, names_of
 from passo.config.boardfile import check
 
 from host_tools import boards
@@ -148,7 +149,8 @@ def option_of(path):
 def options_of(board, firmware=FIRMWARE):
     """The options whose keys a board file has, those whose files these share, and None, for what is no option's."""
     found = {None}
-    asked = [key for key in board if (firmware / OPTIONS / key / MANIFEST).is_file()]
+    outputs = board.get("outputs", ())
+    asked = [key for key in [*board, *(OF_OUTPUT + name for name in names_of(outputs))] if (firmware / OPTIONS / key / MANIFEST).is_file()]
     while asked:
         key = asked.pop()
         if key not in found:

@@ -82,11 +82,13 @@ def board(
         passo board --board torch_pico_w --http 8080
     """
     from host_tools import boards
+    from host_tools.switches import print_cautions
     from passo.config.boardfile import BoardError, check
 
     if time_ not in ("real", "fast"):
         raise Failure("--time is real or fast, not {!r}", time_)
     config = boards.load(board)
+    print_cautions(config)
     try:
         check(config)
     except BoardError as error:

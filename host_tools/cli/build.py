@@ -12,6 +12,7 @@ from host_tools.failure import Failure, reason
 from host_tools.kernels.build import shown
 from host_tools.kernels.module import ARCHITECTURE
 from host_tools.language import _
+from host_tools.switches import print_cautions
 
 
 def print_sizes(title, rows):
@@ -95,3 +96,4 @@ def build(
     print_sizes(_("{} in {}", board, out), rows)
     print_kernels(board, march, by)
     print_budget(board)
+    print_cautions(boards.load(board))

@@ -23,6 +23,7 @@ from host_tools.cli import flash_uf2
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
+from host_tools.switches import print_cautions
 from passo.config.boardfile import check
 
 REMOVE_STALE = HOST_TOOLS / "build" / "remove_stale.py"
@@ -144,6 +145,7 @@ def flash(
     if board is None:
         return
     config = check(boards.load(board))
+    print_cautions(config)
     if not dry_run and (found := flash_uf2.told(probe(flash_uf2.asking(port), port), port)).chip and not source:
         put_board_file(board, config, found, port)
         return

@@ -27,9 +27,11 @@ def wiring(
         passo wiring boards/mine.py --whole          # if it is "like" another: all that the board gets
     """
     from host_tools import boards
+    from host_tools.switches import print_cautions
     from passo.config.boardfile import check
 
     checked = check(boards.load(board))
+    print_cautions(checked)
     if whole:
         if out is not None:
             raise Failure("--whole prints the board file; leave out --out")

@@ -172,7 +172,7 @@ def _contact(item, kind):
 
 _PURPOSES = {
     "reverse": lambda: _("spindle runs backwards"), "flood": lambda: _("coolant pump or air"), "mist": lambda: _("mist valve"),
-    "vacuum": lambda: _("pump or valve"), "enable": lambda: _("EN of all drivers"), "led": lambda: _("lamp"),
+    "vacuum": lambda: _("pump or valve"), "clamp": lambda: _("holds the work"), "enable": lambda: _("EN of all drivers"), "led": lambda: _("lamp"),
 }  # fmt: skip
 
 

@@ -32,6 +32,7 @@ EXAMPLES = (
     ("G91 G00 X5\nX5\nG90 X5", "G0 X5\nX10\nX5"),
     ("G70 G01 X1 F10\nG71 X1", "G1 X25.4 F254\nX1"),
     ("G97 S1200 M03\nM04\nM05\nM08\nM09", "S1200 M3\nM4\nM5\nM8\nM9"),
+    ("M10\nG00 X1\nM08 M11", "M10\nG0 X1\nM8\nM11"),
     ("T2 D2 M06", "M6 T2"),
     ("M00\nM01\nG00 X1\nM02\nG00 X9", "M0\nM1\nG0 X1\nM2"),
     ("G59 X10 Y20\nG00 X1 Y1 Z1\nG59 X0 Y0\nG00 X1 Y1", "G0 X11 Y21 Z1\nX1 Y1"),

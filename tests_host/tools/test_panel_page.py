@@ -14,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+from host_tools import boards
 from host_tools.failure import Failure
 from host_tools.site.npm import Package
 from panel_process import PanelProcess
@@ -661,6 +662,43 @@ def test_a_rotary_axis_counts_degrees(tmp_path, driver, language, name):
             assert [row for row in rows.values() if row.startswith(number) and unit in row and "mm" not in row], rows
         assert [row for row in rows.values() if row.startswith("$103") and name in row] and [row for row in rows.values() if row.startswith("$102") and "mm" in row], rows
         assert said["[data-turns]"] == [", A:\u00a0°/min", ", A:\u00a0°", ", A:\u00a0°/min"]
+
+
+def test_a_clamp_and_a_vacuum_have_their_buttons(tmp_path, driver):
+    """Each by its own code; letting go of the work is asked for, and refused beneath a spindle."""
+    board = boards.load("router_3axis")
+    board["outputs"] += [{"name": "clamp", "pin": 22}, {"name": "p1_vacuum", "pin": 28}]
+    file = tmp_path / "mine.py"
+    file.write_text(f"BOARD = {board!r}\n")
+
+    def pressed(word):
+        return browser.driver.execute_script("return document.querySelector(`[data-work='${arguments[0]}']`).getAttribute('aria-pressed')", word) == "true"
+
+    def refusals():
+        return browser.driver.execute_script("return document.body.textContent.includes(arguments[0])", "M5 first")
+
+    with PanelProcess(tmp_path, "--board", str(file)) as process, Browser(process, driver, query="lang=en&theme=light") as browser:
+        browser.until(lambda: "Locked" in browser.text("message"))
+        browser.click("unlock")
+        browser.until(lambda: "Locked" not in browser.text("message"))
+        for word in ("Vac", "Clamp"):
+            browser.until(lambda word=word: browser.css(f"[data-work='{word}']").is_displayed())
+            browser.tap(f"[data-work='{word}']")
+            browser.until(lambda word=word: pressed(word))
+        browser.until(lambda: switched(browser, "spindle_cw", "Spindle: on"))
+        browser.tap("[data-work='Clamp']")
+        browser.answer(False)
+        browser.tap("[data-work='Clamp']")
+        browser.answer(True)
+        browser.until(refusals)
+        assert pressed("Clamp")
+        browser.until(lambda: switched(browser, "spindle_off", "Spindle: off"))
+        browser.tap("[data-work='Clamp']")
+        browser.answer(True)
+        browser.until(lambda: not pressed("Clamp"))
+        assert pressed("Vac")
+        browser.tap("[data-work='Vac']")
+        browser.until(lambda: not pressed("Vac"))
 
 
 # Positions as long as these, and the rows and columns of their table are as before.

@@ -3,6 +3,7 @@
 from micropython import const
 
 _DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
+OF_OUTPUT = "output_"  # how the option of an output of a name is called
 _LONGEST = const(1000)  # characters of a text
 
 
@@ -28,12 +29,20 @@ def check_shape(value, depth=_DEPTH):
         check_shape(each, depth - 1)
 
 
+def names_of(outputs):
+    """What each output is, a word: its name, or what follows p0_ … in it. Items may be anything."""
+    names = [item["name"].rpartition("_")[2] for item in outputs if isinstance(item, dict) and isinstance(item.get("name"), str)]
+    return [name for name in names if name.isalpha()]
+
+
 def own_rules(board, rules):
-    """The manifests of the options that the board file asks for, by their keys. Adds their RULES to `rules`.
+    """The manifests of the options that the board file asks for, by their keys and by what its outputs are. Adds their RULES to `rules`.
 
     A manifest may have prepare(board), called before pins are checked, claims(board): [(pin, who)], and check(board)."""
     own = []
-    for key in sorted([key for key in board if isinstance(key, str)]):
+    outputs = board.get("outputs")
+    names = names_of(outputs if isinstance(outputs, (list, tuple)) else ())
+    for key in sorted([key for key in board if isinstance(key, str)]) + [OF_OUTPUT + name for name in names]:
         if key not in rules and "." not in key:
             try:
                 module = __import__("passo.options.%s.manifest" % key, None, None, ("RULES",))

@@ -76,6 +76,8 @@ class Modes:
             self.coolant = {*self.coolant, f"M{code // 10}"} if code != 90 else set()
         if output == 660:
             self.wait()
+        elif output in (100, 110):
+            self.path.word(f"M{output // 10}")
         elif output is not None:
             self.path.word(f"M{output // 10} P{self.whole('p', 0, 9)}")
 

@@ -25,7 +25,7 @@ _AXES = "XYZ"
 _GROUPS = (
     (0, 1, 2, 3), (17, 18, 19), (40, 41, 42), (45, 80, 81), (70, 71), (90, 91), (4, 59, 77, 79), (9,), (94,), (97,),
 )  # fmt: skip
-_M = ((0, 1, 2), (3, 4, 5), (6,), (7, 8, 9))
+_M = ((0, 1, 2), (3, 4, 5), (6,), (7, 8, 9), (10, 11))
 
 
 def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, find=None, skip=False):
@@ -199,7 +199,7 @@ class Interpreter:
         said += [f"M{code}" for code in sorted(m & {3, 4, 5})]
         if said:
             self.path.word(" ".join(said))
-        for code in m & {7, 8, 9}:
+        for code in sorted(m & {7, 8, 9, 10, 11}):
             self.path.word(f"M{code}")
 
     def _not_compensated(self, what):

@@ -48,7 +48,8 @@ _TABLE = (
     "M6;"
     "M3 M4 M5;"
     "M7 M8 M9;"
-    "M62=P M63=P M64=P M65=P M66=P"
+    "M62=P M63=P M64=P M65=P M66=P;"
+    "M10= M11="
 )
 
 # Of a code's entry in CODES.

@@ -407,4 +407,6 @@ class GCode(Motions):
         self.spindle = 5
         overrides = Command(commands.OVERRIDE, value=commands.ALL)
         overrides.power = 100
-        self.commands += [Command(commands.SPINDLE, value=5), Command(commands.COOLANT), overrides, Command(commands.SYNC)]
+        coolant = Command(commands.COOLANT)
+        coolant.ends = True
+        self.commands += [Command(commands.SPINDLE, value=5), coolant, overrides, Command(commands.SYNC)]

@@ -56,9 +56,34 @@ export function showControls(report) {
     if (what === "rapid") for (const to of OVERRIDES[n][2]) pressed(document.querySelector(`[data-override="rapid${to}"]`), Number(to) === value);
   });
   for (const button of document.querySelectorAll("[data-on]")) pressed(button, (report.on || "").includes(button.dataset.on));
+  showWork(report);
   for (const button of document.querySelectorAll("[data-switch]")) {
     const [what, way] = button.dataset.switch.split("_"), name = what === "motors" ? "ours" : what;
     if (way === "on" && name in report) pressed(button, Boolean(report[name]));
+  }
+}
+
+// The vacuum cleaner and the clamp, of machines that have them: as the status says, "1" on, "0" off, "0P1" under M64 P1.
+const valueOf = (report, word) => ((report.more || []).find(([name]) => name === word) || [])[1];
+function showWork(report) {
+  if (report.more === undefined) return;
+  for (const button of document.querySelectorAll("[data-work]")) {
+    const value = valueOf(report, button.dataset.work) || button.dataset.value;  // a long report leaves words out
+    button.hidden = !value;
+    if (value) button.dataset.value = value;
+    pressed(button, Boolean(value) && value[0] === "1");
+  }
+  $("work").hidden = ![...document.querySelectorAll("[data-work]")].some((button) => !button.hidden);
+}
+
+// order(name, fields), ask(text): letting go of the work is asked for.
+export function switchWork(order, ask) {
+  for (const button of document.querySelectorAll("[data-work]")) {
+    button.onclick = async () => {
+      const [now, number] = button.dataset.value.split("P"), on = now[0] !== "1";
+      if (!on && button.dataset.work === "Clamp" && !(await ask(_("Let go of the workpiece?")))) return;
+      order("line", { line: number ? `M${on ? 64 : 65} P${number}` : on ? "M10" : "M11" });
+    };
   }
 }
 

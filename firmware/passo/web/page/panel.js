@@ -2,7 +2,7 @@
 
 import "./old.js";
 import { Cards } from "./cards.js";
-import { grey, makeOverrides, nameTool, onOff, reasons, showControls, showWait, toolName } from "./controls.js";
+import { grey, makeOverrides, nameTool, onOff, reasons, showControls, showWait, switchWork, toolName } from "./controls.js";
 import { Jog } from "./jog.js";
 import { JobFacts, dropped } from "./job_facts.js";
 import { Kept } from "./kept.js";
@@ -27,7 +27,7 @@ const TWICE_MS = 700;
 const NEAR_MM = 0.5;  // more than a step of any machine
 const PIECE = 30000;  // characters of a job in one message
 const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Probe", D: "Door", H: "Hold button", R: "Reset button", S: "Start button" };
-const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs", Nh: "Not homed" };  // words of a status that only some machines have
+const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs", Nh: "Not homed", Vac: "Vacuum cleaner", Clamp: "Clamp" };  // words of a status that only some machines have
 const STATES = { "": "No link", Idle: "Ready", Run: "Running", Hold: "Held", Jog: "Moving", Home: "Homing", Alarm: "Alarm", Door: "Door open",
   Check: "Checking", Sleep: "Asleep" };
 const KEYS = { ArrowLeft: "x-", ArrowRight: "x+", ArrowUp: "y+", ArrowDown: "y-", PageUp: "z+", PageDown: "z-" };
@@ -689,6 +689,7 @@ $("path-shade").onchange = () => { picture.shade = $("path-shade").value; pictur
 for (const button of document.querySelectorAll("[data-output]")) {
   button.onclick = () => order("output", { name: button.dataset.output, rpm: Number($("rpm").value) || 0 });
 }
+switchWork(order, ask);
 $("teach-begin").onclick = () => order("teach", { what: "begin" });
 $("teach-drop").onclick = () => order("teach", { what: "drop" });
 $("teach-save").onclick = async () => {

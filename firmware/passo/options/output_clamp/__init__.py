@@ -1,0 +1,1 @@
+"""An output named `clamp`: what holds the work."""

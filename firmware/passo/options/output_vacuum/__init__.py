@@ -1,0 +1,1 @@
+"""An output named `vacuum`: the cleaner."""
