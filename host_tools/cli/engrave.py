@@ -120,7 +120,8 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
         save_preview(preview, powers, rows, options, machine, seconds)
         console.print(str(preview))
     if out:
-        out.write_bytes(b"".join(line + b"\n" for _number, line in lines))
+        with out.open("wb") as written:
+            written.writelines(line + b"\n" for _number, line in lines)
         console.print(f"{out}: {count_text(len(lines), 'line')}")
     if client:
         name = file.name if file else CARD
@@ -208,7 +209,7 @@ def save_preview(path, powers, rows, options, machine, seconds):
     ways = []
     for row in rows:
         side = -over if row.backward else over
-        begin, end = row.runs[0][0], row.runs[-1][1]
+        begin, end = row.begin, row.end
         ways += [[(begin - side, row.y), (begin, row.y)], [(end, row.y), (end + side, row.y)]]
     colors = plt.get_cmap("turbo")([at / max(1, len(ways) - 1) for at in range(len(ways))])
     axes.add_collection(LineCollection(ways, colors=colors, linewidths=0.6, label=_("speeding up and slowing down, beam off; the first row is blue")))

@@ -28,7 +28,8 @@ from host_tools.programs.gcode_time import Limits, settings_of
 
 SHADES = ("jarvis", "floyd", "threshold", "grey")
 MOST_DOTS = 40_000_000
-MOST_PIXELS = 20_000_000  # of a picture as it is read: up to 9 bytes each
+MOST_PIXELS = 20_000_000  # of a picture as it is read: up to 5 bytes each
+_BAND = 256  # rows of a picture at once
 number = partial(toolpath.number, decimals=3)
 # How a dot's error is shared, in parts of the first number: (dx, dy, parts)
 _FLOYD = 16, ((1, 0, 7), (-1, 1, 3), (0, 1, 5), (1, 1, 1))
@@ -117,11 +118,30 @@ class Machine:
 
 @dataclass
 class Row:
-    """A row's height, and its runs in the order in which they are burnt: (begin, end, power 0 to 1) in mm."""
+    """A row's height, and its runs in the order in which they are burnt. Run n lies between `cuts` n and n + 1, in dots, `left` is where dot 0
+    begins, and `powers` has the power of each, 0 to 1. Arrays: a tuple of floats a run would be ten times as much memory."""
 
     y: float
     backward: bool
-    runs: list
+    left: float
+    pitch: float
+    cuts: object
+    powers: object
+
+    @property
+    def begin(self):
+        """Where the first run begins, in mm."""
+        return self.left + int(self.cuts[0]) * self.pitch
+
+    @property
+    def end(self):
+        return self.left + int(self.cuts[-1]) * self.pitch
+
+    @property
+    def runs(self):
+        """[(begin, end, power)], in mm."""
+        places = [self.left + cut * self.pitch for cut in self.cuts.tolist()]
+        return list(zip(places, places[1:], self.powers.tolist()))
 
 
 def open_picture(path):
@@ -129,20 +149,37 @@ def open_picture(path):
     try:
         with Image.open(path) as picture:
             _check_pixels(picture, path)
-            picture = ImageOps.exif_transpose(picture)
+            ImageOps.exif_transpose(picture, in_place=True)
             if picture.mode in ("I", "I;16", "I;16B", "F"):
-                values = np.asarray(picture, np.float64)
-                span = max(1e-9, float(values.max() - values.min()))
-                return Image.fromarray(((values - values.min()) / span * 255).astype(np.uint8))
+                return _of_numbers(picture)
             if not picture.has_transparency_data:
                 return picture.convert("L")
-            grey, opacity = (picture if picture.mode == "RGBA" else picture.convert("RGBA")).convert("LA").split()
-            return Image.composite(grey, Image.new("L", grey.size, "white"), opacity)
+            grey = Image.new("L", picture.size, "white")
+            for part in _bands(picture):
+                colours = picture.crop(part).convert("RGBA")
+                grey.paste(colours.convert("L"), part, colours.getchannel("A"))
+            return grey
     except FileNotFoundError:
         raise Failure("there is no file {}", path) from None
     except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
         refuse_others_at(path)
         raise Failure("{} cannot be read as a picture: {}", path, reason(error)) from None
+
+
+def _bands(picture):
+    """Boxes of rows, from above: a copy of the whole in another mode takes as much memory as the picture."""
+    for top in range(0, picture.height, _BAND):
+        yield 0, top, picture.width, min(top + _BAND, picture.height)
+
+
+def _of_numbers(picture):
+    """Grey of a picture of larger numbers, from its least to its largest."""
+    low, high = picture.getextrema()
+    grey = Image.new("L", picture.size)
+    for part in _bands(picture):
+        values = np.asarray(picture.crop(part), np.float64)
+        grey.paste(Image.fromarray(((values - low) / max(1e-9, high - low) * 255).astype(np.uint8)), part)
+    return grey
 
 
 def _check_pixels(picture, path):
@@ -244,13 +281,13 @@ def rows_of(powers, options):
         if not len(burning):
             continue
         first, last = int(burning[0]), int(burning[-1]) + 1
-        cuts = [first, *(first + 1 + np.flatnonzero(np.diff(row[first:last]))).tolist(), last]
+        cuts = np.concatenate(([first], first + 1 + np.flatnonzero(np.diff(row[first:last])), [last])).astype(np.int32)
         backward = not options.one_way and len(rows) % 2 == 1
         shift = left + (options.offset_mm if backward else 0)
-        runs = [(shift + begin * pitch, shift + end * pitch, float(row[begin])) for begin, end in zip(cuts, cuts[1:])]
+        powers_of_runs = row[cuts[:-1]]
         if backward:
-            runs = [(end, begin, power) for begin, end, power in reversed(runs)]
-        rows.append(Row(bottom + (number + 0.5) * pitch, backward, runs))
+            cuts, powers_of_runs = cuts[::-1], powers_of_runs[::-1]
+        rows.append(Row(bottom + (number + 0.5) * pitch, backward, shift, pitch, cuts, powers_of_runs))
     return rows
 
 
@@ -259,7 +296,7 @@ def bounds(rows, options, machine):
     if not rows:
         raise Failure("nothing burns: the picture is white by --white, --threshold or --invert")
     over = overscan(options, machine)
-    ends = [x for row in rows for x in (row.runs[0][0], row.runs[-1][1])]
+    ends = [x for row in rows for x in (row.begin, row.end)]
     return min(ends) - over, rows[0].y, max(ends) + over, rows[-1].y
 
 
@@ -294,8 +331,8 @@ def gcode(rows, options, machine):
 def row_lines(row, options, machine):
     """The lines of one row."""
     over = overscan(options, machine) * (-1 if row.backward else 1)
-    yield f"G0X{number(row.runs[0][0] - over)}Y{number(row.y)}"
-    yield f"G1X{number(row.runs[0][0])}S0"
+    yield f"G0X{number(row.begin - over)}Y{number(row.y)}"
+    yield f"G1X{number(row.begin)}S0"
     mode = ""
     dots = []  # powers of equally long dots up to `reached`, which will be one line
 
@@ -321,16 +358,16 @@ def row_lines(row, options, machine):
                 yield from line()
                 mode = ""
     yield from line()
-    yield f"X{number(row.runs[-1][1] + over)}S0"
+    yield f"X{number(row.end + over)}S0"
 
 
 def powers_s(rows, options, machine):
     """(powers a second that the densest row wants, those that a link brings)."""
-    def count(run):
-        dots = round(abs(run[1] - run[0]) * options.dots_mm)
-        return dots if dots <= machine.cluster else 1
+    def count(row):
+        dots = abs(np.diff(row.cuts))
+        return int(np.where(dots <= machine.cluster, dots, 1).sum())
 
-    rates = (sum(map(count, row.runs)) / max(1e-9, abs(row.runs[-1][1] - row.runs[0][0])) for row in rows)
+    rates = (count(row) / max(1e-9, abs(row.end - row.begin)) for row in rows)
     return max(rates) * options.speed / 60, PACKED_S if machine.packed else DOTS_S if machine.cluster else LINES_S
 
 

@@ -19,20 +19,19 @@ def name_of(element):
     return f'<{local_name(element.tag)} id="{name}">' if name else f"<{local_name(element.tag)}>"
 
 
-_LENGTHS = "x y x1 y1 x2 y2 cx cy r rx ry width height dx dy rotate startOffset textLength viewBox stroke-dasharray stroke-dashoffset font-size".split()
+_LENGTHS = frozenset("x y x1 y1 x2 y2 cx cy r rx ry width height dx dy rotate startOffset textLength viewBox stroke-dasharray stroke-dashoffset font-size".split())
 _BY_LETTERS = re.compile(r"\d(rem|ex|ch)\b")
 _WORDS = frozenset("auto none inherit initial medium small large smaller larger x-small x-large xx-small xx-large".split())
 
 
 def unreadable(element):
     """How many attributes of an element should be numbers and are not: nan, inf, words."""
-    given = ((name, element.get(name)) for name in _LENGTHS)
-    return sum(text is not None and text.strip() not in _WORDS and not are_lengths(text) for name, text in given)
+    return sum(text.strip() not in _WORDS and not are_lengths(text) for name, text in element.items() if name in _LENGTHS)
 
 
 def by_letters(element):
     """How many lengths of an element are in a unit of letters that depends on more than their size."""
-    return sum(bool(_BY_LETTERS.search(element.get(name, ""))) for name in _LENGTHS)
+    return sum(bool(_BY_LETTERS.search(text)) for name, text in element.items() if name in _LENGTHS)
 
 
 @contextlib.contextmanager

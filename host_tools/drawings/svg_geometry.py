@@ -190,6 +190,7 @@ def box_matrix(lines, matrix):
     return (positions.real.max() - left, 0.0, 0.0, positions.imag.max() - top, left, top)
 
 
+@lru_cache(maxsize=256)
 def stretch(of):
     """The largest factor by which a matrix lengthens anything."""
     return float(numpy.linalg.norm(numpy.array([[of[0], of[2]], [of[1], of[3]]]), 2))

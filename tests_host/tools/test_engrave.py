@@ -1,6 +1,7 @@
 """`passo engrave`: pictures to rows, rows to G-code, and what the virtual laser burns of them."""
 
 import re
+import subprocess
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from digest import Sink, board_named, checked
+from host_tools import interpreter
 from host_tools.cli.main import app
 from host_tools.drawings import engraving
 from host_tools.drawings.engraving import Machine, Options
@@ -267,6 +269,25 @@ def test_a_big_picture_is_read_small_or_refused(tmp_path, monkeypatch):
     assert small.size == (200, 150) and abs(np.asarray(small, float) - np.asarray(picture.resize((200, 150)), float)).mean() < 3
     with pytest.raises(Failure, match="800 × 600 pixels: at most 100000"):
         engraving.open_picture(tmp_path / "a.png")
+
+
+PEAK = """
+import re, sys
+from host_tools.drawings import engraving
+def peak():  # that of getrusage() begins with the parent's
+    return 1024 * int(re.search(r"VmHWM:\\s+(\\d+)", open("/proc/self/status").read())[1])
+before = peak()
+picture = engraving.open_picture(sys.argv[1])
+print((peak() - before) / picture.width / picture.height)
+"""
+
+
+@pytest.mark.parametrize("mode, most", [("RGBA", 7), ("I;16", 7), ("L", 4)])
+def test_a_big_picture_takes_a_few_bytes_a_pixel(tmp_path, mode, most):
+    """Once as it is, once in grey, and a band of rows: whole copies in other modes made 14 bytes of RGBA and 21 of 16 bits."""
+    Image.new(mode, (4000, 2500), 200 if mode != "RGBA" else (200, 100, 50, 120)).save(tmp_path / "a.png", compress_level=1)
+    done = subprocess.run([*interpreter.python(), "-c", PEAK, str(tmp_path / "a.png")], capture_output=True, text=True, check=True)
+    assert 1 < float(done.stdout) < most
 
 
 @pytest.mark.parametrize("mode", ["RGBA", "LA", "P", "RGB", "L", "1"])
