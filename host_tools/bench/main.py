@@ -1,7 +1,7 @@
 """`python -m host_tools.bench`: the measurements, printed as tables and written to docs/reference/benchmarks.md.
 
-Each part of the document stands between two markers and is replaced when its bench has run. The text around it, with method
-and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
+Each part of the document stands between two markers and is replaced when its bench has run, and with it the rows at the top that tell its
+figures (summary.py). The text around it, with method and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
 they are named.
 
 The parts of the emulated Pico are in `pico`, `moving`, `where` and `frozen`; `make bench ARGS=pico` runs all of them.
@@ -20,6 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from statistics import fmean
 
 from host_tools import interpreter
+from host_tools.bench.summary import summarise
 from host_tools.build.tree import unix_tree
 from host_tools.emulator import binary
 from host_tools.emulator.binary import Unavailable
@@ -278,7 +279,7 @@ def main(wanted):
             failed.append(part)
             continue
         show(f"{part} ({time.monotonic() - begun:.0f} s)", header, rows)
-        DOCUMENT.write_text(replace(DOCUMENT.read_text(), part, markdown(header, rows)))
+        DOCUMENT.write_text(summarise(replace(DOCUMENT.read_text(encoding="utf-8"), part, markdown(header, rows))), encoding="utf-8")
     print(f"written to {DOCUMENT.relative_to(ROOT)}")
     if failed:
         raise Failure(f"failed: {', '.join(failed)}")

@@ -4,12 +4,12 @@ import re
 
 import pytest
 
+from host_tools.bench.summary import LINES, Tables, cached, summarise
 from host_tools.prove.promises import BETTER, KEPT, MEMORY, PROMISES, WORSE, verdict
 from host_tools.resources import ROOT
 
 DOCUMENT = (ROOT / "docs" / "reference" / "benchmarks.md").read_text(encoding="utf-8")
 TEXT = re.sub(r"\s+", " ", DOCUMENT)
-LINES = DOCUMENT.splitlines()
 
 
 @pytest.mark.quick
@@ -33,28 +33,24 @@ def test_verdicts():
     assert verdict(PROMISES["free_bytes"], 55_000, 60_992) == KEPT and verdict(PROMISES["free_bytes"], 50_000, 60_992) == WORSE
 
 
-def rows_of(part):
-    """Cells of each row of a bench's table."""
-    table = LINES[LINES.index(f"<!-- bench:{part} -->") + 3 : LINES.index(f"<!-- /bench:{part} -->")]
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
-
-
-def said_of(figure):
-    """The cell "measured" of a figure's row at the top."""
-    return next(line for line in LINES if line.startswith(f"| {figure} |")).split("|")[4]
+@pytest.mark.quick
+def test_the_rows_at_the_top_are_those_of_their_tables():
+    assert summarise(DOCUMENT) == DOCUMENT, "make bench ARGS=ways writes them anew"
 
 
 @pytest.mark.quick
-def test_the_rows_at_the_top_are_those_of_their_tables():
-    boot = {row[0]: row for row in rows_of("boot") if row[2] == "no"}
-    boards = [boot[board] for board in ("plotter_2014", "router_3axis", "mill_2004")]
-    free, uf2_free = ([round(int(row[column]) / 1000) for row in boards] for column in (5, 10))
-    pieces = [round(int(boot["router_3axis"][column]) / 1000) for column in (6, 11)]
-    assert [int(number) for number in re.findall(r"(\d+)(?= kB|, \d+ and| and)", said_of("heap free, all loaded"))] == [*free, pieces[0], *uf2_free, pieces[1]]
-    ready, uf2_ready = ([f"{int(row[column]) / 1000:.1f}" for row in boards] for column in (4, 9))
-    told = re.findall(r"\d+\.\d", said_of("reset to the first answer"))
-    assert told[:3] == ready and told[4:] == uf2_ready
-    links = {tuple(row[:3]): row for row in rows_of("links")}
-    assert re.findall(r"(\d+)/s", said_of("points over USB")) == [links["USB", "0", "32"][4], links["USB", "100", "32"][4]]
-    wire = links["UART, 57 600 baud", "100", "32"], links["UART, 115 200 baud", "100", "32"]
-    assert [int(each) for each in re.findall(r"(\d+)/s", said_of("points on the UART, three axes at 100 kHz, part of the wire's limit"))] == [int(row[3]) for row in wire]
+def test_another_figure_in_a_table_is_another_at_the_top():
+    row = Tables(DOCUMENT).row("boot", "router_3axis", "grbl", "no")
+    other = summarise(DOCUMENT.replace(f"| {row['heap free, bytes']} |", "| 11900 |"))
+    assert "kB plotter, 12 kB router" in other and other != DOCUMENT
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("page", ["README.md", "docs/pt/README.md"])
+def test_readme_has_figures_of_these_tables(page):
+    text, tables = (ROOT / page).read_text(encoding="utf-8"), Tables(DOCUMENT)
+    fastest = tables.row("pulses", "3", "480")
+    assert fastest["words late"] == "0" and f"{fastest['kHz']} 000 " in text
+    over_usb = [row for row in tables.rows("gcode") if row["G-code on router_3axis"].startswith(LINES + " over USB, the PC takes 0 ")]
+    low, high = (int(cached(row, "measured")) // 100 * 100 for row in over_usb)
+    assert re.findall(r"(\d+) (?:to|a) (\d+) (?:short lines|linhas curtas)/s", text) == [(str(low), str(high))]
