@@ -45,7 +45,7 @@ def budget(board):
     rows = [(_("pins"), _pins(board, claimed))]
     if board["chip"] in RP2_BLOCKS:
         rows.append(("PIO", _pio(board)))
-    if board["registers"]:
+    if board.get("registers"):
         rows.append((_("shift registers"), _registers(board)))
     if board["chip"].startswith("esp32"):
         rows.append((_("memory"), memory(board)))

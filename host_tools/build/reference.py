@@ -60,12 +60,14 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import device_keys, shift_keys
+    from passo.config import device_keys
     from passo.config.job_keys import JOBS
 
     own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items() if key not in WRITTEN}
     rules = {**boardfile._BOARD, **own, **device_keys.RULES, "jobs": JOBS}
-    shift_keys.extend(rules)
+    for manifest in manifests().values():
+        if hasattr(manifest, "extend"):
+            manifest.extend(rules)
     return rules
 
 
@@ -181,7 +183,7 @@ def _pins(board):
     for item in board.get("encoders", ()):
         for pin, wire in zip(item["pins"], "AB"):
             yield pin, f"encoder {item['motor'].upper()} {wire}", ", pull-up"
-    if board["registers"]:
+    if board.get("registers"):
         for key in ("clock", "latch", "in", "out"):
             yield board["registers"][key], f"registers' {key}", ""
         for item in board["registers"]["edges"]:
@@ -197,7 +199,7 @@ def _pins(board):
     if board.get("inverter"):
         yield board["inverter"]["tx"], "inverter TX", f", {board['inverter']['baud']} baud"
         yield board["inverter"]["rx"], "inverter RX", ""
-    for key, pin in (board["shift"] or {}).items():
+    for key, pin in board.get("shift", {}).items():
         if pin >= 0:
             yield pin, f"registers' {key}", ""
     if board["spindle"]["pwm"]:

@@ -108,10 +108,6 @@ BROKER, ERROR_TEXTS = WEB / "broker.py", Path("passo", "error_texts.py")  # only
 _STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 4088, 40
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
-# Ports that only boards with a key have; spared, as features are, where a network takes the room of the flash.
-OF_KEYS = {
-    "registers": ("shift_registers.py", "rp2/shift_registers.py"),
-}  # fmt: skip
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
 OPTIONS = Path("passo", "options")  # a folder a key of the board file: only boards with the key have it
 # Only boards with outputs for the programme, M62 to M65, have these.
@@ -119,7 +115,6 @@ DIGITAL = (
     Path("passo", "ports", "rp2", "switching.py"), Path("passo", "steps", "switching.py"),
 )  # fmt: skip
 OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
-OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
 
 def module_files(firmware=FIRMWARE):
@@ -129,8 +124,6 @@ def module_files(firmware=FIRMWARE):
 
 def runs_on(path, chip=None):
     """Whether a module runs on `chip`; without one, whether it runs on any chip at all."""
-    if path.parts == OF_ESP32:
-        return chip is None or chip.startswith("esp32")
     in_option = path.is_relative_to(OPTIONS) and path.stem.startswith(PORT_OF)
     if path.parts[:2] != ("passo", "ports") and not in_option:
         return True
@@ -240,9 +233,6 @@ def selected(board, firmware=FIRMWARE, spared=None):
     absent += tuple(set(DIGITAL) - set(switching))
     options = options_of(board, firmware)
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent and option_of(path) in options]
-    if board.get("network"):
-        unused = {Path("passo", "ports", name) for key, names in OF_KEYS.items() if not board.get(key) for name in names}
-        files = [path for path in files if path not in unused]
     known = {language_name(path) for path in files} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
     if any(link.get("frames") for link in board.get("links", [])):

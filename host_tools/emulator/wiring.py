@@ -44,7 +44,7 @@ class Wiring:
             self._servo_us = self._rose = None
             pico.pads.listen(board["servo"]["pin"], self._heard_servo)
         self.chains = None
-        if board["registers"]:
+        if board.get("registers"):
             self.chains = Chains(pico, board["registers"], lambda bit, level: self._heard_output(REGISTER_BIT + bit, level))
             self._edges = [(item["pin"], item["inputs"].split()) for item in board["registers"]["edges"]]
         self._inner = plant.pins  # told of changes before

@@ -91,7 +91,7 @@ def common_enable(board):
 
 def _tools(board):
     pin, spindle = board["tool"]["pin"], board["spindle"]
-    follower = board["registers"]["tool"] if board["registers"] else -1
+    follower = board["registers"]["tool"] if board.get("registers") else -1
     kind, title, notes = _tool(board)
     power = [Terminal("PWM", spindle["pin"])] if spindle["pwm"] else []
     level = _("active high") if board["tool"]["active"] else _("active low")
@@ -234,7 +234,7 @@ def _lines(board):
 
 def _registers(board):
     """The bank of shift registers, and the diodes that join inputs behind them."""
-    registers, shift = board["registers"], board["shift"]
+    registers, shift = board.get("registers"), board.get("shift")
     if registers:
         keys = (("CLK", "clock"), ("LATCH", "latch"), ("QH", "in"), ("SER", "out"))
         chips = f"{registers['inputs']} × 74HC165, {registers['outputs']} × 74HC595"
@@ -251,9 +251,9 @@ def _registers(board):
 
 def chips_of(board):
     """{"in": 74HC165, "out": 74HC595}: how many of each there are."""
-    if board["registers"]:
+    if board.get("registers"):
         return {"in": board["registers"]["inputs"], "out": board["registers"]["outputs"]}
-    if not board["shift"]:
+    if not board.get("shift"):
         return {"in": 0, "out": 0}
     bits = [pin for _, pins in motors(board) for pin in pins] + [board["tool"]["pin"]] + [item["pin"] for item in board["outputs"]]
     return {"in": 0, "out": (max(bits) - REGISTER_BIT) // 8 + 1}

@@ -420,6 +420,7 @@ def _import_port():
 
         for option in ("encoders", "interlock"):
             __import__("passo.options.%s.port_pins" % option)
+        __import__("passo.options.shift.port_esp32")
     finally:
         for name in before:
             if before[name] is None:

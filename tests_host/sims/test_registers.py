@@ -43,7 +43,7 @@ class Pads:
 
 @pytest.fixture
 def shifted(monkeypatch):
-    """passo.ports.shift_registers on these pads."""
+    """passo.options.registers.port on these pads."""
     pico = Pads()
 
     class Pin:
@@ -63,11 +63,11 @@ def shifted(monkeypatch):
     monkeypatch.setitem(sys.modules, "machine", machine)
     monkeypatch.setattr(time, "ticks_us", lambda: time.perf_counter_ns() // 1000, raising=False)
     monkeypatch.setattr(time, "ticks_diff", lambda end, begin: end - begin, raising=False)
-    monkeypatch.delitem(sys.modules, "passo.ports.shift_registers", raising=False)
-    import passo.ports.shift_registers as module
+    monkeypatch.delitem(sys.modules, "passo.options.registers.port", raising=False)
+    import passo.options.registers.port as module
 
     yield pico, module
-    sys.modules.pop("passo.ports.shift_registers", None)
+    sys.modules.pop("passo.options.registers.port", None)
 
 
 @pytest.mark.parametrize("chips", [(1, 1), (2, 1), (1, 3), (3, 2), (0, 1), (2, 0)])

@@ -17,7 +17,6 @@ from host_tools.resources import ROOT
 from host_tools.wiring import table
 from host_tools.wiring.drawing import drawing
 from host_tools.wiring.parts import REGISTER_BIT, common_enable, motors, parts
-from passo.config import shift_keys
 from passo.config.boardfile import check, claimed_pins
 
 ImageFont = pytest.importorskip("PIL.ImageFont")
@@ -39,7 +38,7 @@ def checked(name):
 
 def expected(board):
     """{pin as `data-pin` has it: names of the parts that it leads to}, by the claims of the firmware's own check."""
-    claims = claimed_pins(board) + (shift_keys.claims(board) if board["shift"] else [])
+    claims = claimed_pins(board)
     power = "power" if board["tool"]["pin"] >= REGISTER_BIT else "tool"
     whole = {"tool": "tool", "spindle's power": power, "input of the registers": "registers", "drivers": "drivers", "spi_drivers": "drivers", **{name: name for name in ("inverter", "card", "servo")}}
     begun = {"axis ": "motor_", "input of encoder ": "encoder_", "input ": "in_", "output ": "out_", "link ": "link_"}
@@ -58,7 +57,7 @@ def expected(board):
         found[key] = {part}
     for way, items in (("in", board["inputs"]), ("out", board["outputs"])):
         found.update({f"{way} {item['pin']}": {f"{way}_{item['name']}"} for item in items if item["pin"] >= REGISTER_BIT})
-    if board["registers"] and board["registers"]["tool"] >= 0:
+    if board.get("registers") and board["registers"]["tool"] >= 0:
         found[f"out {board['registers']['tool']}"] = {"tool_out"}
     if common_enable(board) is not None:
         found[str(common_enable(board))] = {f"motor_{name}" for name, _ in motors(board)}

@@ -38,7 +38,8 @@ def names_of(outputs):
 def own_rules(board, rules):
     """The manifests of the options that the board file asks for, by their keys and by what its outputs are. Adds their RULES to `rules`.
 
-    A manifest may have prepare(board), called before pins are checked, claims(board): [(pin, who)], and check(board)."""
+    A manifest may have extend(rules), prepare(board), called before pins are checked, claims(board): [(pin, who)], has_bit(pin): True for an
+    output that is no pin of the chip, and check(board)."""
     own = []
     outputs = board.get("outputs")
     names = names_of(outputs if isinstance(outputs, (list, tuple)) else ())

@@ -117,7 +117,6 @@ _BOARD = {
     "chip": ("rp2040", "rp2350", "esp32", "esp32s2", "esp32s3", "esp32c3", "esp32c6"),
     "clock_mhz": (int, 0, 0, 400),  # rp2 chips: one of CLOCKS_MHZ; 0: its first
     "psram": (bool, False, 0, 1),  # ESP32: the module has it
-    "shift": {},  # shift_keys.py
     "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
     "drive": _DRIVE,
     "axes": [_AXIS, 1, 4],
@@ -138,9 +137,9 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("card", "jobs", "journal", "network", "registers", "tool_change")  # device_keys.py
+DEVICES = ("card", "jobs", "journal", "network", "tool_change")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
-_ABSENT = ("homing", "shift", "step_program") + DEVICES  # None if not there
+_ABSENT = ("homing", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
@@ -153,7 +152,7 @@ def check(board):
     _want_dict(_WHOLE, board)
     board = {key: value for key, value in board.items() if value is not None or key in _BOARD}  # None asks for no option
     rules = dict(_BOARD)
-    devices = shift = lines = None
+    devices = lines = None
     if isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
         from passo.config import port_pins
 
@@ -166,28 +165,22 @@ def check(board):
             from passo.config.job_keys import JOBS
 
             rules["jobs"] = JOBS
-    if board.get("shift") and str(board.get("chip")).startswith("esp32"):
-        from passo.config import shift_keys as shift
-
-        shift.extend(rules)
     own = own_rules(board, rules)
+    _call(own, "extend", rules)
     board = _section(_WHOLE, board, rules)
     if lines:
         board["step_program"].update(lines)
     _check_clock(board)
-    if shift is not None:
-        shift.check(board)
     _call(own, "prepare", board)
-    _check_pins(board, shift, own)
+    _check_pins(board, own)
     _check_order(board)
     _check_homing(board)
     _check_links(board)
     if devices is not None:
         devices.check(board)
-    elif shift is None and [item for item in board["inputs"] + board["outputs"] if item["pin"] >= REGISTER_BIT]:
-        raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _call(own, "check", board)
+    _check_bits(board)
     _check_filters(board)
     modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
     if board["drive"]["mode"] not in modes.split(", "):
@@ -198,11 +191,11 @@ def check(board):
     return board
 
 
-def _call(manifests, name, board):
-    """Call this function of each manifest that has it."""
+def _call(manifests, name, what):
+    """Call this function of each manifest that has it. `what`: the board, or the rules."""
     for module in manifests:
         if hasattr(module, name):
-            getattr(module, name)(board)
+            getattr(module, name)(what)
 
 
 def _want_dict(where, data):
@@ -276,13 +269,9 @@ def claimed_pins(board, own=None):
         claims.append((board["spindle"]["pin"], "spindle's power"))
     for what in ("input", "output"):
         claims += [(item["pin"], "%s %s" % (what, item["name"])) for item in board[what + "s"] if item["pin"] < REGISTER_BIT]
-    for module in own_rules(board, {}) if own is None else own:
+    for module in own_rules({key: value for key, value in board.items() if value}, {}) if own is None else own:
         if hasattr(module, "claims"):
             claims += module.claims(board)
-    if board["registers"]:
-        for key in ("clock", "latch", "in", "out"):
-            claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
-        claims += [(item["pin"], "input of the registers' edges of " + item["inputs"]) for item in board["registers"]["edges"]]
     if board["card"]:
         claims += [(board["card"][key], "card " + key) for key in ("sck", "mosi", "miso", "cs")]
     for link in board["links"]:
@@ -291,7 +280,7 @@ def claimed_pins(board, own=None):
     return claims
 
 
-def _check_pins(board, shift, own):
+def _check_pins(board, own):
     kind = board["drive"]["kind"]
     most = (MOST_BITS - 1) // PINS_OF[kind] - len(board.get("more_motors", ()))
     if len(board["axes"]) > most:
@@ -300,8 +289,8 @@ def _check_pins(board, shift, own):
         if len(axis["pins"]) != PINS_OF[kind]:
             raise BoardError("axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, PINS_OF[kind], len(axis["pins"])))
     owners = {}
-    for pin, who in claimed_pins(board, own) + (shift.claims(board) if shift is not None else []):
-        outside = shift is not None and shift.shifted(pin)
+    for pin, who in claimed_pins(board, own):
+        outside = any([module.has_bit(pin) for module in own if hasattr(module, "has_bit")])
         if not outside and (not isinstance(pin, int) or not 0 <= pin <= 48):
             raise BoardError("%s: %r is no pin number" % (who, pin))
         if pin in owners:
@@ -343,6 +332,14 @@ def _check_step_program(board):
         bits = config["port_bits"].replace("-", "")
         if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
             raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
+
+
+def _check_bits(board):
+    if "bank" not in board.get("parts", ()):
+        for key in ("inputs", "outputs"):
+            for item in board[key]:
+                if item["pin"] >= REGISTER_BIT:
+                    raise BoardError("%s %s: pin %d is a bit of a register; there is none" % (key[:-1], item["name"], item["pin"]))
 
 
 def _check_filters(board):

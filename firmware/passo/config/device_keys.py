@@ -1,14 +1,9 @@
-"""The keys `card`, `journal`, `network`, `registers` and `tool_change` of a board file: only
+"""The keys `card`, `journal`, `network` and `tool_change` of a board file: only
 boards that have one of them load this. RULES are in the notation of boardfile.py."""
 
 from passo.config.board_error import BoardError, want_input
 from passo.config.chip_pins import PIN
-from passo.records import REGISTER_BIT
 
-EDGES = {
-    "pin": PIN,
-    "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
-}
 RULES = {
     "card": {"spi": (int, 1, 0, 2), "sck": PIN, "mosi": PIN, "miso": PIN, "cs": PIN},
     "journal": {
@@ -27,16 +22,6 @@ RULES = {
         "broker_user": (str, "", 0, 40),
         "broker_password": (str, "", 0, 64),
     },
-    "registers": {
-        "clock": PIN,
-        "latch": PIN,
-        "in": PIN,
-        "out": PIN,
-        "inputs": (int, 1, 0, 3),  # chips: 74HC165
-        "outputs": (int, 1, 0, 3),  # and 74HC595
-        "edges": [EDGES, 0, 4],  # pins whose edges have the inputs read at once
-        "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
-    },
     "tool_change": {
         "at": (list, ..., 2, 2),  # machine coordinates of X and Y, mm: where tools are changed
         "sensor": (list, ..., 2, 2),  # and where their length is found
@@ -53,7 +38,7 @@ def check(board):
 
         job_keys.check(board)
     for key, check_key in _CHECKS:
-        if board[key] is not None or key == "registers":
+        if board[key] is not None:
             check_key(board, board[key])
     if board["network"]:
         from passo.config import network_keys  # most boards have none
@@ -102,60 +87,7 @@ def _check_tool_change(board, config):
                 raise BoardError("tool_change.%s: whole mm within %d … %d on %s" % (key, low, high, item["name"]))
 
 
-def _check_registers(board, config):
-    """Raise BoardError if two inputs or outputs share a bit, if a bit lies beyond the chips, or if something that has to act at once is on a
-    register that the main loop reads. `config`: of the registers; None: there are none."""
-    prompt = _prompt(board, config)
-    quick = {}  # name of an input: why not
-    for name in (board["homing"]["sensors"].values() if board["homing"] else ()):
-        quick[name] = "homing's sensor"
-    for name in [str(name) for name in (board["interlock"]["limits"].values() if board.get("interlock") else ())]:
-        quick[name] = "a limit"
-    for key, what in (("inputs", "74HC165"), ("outputs", "74HC595")):
-        owners = {}
-        if config and key == "outputs" and config["tool"] >= 0:
-            owners[config["tool"] - REGISTER_BIT] = "tool"
-            if not 0 <= config["tool"] - REGISTER_BIT < 8 * config["outputs"]:
-                raise BoardError("registers.tool: %d is no bit of the 74HC595" % config["tool"])
-        for item in board[key]:
-            bit = item["pin"] - REGISTER_BIT
-            if bit < 0:
-                if config and key == "inputs" and 23 <= item["pin"] <= 25:
-                    raise BoardError("input %s: beside registers it cannot be on pin 23, 24 or 25" % item["name"])
-                continue
-            if config is None and board.get("shift"):
-                continue  # shift_keys.py has looked at it
-            if config is None:
-                raise BoardError("%s %s: pin %d is a bit of a register; there is none" % (key[:-1], item["name"], item["pin"]))
-            if bit >= 8 * config[key]:
-                found = key[:-1], item["name"], key, 8 * config[key], REGISTER_BIT, REGISTER_BIT + 8 * config[key] - 1, item["pin"]
-                raise BoardError("%s %s: registers.%s has %d bits, pins %d … %d, not %d" % found)
-            if bit in owners:
-                raise BoardError("bit %d of the %s is claimed by %s and by %s" % (bit, what, owners[bit], item["name"]))
-            owners[bit] = item["name"]
-            if item.get("halt"):
-                raise BoardError("input %s: one that halts needs a pin of its own" % item["name"])
-            if item["name"] in quick and key == "inputs" and item["name"] not in prompt:
-                raise BoardError("input %s: %s needs a pin of its own, or one of registers.edges" % (item["name"], quick[item["name"]]))
-            if item.get("role", "none") != "none":
-                raise BoardError("output %s: a relay of the change-over needs a pin of its own" % item["name"])
-
-
-def _prompt(board, config):
-    """Names of the inputs behind registers that have these read at once."""
-    names = []
-    behind = [item["name"] for item in board["inputs"] if item["pin"] >= REGISTER_BIT]
-    for item in config["edges"] if config else ():
-        if 23 <= item["pin"] <= 25:
-            raise BoardError("registers.edges: none can be on pin 23, 24 or 25")
-        for name in item["inputs"].split():
-            if name not in behind:
-                raise BoardError("registers.edges: %r is no input behind a 74HC165" % name)
-            names.append(name)
-    return names
-
-
 _CHECKS = (
-    ("card", _check_card), ("journal", _check_journal), ("registers", _check_registers),
+    ("card", _check_card), ("journal", _check_journal),
     ("tool_change", _check_tool_change),
 )  # fmt: skip

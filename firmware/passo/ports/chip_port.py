@@ -53,18 +53,19 @@ class ChipPort:
         `live_ticks`: where what is under way may change at any moment."""
         self._leads = lead_ticks, live_ticks
         self.lead_ticks = lead_ticks
-        self.registers = self._watch = None
-        self._tool = board["tool"]["pin"]
-        if board["registers"]:
-            from passo.ports import shift_registers as shifted  # here: most boards have none
-
-            self.registers = self._registers(board, shifted)
-            self.registers.exchange()
+        self.bank = None  # the part that serves inputs and outputs which are on no pin of the chip
+        self.veto = None  # the part that forbids motion: the outputs are its affair, too
+        self._parts = []  # of options: each has join(feeder, player) and close(), and may have check(), for each call of the feeder
+        self._inputs = {}
         self._outputs = {}
+        modules = dict(parts.load(board))
+        if "bank" in modules:
+            self._add(board, "bank", modules.pop("bank"))
+            self.bank.exchange()
         for entry in board["outputs"]:
             active = entry["active"]
             if entry["pin"] >= REGISTER_BIT:
-                pin = shifted.RegisterOutput(entry, self.registers)
+                pin = self.bank.output(entry)
             else:
                 pin = Pin(entry["pin"], Pin.OUT, value=1 - active)
             self._outputs[entry["name"]] = pin, active
@@ -82,23 +83,23 @@ class ChipPort:
         self._beat_ms = ticks_ms()
         self._lines = []
         self._watches = {}  # of limits and homing's sensors
-        self._inputs = {}
         self._mask = 0  # of their pins
         for entry in board["inputs"]:
             if entry["pin"] >= REGISTER_BIT:
-                self._inputs[entry["name"]] = shifted.RegisterInput(entry, self.registers)
+                self._inputs[entry["name"]] = self.bank.input(entry)
             else:
                 self._inputs[entry["name"]] = Input(entry, self)
                 self._mask |= 1 << entry["pin"]
         self._halting = [self._inputs[entry["name"]] for entry in board["inputs"] if entry["halt"]]
-        self.veto = None  # the part that forbids motion: the outputs are its affair, too
-        self._parts = []  # of options: each has join(feeder, player) and close(), and may have check(), for each call of the feeder
-        for name, module in parts.load(board):
-            self._parts.append(module.create(board, self, self._inputs, self._outputs))
-            setattr(self, name, self._parts[-1])
-        if self.veto is not None and self.registers is not None:
-            self._watch = shifted.RegisterWatch(self.veto, self.registers)
-            self._watch.watch(self, board["registers"]["edges"], board["inputs"])
+        for name in sorted(modules):
+            self._add(board, name, modules[name])
+        if self.bank is not None:
+            self.bank.begin(self, board, self._mask)
+
+    def _add(self, board, name, module):
+        """Make a part of an option."""
+        self._parts.append(module.create(board, self, self._inputs, self._outputs))
+        setattr(self, name, self._parts[-1])
 
     # --- what the contract of ports asks for
 
@@ -111,10 +112,6 @@ class ChipPort:
             line = UartLine(link)
         self._lines.append(line)
         return line
-
-    def _registers(self, board, shifted):
-        """What serves the board file's shift registers."""
-        return shifted.ShiftRegisters(board["registers"], shifted.first_levels(board))
 
     def _console(self):
         """What tells how many bytes the console has received; None: nothing does."""
@@ -264,20 +261,15 @@ class ChipPort:
                 item.pin.irq(None)
         for part in self._parts + self._lines:
             part.close()
-        if self.registers is not None:
-            self.registers.exchange()
 
     # --- interrupts
 
     def _join(self, feeder, player):
-        """What follows the steps gets them: the registers, parts of options."""
+        """What follows the steps gets them: parts of options."""
         self._feeder = feeder
-        if self.registers is not None:
-            self.registers.show_tool(self._tool)
-            self._looks = (self._exchange,)
         for part in self._parts:
             part.join(feeder, player)
-        self._looks += tuple([part.check for part in self._parts if hasattr(part, "check")])
+        self._looks = tuple([part.check for part in self._parts if hasattr(part, "check")])
 
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation
@@ -314,11 +306,6 @@ class ChipPort:
             if self._trip is not None:
                 self.power(0)  # a halting input came in between
 
-    def _exchange(self):  # ISR: no allocation
-        self.registers.exchange()
-        if self._watch is not None:
-            self._watch.look()
-
     def _set_out(self, played):  # ISR: no allocation
         """From a standstill, or a call behind, the first words go out before the others are made: these are handed over in
         small parts, so that the player never has to wait for the last of them."""
@@ -345,7 +332,7 @@ class ChipPort:
             self._player.hold(True)
             self._player.halt()
             self.power(0)
-        if self.registers is not None:
-            self.registers.exchange()  # the tool may show there
+        if self.bank is not None:
+            self.bank.exchange()  # the tool may show there
         if self.veto is not None and item in self._halting:
             self.veto.halted(item)

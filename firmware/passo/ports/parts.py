@@ -2,11 +2,13 @@
 
 
 def load(board, file=None):
-    """[(name, module)] of the parts, whose modules have create(). `file`: the name of the option's file to take instead."""
+    """[(name, module)] of the parts, whose modules have create(). `file`: the name of the option's file to take instead, for all but a bank."""
     found = []
     parts = board.get("parts") or {}
     for name in sorted(parts):
         module = parts[name]
+        if file and name == "bank":
+            continue
         if file:
             module = module.rpartition(".")[0] + "." + file
         found.append((name, __import__(module, None, None, ("create",))))

@@ -88,7 +88,7 @@ class VirtualPort:
         self._watches = {}
         self.clocked = []  # those of the parts that have a time: run(tick) once it is `due`
         self._parts = []
-        for name, module in parts.load(board, "port_virtual"):
+        for name, module in parts.load(board, "port_virtual"):  # but "bank": inputs and outputs are known by their names here
             self._parts.append(module.create(board, self, self.world))
             setattr(self, name, self._parts[-1])
         if mode == "stepped":

@@ -231,21 +231,3 @@ class I2sPlayer:
         frame = frame_of(number)
         flip = self._state[frames_viper.FLIP]
         self._state[frames_viper.FLIP] = flip | frame if level else flip & ~frame
-
-
-class ShiftPin:
-    """An output of the register, in the place of a Pin."""
-
-    def __init__(self, port, number, level):
-        self._port = port
-        self._number = number
-        self.level = level
-
-    def value(self, level):
-        self.level = level
-        self.show()
-
-    def show(self):
-        player = self._port.shift_player
-        if player is not None:
-            player.output(self._number, self.level)

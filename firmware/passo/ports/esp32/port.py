@@ -19,36 +19,22 @@ from micropython import const
 
 from passo.ports.chip_port import ChipPort
 from passo.ports.esp32.timer_player import TimerPlayer
-from passo.records import LEAD_TICKS, REGISTER_BIT
+from passo.records import LEAD_TICKS
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(5)
 _FEED_TIMER = const(1)  # TimerPlayer has timer 0
 _KEEP_MS = const(300)
 _PUMP_MS = const(2)
-_SHIFT_LEAD_TICKS = const(24 * 12_500)  # 16.4 ms of frames, 2 to the next pump, and a segment of an arc, which counts whole
-_PSRAM_LEAD_TICKS = const(41 * 12_500)  # 32.8 ms of frames
 
 
 class Port(ChipPort):
-    shift_player = None  # until there is one
-
     def __init__(self, board):
-        lead_ticks, shifted = LEAD_TICKS, ()
-        if board["shift"]:
-            global i2s_player
-            from passo.ports.esp32 import i2s_player  # here: the firmware of plain pins has no PCNT to ask for
-
-            lead_ticks = _PSRAM_LEAD_TICKS if board["psram"] else _SHIFT_LEAD_TICKS
-            shifted = [entry for entry in board["outputs"] if entry["pin"] >= REGISTER_BIT]
-            board = dict(board)
-            board["outputs"] = [entry for entry in board["outputs"] if entry["pin"] < REGISTER_BIT]
-        ChipPort.__init__(self, board, lead_ticks, lead_ticks)
-        self._shift_pins = []
-        for entry in shifted:
-            pin = i2s_player.ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"])
-            self._shift_pins.append(pin)
-            self._outputs[entry["name"]] = pin, entry["active"]
+        ChipPort.__init__(self, board, LEAD_TICKS, LEAD_TICKS)
+        self._pumps = hasattr(self.bank, "make_player")  # the bank plays the words
+        if self._pumps:
+            self.lead_ticks = self.bank.lead_ticks
+            self._leads = self.lead_ticks, self.lead_ticks
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""
@@ -58,11 +44,8 @@ class Port(ChipPort):
         pulse_ticks, least = word_times(board)
         pins = word_pins(board)
         invert = inverted_pins(board, layout)
-        if board["shift"]:
-            outputs = [pin - REGISTER_BIT for pin in pins]
-            self._player = self.shift_player = i2s_player.I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"], board["psram"])
-            for pin in self._shift_pins:
-                pin.show()
+        if self._pumps:
+            self._player = self.bank.make_player(ring, layout, pins, pulse_ticks, invert)
         else:
             self._player = TimerPlayer(ring, layout, pins, pulse_ticks, least, invert)
         return self._player
@@ -70,7 +53,7 @@ class Port(ChipPort):
     def feed_from_interrupt(self, feeder, player):
         self._join(feeder, player)
         self._timer = Timer(_FEED_TIMER)
-        self._timer.init(mode=Timer.PERIODIC, period=_PUMP_MS if self.shift_player else _FEED_MS, callback=self._feed_and_look)
+        self._timer.init(mode=Timer.PERIODIC, period=_PUMP_MS if self._pumps else _FEED_MS, callback=self._feed_and_look)
         return True
 
     def _feed_and_look(self, timer):
@@ -78,8 +61,8 @@ class Port(ChipPort):
             if self._trip is None and item.active():
                 self.trip(item)
         self._feed(timer)
-        player = self.shift_player
-        if player is None or self._aside:  # the main loop has not made all words of a beginning yet
+        player = self._player
+        if not self._pumps or self._aside:  # the main loop has not made all words of a beginning yet
             return
         try:
             before = player.under_runs

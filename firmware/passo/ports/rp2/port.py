@@ -39,8 +39,6 @@ def load(board):
 
         if board["spindle"]["pwm"]:
             from passo.ports.rp2 import laser_player  # noqa: F401
-    if board["registers"]:
-        from passo.ports.rp2 import shift_registers  # noqa: F401
     parts.load(board)
     if "usb" in [link["port"] for link in board["links"]]:
         from passo.ports.rp2 import console  # noqa: F401
@@ -79,9 +77,8 @@ class Port(ChipPort):
         """`board` is checked. Outputs go to their inactive level here. PWM, serial lines and players are made for the clock
         that there is: it is set before."""
         ChipPort.__init__(self, board, LEAD_TICKS, _LIVE_TICKS)
-        if self.registers is not None:
-            self.registers.mask = self._mask
-            self.levels = self.registers.levels
+        if hasattr(self.bank, "levels"):
+            self.levels = self.bank.levels
         if board["journal"]:
             from passo.ports.rp2.pages import Pages
 
@@ -169,14 +166,9 @@ class Port(ChipPort):
 
             self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
 
-    def _registers(self, board, shifted):
-        from passo.ports.rp2.shift_registers import SioRegisters
-
-        return SioRegisters(board["registers"], shifted.first_levels(board))
-
     def _switching(self, switches):
         """From here on the player shows what is asked of `switches`; False: it cannot."""
-        if self.veto is not None or self.registers is not None or hasattr(self._player, "close"):  # which the timer player has
+        if self.veto is not None or self.bank is not None or hasattr(self._player, "close"):  # which the timer player has
             return False
         from passo.ports.rp2.switching import PinSwitches
 

@@ -1,8 +1,4 @@
-"""The key `shift` of a board file: motors, tool and outputs on 74HC595 shift registers. Only boards that have them load
-this.
-
-    extend(rules)                   # those of boardfile.py, in whose notation they are
-    check(board)                    # raises BoardError
+"""The key `shift`: motors, tool and outputs on 74HC595 shift registers. Only loaded if the board file has it.
 
 Pin 100 of such a board is the first output of the register: QA of the chip whose SER is on `data`; 108 is QA of the next.
 """
@@ -15,12 +11,14 @@ OUTPUTS = 15  # the 16th would follow the others a frame later
 FRAME_US = 4
 CHIPS = ("esp32", "esp32s3")  # I2S, and a pulse counter to count frames with
 
-SHIFT = {"clock": PIN, "latch": PIN, "data": PIN, "enable": (int, -1, -1, 48)}
+RULES = {
+    "shift": {"clock": PIN, "latch": PIN, "data": PIN, "enable": (int, -1, -1, 48)},
+    "parts": (dict, {}, 0, 4),  # set by prepare(): the modules of what the port has beside its pins, see ports/chip_port.py
+}
 
 
 def extend(rules):
-    """Add the rules of this key to those of a board file."""
-    rules["shift"] = SHIFT
+    """The tool and outputs may be on the register."""
     last = REGISTER_BIT + OUTPUTS - 1
     rules["tool"] = dict(rules["tool"], pin=(int, ..., 0, last))
     for key, most in (("inputs", 48), ("outputs", last)):
@@ -28,12 +26,12 @@ def extend(rules):
         rules[key] = [dict(section, pin=(int, ..., 0, most)), least, longest]
 
 
-def shifted(pin):
+def has_bit(pin):
     """True for an output of the register."""
     return isinstance(pin, int) and REGISTER_BIT <= pin < REGISTER_BIT + OUTPUTS
 
 
-def check(board):
+def prepare(board):
     """What cannot be shifted, or would step or switch the tool on in a frame of zeros, which is what the chip sends by itself
     if nothing more is handed to it."""
     if board["chip"] not in CHIPS:
@@ -46,7 +44,7 @@ def check(board):
     for key in ("interlock", "encoders"):
         if board.get(key):
             raise BoardError("shift: no %s yet; frames already on their way would not obey it" % key)
-    if board["registers"]:
+    if board.get("registers"):
         raise BoardError("shift: no registers beside it; its own have outputs to spare")
     if not drive["step_active"]:
         raise BoardError("drive.step_active: a frame of zeros would step; it has to be 1 with shift")
@@ -57,16 +55,17 @@ def check(board):
             _want(pin, "axis %s" % axis["name"])
     _want(board["tool"]["pin"], "tool")
     drive["setup_us"] = -(-drive["setup_us"] // FRAME_US) * FRAME_US  # whole frames: rounding shortens nothing
+    board["parts"]["bank"] = "passo.options.shift.port_esp32"
 
 
 def claims(board):
     section = board["shift"]
     pins = [(section[key], "shift.%s" % key) for key in ("clock", "latch", "data")]
-    pins += [(item["pin"], "output %s" % item["name"]) for item in board["outputs"] if shifted(item["pin"])]
+    pins += [(item["pin"], "output %s" % item["name"]) for item in board["outputs"] if has_bit(item["pin"])]
     return pins + ([(section["enable"], "shift.enable")] if section["enable"] >= 0 else [])
 
 
 def _want(pin, who):
-    if not shifted(pin):
+    if not has_bit(pin):
         last = REGISTER_BIT + OUTPUTS - 1
         raise BoardError("%s: with shift it is on an output of the register, %d … %d, not %r" % (who, REGISTER_BIT, last, pin))

@@ -24,7 +24,7 @@ from passo.records import REGISTER_BIT
 
 
 class ShiftRegisters:
-    """For any chip. One with registers of its own may do better: ports/rp2/shift_registers.py."""
+    """For any chip. One with registers of its own may do better: port_rp2.py."""
 
     def __init__(self, config, outputs):
         """`outputs`: levels that the outputs begin with, a bit each."""
@@ -33,6 +33,7 @@ class ShiftRegisters:
         self.changes = 0  # how often `inputs` has changed
         self.chips_in = config["inputs"]
         self.chips_out = config["outputs"]
+        self._watch = None
         self._tool = None  # the tool's pin, whose level an output shows: see show_tool()
         self._tool_mask = 1 << config["tool"] - REGISTER_BIT if config["tool"] >= 0 else 0
         self.clock = Pin(config["clock"], Pin.OUT, value=0)
@@ -79,6 +80,31 @@ class ShiftRegisters:
         latch.value(0)
         latch.value(1)
         return inputs
+
+    def input(self, entry):
+        return RegisterInput(entry, self)
+
+    def output(self, entry):
+        return RegisterOutput(entry, self)
+
+    def begin(self, port, board, mask):
+        """All inputs and outputs are made. `mask`: of the pins of inputs."""
+        self._tool_pin = board["tool"]["pin"]
+        if port.veto is not None:
+            self._watch = RegisterWatch(port.veto, self)
+            self._watch.watch(port, board["registers"]["edges"], board["inputs"])
+
+    def join(self, feeder, player):
+        self.show_tool(self._tool_pin)
+
+    def check(self):  # ISR: no allocation
+        """The feeder's interrupt calls it."""
+        self.exchange()
+        if self._watch is not None:
+            self._watch.look()
+
+    def close(self):
+        self.exchange()
 
     def show_tool(self, number):
         """From here on an output shows the level of pin `number`, if the board file says which. The player drives that pin by now."""
@@ -196,3 +222,7 @@ def first_levels(board):
     if tool >= 0 and not board["tool"]["active"]:
         levels |= 1 << tool - REGISTER_BIT
     return levels
+
+
+def create(board, port, inputs, outputs):
+    return ShiftRegisters(board["registers"], first_levels(board))

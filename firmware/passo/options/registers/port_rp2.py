@@ -2,8 +2,8 @@
 
 import micropython
 
+from passo.options.registers.port import ShiftRegisters, first_levels
 from passo.ports.rp2 import chip
-from passo.ports.shift_registers import ShiftRegisters
 
 
 class SioRegisters(ShiftRegisters):
@@ -15,6 +15,10 @@ class SioRegisters(ShiftRegisters):
         self._out_bit = 1 << config["out"]
         self._in_bit = 1 << config["in"]
         self.mask = 0  # of the pins of the other inputs
+
+    def begin(self, port, board, mask):
+        self.mask = mask
+        ShiftRegisters.begin(self, port, board, mask)
 
     @micropython.viper
     def _shift(self) -> int:  # ISR: no allocation
@@ -54,3 +58,7 @@ class SioRegisters(ShiftRegisters):
     def levels(self) -> int:
         """What Port.levels() returns; the bits of pins 23 to 25 count the changes of inputs behind registers."""
         return ptr32(0xD0000004)[0] & int(self.mask) | (int(self.changes) & 7) << 23
+
+
+def create(board, port, inputs, outputs):
+    return SioRegisters(board["registers"], first_levels(board))

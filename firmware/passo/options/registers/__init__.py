@@ -1,0 +1,1 @@
+"""Inputs and outputs behind shift registers on four pins."""

@@ -1,0 +1,1 @@
+"""An ESP32's motors, tool and outputs on shift registers."""
