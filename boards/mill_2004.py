@@ -31,7 +31,7 @@ BOARD = {
     ],
     "tool": {"pin": 23},
     # The inverter is told direction and speed over its own line.
-    "inverter": {"make": "delta", "port": "uart0", "tx": 0, "rx": 1, "baud": 9600},
+    "inverter": {"make": "teco", "port": "uart0", "tx": 0, "rx": 1, "baud": 9600},
     "registers": {
         "clock": 14, "latch": 26, "in": 27, "out": 28, "inputs": 2, "outputs": 1,
         "tool": 104,  # s_tvt

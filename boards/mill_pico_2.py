@@ -28,7 +28,7 @@ BOARD = {
     ],
     # s_tvt: enable of the spindle's inverter, which is told direction and speed over its own line.
     "tool": {"pin": 10},
-    "inverter": {"make": "delta", "port": "uart0", "tx": 0, "rx": 1, "baud": 9600},
+    "inverter": {"make": "teco", "port": "uart0", "tx": 0, "rx": 1, "baud": 9600},
     "registers": {"clock": 22, "latch": 26, "in": 27, "out": 28, "inputs": 1, "outputs": 1},
     "inputs": [
         # Contactors that open when hit: a broken wire reads as a hit.

@@ -218,7 +218,7 @@ MEANINGS = {
     "spindle.laser": "Laser mode from the start. `$32` overrides it.",
     "spindle.spin_up_ms": "After door or hold: wait for the spindle before cutting goes on, ms. Not for lasers.",
     "spindle.coolant_ms": "After door or hold: wait for the coolant, ms.",
-    "inverter.make": "`delta` (VFD-B, -E, -EL, -M), `yl620` (Yalang), `h100` (Huanyang H100, GT) or `nowforever` (D100, E100).",
+    "inverter.make": "`delta` (VFD-B, -E, -EL, -M), `yl620` (Yalang), `h100` (Huanyang H100, GT) `nowforever` (D100, E100) or `teco` (A510, E510, L510).",
     "inverter.port": "`uart0` or `uart1` (ESP32: also `uart2`), with an RS-485 transceiver that switches its direction by itself.",
     "inverter.tx": "The pin that sends.",
     "inverter.rx": "The pin that receives.",

@@ -25,7 +25,7 @@ StartPlace = Annotated[
 ]
 BounceMs = Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter this long after a change.")]
 Faults = Annotated[
-    Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
+    Optional[List[str]], typer.Option(metavar="INPUT=KIND[@MS[-MS]]", help="An input that is dead, stuck, pressed, broken (its wire) or bounces, from MS on, to MS.")
 ]
 Touchable = Annotated[bool, typer.Option("--stock", help="A piece with a hole, a touch plate and a boss lie on the table, and close the probe.")]
 Seed = Annotated[int, typer.Option(help="Of all that is random: start and chatter.")]
@@ -78,6 +78,7 @@ def board(
 
         passo board --time fast --trace job.csv
         passo board --link /tmp/plotter --bounce-ms 4 --fault barrier_x=dead
+        passo board --board mill_2004 --fault dx2=dead@5000-6000 --fault bxb=pressed@8000
         passo board --board boards/mine.py --tcp 5000 --vcd pins.vcd
         passo board --board torch_pico_w --http 8080
     """

@@ -12,7 +12,7 @@ _PINS = {
     "P": N_("probe"), "D": N_("door"), "H": N_("hold"), "R": N_("reset"), "S": N_("resume"), "N": N_("presence"),
     "n": N_("nobody at the machine"),
 }  # fmt: skip
-_MORE = {"Dr": N_("drivers"), "In": N_("input of M66"), "RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs"), "Nh": N_("not homed"), "Vac": N_("vacuum cleaner"), "Clamp": N_("clamp")}
+_MORE = {"Dr": N_("drivers"), "In": N_("input of M66"), "RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs"), "Nh": N_("not homed"), "Vac": N_("vacuum cleaner"), "Clamp": N_("clamp"), "Fb": N_("inputs that forbid")}
 _ELSEWHERE = ("SD", "En", "Al")  # words of a status that have rows of their own
 _ACCESSORIES = {"S": N_("spindle clockwise"), "C": N_("spindle counter-clockwise"), "F": N_("flood"), "M": N_("mist")}
 
@@ -134,6 +134,8 @@ def _text(word, fields):
         return _("{}; soft limits ($20) do not hold", " ".join(fields[word]))
     if word in ("Vac", "Clamp"):
         return _("on") if fields[word].startswith("1") else _("off")
+    if word == "Fb":
+        return fields[word].replace("(", " (").replace(",", ", ")
     return " ".join(fields[word]) if word == "Nh" else fields[word]
 
 

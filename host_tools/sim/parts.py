@@ -4,7 +4,6 @@ Parts with events of their own have `due`, the tick of the next event or NEVER, 
 """
 
 import math
-import re
 
 NEVER = float("inf")
 CHATTER = 6  # pairs of false edges that a bouncing barrier gives at most
@@ -100,11 +99,10 @@ class Barrier:
     """A slotted optical barrier or a limit switch: broken, which is the active state, while the carriage is at `edge`
     or below; at `edge` or above, where it is at the `high` end.
 
-    After each change it may chatter for up to `bounce_ticks`. `fault`: "dead" never reads active, "stuck" always does;
-    "dead@MS" and "stuck@MS" from that virtual millisecond on.
+    After each change it may chatter for up to `bounce_ticks`.
     """
 
-    def __init__(self, name, edge, position, bounce_ticks, fault, random, high=False):
+    def __init__(self, name, edge, position, bounce_ticks, random, high=False):
         self.name = name
         self.last = edge - 1 if high else edge  # the last position on the low side
         self.below = position <= self.last
@@ -114,12 +112,6 @@ class Barrier:
         self._chatter = []  # ticks of the false edges to come, last one first
         self._bounce_ticks = bounce_ticks
         self._random = random
-        self._fault, self._fault_tick = None, 0
-        if fault is not None:
-            parts = re.fullmatch(r"(dead|stuck)(?:@(\d+))?", fault)
-            if not parts:
-                raise ValueError(f"fault of {name}: {fault!r} is none of dead, stuck, dead@MS, stuck@MS")
-            self._fault, self._fault_tick = parts[1], int(parts[2] or 0) * TICKS_PER_MS
 
     def cross(self, tick):
         """The carriage crossed the edge."""
@@ -144,8 +136,6 @@ class Barrier:
         self._plan()
 
     def active(self, tick):
-        if self._fault and tick >= self._fault_tick:
-            return self._fault == "stuck"
         return self._reading
 
     def _plan(self):

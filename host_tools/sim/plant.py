@@ -19,8 +19,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
     start        steps from the nominal origin, one number an axis; None: random within reach, by `seed`, or in the middle
                  if nothing homes
     bounce_ms    barriers chatter for up to this long after each change
-    faults       {input: "dead" or "stuck"}: the barrier never, or always, reads active; "dead@2000" from that
-                 millisecond on
+    faults       {input: text}, of any input: see input_faults.py
     racked       steps that the second side of a gantry stands beyond the first
     seed         of all that is random
     stock        a Stock that the tool can touch: the input probe is active meanwhile
@@ -32,6 +31,7 @@ import random
 
 from host_tools.sim.belt import Belt
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
+from host_tools.sim.input_faults import InputFaults, Moments
 from host_tools.sim.parts import MARGIN_MM, NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle, hard_ends, pull_off_of
 from host_tools.sim.slipping import Slipping
 
@@ -65,7 +65,7 @@ class Plant:
         self._due = NEVER
         self._build_carriages(start, play or {})
         self._build_gantry(racked)
-        self._build_barriers(bounce_ms, dict(faults or {}))
+        self._build_barriers(bounce_ms)
         if board.get("stalls"):
             self._belt = self.slipping = Slipping(self, board, stalls)
         self.encoders = {}  # by motor, in the board file's order
@@ -82,6 +82,11 @@ class Plant:
         tachometer = board.get("tachometer")
         self.spindle = Spindle(tachometer["pulses"], board["spindle"]["max_rpm"]) if tachometer else None
         self._parts = list(self.barriers.values()) + [self._solenoid]
+        self._faults = InputFaults(board["inputs"], self.barriers, faults or {}, self._random)
+        self._parts += self._faults.moments
+        for name, ticks in self._faults.bounces:
+            self.inject(name, ticks)
+        self._plan()
         self._decoders = []
         self._tool_mask = 0
 
@@ -120,7 +125,7 @@ class Plant:
         """Steps that the second side of a gantry stands beyond the first."""
         return self.second.position - self.carriages[self._gantry_axis].position
 
-    def _build_barriers(self, bounce_ms, faults):
+    def _build_barriers(self, bounce_ms):
         homing = self._board.get("homing") or {}
         names = [axis["name"] for axis in self._board["axes"]]
         self.barriers = {}
@@ -136,7 +141,6 @@ class Plant:
                 edge if high else -edge,
                 self.position[names.index(axis)],
                 bounce_ms * TICKS_PER_MS,
-                faults.pop(sensor, None),
                 random.Random(self._random.random()),
                 high,
             )
@@ -145,7 +149,7 @@ class Plant:
                 offset = self._gantry.get("offset_steps", 0)
                 self._watching_second = Barrier(
                     self._gantry["sensor"], edge + offset if high else -edge - offset, self.second.position,
-                    bounce_ms * TICKS_PER_MS, faults.pop(self._gantry["sensor"], None),
+                    bounce_ms * TICKS_PER_MS,
                     random.Random(self._random.random()), high,
                 )  # fmt: skip
                 self.barriers[self._gantry["sensor"]] = self._watching_second
@@ -160,13 +164,10 @@ class Plant:
             beyond = self._board["axes"][number]["steps_per_m"] * margin // 1000
             edge = carriage.high - beyond if high else carriage.low + beyond
             barrier = Barrier(
-                limit, edge, self.position[number], bounce_ms * TICKS_PER_MS, faults.pop(limit, None),
+                limit, edge, self.position[number], bounce_ms * TICKS_PER_MS,
                 random.Random(self._random.random()), high,
             )  # fmt: skip
             self._place(limit, number, barrier)
-        if faults:
-            known = ", ".join(self.barriers) or "none"
-            raise ValueError(f"faults: there is no barrier {', '.join(faults)}; the machine has {known}")
 
     def _rest_inputs(self):
         """What a machine's interlock wants active at rest is: a drive is good, the selector stands at this board."""
@@ -324,6 +325,7 @@ class Plant:
             self.run(tick)
         barrier = self.barriers.get(name)
         level = self._levels[name] if barrier is None else self._level(barrier, tick)
+        level = self._faults.level(name, level, tick)
         return level ^ self.noise[name].flipped if name in self.noise else level
 
     def run(self, tick):
@@ -335,7 +337,7 @@ class Plant:
                     part.run()
                     if part is self._solenoid:
                         self._arrive(due)
-                    elif isinstance(part, Noise):
+                    elif isinstance(part, (Noise, Moments)):
                         self._tell(due, part.name)
                     else:
                         self._show(due, part)
@@ -368,6 +370,7 @@ class Plant:
 
     def _tell(self, tick, name):
         level = self._levels[name]
+        level = self._faults.level(name, level, tick)
         if name in self.noise:
             level ^= self.noise[name].flipped
         if self.pins is not None:

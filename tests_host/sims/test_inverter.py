@@ -15,7 +15,7 @@ from passo import errors
 
 pytestmark = pytest.mark.quick
 
-MAKES = ("delta", "yl620", "h100", "nowforever")
+MAKES = ("delta", "yl620", "h100", "nowforever", "teco")
 SPINDLE = {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 0, "coolant_ms": 0}
 FAIL_MS = 100 + 3 * (100 + 23 + 5) + 3 * 8  # a period, three time-outs, cycles of 8 ms
 
@@ -313,7 +313,7 @@ def test_two_bad_replies_are_forgiven(make):
         assert not spindle.state.alarm and getattr(spindle.inverter, name) == 0
 
 
-@pytest.mark.parametrize("make", ("delta", "nowforever"))
+@pytest.mark.parametrize("make", ("delta", "nowforever", "teco"))
 def test_a_fault(make):
     spindle = Spindle(make)
     spindle.start()

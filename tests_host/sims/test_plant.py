@@ -7,6 +7,7 @@ import pytest
 from host_tools import boards
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
 from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.input_faults import Fault
 from host_tools.sim.parts import Barrier, Solenoid
 from host_tools.sim.plant import Plant
 
@@ -210,8 +211,8 @@ def test_step_dir_violations(edges, steps, error):
 # --- barriers, carriage, solenoid, whole plants
 
 
-def barrier(bounce_ms=0, fault=None, position=100, seed=1):
-    return Barrier("b", 0, position, bounce_ms * MS, fault, random.Random(seed))
+def barrier(bounce_ms=0, position=100, seed=1):
+    return Barrier("b", 0, position, bounce_ms * MS, random.Random(seed))
 
 
 def test_barrier_follows_the_carriage():
@@ -225,11 +226,11 @@ def test_barrier_follows_the_carriage():
 
 
 def test_switch_at_the_high_end():
-    b = Barrier("b", 640, 100, 0, None, random.Random(1), high=True)
+    b = Barrier("b", 640, 100, 0, random.Random(1), high=True)
     assert not b.active(0) and b.last == 639
     b.cross(10)
     assert b.active(10)
-    assert Barrier("b", 640, 640, 0, None, random.Random(1), high=True).active(0)
+    assert Barrier("b", 640, 640, 0, random.Random(1), high=True).active(0)
 
 
 @pytest.mark.parametrize("start", [(-600, 100, -32000), None])
@@ -281,15 +282,17 @@ def test_barrier_bounces_and_settles():
     assert any(edges), "chatter there must be"
 
 
-def test_barrier_faults():
-    dead, stuck, late = barrier(fault="dead"), barrier(fault="stuck"), barrier(fault="dead@3")
-    for b in (dead, stuck, late):
-        b.cross(10)
-    assert not dead.active(20) and stuck.active(0) and stuck.active(20)
-    assert late.active(3 * MS - 1) and not late.active(3 * MS)
-    for wrong in ("broken", "dead@", "dead@x", "@3", ""):
+def test_faults_of_inputs():
+    for text, times in (
+        ("dead", {0: True, 9 * MS: True}), ("stuck@3", {3 * MS - 1: False, 3 * MS: True}), ("pressed@2-4", {0: False, 2 * MS: True, 4 * MS - 1: True, 4 * MS: False}),
+        ("broken@1", {0: False, MS: True}), ("bounces@5", {5 * MS: False}),
+    ):  # fmt: skip
+        fault = Fault("b", text, random.Random(1))
+        assert {tick: fault.holds(tick) for tick in times} == times, text
+        assert bool(fault.bounces()) == text.startswith("bounces") and all(5 * MS < tick <= 10 * MS for tick in fault.bounces())
+    for wrong in ("tired", "dead@", "dead@x", "@3", "", "bounces", "pressed@4-4", "dead@3@4"):
         with pytest.raises(ValueError, match="dead, stuck"):
-            barrier(fault=wrong)
+            Fault("b", wrong, random.Random(1))
 
 
 def test_solenoid_takes_its_time():
@@ -396,7 +399,7 @@ def test_start_is_checked_or_random():
         plant_2014(start=(-141, 0))
     with pytest.raises(ValueError, match="one an axis"):
         plant_2014(start=(1,))
-    with pytest.raises(ValueError, match="no barrier lid; the machine has barrier_x, barrier_y"):
+    with pytest.raises(ValueError, match="no input lid; the machine has barrier_x, barrier_y"):
         plant_2014(faults={"lid": "dead"})
 
 

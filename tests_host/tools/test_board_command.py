@@ -322,7 +322,7 @@ def test_a_wrong_board_file_is_one_clear_line(tmp_path):
         (("--start", "a,b"), "whole steps are wanted"),
         (("--start", "9999,0"), "not between the hard ends"),
         (("--fault", "barrier_x"), "NAME=VALUE is wanted"),
-        (("--fault", "lid=dead"), "no barrier lid"),
+        (("--fault", "lid=dead"), "no input lid"),
         (("--fault", "barrier_x=tired"), "none of dead, stuck"),
     ],
 )

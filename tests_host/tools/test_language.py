@@ -180,7 +180,7 @@ def test_what_is_wrong_with_board_files_has_its_words():
     trees = [parse(path.read_text(encoding="utf-8")) for path in (FIRMWARE / "passo").rglob("*.py")]
     raised = {"the board file"}  # what a key may be missing in
     raised |= {sentence(call.args[0]) for tree in trees for _, name, call in calls(tree) if name == "BoardError"}
-    plant = [TREES["sim/plant.py"], TREES["sim/parts.py"]]  # the machine of a virtual board, with what --start and --fault ask for
+    plant = [TREES["sim/plant.py"], TREES["sim/input_faults.py"]]  # the machine of a virtual board, with what --start and --fault ask for
     raised |= {sentence(call.args[0]) for tree in plant for _, name, call in calls(tree) if name == "ValueError" and call.args}
     assert raised == set(BOARD_FILES), raised ^ set(BOARD_FILES)
     for text, words in BOARD_FILES.items():

@@ -4,7 +4,7 @@ from passo.options.blackbox.config import BOX_ADDED, BOX_MAGIC_0, BOX_MAGIC_1, B
 
 RULES = {
     "blackbox": (bool, False, 0, 1),
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
     # set by check(): the module whose keep() finds at the start what a reset has left, and what that wants. A word that all boards have in memory
     "keep": (tuple, (), 0, 8),
 }

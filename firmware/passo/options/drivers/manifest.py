@@ -24,7 +24,7 @@ RULES = {
         "sense_mohm": (int, 110, 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
     },
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
     "stalls": (str, "", 0, 4),  # set by check(): names of the axes that home by stall
     "drives": (str, "", 0, 0),  # as `features`, set by check(): the rest of the firmware reads this key, whose word all boards have in memory
 }

@@ -15,7 +15,7 @@ _ENCODER = {
 }
 RULES = {
     "encoders": [_ENCODER, 0, 4],
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
     "parts": (dict, {}, 0, 4),  # set by check(): the modules of what the port has beside its pins, see ports/chip_port.py
 }
 

@@ -17,7 +17,7 @@ RULES = {
     # ones that all boards have in memory.
     "more_motors": (list, [], 0, 1),
     "drive_module": (str, "", 0, 60),
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 

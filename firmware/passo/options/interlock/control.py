@@ -6,14 +6,19 @@ themselves, if the board file asks for it; and keeps for each input when it last
 """
 
 from passo import commands, errors
+from passo.commands import STATUS_WORDS
 from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 from passo.options.interlock.steps_viper import INTERLOCK_OUTPUTS
+
+WORD = ("forbids", "Fb")  # inputs that forbid something now, in reports; an end of an axis with its direction: bxb(x+)
 
 
 class InterlockWatch(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
+        if WORD not in STATUS_WORDS:
+            STATUS_WORDS.append(WORD)
         self._port = machine.port
         self._interlock = machine.veto
         self._levels = machine.inputs.levels
@@ -21,6 +26,10 @@ class InterlockWatch(Feature):
         self._release_ms = section["release_ms"]
         self._unasked_ms = section["unasked_ms"]
         self._names = names = [item["name"] for item in board["inputs"]]
+        ends = {name: end for end, name in section["limits"].items()}
+        self._shown = [name + ("(%s)" % ends[name] if name in ends else "") for name in names]
+        self._forbid = 0  # mask of those that `_told` names
+        self._told = None
         self._outputs = [item["name"] for item in board["outputs"]]
         # Without these the motors do not follow.
         self._vital = [item["name"] for item in board["outputs"] if item["role"] == "ours" or item["name"][:6] == "enable"]
@@ -147,6 +156,12 @@ class InterlockWatch(Feature):
 
     def report(self, report):
         report["glitches"] = sum(self._interlock.glitches) or None
+        interlock = self._interlock
+        mask = interlock.states & interlock.rise | ~interlock.states & interlock.fall
+        if mask != self._forbid:
+            self._forbid = mask
+            self._told = ",".join([self._shown[number] for number in range(len(self._shown)) if mask >> number & 1]) or None
+        report["forbids"] = self._told
 
     def pins(self):
         """[(name, active, how often it stopped the machine, changes that did not last, when it last became active, ms it was so;

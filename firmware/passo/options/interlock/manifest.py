@@ -13,7 +13,7 @@ RULES = {
     },
     "masks": (dict, {}, 0, 5),  # set by check(), which takes rows, signals and elsewhere away: see manifest_table.py
     "limits": (dict, {}, 0, 8),  # set by check(): those of the interlock; other limits the board has none then
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
     "parts": (dict, {}, 0, 4),  # set by check(): the modules of what the port has beside its pins, see ports/chip_port.py
 }
 

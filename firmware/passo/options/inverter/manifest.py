@@ -5,7 +5,7 @@ from passo.config.chip_pins import PIN, check_link
 
 RULES = {
     "inverter": {
-        "make": ("delta", "yl620", "h100", "nowforever"),
+        "make": ("delta", "yl620", "h100", "nowforever", "teco"),
         "port": (str, ..., 5, 5),
         "tx": PIN,
         "rx": PIN,
@@ -18,7 +18,7 @@ RULES = {
         "at_speed_percent": (int, 5, 1, 50),
         "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
     },
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 

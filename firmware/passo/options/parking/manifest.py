@@ -12,7 +12,7 @@ RULES = {
         "at_end": (bool, False, 0, 1),  # M2 and M30 go to the target, too, $142
     },
     # Set by check(), the rest of the firmware reads these. Their words are ones that all boards have in memory.
-    "features": (dict, {}, 0, 4),  # (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # (module, class) by the name of a feature, see machine_builder.rows()
     "settings": (dict, {}, 0, 0),  # the rules of $41, $42, $56 to $59 and $142, by number; behind 0 Settings puts its value()
 }
 

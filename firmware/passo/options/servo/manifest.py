@@ -12,7 +12,7 @@ RULES = {
         "down_ms": (int, 200, 0, 5000),
         "by_s": (bool, False, 0, 1),
     },
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 

@@ -26,7 +26,7 @@ RULES = {
         "sense_mohm": (int, ..., 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
     },
-    "features": (dict, {}, 0, 4),  # set by check(), as the next: see drivers/manifest.py
+    "features": (dict, {}, 0, 16),  # set by check(), as the next: see drivers/manifest.py
     "stalls": (str, "", 0, 4),
     "drives": (str, "", 0, 0),
 }

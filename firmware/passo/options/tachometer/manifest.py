@@ -11,7 +11,7 @@ RULES = {
         "at_speed_percent": (int, 10, 1, 50),
         "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
     },
-    "features": (dict, {}, 0, 4),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
+    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 

@@ -27,7 +27,7 @@ const TWICE_MS = 700;
 const NEAR_MM = 0.5;  // more than a step of any machine
 const PIECE = 30000;  // characters of a job in one message
 const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Probe", D: "Door", H: "Hold button", R: "Reset button", S: "Start button" };
-const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs", Nh: "Not homed", Vac: "Vacuum cleaner", Clamp: "Clamp" };  // words of a status that only some machines have
+const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs", Nh: "Not homed", Vac: "Vacuum cleaner", Clamp: "Clamp", Fb: "Inputs that forbid" };  // words of a status that only some machines have
 const STATES = { "": "No link", Idle: "Ready", Run: "Running", Hold: "Held", Jog: "Moving", Home: "Homing", Alarm: "Alarm", Door: "Door open",
   Check: "Checking", Sleep: "Asleep" };
 const KEYS = { ArrowLeft: "x-", ArrowRight: "x+", ArrowUp: "y+", ArrowDown: "y-", PageUp: "z+", PageDown: "z-" };
