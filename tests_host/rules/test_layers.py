@@ -53,7 +53,7 @@ OF_OPTIONS = {
 }  # fmt: skip
 
 # These load an option's manifest, and its part of a port, by the option's key or the name that its manifest writes.
-BY_KEY = ("board_error.py", "chip_port.py", "parts.py")
+BY_KEY = ("board_error.py", "parts.py")
 
 # Core names no option: these files still do, and the list only shrinks.
 NAMES_OPTIONS = {}

@@ -215,7 +215,7 @@ class ChipPort:
             from passo.ports.memory_card import MemoryCard
 
             return MemoryCard(self, config)
-        return __import__("passo.options.%s.port" % kind, None, None, ("create",)).create(self, self._inputs, config)
+        return parts.of_option(kind, "port").create(self, self._inputs, config)
 
     def _switching(self, switches):
         return False  # the main loop changes them

@@ -11,5 +11,14 @@ def load(board, file=None):
             continue
         if file:
             module = module.rpartition(".")[0] + "." + file
-        found.append((name, __import__(module, None, None, ("create",))))
+        found.append((name, _module(module)))
     return found
+
+
+def of_option(option, file):
+    """A file of an option: what has its create()."""
+    return _module("passo.options.%s.%s" % (option, file))
+
+
+def _module(name):
+    return __import__(name, None, None, ("create",))

@@ -141,14 +141,14 @@ class VirtualPort:
         return self._watches.get(name)
 
     def make(self, kind, config):
-        """What few boards have, as ports/chip_port.py does. The world knows of the pulses of a spindle only."""
+        """What few boards have, as ports/chip_port.py does."""
         if kind == "switching":  # as rp2/port.py
             if self.veto is None:
                 self._player.mark(config, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
             return self.veto is None
-        if kind == "spi_drivers":
-            return self.lines["drivers"]  # what the PC put there
-        return {"tachometer": _Pulses, "memory_card": VirtualCard, "servo": _Servo}[kind](self, config)
+        if kind == "memory_card":
+            return VirtualCard(self, config)
+        return parts.of_option(kind, "port_virtual").create(self, config)
 
     def tripped(self):
         """The name of a halting input that is active, or of what the veto has stopped the player for; or None. Halting
@@ -230,30 +230,6 @@ class VirtualPort:
             self.advance(min(behind, most) if pending else behind - behind % TICKS_PER_MS)
         if self._sleep and (not pending or behind <= most):
             self._sleep(max(1, quantum // (2 * TICKS_PER_MS)) if pending else IDLE_MS)
-
-
-class _Pulses:
-    """As options/tachometer/port.py."""
-
-    def __init__(self, port, _):
-        self._port = port
-        self.us = 0
-
-    def count(self):
-        count, tick = self._port.world.pulses(self._port.now)
-        self.us = tick * 2 // 25 & COUNT_MASK
-        return count & COUNT_MASK
-
-
-class _Servo:
-    """As a chip's PWM."""
-
-    def __init__(self, port, config):
-        self._port = port
-        self.duty_ns(config[1])
-
-    def duty_ns(self, ns):
-        self._port.world.servo(self._port.now, ns // 1000)
 
 
 class MemoryLine:

@@ -1,0 +1,14 @@
+"""The PWM of a pen's servo on the virtual port."""
+
+
+class Servo:
+    def __init__(self, port, ns):
+        self._port = port
+        self.duty_ns(ns)
+
+    def duty_ns(self, ns):
+        self._port.world.servo(self._port.now, ns // 1000)
+
+
+def create(port, config):
+    return Servo(port, config[1])
