@@ -56,3 +56,19 @@ def test_kinds_are_one_paragraph():
 def test_the_rule_sees_it():
     assert twice("A = const(1)\nB = const(2)\nC = const(0x1)\n\nD = const(1)\n") == [("A", "C", 1)]
     assert twice("ROW_A = const(0)\nROW_B = const(1)\nROW_C = const(1)\nIN_A = const(0)\n", True) == [("ROW_B", "ROW_C", 1)]
+
+
+def test_the_page_of_the_timer_has_its_numbers():
+    """The fastest rate is that of the player's shortest word; edges and the processor's share are those of the bench's table."""
+    root = PASSO.parents[1]
+    page = (root / "docs" / "use" / "timer.md").read_text(encoding="utf-8")
+    source = (root / "firmware" / "passo" / "ports" / "rp2" / "timer_player.py").read_text(encoding="utf-8")
+    ticks = int(re.search(r"SHORTEST_TICKS = const\((\d+)\)", source).group(1))
+    assert f"{12_500 // ticks} kHz: a word of {ticks * 80 // 1000} µs" in page
+    bench = (root / "docs" / "reference" / "benchmarks.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| [13] \| (\d+) \| \d+ \| (\d+) \| (no|yes) \|.* \| ([\d.]+) \| (\d+)% \|$", bench, re.MULTILINE)
+    assert len(rows) == 24 and {late for _, late, *_ in rows} == {"0"}
+    worst = {cache: max(float(us) for _, _, with_cache, us, _ in rows if with_cache == cache) for cache in ("no", "yes")}
+    assert f"within {worst['no']:g} µs of their time; with the flash cache within {worst['yes']:g} µs" in page
+    left = [int(percent) for khz, _, _, _, percent in rows if khz == "25"]
+    assert f"{100 - max(left)} to {100 - min(left)} % at 25 kHz" in page
