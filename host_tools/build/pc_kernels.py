@@ -79,7 +79,7 @@ def library():
     command = compiler()
     if command is None:
         return None
-    paths = [path for path in sorted((FIRMWARE / "passo").rglob("*.py")) if "ports" not in path.parts]
+    paths = [path for path in sorted((FIRMWARE / "passo").rglob("*.py")) if "ports" not in path.parts and not path.name.startswith("port")]  # of chips
     texts = {path.relative_to(FIRMWARE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
     makers = [path.read_text(encoding="utf-8") for path in sorted(Path(units.__file__).parent.glob("*.*")) if path.is_file()]
     state = hashlib.sha256(repr((texts, makers, command, OPTIONS, sys.platform, Path(__file__).read_text(encoding="utf-8"))).encode())
