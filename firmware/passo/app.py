@@ -97,7 +97,7 @@ class App:
         self._motors = Motors(port, self.player, self.layout, coils, off_levels, board, inverted)
         queue = self._make_queue(machine_builder, settings, "program" in names)
         serials = machine_builder.serials(board, port)
-        kinds = machine_builder.load(names, board)
+        kinds = machine_builder.load(names, board, languages)
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES, _KEPT

@@ -44,7 +44,6 @@ FEATURES = (
     ("homing", "Homing", lambda board: board["homing"]),
     ("drawing", "Drawing", None),
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
-    ("independent", "Independent", None),
     ("step_program", "StepProgramPlayer", None),
     ("program", "Program", None),
     ("pauses", "Pauses", lambda board: _input(board, "pauses") or _lost(board, "pause")),
@@ -69,12 +68,12 @@ def load_all(board):
         forget("passo.config.%s_keys" % key, True)
     if board.get("drive_module"):  # an option's
         __import__(board["drive_module"])
-    names = wanted(board, languages(board))
+    spoken = languages(board)
+    names = wanted(board, spoken)
     homing = board["homing"]
     for asked, modules in (
         (True, _OF_ALL),
         ("program" in names, _OF_PROGRAM),
-        ("independent" in names, ("motion.independent",)),
         (homing and homing["latch"], ("control.quality",)),
         (homing and "veto" not in board.get("parts", ()), ("ports.limit_watch",)),
         (board["jobs"], ("config.job_store",)),
@@ -82,7 +81,7 @@ def load_all(board):
         for module in modules if asked else ():
             __import__("passo." + module)
     make_drive(board)
-    load(names, board)
+    load(names, board, spoken)
     if [link for link in board["links"] if link["frames"]]:
         framed_line()
     if board["network"]:
@@ -90,7 +89,7 @@ def load_all(board):
 
 
 def languages(board):
-    """The packages of the languages of the board file's links, in passo/protocols: NEEDS, check() and create(). Only what is
+    """The packages of the languages of the board file's links, in passo/protocols: NEEDS, OPTIONS, check() and create(). Only what is
     named is loaded, and early: machine code wants memory in one piece. Raises BoardError."""
     modules = []
     for link in board["links"]:
@@ -142,13 +141,17 @@ def wanted(board, languages):
     needed = []
     for language in languages:
         needed += language.NEEDS
-    return [name for name, _, _, rule in rows(board) if name in needed or rule and rule(board)]
+    return [name for name, _, _, rule in rows(board, languages) if name in needed or rule and rule(board)]
 
 
-def rows(board):
+def rows(board, languages):
     """[(name, module, class, rule)] of all features. An option's manifest writes those of its own into board["features"], by name; the
-    name of a feature above is that of the class it stands in for. All of these are made."""
-    own = dict(board.get("features") or {})
+    name of a feature above is that of the class it stands in for. A language has those of options that it wants in OPTIONS. All of these are
+    made."""
+    own = {}
+    for language in languages:
+        own.update(getattr(language, "OPTIONS", {}))
+    own.update(board.get("features") or {})
     found = []
     for name, kind, rule in FEATURES:
         rule = bool if name in own else rule
@@ -157,12 +160,12 @@ def rows(board):
     return found + [(name, own[name][0], own[name][1], bool) for name in sorted(own)]
 
 
-def load(names, board):
+def load(names, board, languages):
     """[(name, class)] of features. Raises BoardError."""
     try:
         return [
             (name, getattr(__import__(module, None, None, (kind,)), kind))
-            for name, module, kind, _ in rows(board) if name in names
+            for name, module, kind, _ in rows(board, languages) if name in names
         ]  # fmt: skip
     except ImportError as missing:
         raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)

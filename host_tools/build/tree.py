@@ -140,16 +140,28 @@ def option_of(path):
 
 
 def options_of(board, firmware=FIRMWARE):
-    """The options whose keys a board file has, those whose files these share, and None, for what is no option's."""
+    """The options whose keys a board file has, or that the languages of its links ask for, those whose files these share, and None, for what
+    is no option's. Raises Failure if there is not what a language asks for."""
     found = {None}
     outputs = board.get("outputs", ())
     asked = [key for key in [*board, *(OF_OUTPUT + name for name in names_of(outputs))] if (firmware / OPTIONS / key / MANIFEST).is_file()]
+    for language in {link["protocol"] for link in board.get("links", [])}:
+        path = firmware / "passo" / "protocols" / language / "__init__.py"
+        for option in options_asked(path.read_text(encoding="utf-8")) if path.is_file() else ():
+            if not (firmware / OPTIONS / option / MANIFEST).is_file():
+                raise Failure("the language {} asks for the option {}, which is not here", language, option)
+            asked.append(option)
     while asked:
         key = asked.pop()
         if key not in found:
             found.add(key)
             asked += _shared((firmware / OPTIONS / key / MANIFEST).read_text(encoding="utf-8"))
     return found
+
+
+def options_asked(text):
+    """Names of the options in OPTIONS of a language's __init__."""
+    return re.findall(r"passo\.options\.(\w+)", text)
 
 
 @lru_cache(maxsize=64)

@@ -4,7 +4,7 @@ from array import array
 
 from check_kernels import terms_of
 from passo.motion.integers import length_nm
-from passo.motion.independent import IndependentAxes
+from passo.options.independent.motion import IndependentAxes
 from passo.motion.planner import LOOK_AHEAD
 from passo.records import COUNT_MASK, ENDLESS, FEED_DEBT, HOLD_TICKS, KIND_LINE, TICKS_PER_MS, TICKS_PER_S
 from passo.steps import position as asked

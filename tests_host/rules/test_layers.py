@@ -119,8 +119,11 @@ def option_of(path):
 
 @functools.cache
 def options_open_to(path):
-    """Options whose files a firmware file may name: its own, those that its manifest SHARES, or what NAMES_OPTIONS still has."""
+    """Options whose files a firmware file may name: its own, those that its manifest SHARES, or what NAMES_OPTIONS still has; for a language
+    those of its OPTIONS."""
     option = option_of(path)
+    if path.parts[:2] == ("passo", "protocols") and path.name == "__init__.py" and len(path.parts) == 4:
+        return set(import_module(f"passo.protocols.{path.parts[2]}").__dict__.get("OPTIONS", ()))
     if option is None:
         return NAMES_OPTIONS.get(path.as_posix(), set())
     return {option, *import_module(f"passo.options.{option}.manifest").__dict__.get("SHARES", ())}

@@ -61,6 +61,12 @@ def parts(option):
     return {option} | {other for other, manifest in manifests().items() if option in getattr(manifest, "SHARES", ())}
 
 
+def spoken(board):
+    """The options that the languages of a board's links ask for."""
+    paths = [FIRMWARE / "passo" / "protocols" / link["protocol"] / "__init__.py" for link in board["links"]]
+    return {option for path in paths for option in tree.options_asked(path.read_text(encoding="utf-8"))}
+
+
 @pytest.mark.parametrize("option", [pytest.param(option, marks=pytest.mark.quick if option in LOT else pytest.mark.slow) for option in OPTIONS])
 def test_an_option_can_be_deleted(option, whole, tmp_path):
     firmware = tmp_path / "firmware"
@@ -75,8 +81,9 @@ def test_an_option_can_be_deleted(option, whole, tmp_path):
         asked, outputs = gone & board.keys(), gone & {OF_OUTPUT + each for each in names_of(board.get("outputs", ()))}
         if outputs:  # an output that nothing switches any more is no fault
             assert set(whole[name]) - set(left[name]) >= {str(tree.OPTIONS / each / tree.MANIFEST) for each in outputs}, (name, SEED)
-        elif asked:
-            assert isinstance(left[name], str) and any(f"unknown key '{key}'" in left[name] for key in asked), (name, SEED)
+        elif asked or gone & spoken(board):
+            said = [f"unknown key '{key}'" for key in asked] + [f"asks for the option {each}" for each in gone & spoken(board)]
+            assert isinstance(left[name], str) and any(text in left[name] for text in said), (name, SEED)
         else:
             assert left[name] == whole[name], (name, SEED)
 

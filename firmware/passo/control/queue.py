@@ -30,7 +30,7 @@ class Queue:
         self._rested_at = 0
         self.tool = False  # the tool bit at the queue's end
         self.waiting = False  # something is queued that has not been released to the feeder yet
-        self._walker = None  # of axes that run on their own
+        self._walker = None  # of axes that run on their own, see take_walker()
         self.arcs = None  # what a language asks about arcs; None if this board has no memory for them
         self.chords = None  # of an arc that is handed to the planner piece by piece, see StreamQueue.feed()
 
@@ -220,17 +220,12 @@ class Queue:
         index, found = self._feeder.spot(self._player.played())
         return index, self._from_origin(found)
 
-    def independent(self):
-        """The walker of axes that run on their own: one for all."""
-        if self._walker is None:
-            from passo.motion.independent import IndependentAxes
-
-            feeder = self._feeder
-            self._walker = IndependentAxes(len(self._axes), feeder.min_word_ticks, feeder.setup_ticks)
-        return self._walker
+    def take_walker(self, walker):
+        """From here on drop() clears this walker, too."""
+        self._walker = walker
 
     def run(self, walker):
-        """Play `walker`, an IndependentAxes, from now on. Leaves `target` to the caller."""
+        """Play `walker` from now on. Leaves `target` to the caller."""
         walker.start()
         self._planner.walk(walker, self.tool)
         self.flush()

@@ -275,7 +275,7 @@ class Planner:
         self._add(at, KIND_WAIT, tool, tag)
 
     def walk(self, walker, tool, tag=0):
-        """Queue what paces itself: an IndependentAxes with its axes set, or a StepProgramWalker that has begun."""
+        """Queue what paces itself: a walker that has been set, or has begun."""
         at = self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
         self._stand(at, 0)
         self._walkers[self.indices[QUEUE_ADDED] % QUEUE_SIZE] = walker

@@ -2,7 +2,8 @@
 
 from passo.protocols.keys.protocol import Keys
 
-NEEDS = ("independent",)
+NEEDS = ()
+OPTIONS = {"independent": ("passo.options.independent.control", "Independent")}
 
 
 def check(board):

@@ -2,7 +2,8 @@
 
 from passo.protocols.torch.protocol import Torch
 
-NEEDS = ("independent", "changeover")
+NEEDS = ("changeover",)
+OPTIONS = {"independent": ("passo.options.independent.control", "Independent")}
 
 
 def check(board):

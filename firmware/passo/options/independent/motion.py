@@ -26,7 +26,7 @@ from array import array
 
 import micropython
 
-from passo.motion.independent_viper import FAR, MOST_STEPS, walk
+from passo.options.independent.motion_viper import FAR, MOST_STEPS, walk
 from passo.motion.limits import TOP  # of speed units, so that q, and the sum of two, stay below 2³⁰
 from passo.records import *
 

@@ -18,7 +18,8 @@ from passo.commands import FINISHED, FOREVER, Event
 from passo.config import setting_numbers as table
 from passo.control.feature import WORK_GONE, Feature
 from passo.errors import LATER
-from passo.motion.independent_viper import MOST_STEPS
+from passo.options.independent.motion import IndependentAxes
+from passo.options.independent.motion_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
 
 _SETTLE_MS = const(50)  # from the last step until the rotor is at rest: its coils hold it for so long
@@ -34,7 +35,9 @@ class Independent(Feature):
         self._ramps = board["planning"]["independent_ramps"]
         self._ahead_ms = board["jog"]["ahead_ms"]
         self._limits_of = None  # the settings' version that the walker knows
-        self.walker = self._queue.independent()
+        feeder = queue.lend()[0]
+        self.walker = IndependentAxes(len(board["axes"]), feeder.min_word_ticks, feeder.setup_ticks)
+        queue.take_walker(self.walker)
         self._command = None  # the last RUN accepted, until the stand behind it, of which its link hears
         self._jog = None  # directions of the jog under way
         self._all = (1 << len(self._axes)) - 1

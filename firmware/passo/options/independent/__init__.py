@@ -1,0 +1,1 @@
+"""Axes run on their own, each at its rate."""
