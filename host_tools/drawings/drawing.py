@@ -250,6 +250,8 @@ def _notes_of(page, options):
         yield _("left out, or not as it should be: {}", _counted(page.left_out))
     if not options.unseen:
         yield from _unseen_of(page)
+    if page.covered:
+        yield _("{} × a shape below a white area over the whole page, where no viewer shows it, is drawn all the same", page.covered)
     if page.lost_mm > 0.1:
         yield _("{:g} mm of lines lie outside the page and are left out; --no-crop draws them", round(page.lost_mm, 1))
 

@@ -36,6 +36,8 @@ class Page:
     notes: list = field(default_factory=list)  # sentences about the whole file
     unseen: int = 0  # shapes without stroke and fill, of width or opacity 0
     backgrounds: int = 0  # white shapes over the whole page
+    drawn: int = 0  # shapes so far
+    covered: int = 0  # of them below a white one over the whole page: no viewer shows them
     lost_mm: float = 0.0  # of lines outside the page
     by_colour: bool = False  # a layer is a colour, in the order in which the file comes to them
 

@@ -65,7 +65,7 @@ class SvgFile:
             self._by_id.setdefault(element.get("id"), element)
             tag = local_name(element.tag)
             self._count += tag in SHAPES or tag == "text"
-            if tag == "style":
+            if tag == "style" and element.get("type", "").strip().lower() in ("", "text/css"):
                 sheets.append(("".join(element.itertext()), element.get("media", "")))
         self._sheet = svg_style.Sheet(sheets, self._root)
         self._shapes = Shapes()
@@ -172,7 +172,7 @@ class SvgFile:
 
     def _name_paints(self, style, tag):
         """Note what of the paint of something shown is not drawn."""
-        for what, name in (("mask", N_("mask")), ("filter", N_("filter"))):
+        for what, name in (("mask", N_("mask")), ("filter", N_("filter")), ("offset-path", N_("offset-path of CSS"))):
             if style.get(what, "none") != "none":
                 self._page.left_out[name] += 1
         if tag in SHAPES or tag == "text":
@@ -260,9 +260,7 @@ class SvgFile:
 
     def _viewport(self, element, sized, context):
         """A <symbol>, or an <svg> inside the file: its viewBox fitted to its size, or to that of the <use>."""
-        x = y = 0.0
-        if local_name(element.tag) == "svg":
-            x, y = length(element.get("x"), "x", context), length(element.get("y"), "y", context)
+        x, y = length(element.get("x"), "x", context), length(element.get("y"), "y", context)
         width = length(sized.get("width") or element.get("width") or "100%", "x", context)
         height = length(sized.get("height") or element.get("height") or "100%", "y", context)
         if width <= 0 or height <= 0:
@@ -385,7 +383,7 @@ class SvgFile:
         if key not in self._boxes:
             page, self._page = self._page, Page(self.size_px)
             self._shapes.begin(self._page, self._deviation, False, True)
-            inner = replace(context, matrix=svg_geometry.IDENTITY, style=style, depth=context.depth + 1)
+            inner = replace(context, matrix=self._unmoved(element, style, context), style=style, depth=context.depth + 1)
             fine = self._deviation / (svg_geometry.stretch(context.matrix) or 1.0)
             places = numpy.concatenate([numpy.zeros(0, complex), *self._extent(element, inner, fine)])
             self._page = page
@@ -395,6 +393,14 @@ class SvgFile:
             lows, sizes = [each.min() - grown for each in sides], [each.max() - each.min() + 2 * grown for each in sides]
             self._boxes[key] = (*map(float, lows), *map(float, sizes)) or None
         return self._boxes[key]
+
+    @staticmethod
+    def _unmoved(element, style, context):
+        """The matrix of an element's own coordinates; of a <use>, as browsers have it, without its x and y."""
+        if local_name(element.tag) != "use":
+            return svg_geometry.IDENTITY
+        inner = replace(context, style=style)
+        return (1.0, 0.0, 0.0, 1.0, -length(style.get("x"), "x", inner), -length(style.get("y"), "y", inner))
 
     def _extent(self, element, context, fine):
         """The lines of an element, and of those in it, in its own coordinates; chords are at most `fine` from their curves."""

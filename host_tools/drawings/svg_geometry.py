@@ -390,7 +390,7 @@ def dashed(lines, pattern, offset, left_out=None):
         for number in range(math.ceil((whole - begin) / period)):
             for start, end in zip(starts[::2], ends[::2]):
                 low, high = begin + number * period + start, begin + number * period + end
-                if high >= 0 and low < whole:
+                if (high > 0 or high == low == 0) and low < whole:
                     dashes.append(_between(line, along, max(low, 0.0), min(high, whole)))
     return dashes
 

@@ -51,6 +51,8 @@ class Shapes:
         edges = svg_geometry.placed(lines, context.matrix) if filled and tag != "line" else []
         if edges and self._is_background(style, stroked, edges):
             self._page.backgrounds += 1
+            if svg_style.opaque(style):
+                self._page.covered = self._page.drawn
             if not self._unseen:
                 return []
         rings = edges if self._fills else []
@@ -60,7 +62,7 @@ class Shapes:
         if stroked and style.get("stroke-linecap", "butt") == "butt":
             lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
         if stroked:
-            lines = self._dashed(lines, context)
+            lines = self._dashed(lines, element, context)
         return self.inks(svg_geometry.placed(lines, context.matrix), rings, style, edges)
 
     def _is_background(self, style, stroked, edges):
@@ -78,6 +80,7 @@ class Shapes:
         """Lines in the colour of their stroke, or else of their fill, and the area that is filled. `edges`: of the area under a stroke."""
         rule = style.get("fill-rule", "nonzero")
         svg_geometry.on_page(lines)
+        self._page.drawn += bool(lines)
         if svg_style.painted(style, "stroke"):
             inks = [Ink(_colour(style, "stroke"), lines, under=Ink(_colour(style, "fill"), edges, rule=rule) if edges else None)]
         else:
@@ -110,13 +113,18 @@ class Shapes:
 
         return svg_geometry.shape_path(tag, lengths, element.get("points"))
 
-    def _dashed(self, lines, context):
+    def _dashed(self, lines, element, context):
         style = context.style
         text = style.get("stroke-dasharray", "none")
         if text == "none":
             return lines
         pattern = [length(part, None, context) for part in text.replace(",", " ").split()]
-        return svg_geometry.dashed(lines, pattern, length(style.get("stroke-dashoffset"), None, context), self._page.left_out)
+        offset = length(style.get("stroke-dashoffset"), None, context)
+        counted = length(element.get("pathLength"), None, context)
+        if counted > 0:  # the author's own measure of the whole path
+            share = sum(float(abs(numpy.diff(line)).sum()) for line in lines) / counted
+            pattern, offset = [share * part for part in pattern], share * offset
+        return svg_geometry.dashed(lines, pattern, offset, self._page.left_out)
 
 
 def _colour(style, what):

@@ -20,7 +20,7 @@ _INHERITED = frozenset(
     "marker-mid marker-end font-family font-size font-style font-weight text-anchor letter-spacing word-spacing white-space "
     "writing-mode font-stretch font-variation-settings stroke-opacity fill-opacity fill-rule color text-transform direction font-variant dominant-baseline".split()
 )
-_OWN = frozenset("display clip-path mask filter overflow baseline-shift alignment-baseline text-decoration shape-inside opacity transform transform-origin transform-box".split())
+_OWN = frozenset("display clip-path mask filter overflow baseline-shift alignment-baseline text-decoration shape-inside opacity transform transform-origin transform-box offset-path".split())
 _KNOWN = _INHERITED | _OWN
 _GEOMETRY = {  # of which elements an attribute is a property, too
     "rect": frozenset("x y width height rx ry".split()), "svg": frozenset("width height".split()), "use": frozenset("x y".split()),
@@ -30,12 +30,12 @@ _OF_SHEETS = svg_transform.OF_STYLE | {"transform"}
 _KEYWORDS = ("inherit", "initial", "unset")
 _SIGNED = ("x", "y", "cx", "cy")
 _SIDE = re.compile(r"([-+]?)(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?:px|mm|cm|q|in|pt|pc|r?em|ex|ch|%)?", re.I)
-_PATH = re.compile(r"path\(\s*(?:(?:nonzero|evenodd)\s*,)?\s*(['\"])(.*)\1\s*\)", re.I | re.S)
+_PATH = re.compile(r"path\(\s*(['\"])(.*)\1\s*\)", re.I | re.S)
 UNREAD = "unread"  # how many values of an element's style cannot be read, or are none in a style sheet
 _SIZES = {"xx-small": 9.0, "x-small": 10.0, "small": 13.0, "medium": 16.0, "large": 18.0, "x-large": 24.0, "xx-large": 32.0, "xxx-large": 48.0}
 _STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
 _SHORTHANDS = {
-    "marker": ("marker-start", "marker-mid", "marker-end"), "-webkit-transform": ("transform",), "-webkit-transform-origin": ("transform-origin",),
+    "marker": ("marker-start", "marker-mid", "marker-end"), "-webkit-transform": ("transform",), "-webkit-transform-origin": ("transform-origin",), "offset": ("offset-path",),
 }  # fmt: skip
 _SILENT = frozenset("charset namespace font-face keyframes -webkit-keyframes page".split())  # nothing to draw by
 _QUERY = re.compile(r"(?:(?:(not)|only)\s+)?(\w[\w-]*)?(?:\s*and\s*)?(\(.*\))?$", re.S)
@@ -131,6 +131,8 @@ class Sheet:
                     self.unknown.append(tinycss2.serialize(rule.prelude).strip())
                     continue
                 body = tinycss2.serialize(rule.content)
+                if any(each.type in ("qualified-rule", "at-rule") for each in tinycss2.parse_blocks_contents(rule.content)):
+                    self.unknown.append(tinycss2.serialize(rule.prelude).strip())  # rules in rules
                 self._rules += [(each, body) for each in selectors if each.pseudo_element is None]
             elif rule.type == "at-rule" and rule.lower_at_keyword == "media" and rule.content is not None:
                 if self._taken(tinycss2.serialize(rule.prelude)):
@@ -185,6 +187,8 @@ class Sheet:
             if value in _KEYWORDS:
                 value = inherited.get(each) if value == "inherit" or value == "unset" and each in _INHERITED else None
                 style.pop(each, None)
+                if value is None and each in geometry:
+                    value = ""  # what the property is at first, not what the attribute says
             if value is not None:
                 style[each] = value
         return style
@@ -237,6 +241,12 @@ def invisible(opacity):
     """True of the text of an opacity of 0 or less."""
     match = _SHARE.match(opacity or "")
     return bool(match) and float(match[1]) <= 0
+
+
+def opaque(style):
+    """True of a fill through which nothing shines, as far as the element itself says."""
+    shares = [_SHARE.match(style.get(name, "1")) for name in ("opacity", "fill-opacity")]
+    return all(match and (match[0].strip() == "100%" or float(match[1]) >= 1 and "%" not in match[0]) for match in shares)
 
 
 def layer_of(group, order):

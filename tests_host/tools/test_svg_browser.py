@@ -167,6 +167,42 @@ def test_frames_and_smaller_areas_are_drawn(tmp_path, body):
     assert len(lines) > 1 and not page.backgrounds and not page.unseen
 
 
+@pytest.mark.parametrize("more, covered", [("", 2), ('fill-opacity="0.5" ', 0), ('opacity=".9"', 0), ('opacity="100%"', 2)])
+def test_what_lies_below_a_white_page_is_drawn_and_named(tmp_path, more, covered):
+    """A viewer hides it, unless the white is clear."""
+    path = tmp_path / "a.svg"
+    path.write_text(f'{HEAD}{VISIBLE}<text y="30">A</text><rect width="200" height="120" fill="#fff" stroke="none" {more}/><path d="M20 90h60"/></svg>')
+    for unseen in (False, True):
+        plan = drawing.load(path, boards.load("plotter_2014"), Options(unseen=unseen))
+        found = [note for note in plan.notes if "no viewer shows it" in note]
+        assert found == ([f"{covered} × a shape below a white area over the whole page, where no viewer shows it, is drawn all the same"] if covered else [])
+        assert len(plan.lines) > 3
+
+
+OTHERWISE = {  # (what is drawn, the same in other words)
+    "x and y of a symbol": ('<symbol id="s" x="10" y="5" width="40" height="40" viewBox="0 0 20 20"><path d="M2 2h9"/></symbol><use href="#s" x="30" y="20"/>', '<path d="M44 29h18"/>'),
+    "a use turned about its box": ('<defs><path id="q" d="M0 0h40v30"/></defs><use href="#q" x="60" y="30" style="transform-box:fill-box;transform-origin:center;rotate:180deg"/>', '<path d="M-20 0h-40v-30"/>'),
+    "no radius of an inherit": ('<style>circle{r:inherit}</style><circle cx="90" cy="60" r="25"/>', ""),
+    "first width": ('<rect width="90" height="20" style="width:initial"/>', ""),
+    "a sheet of another type": ('<style type="text/x">path{display:none}</style>', ""),
+    "a path with a rule for areas": ("<path d=\"M9 9h9\" style=\"d:path(evenodd,'M5 5h5')\"/>", '<path d="M9 9h9"/>'),
+    "dashes of the author's measure": ('<path pathLength="4" stroke-dasharray="1 1" stroke-dashoffset="-1" d="M9 60h100"/>', '<path d="M34 60h25M84 60h25"/>'),
+}
+
+
+@pytest.mark.parametrize("name", OTHERWISE)
+def test_what_browsers_draw_otherwise_than_librsvg(tmp_path, name):
+    (_, lines), (_, wanted) = (page_of(tmp_path, body) for body in OTHERWISE[name])
+    assert sorted(map(str, (line.round(3) + 0 for line in lines))) == sorted(map(str, (line.round(3) + 0 for line in wanted)))
+
+
+@pytest.mark.parametrize("body, name", [
+    ('<path style="offset-path:path(\'M90 60h50\')" d="M0 0h9"/>', "offset-path of CSS"), ("<style>g{.k{display:none}}</style>", "style rule that cannot be read"),
+])  # fmt: skip
+def test_css_that_is_not_drawn_is_named(tmp_path, body, name):
+    assert page_of(tmp_path, body)[0].left_out == {name: 1}
+
+
 def test_a_drawing_of_nothing_visible_says_how_to_draw_it(tmp_path):
     path = tmp_path / "a.svg"
     path.write_text(f'{HEAD}<rect width="30" height="30" stroke="none"/><rect width="200" height="120" fill="#fff" stroke="none"/></svg>')
