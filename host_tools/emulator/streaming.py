@@ -4,6 +4,8 @@
     on_a_copy(lambda: lines_s(machine, "pc", True, 600))    # lines a second
 """
 
+import random
+
 from host_tools import boards
 from host_tools.clients.frames import FramedPort
 from host_tools.clients.grbl import GrblClient
@@ -17,13 +19,15 @@ _PATIENCE_S = 1e6  # of the PC, whose clock is not the Pico's
 
 
 class EmulatedPort:
-    """A link as a pyserial port: while a read waits, the Pico runs, `waits_us` until the PC looks again."""
+    """A link as a pyserial port: while a read waits, the Pico runs, `waits_us` until the PC looks again; with a `seed` 0.5 to 1.5 times that, by
+    chance, as no PC looks in step with a board's answers."""
 
     timeout = 0.01
 
-    def __init__(self, machine, link, waits_us=_SLICE_US):
+    def __init__(self, machine, link, waits_us=_SLICE_US, seed=None):
         self.machine = machine
         self._waits_us = waits_us
+        self._chance = None if seed is None else random.Random(seed)
         self._wire = machine.wire(link)
         config = next(config for config in machine.board["links"] if config["name"] == link)
         self._baud = config["baud"]
@@ -37,7 +41,7 @@ class EmulatedPort:
 
     def read(self, size=1):
         if not self.in_waiting:
-            self.machine.pico.run(self._waits_us)
+            self.machine.pico.run(round(self._waits_us * self._chance.uniform(0.5, 1.5)) if self._chance else self._waits_us)
         size = min(size, self.in_waiting)
         data = bytes(self._received[:size])
         del self._received[:size]

@@ -21,7 +21,8 @@ STEP = boards.load("laser_xy")["axes"][0]["pins"][0]
 STAND_MS = 5
 LATE = 1.05  # of the time that the lines take to be played, or to come
 COUNT = 2000  # lines: they last most of a second, because a queue of 30 ms has to be made first
-PC_US = 1000  # it looks for answers as often as real ones do
+PC_US = 1000  # it looks for answers as often as real ones do, in the mean
+SEED = 1
 SHARES = (50, 80, 100, 120, 150)
 MM = 0.1  # of a line
 WHAT = {"lines": "", "M3": "M3S0", "M4": "M4S0"}  # what is said before
@@ -42,7 +43,7 @@ def laser(uf2, clock_mhz, fastest=FASTEST):  # noqa: F811
 
 def stream(machine, link, what, mm_min, count, mm=MM):
     """(ms from the first step to the last, the longest time between two steps in ms, steps) of a straight row of lines."""
-    client = GrblClient(link, timeout_s=1e6, opened=EmulatedPort(machine, link, PC_US))
+    client = GrblClient(link, timeout_s=1e6, opened=EmulatedPort(machine, link, PC_US, SEED))
     if link != machine.board["links"][0]["name"]:
         client.command("$LINK=0")
     for line in ("$X", "G21G91G94", "G1F%d" % mm_min, "X1", "X-1", WHAT[what]):
