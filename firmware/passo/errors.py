@@ -107,6 +107,7 @@ NOT_A_JOB = const(181)
 NOT_WRITTEN = const(182)
 NOT_SENT = const(183)
 JOB_LINE = const(184)
+FOREIGN_ANSWER = const(185)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

@@ -61,7 +61,7 @@ class Job:
             return
         wire = self._machine.wire
         if wire.foreign != self._foreign:  # its answers are not all this job's
-            self._failed = errors.COMMANDED_ELSEWHERE
+            self._failed = errors.FOREIGN_ANSWER
             self.abort()
             return
         while self._at < self._most:
