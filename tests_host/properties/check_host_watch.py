@@ -140,6 +140,18 @@ def check_who_looks_in_is_no_host():
     assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
 
 
+def check_a_host_that_asks_seldom():
+    """grbl's stream.py asks once a second, and no more once its last line is answered: what it has sent is done. Who asks more often is a host."""
+    for every, lost in ((1000, False), (700, True)):
+        links = [dict(link, lost="stop", lost_ms=3000) for link in BOARD["links"]]
+        machine = Machine(links=links)
+        machine.do("$X", "G21G91F600")
+        machine.put("?G1X60\n")
+        run_ms(machine, 2500, (every, "?"))
+        run_ms(machine, 6000)
+        assert bool(machine.controller.machine.alarm) == lost and (machine.world.place[0] == 3000 + 60 * 320) != lost
+
+
 def check_a_job_asks_anew():
     """What was late in one job counts in the next."""
     machine = machine_with("stop")

@@ -5,7 +5,8 @@ but for homing, or a tool or spindle that is on. What says something on a framed
 
 Some senders of G-code say nothing while a line lasts. So one of grbl counts as lost only if it asks for the status by habit: at least
 once in every lost_ms, from the beginning of the work until it falls silent. If it has left out one such time, it must first ask so for
-three of them: whoever only looks in, a few questions at once, is no host. In other languages any silent host is lost.
+three of them: whoever only looks in, a few questions at once, is no host. Nor does it count if it asks so seldom as grbl's stream.py, once a second:
+that falls silent with the answer to its last line, while the machine still moves. In other languages any silent host is lost.
 
 "retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
@@ -18,6 +19,7 @@ from passo.control.feature import OFF, WORK_GONE, Feature
 from passo.records import COUNT_MASK
 
 _SURE = const(3)  # times lost_ms
+_SELDOM_MS = const(800)  # between two questions
 _MAY_BE_SILENT = "grbl"  # the language
 _Z = const(2)
 
@@ -34,6 +36,8 @@ class HostWatch(Feature):
         self._asks = False  # the host of the link that commands has asked
         self._asked_ms = 0  # when it did so last, or when the work began
         self._doubt = -1  # since when it asks in time again, because it has let lost_ms pass without a question; −1: it has not, or for long
+        self._question_ms = 0  # of its last question
+        self._seldom = 0  # questions that came _SELDOM_MS or more behind the one before, the last ones in a row
         self._number = -1  # the link that commands
         homing = board["homing"]
         names = [axis["name"] for axis in board["axes"]]
@@ -85,7 +89,7 @@ class HostWatch(Feature):
                 return
             self._silent = False
             in_time = (self._since_ms - self._asked_ms) & COUNT_MASK < link["lost_ms"]
-            if link["protocol"] != _MAY_BE_SILENT or self._asks and self._doubt < 0 and in_time:
+            if link["protocol"] != _MAY_BE_SILENT or self._asks and self._doubt < 0 and self._seldom < 2 and in_time:
                 self._lost(link)
             self._since_ms = now_ms
 
@@ -100,7 +104,8 @@ class HostWatch(Feature):
         elif self._doubt >= 0 and (now_ms - self._doubt) & COUNT_MASK >= _SURE * lost_ms:
             self._doubt = -1
         self._asks = True
-        self._asked_ms = now_ms
+        self._seldom = 0 if (now_ms - self._question_ms) & COUNT_MASK < _SELDOM_MS else self._seldom + 1
+        self._asked_ms = self._question_ms = now_ms
 
     def _lost(self, link):
         machine = self._machine
