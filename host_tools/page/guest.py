@@ -8,6 +8,7 @@ from micropython import const
 
 from host_tools.clients.grbl_wire import GUEST
 from passo import errors
+from passo.protocols.grbl.lines import real_time
 
 ALWAYS = (0x18, 0x21, 0x84, 0x85)  # reset, hold, door, jog cancel
 _LONGEST = const(256)
@@ -30,6 +31,14 @@ class Guest:
         """Bytes from the guest."""
         plain = bytearray()
         for byte in data:
+            if 0x80 <= byte <= 0x9F and real_time(byte) and (plain or self._buffer)[-1:] == b"\xc2":  # a real-time byte as UTF-8, as on the board
+                if plain:
+                    plain = plain[:-1]
+                else:
+                    self._buffer = self._buffer[:-1]
+            letter = byte >= 0x80 and (real_time(byte) is None or (plain[-1] != 0x0A if plain else bool(self._buffer)))
+            if letter:  # it stays in its line: the board tells what it has done
+                plain.append(byte)
             if byte == 0x3F:
                 self._asked = True
             elif byte in ALWAYS:
@@ -41,7 +50,7 @@ class Guest:
                     self._machine.end_jog()
                     self._machine.wire.write(bytes((byte,)))
             elif byte == 0x7E or byte >= 0x80:
-                if self._commands():
+                if not letter and self._commands():
                     self._machine.wire.write(bytes((byte,)))
             elif byte != 0x0D:
                 plain.append(byte)

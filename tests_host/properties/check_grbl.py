@@ -369,8 +369,45 @@ def check_real_time_bytes_inside_lines():
     machine.put(b"G1?X\x911F6?00\n")
     said = machine.cycles(3)
     assert answers(said) == ["ok"] and len([line for line in said if line.startswith("<")]) == 1
+    assert "[MSG:Letters beyond ASCII acted: feed 110 %]" in said
     machine.settle()
     assert machine.controller.position() == [320, 0, 0] and machine.controller.machine.overrides[0] == 110
+
+
+def check_letters_of_one_byte():
+    """cp1252 has letters where grbl has real-time bytes: what they have done is told of the line in which they stand, and of no other."""
+    for byte, acted in ((b"\x96", "rapids 50 %"), (b"\x84", "door"), (b"\x85", "jog cancel"), (b"\xa0", "flood on"), (b"\x91", "feed 110 %"), (b"\x9a", "spindle 110 %")):
+        for cut in (1, 2, 3, 4):
+            machine = Machine().ready()
+            line = b"G0X1" + byte + b"\n"
+            machine.put(line[:cut])
+            machine.cycles(2)
+            machine.put(line[cut:] + b"G0Y1\n")
+            said = machine.cycles(8)
+            machine.put(b"~G0X2\n")
+            said += machine.cycles(12)
+            told = [at for at in said if at.startswith("[MSG:Letters")]
+            assert told == ["[MSG:Letters beyond ASCII acted: %s]" % acted] and answers(said) == ["ok"] * 3, (byte, cut, said)
+
+
+def check_real_time_bytes_as_utf_8():
+    """CNCjs writes them so, C2 before each: the byte acts, and the line behind it is done. A no-break space, C2 A0, is a letter."""
+    for data in (b"\xc2\x91", b"\xc2\x91\xc2\x93", b"?\xc2\x91?", b"G0Y1\n\xc2\x91"):
+        for cut in range(len(data) + 1):
+            machine = Machine().ready()
+            machine.put(data[:cut])
+            said = machine.cycles(3)
+            machine.put(data[cut:])
+            said += machine.cycles(3)
+            assert machine.controller.machine.overrides[0] >= 110
+            machine.put(b"G0X1\n")
+            said = [line for line in said + machine.cycles(8) if line[:1] != "<"]
+            assert said == ["ok"] * (1 + data.count(b"G")), (data, cut, said)
+            machine.settle()
+            assert machine.controller.position()[0] == 320
+    machine = Machine().ready()
+    machine.put(b"\xc2\xa0G0X1\n")
+    assert answers(machine.cycles(8)) == ["error:1"]
 
 
 # (line, what real-time bytes change in it, as the message says it; None: nothing is told)

@@ -487,6 +487,29 @@ def check_a_sender_beside_the_page():
     assert "Grbl 1.1" in heard()
 
 
+def check_letters_of_a_sender_beside_the_page():
+    """What is beyond ASCII stays in its line, which the board refuses; a real-time byte acts, alone or as UTF-8, and spoils none."""
+    said = []
+    desk = Desk(said.append)
+    guest = desk.machine.guest
+    guest.feed(b"$LINK=0\n")
+    desk.run_ms(300)
+    before = desk.place()
+    for data in ("G91G1X1F900\nX\u22125\nX1\n".encode(), b"\xc2\x91X1\n", b"\x91X1\n", b"X\x965\n"):
+        for cut in (1, 2, len(data) - 3):
+            said.clear()
+            guest.feed(data[:cut])
+            desk.cycle()
+            guest.feed(data[cut:])
+            desk.run_ms(300)
+            desk.settle()
+            text = b"".join(said).decode()
+            odd = data[:1] == b"G"
+            assert (text.count("ok\r"), text.count("error:1\r")) == ((2, 1) if odd else (1, 0)), (data, cut, text)
+            assert ("Letters beyond ASCII acted" in text) == (odd or b"\x96" in data), (data, cut, text)
+    assert desk.place()[0] == before[0] + MM * (3 * 2 + 3 + 3 + 3 * 5)
+
+
 def check_taught_moves_make_the_same_steps():
     desk = Desk()
     start = desk.place()
@@ -639,7 +662,7 @@ def check_one_answer_too_many_ends_the_job():
     desk.line.incoming += b"G4P0\n"
     desk.settle()
     job = desk.machine.state["job"]
-    assert (job["how"], job["error"]) == ("failed", errors.COMMANDED_ELSEWHERE), job
+    assert (job["how"], job["error"]) == ("failed", errors.FOREIGN_ANSWER), job
     assert before < desk.place()[0] <= before + 60 * MM
     assert desk.order("run", name="a") == 0, "the next one may run"
     desk.settle()

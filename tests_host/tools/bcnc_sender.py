@@ -51,6 +51,14 @@ def ended():
     return not sender.running
 
 
+def shown():
+    """What has come into the window's terminal since the last time."""
+    lines = []
+    while not sender.log.empty():
+        lines.append(sender.log.get_nowait()[1])
+    return lines
+
+
 sender = Headless()
 for line in sys.stdin:
     try:

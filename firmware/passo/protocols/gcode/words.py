@@ -185,7 +185,7 @@ def bare(line, unfinished=False):
     comment = 0
     for byte in line:
         if byte <= 32 or byte > 127 or byte == 47:
-            if not byte or unfinished and byte < 7:
+            if not byte or unfinished and byte < 9:
                 kept.append(0)
             continue
         if comment:

@@ -112,14 +112,16 @@ def real_time(byte):
 
 
 def mark_of(command):
-    """The blank that stands for a real-time byte from 0x80 on within a line: 1 … 6, as what_acted() reads it; 0: none."""
+    """The blank that stands for a real-time byte from 0x80 on within a line: 1 … 8, as what_acted() reads it."""
     if command.kind == commands.OVERRIDE:
         return 1 + command.value
-    return 0 if command.kind != commands.TOGGLE else 4 if command.value == commands.SPINDLE_STOP else 4 + command.value
+    if command.kind != commands.TOGGLE:
+        return 7 if command.kind == commands.DOOR else 8
+    return 4 if command.value == commands.SPINDLE_STOP else 4 + command.value
 
 
 def what_acted(line, machine):
-    """What the real-time bytes within a line have changed, as text, if it has odd bytes, too: letters beyond ASCII have done it."""
+    """What the real-time bytes within a line have changed, as text: letters beyond ASCII have done it."""
     found = []
     for which, name in enumerate(("feed", "rapids", "spindle")):
         if bytes((which + 1,)) in line:
@@ -127,6 +129,9 @@ def what_acted(line, machine):
     for bit, name in ((0, "spindle stop"), (1, "flood"), (2, "mist")):
         if bytes((bit + 4,)) in line:
             found.append(name + (" on" if machine.coolant & bit else " off" if bit else ""))
+    for mark, name in ((b"\7", "door"), (b"\x08", "jog cancel")):
+        if mark in line:
+            found.append(name)
     return ", ".join(found)
 
 
@@ -174,6 +179,13 @@ class Lines:
         self.fields[LINES_END] = self.fields[LINES_WHOLE]
         self._spoilt = self._after_return = False
         self._note()
+
+    def drop_odd(self):
+        """Forget the last byte of the line that has begun, if it is ODD."""
+        fields = self.fields
+        end = fields[LINES_END]
+        if end > fields[LINES_WHOLE] and self.text[end - 1] == ODD:
+            fields[LINES_END] = end - 1
 
     def free(self):
         """Bytes that can be kept."""

@@ -66,6 +66,8 @@ class Grbl:
         asked = Command(commands.STATUS)  # what `?` says, used again and again
         asked.accepted = Event(ACCEPTED, asked)
         self._asked = (asked,)
+        self._marked = False  # lines that are kept may have marks of real-time bytes
+        self._last = 0  # the last byte of the last data with real-time bytes
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
         self._stored = False  # it reads a file, in which no byte acts at once
@@ -238,10 +240,17 @@ class Grbl:
 
     def _peel(self, data):
         """Take the real-time bytes out. Within a line those from 0x80 on leave a mark, and other bytes from there on ODD: letters beyond
-        ASCII may be made of both."""
+        ASCII may be made of both. C2 before 80 … 9F goes with it: CNCjs writes real-time bytes as UTF-8, in which no text has these two."""
         plain = bytearray()
         asked = False
+        before = self._last
         for byte in data:
+            if before == 0xC2 and 0x80 <= byte <= 0x9F and real_time(byte) and not self._stored:
+                if plain:
+                    plain = plain[:-1]
+                else:
+                    self._lines.drop_odd()
+            before = byte
             if byte == 0x3F:
                 if not asked:
                     asked = True
@@ -258,10 +267,10 @@ class Grbl:
                 yield command
             else:
                 if byte > 0x7F and (plain[-1] not in (10, 13) if plain else self._lines.begun()):
-                    mark = mark_of(command)
-                    if mark:
-                        plain.append(mark)
+                    plain.append(mark_of(command))
+                    self._marked = True
                 yield command
+        self._last = before
         self._lines.take(plain)
 
     # --- lines to commands
@@ -288,7 +297,8 @@ class Grbl:
             if b"\0" in line:
                 return [Command(commands.BAD, error=errors.LETTER)]
         acted = []
-        if b"\x7f" in line:  # ODD
+        if self._marked or b"\x7f" in line:  # ODD
+            self._marked = bool(self._lines.waiting() or self._lines.begun())
             acted = what_acted(line, self._machine)
             acted = answer(grbl_report.message(grbl_report.LETTERS % acted)) if acted else []
             if b"\x7f" in bare(line):
