@@ -24,6 +24,7 @@ from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
 
+import whole_boards
 from mpremote.romfs import make_romfs
 
 from host_tools.build.tree import compile_module, unix_tree
@@ -101,7 +102,7 @@ def modules(firmware):
     """(source, path on the core) of all that runs there. What MicroPython cannot compile (tests for pytest) is no module of it."""
     for path in sorted((firmware / "passo").rglob("*.py")):
         yield path, path.relative_to(firmware)
-    for path in sorted((TESTS.parent / "boards").glob("*.py")):
+    for path in sorted((whole_boards.folder() / "boards").glob("*.py")):
         yield path, Path("boards") / path.name
     for folder in ("properties", "sims"):
         for path in sorted((TESTS / folder).glob("*.py")):

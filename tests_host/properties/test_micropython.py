@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import tiers
+import whole_boards
 
 from host_tools import interpreter
 from host_tools.build.tree import unix_tree
@@ -14,7 +15,7 @@ from host_tools.build.tree import unix_tree
 CHECKS = Path(__file__).resolve().parent
 TESTS = CHECKS.parent
 ROOT = TESTS.parent
-MODULE_PATH = (unix_tree(), CHECKS, TESTS / "sims", ROOT)
+MODULE_PATH = (unix_tree(), CHECKS, TESTS / "sims", whole_boards.folder(), ROOT)
 MICROPYTHON = Path(sys.executable).parent / "micropython"
 MODULES = sorted(path.stem for path in CHECKS.glob("check_*.py"))
 TIMEOUT_S = 300
