@@ -66,8 +66,9 @@ def checked(board):
 
 
 def import_all(board):
-    if board.get("keep"):  # what a reset has left of a black box, before that memory is used anew
-        __import__(board["keep"][0], None, None, ("keep",)).keep(*board["keep"][1:])
+    keep = getattr(board.get("additions"), "keep", None)
+    if keep:  # what a reset has left of a black box, before that memory is used anew
+        __import__(keep[0], None, None, ("keep",)).keep(*keep[1:])
     from passo.machine_builder import load_all
 
     load_all(board)

@@ -66,8 +66,9 @@ def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
     for key in _CHECKED:
         forget("passo.config.%s_keys" % key, True)
-    if board.get("drive_module"):  # an option's
-        __import__(board["drive_module"])
+    drive = getattr(board.get("additions"), "drive_module", None)  # an option's
+    if drive:
+        __import__(drive)
     spoken = languages(board)
     names = wanted(board, spoken)
     homing = board["homing"]
@@ -75,7 +76,7 @@ def load_all(board):
         (True, _OF_ALL),
         ("program" in names, _OF_PROGRAM),
         (homing and homing["latch"], ("control.quality",)),
-        (homing and "veto" not in board.get("parts", ()), ("ports.limit_watch",)),
+        (homing and "veto" not in getattr(board.get("additions"), "parts", ()), ("ports.limit_watch",)),
         (board["jobs"], ("config.job_store",)),
     ):
         for module in modules if asked else ():
@@ -145,13 +146,13 @@ def wanted(board, languages):
 
 
 def rows(board, languages):
-    """[(name, module, class, rule)] of all features. An option's manifest writes those of its own into board["features"], by name; the
+    """[(name, module, class, rule)] of all features. An option's manifest writes those of its own into board["additions"], by name; the
     name of a feature above is that of the class it stands in for. A language has those of options that it wants in OPTIONS. All of these are
     made."""
     own = {}
     for language in languages:
         own.update(getattr(language, "OPTIONS", {}))
-    own.update(board.get("features") or {})
+    own.update(getattr(board.get("additions"), "features", {}))
     found = []
     for name, kind, rule in FEATURES:
         rule = bool if name in own else rule
@@ -173,13 +174,13 @@ def load(names, board, languages):
 
 def planner(board, axes):
     """The planner of a board's motors, in steps of its axes."""
-    name = board.get("motion")  # an option's module
+    name = getattr(board.get("additions"), "motion", None)  # an option's module
     return __import__(name, None, None, ("Planner",)).Planner(axes, board) if name else Planner(axes)
 
 
 def queue(board, streamed):
     """The class of a board's queue; `streamed`: lines of G-code queue in it, one behind the other."""
-    name = board.get("queue")  # an option's module
+    name = getattr(board.get("additions"), "queue", None)  # an option's module
     if name:
         return __import__(name, None, None, ("Queue",)).Queue
     if streamed:
@@ -202,10 +203,10 @@ def make_drive(board):
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
     if kind == "step_dir":
-        motors = names + [motor["name"] for motor in board.get("more_motors", ())]
+        motors = names + [motor["name"] for motor in getattr(board.get("additions"), "more_motors", ())]
         pins = [name + "_step" for name in motors] + [name + "_dir" for name in motors]
         layout = Layout(kind, count, len(pins), pins, (1 << len(motors)) - 1, len(motors))
-        name = board.get("drive_module")
+        name = getattr(board.get("additions"), "drive_module", None)
         return layout, __import__(name, None, None, ("create",)).create(board) if name else None, 0
     from passo.drives.coils import CoilDrive
 

@@ -78,7 +78,7 @@ def heap_kb(board):
     taken += BROKER_KB * bool((board["network"] or {}).get("broker"))
     taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     taken += DIGITAL_KB * bool(digital(board))
-    taken += STALLS_KB * bool(board.get("stalls"))
+    taken += STALLS_KB * bool(getattr(board.get("additions"), "stalls", ""))
     return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 

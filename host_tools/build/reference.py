@@ -17,7 +17,6 @@ DOCS = ROOT / "docs" / "reference"
 BEGIN = "<!-- made by python -m host_tools.build.reference: change the firmware's table, not these lines -->"
 END = "<!-- end -->"
 EXAMPLE = "router_3axis"
-WRITTEN = ("drive_module", "drives", "features", "keep", "limits", "masks", "more_motors", "motion", "parts", "queue", "settings", "stalls")  # by an option's check(), no key of a board file
 
 
 def text(name):
@@ -63,7 +62,7 @@ def all_rules(boardfile):
     from passo.config import device_keys
     from passo.config.job_keys import JOBS
 
-    own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items() if key not in WRITTEN}
+    own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items()}
     rules = {**boardfile._BOARD, **own, **device_keys.RULES, "jobs": JOBS}
     for manifest in manifests().values():
         if hasattr(manifest, "extend"):

@@ -34,7 +34,7 @@ class Table:
         texts = dict(section.get("rows", {}))
         self.rows = {name: Row(name, manifest_table.parse(text, name)) for name, text in texts.items()}
         self.limits = section.get("limits", {})
-        self.masks = self.board["masks"]
+        self.masks = self.board["additions"].masks
 
     def gated(self):
         """{name: Row} of what the firmware gates: over the inputs alone, as its masks have it."""

@@ -66,7 +66,7 @@ class Plant:
         self._build_carriages(start, play or {})
         self._build_gantry(racked)
         self._build_barriers(bounce_ms)
-        if board.get("stalls"):
+        if getattr(board.get("additions"), "stalls", ""):
             self._belt = self.slipping = Slipping(self, board, stalls)
         self.encoders = {}  # by motor, in the board file's order
         for item in self._board.get("encoders", ()):
@@ -132,7 +132,7 @@ class Plant:
         self._watching = [None] * len(names)  # the barrier of each axis
         self._others = {}  # of an axis with more of them
         for axis, sensor in homing.get("sensors", {}).items():
-            if axis in self._board.get("stalls", ""):
+            if axis in getattr(self._board.get("additions"), "stalls", ""):
                 continue  # its driver feels the hard end
             high = axis in homing.get("high_end", "")
             edge = pull_off_of(homing, axis)
@@ -174,7 +174,7 @@ class Plant:
         section = self._board.get("interlock")
         if not section:
             return
-        masks = self._board["masks"]
+        masks = self._board["additions"].masks
         for number, item in enumerate(self._board["inputs"]):
             if masks["fall"] >> number & 1 and not masks["rise"] >> number & 1:
                 self._levels[item["name"]] = item["active"]

@@ -30,10 +30,10 @@ class Slipping:
         homing = board["homing"]
         self.sensors = {}  # input, by the number of its motor
         self._full = [16] * len(names)
-        for motor in board["drives"]["motors"]:
+        for motor in board["additions"].drives["motors"]:
             number = names.index(motor["axis"])
             self._full[number] = motor["microsteps"]
-            if motor["axis"] in board["stalls"]:
+            if motor["axis"] in board["additions"].stalls:
                 self.sensors[number] = homing["sensors"][motor["axis"]]
                 self._stop(number, names[number] in homing.get("high_end", ""), pull_off_of(homing, names[number]))
         self._names = names

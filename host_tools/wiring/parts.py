@@ -138,7 +138,7 @@ def _inputs(board):
 def _input(board, item):
     name = item["name"]
     homed = {sensor: axis for axis, sensor in (board["homing"] or {"sensors": {}})["sensors"].items()}
-    ends = {sensor: end for end, sensor in board.get("limits", {}).items()}
+    ends = {sensor: end for end, sensor in (getattr(board.get("additions"), "limits", None) or {}).items()}
     if item["halt"]:
         return "stop", _("2nd contact of E-STOP")
     if name.startswith("barrier"):
@@ -147,7 +147,7 @@ def _input(board, item):
         return "probe", _("tool and plate")
     if name in ends:
         return "switch", _("limit {}", ends[name].replace("-", "−").upper())
-    if name in homed and homed[name] in board.get("stalls", ""):
+    if name in homed and homed[name] in getattr(board.get("additions"), "stalls", ""):
         return "signal", _("DIAG of the {} driver", homed[name].upper())
     if name in homed or name.startswith("limit_"):
         return "switch", _("limit {}", homed.get(name, name[-1]).upper())

@@ -18,9 +18,12 @@ RUNS = {"check_limits": 16, "check_what_is_told": 15, "check_a_change_of_play": 
 class Played(Machine):
     """A machine of random_motion.py with play. Its arcs are left out: their chords are lines. Facts are of the motors' blocks."""
 
+    def value(self, number):
+        return self.um[number - 160]
+
     def make_rig(self):
         self.um = [self.random.choice((0, 3, 25, 60, 400)) for _ in range(3)]
-        planner = backlash.Planner(3, {"settings": {0: lambda number: self.um[number - 160]}})
+        planner = backlash.Planner(3, {"additions": self})
         rig = Rig(axes=3, planner=planner)
         planner.follow(lambda: rig.feeder.found(rig.played))
         return rig

@@ -46,8 +46,13 @@ def check_words_become_pins_and_steps_again(axes, axis, motors, words):
     assert list(position) == wanted
 
 
+class Added:
+    more_motors = [{"name": "x2", "axis": 0}]
+    drive_module = "passo.options.gantry.drive"
+
+
 def check_names_are_in_the_order_of_the_bits():
-    board = {"drive": {"kind": "step_dir"}, "axes": [{"name": "x"}, {"name": "y"}], "more_motors": [{"name": "x2", "axis": 0}], "drive_module": "passo.options.gantry.drive"}
+    board = {"drive": {"kind": "step_dir"}, "axes": [{"name": "x"}, {"name": "y"}], "additions": Added}
     assert make_drive(board)[0].pin_names == ["x_step", "y_step", "x2_step", "x_dir", "y_dir", "x2_dir", "tool"]
     drive = GantryDrive(2, 1)
     assert drive.pins(0) == (2, 16) and drive.pins(1) == (4, 32)

@@ -17,7 +17,7 @@ from host_tools import boards, interpreter
 from host_tools.build import tree
 from host_tools.build.reference import manifests
 from host_tools.resources import FIRMWARE, ROOT
-from passo.config.board_error import OF_OUTPUT, names_of
+from passo.config.board_error import OF_OUTPUT, Additions, BoardError, names_of
 from passo.config.boardfile import check
 
 OPTIONS = sorted(manifests())
@@ -86,6 +86,23 @@ def test_an_option_can_be_deleted(option, whole, tmp_path):
             assert isinstance(left[name], str) and any(text in left[name] for text in said), (name, SEED)
         else:
             assert left[name] == whole[name], (name, SEED)
+
+
+ADDED = sorted(vars(Additions()))  # and those that it had as keys of the board
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name", [name for name in boards.names() if set(OPTIONS) & boards.load(name).keys()])
+def test_a_board_file_has_no_key_that_only_options_write(name):
+    """Not even one that says what they write; and checked twice, a board is the same."""
+    board = boards.load(name)
+    checked = check(board)
+    for key in ["additions", *ADDED]:
+        with pytest.raises(BoardError, match=f"unknown key {key!r}"):
+            check({**board, key: {}})
+    again = check(checked)
+    written, rewritten = vars(checked.pop("additions")), vars(again.pop("additions"))
+    assert checked == again and str(written) == str(rewritten) and written["value"] is None
 
 
 @pytest.mark.quick

@@ -240,4 +240,4 @@ def test_a_board_file_says_which_axis_turns():
     for other in ({"backlash": {"x": 20}}, {"kinematics": "corexy"}):
         with pytest.raises(BoardError, match="remove"):
             check({**copy.deepcopy(board), **other})
-    assert check(copy.deepcopy(board))["queue"] == "passo.options.rotary.control"
+    assert check(copy.deepcopy(board))["additions"].queue == "passo.options.rotary.control"

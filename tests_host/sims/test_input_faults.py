@@ -78,7 +78,7 @@ def test_each_input_is_told_by_name(name):
 
     board = check(boards.load(name))
     named = {row[0] for row in INPUTS} | set((board["homing"] or {"sensors": {}})["sensors"].values())
-    named |= {motor["sensor"] for motor in board.get("more_motors", ())}
+    named |= {motor["sensor"] for motor in getattr(board.get("additions"), "more_motors", ())}
     for item in board["inputs"]:
         told = item["name"] in named | set(BY_COMMAND) or item["halt"] or re.fullmatch(r"limit_[xyza]|p\d|jog_[xyza][+-]", item["name"])
         told = told or board.get("interlock") or item["name"] in str([board.get(key) for key in ("tachometer", "drivers", "spi_drivers", "network", "journal", "jobs", "encoders")])

@@ -277,7 +277,7 @@ def test_what_a_board_file_cannot_ask_for(change, words):
 
 def test_a_threshold_of_zero_is_one():
     """SGT 0 is where the datasheet has people begin."""
-    assert check(router(stall=0))["stalls"] == "xy" and check(router(stall=64))["stalls"] == ""
+    assert check(router(stall=0))["additions"].stalls == "xy" and check(router(stall=64))["additions"].stalls == ""
 
 
 def test_a_board_is_built_with_the_folders_of_its_drivers():

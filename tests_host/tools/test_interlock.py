@@ -122,7 +122,7 @@ def test_pins_are_never_looser_than_the_equations():
 def test_without_leave_nothing_is_on_unasked():
     board = boards.load("mill_2004")
     board["interlock"] = {**board["interlock"], "unasked_ms": 0}
-    assert check(board)["masks"]["unasked"][:2] == [0, 0]
+    assert check(board)["additions"].masks["unasked"][:2] == [0, 0]
 
 
 def test_what_a_filter_may_wait_for_is_known():
@@ -313,7 +313,7 @@ def test_a_checked_board_may_be_checked_again():
 
 
 def test_products_that_another_covers_are_left_out():
-    masks = check(small({"x+": "!stop | !stop & !door | !limit_x & door & !stop"}))["masks"]
+    masks = check(small({"x+": "!stop | !stop & !door | !limit_x & door & !stop"}))["additions"].masks
     assert masks["table"][0] == 1
 
 

@@ -1,4 +1,4 @@
-"""What is wrong with a board file, and what no message could show."""
+"""What is wrong with a board file, what no message could show, and what the manifests of options add to it."""
 
 from micropython import const
 
@@ -9,6 +9,25 @@ _LONGEST = const(1000)  # characters of a text
 
 class BoardError(Exception):
     """The board file is wrong: one line that says where, and what would be right."""
+
+
+class Additions:
+    """What options add to a machine: their check() writes it into board["additions"], which no board file can say."""
+
+    def __init__(self, before=None):
+        """`before`: those of the same board, when it was checked before."""
+        self.masks = before.masks if before else None  # compiled from rows of the board file, which are gone then
+        self.limits = None  # inputs by direction, which the port watches: then it alone does
+        self.features = {}  # (module, class) by the name of a feature, see machine_builder.rows()
+        self.settings = {}  # rules by number
+        self.value = None  # once there are settings: their value()
+        self.motion = self.queue = None  # modules with its Planner and its Queue
+        self.parts = {}  # modules of what the port has beside its pins, see ports/parts.py
+        self.more_motors = []  # those beside the axes' own
+        self.drive_module = None  # the module that turns words of all motors into pins
+        self.stalls = ""  # names of the axes that home by stall
+        self.drives = None  # the section of the drivers that are set up
+        self.keep = None  # a module whose keep() finds at the start what a reset has left, and what that wants
 
 
 def want_input(board, who, name):

@@ -6,7 +6,7 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.config.board_error import BoardError, check_shape, own_rules, want_input
+from passo.config.board_error import Additions, BoardError, check_shape, own_rules, want_input
 from passo.config.chip_pins import PIN, check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
@@ -150,7 +150,9 @@ def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     check_shape(board)
     _want_dict(_WHOLE, board)
-    board = {key: value for key, value in board.items() if value is not None or key in _BOARD}  # None asks for no option
+    before = board.get("additions")  # an Additions of a board that was checked before: its options add all anew
+    # None asks for no option.
+    board = {key: value for key, value in board.items() if (value is not None or key in _BOARD) and not isinstance(value, Additions)}
     rules = dict(_BOARD)
     devices = lines = None
     if isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
@@ -168,6 +170,8 @@ def check(board):
     own = own_rules(board, rules)
     _call(own, "extend", rules)
     board = _section(_WHOLE, board, rules)
+    if own or devices is not None:
+        board["additions"] = Additions(before)
     if lines:
         board["step_program"].update(lines)
     _check_clock(board)
@@ -282,7 +286,7 @@ def claimed_pins(board, own=None):
 
 def _check_pins(board, own):
     kind = board["drive"]["kind"]
-    most = (MOST_BITS - 1) // PINS_OF[kind] - len(board.get("more_motors", ()))
+    most = (MOST_BITS - 1) // PINS_OF[kind] - len(getattr(board.get("additions"), "more_motors", ()))
     if len(board["axes"]) > most:
         raise BoardError("axes: %d are too many for a %s drive; it moves %d" % (len(board["axes"]), kind, most))
     for axis in board["axes"]:
@@ -335,7 +339,7 @@ def _check_step_program(board):
 
 
 def _check_bits(board):
-    if "bank" not in board.get("parts", ()):
+    if "bank" not in getattr(board.get("additions"), "parts", ()):
         for key in ("inputs", "outputs"):
             for item in board[key]:
                 if item["pin"] >= REGISTER_BIT:
@@ -343,7 +347,7 @@ def _check_bits(board):
 
 
 def _check_filters(board):
-    if "veto" in board.get("parts", ()):  # which filters inputs of its own
+    if "veto" in getattr(board.get("additions"), "parts", ()):  # which filters inputs of its own
         return
     sensors = list(board["homing"]["sensors"].values()) if board["homing"] else []
     for item in board["inputs"]:

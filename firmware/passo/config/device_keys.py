@@ -72,7 +72,7 @@ def _check_tool_change(board, config):
     if len(board["axes"]) < 3 or not board["homing"] or "z" not in board["homing"]["sensors"]:
         raise BoardError("tool_change: it wants axes x, y, z that home")
     want_input(board, "tool_change", "probe")
-    board["settings"] = {  # as an option's, behind 0 Settings puts its value()
+    board["additions"].settings = {
         341: ("tool_change_way", 0, 3, 0, 4),
         342: ("tool_change_distance", 3, config["distance_mm"] * 1000, 1000, 1_000_000),
         343: ("tool_change_locate", 3, config["locate_mm_min"] * 1000, 1000, 1_000_000),

@@ -47,11 +47,11 @@ class Settings:
         from passo.config.setting_numbers import make  # the app forgets it again
 
         self._table = make(board)
-        more = board.get("settings")  # of a key that few boards have
-        if more:
-            for number in more:
-                self._table[number] = more[number]
-            more[0] = self.value
+        additions = board.get("additions")
+        self._one_belt = additions and additions.motion and 160 not in additions.settings
+        if additions:
+            self._table.update(additions.settings)
+            additions.value = self.value
         self.numbers = sorted(self._table)
         self._changed = {}
         self._texts = {}
@@ -97,8 +97,8 @@ class Settings:
         if error:
             return error
         self._changed[number] = value
-        if number - STEPS in (0, 1) and self._board.get("motion") and 160 not in self._table:
-            self._changed[STEPS] = self._changed[STEPS + 1] = value  # one belt
+        if number - STEPS in (0, 1) and self._one_belt:
+            self._changed[STEPS] = self._changed[STEPS + 1] = value
         if number == HOMING and not value:
             self._changed[SOFT_LIMITS] = 0
         self._touch()

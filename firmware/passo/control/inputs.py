@@ -18,8 +18,8 @@ class Inputs:
         limits = [(axis["name"].upper(), sensors.get(axis["name"]) or "limit_" + axis["name"]) for axis in board["axes"]]
         self.limits = [limit for limit in limits if limit[1] in names]  # (axis's letter, name)
         self.names = [name for _, name in self.limits]
-        if "limits" in board:  # the port watches them, and the board file alone says when they are active
-            limits = board["limits"]
+        limits = getattr(board.get("additions"), "limits", None)
+        if limits is not None:  # the port watches them, and the board file alone says when they are active
             self.limits = [(axis[0].upper(), limits[axis]) for axis in sorted(limits)]
             self.names = []
 

@@ -1,10 +1,10 @@
-"""What options add to a port: their manifests write the names of the modules into board["parts"]."""
+"""What options add to a port: their manifests write the names of the modules into board["additions"]."""
 
 
 def load(board, file=None):
     """[(name, module)] of the parts, whose modules have create(). `file`: the name of the option's file to take instead, for all but a bank."""
     found = []
-    parts = board.get("parts") or {}
+    parts = getattr(board.get("additions"), "parts", {})
     for name in sorted(parts):
         module = parts[name]
         if file and name == "bank":

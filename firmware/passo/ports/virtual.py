@@ -75,7 +75,7 @@ class VirtualPort:
         self._by_pins = {entry.get("pin"): entry["name"] for entry in outputs}
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.veto = self._limits = None
-        if "veto" not in board.get("parts", ()) and hasattr(world, "listen") and self._inputs:
+        if "veto" not in getattr(board.get("additions"), "parts", ()) and hasattr(world, "listen") and self._inputs:
             from passo.ports.virtual_inputs import VirtualLimits
 
             self.world = self._limits = VirtualLimits(self, world, self._inputs)

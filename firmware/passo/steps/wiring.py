@@ -10,7 +10,7 @@ def word_pins(board):
     behind the axes."""
     axes = board["axes"]
     if board["drive"]["kind"] == "step_dir":
-        motors = axes + board.get("more_motors", [])
+        motors = axes + getattr(board.get("additions"), "more_motors", [])
         pins = [motor["pins"][0] for motor in motors] + [motor["pins"][1] for motor in motors]
     else:
         pins = [pin for axis in axes for pin in axis["pins"]]
@@ -38,7 +38,7 @@ def inverted_pins(board, layout):
                 mask ^= 1 << axis
             if axes[axis].get("reversed", False):
                 mask |= 1 << (layout.motors + axis)
-        for motor in board.get("more_motors", ()):
+        for motor in getattr(board.get("additions"), "more_motors", ()):
             axis = axes[motor["axis"]]  # of whose second motor $2 turns the pulses round as of the first, $3 the directions
             if axis.get("step_inverted", False):
                 mask ^= 1 << layout.axes

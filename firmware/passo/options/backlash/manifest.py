@@ -5,10 +5,6 @@ from passo.config.board_error import BoardError
 MOST_UM = 2000
 RULES = {
     "backlash": (dict, {}, 1, 4),  # by axis, in µm; 0: not known yet, see $160
-    # Set by check(), the rest of the firmware reads these. Their words are ones that all boards have in memory.
-    "motion": (str, "", 0, 40),  # the module whose Planner the machine has
-    "queue": (str, "", 0, 40),  # the module with its Queue
-    "settings": (dict, {}, 0, 0),  # by number, the rules of $160 to $163; behind 0 Settings puts its value()
 }
 
 
@@ -32,6 +28,7 @@ def check(board):
             raise BoardError("backlash: there is no axis %r" % name)
         if not isinstance(um, int) or isinstance(um, bool) or not 0 <= um <= MOST_UM:
             raise BoardError("backlash.%s: %r is not within 0 … %d" % (name, um, MOST_UM))
+    additions = board["additions"]
     for number in range(len(names)):
-        board["settings"][160 + number] = names[number] + "_backlash", 3, board["backlash"].get(names[number], 0), 0, MOST_UM
-    board["motion"], board["queue"] = "passo.options.backlash.motion", "passo.options.backlash.control"
+        additions.settings[160 + number] = names[number] + "_backlash", 3, board["backlash"].get(names[number], 0), 0, MOST_UM
+    additions.motion, additions.queue = "passo.options.backlash.motion", "passo.options.backlash.control"

@@ -1,6 +1,6 @@
 """The planner of a machine with lost motion: each reversal takes it up in its own block, without a stop.
 
-    planner = backlash.Planner(3, board)        # as of manifest.py: board["settings"][0](160) are µm of X
+    planner = backlash.Planner(3, board)        # as of manifest.py: board["additions"].value(160) is µm of X
     planner.follow(feeder_position)             # where the motors stand, as a function
     planner.turn(motors)                        # positions of the motors to those of the axes, of what has been retired
 
@@ -29,7 +29,7 @@ from passo.records import *
 class Planner(planner.Planner):
     def __init__(self, axes, board):
         planner.Planner.__init__(self, axes)
-        self._settings = board["settings"]
+        self._additions = board["additions"]
         self._plays, self._taken, self._offset, self._motors, self._first, self._rest = [array("i", [0] * axes) for _ in range(6)]
         self._begins = zeros(QUEUE_SIZE * 2 * axes)  # of each row: where the motors are at its beginning, and what is taken up there
         self._where = None
@@ -43,7 +43,7 @@ class Planner(planner.Planner):
         limits = planner.Planner.limits(self, limits)
         self.plays = False
         for axis in range(self.axes):
-            play = (self._settings[0](160 + axis) * limits.steps_per_m[axis] + 500_000) // 1_000_000
+            play = (self._additions.value(160 + axis) * limits.steps_per_m[axis] + 500_000) // 1_000_000
             taken = self._taken[axis]
             now = play if taken == self._plays[axis] and taken else min(taken, play)
             self._offset[axis] += taken - now  # the axis stays where it is told to be

@@ -29,7 +29,7 @@ _REPLY = const(8)  # bytes
 
 class Motors(Feature):
     def __init__(self, board, machine, queue):
-        config = board["drives"]
+        config = board["additions"].drives
         Feature.__init__(self, board, machine, queue)
         if _WORD not in STATUS_WORDS:
             STATUS_WORDS.append(_WORD)

@@ -22,9 +22,9 @@ class Motors(drives.Motors):
     _stealth = True  # the chopper in which they feel
 
     def __init__(self, board, machine, queue):
-        self._config = board["drives"]
+        self._config = board["additions"].drives
         self._sensors = board["homing"]["sensors"]
-        self._stalls = board["stalls"]
+        self._stalls = board["additions"].stalls
         self._set = 0
         self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
         drives.Motors.__init__(self, board, machine, queue)

@@ -64,8 +64,8 @@ class Homing(homing.Homing):
     def __init__(self, board, machine, queue):
         names = [axis["name"] for axis in board["axes"]]
         self._full = {}  # steps of a full step, by the number of an axis whose end is felt
-        for motor in board["drives"]["motors"]:
-            if motor["axis"] in board["stalls"]:
+        for motor in board["additions"].drives["motors"]:
+            if motor["axis"] in board["additions"].stalls:
                 self._full[names.index(motor["axis"])] = motor["microsteps"]
         self._shared = board.get("kinematics") == "corexy" and 0 in self._full  # both motors move X, and Y
         # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, the last,

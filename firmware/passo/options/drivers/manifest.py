@@ -24,9 +24,6 @@ RULES = {
         "sense_mohm": (int, 110, 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
     },
-    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
-    "stalls": (str, "", 0, 4),  # set by check(): names of the axes that home by stall
-    "drives": (str, "", 0, 0),  # as `features`, set by check(): the rest of the firmware reads this key, whose word all boards have in memory
 }
 
 
@@ -48,7 +45,7 @@ def check(board):
     feel = [motor for motor in config["motors"] if motor["stall"]]
     if feel:
         check_stalls(board, feel, "drivers")
-    board["features"]["drives"] = "passo.options.drivers." + ("control_stall" if feel else "control"), "Motors"
+    board["additions"].features["drives"] = "passo.options.drivers." + ("control_stall" if feel else "control"), "Motors"
 
 
 def want_step_dir(board):
@@ -58,7 +55,7 @@ def want_step_dir(board):
 
 def check_motors(board, key, unique, scale):
     """Check the drivers of section `key`. `unique`: keys of a driver whose values differ; `scale`: None for a current that is too high."""
-    config = board["drives"] = board[key]
+    config = board["additions"].drives = board[key]
     names = [axis["name"] for axis in board["axes"]]
     for each in unique:
         found = [motor[each] for motor in config["motors"]]
@@ -77,8 +74,8 @@ def check_motors(board, key, unique, scale):
 
 def check_stalls(board, feel, key):
     """Have axes home by stall. `feel`: the drivers that do; `key`: that of the board file."""
-    board["stalls"] = "".join([motor["axis"] for motor in feel])
-    board["features"]["homing"] = "passo.options.drivers.control_stall_homing", "Homing"
+    board["additions"].stalls = "".join([motor["axis"] for motor in feel])
+    board["additions"].features["homing"] = "passo.options.drivers.control_stall_homing", "Homing"
     homing = board["homing"]
     names = [motor["axis"] for motor in feel]
     if board.get("kinematics", "none") != "none" and ("x" in names) != ("y" in names):
@@ -88,7 +85,7 @@ def check_stalls(board, feel, key):
         where = "%s.motors, %s: stall" % (key, axis)
         if not homing or axis not in homing["sensors"]:
             raise BoardError("%s: homing.sensors must name the input that its DIAG pin goes to" % where)
-        if board.get("interlock") or axis in [motor["name"][0] for motor in board.get("more_motors", ())]:
+        if board.get("interlock") or axis in [motor["name"][0] for motor in board["additions"].more_motors]:
             raise BoardError("%s: not with an interlock, and not of a gantry" % where)
         for group in homing["order"].split() if " " in homing["order"] else ():
             if axis in group and len(group) > 1:

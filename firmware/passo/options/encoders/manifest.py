@@ -15,8 +15,6 @@ _ENCODER = {
 }
 RULES = {
     "encoders": [_ENCODER, 0, 4],
-    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
-    "parts": (dict, {}, 0, 4),  # set by check(): the modules of what the port has beside its pins, see ports/chip_port.py
 }
 
 
@@ -28,7 +26,7 @@ def check(board):
     """Each motor has one; on an rp2 chip PIO block 1 counts them, pins side by side."""
     if not board["encoders"]:
         return
-    motors = [motor["name"] for motor in board["axes"] + board.get("more_motors", [])]
+    motors = [motor["name"] for motor in board["axes"] + board["additions"].more_motors]
     named = [item["motor"] for item in board["encoders"]]
     for item in board["encoders"]:
         motor = item["motor"]
@@ -41,5 +39,5 @@ def check(board):
         a, b = item["pins"]
         if board["chip"].startswith("rp2") and b != a + 1:
             raise BoardError("encoder %s: its PIO program wants B on the pin next to A, [%d, %d]" % (motor, a, a + 1))
-    board["features"]["encoders"] = "passo.options.encoders.control", "EncoderWatch"
-    board["parts"]["encoders"] = "passo.options.encoders.port_rp2" if board["chip"].startswith("rp2") else "passo.options.encoders.port_pins"
+    board["additions"].features["encoders"] = "passo.options.encoders.control", "EncoderWatch"
+    board["additions"].parts["encoders"] = "passo.options.encoders.port_rp2" if board["chip"].startswith("rp2") else "passo.options.encoders.port_pins"

@@ -48,4 +48,4 @@ class GantryDrive:
 
 
 def create(board):
-    return GantryDrive(len(board["axes"]), board["more_motors"][0]["axis"])
+    return GantryDrive(len(board["axes"]), board["additions"].more_motors[0]["axis"])

@@ -13,11 +13,6 @@ RULES = {
         "offset_steps": (int, 0, -10_000, 10_000),  # how much farther than its sensor's edge the second side stands when square
         "rack_steps": (int, 200, 1, 10_000),  # how far homing moves one side alone
     },
-    # Set by check(), as the next: the motors beside those of the axes, and the module that turns the words of all into pins. Their words are
-    # ones that all boards have in memory.
-    "more_motors": (list, [], 0, 1),
-    "drive_module": (str, "", 0, 60),
-    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 
@@ -31,8 +26,8 @@ def prepare(board):
         raise BoardError("gantry: two motors on one axis want a step_dir drive, pins [STEP, DIR]")
     motor = {"name": axis + "2", "axis": names.index(axis)}
     motor.update({key: gantry[key] for key in ("pins", "opposite", "sensor")})
-    board["more_motors"] = [motor]
-    board["drive_module"] = "passo.options.gantry.drive"
+    board["additions"].more_motors = [motor]
+    board["additions"].drive_module = "passo.options.gantry.drive"
 
 
 def claims(board):
@@ -51,4 +46,4 @@ def check(board):
     pair = [item for item in board.get("encoders", ()) if item["motor"] in (axis, axis + "2")]
     if len(pair) == 2 and (pair[0]["pulses"], pair[0]["steps"]) != (pair[1]["pulses"], pair[1]["steps"]):
         raise BoardError("encoders: those of a gantry have the same pulses and steps")
-    board["features"]["gantry"] = "passo.options.gantry.control", "GantryWatch"
+    board["additions"].features["gantry"] = "passo.options.gantry.control", "GantryWatch"

@@ -36,7 +36,7 @@ class InterlockWatch(Feature):
         self._halting = [item["name"] for item in board["inputs"] if item["halt"]]
         homing = board["homing"]
         sensors = list(homing["sensors"].values()) if homing else []
-        sensors += [motor["sensor"] for motor in board.get("more_motors", ())]
+        sensors += [motor["sensor"] for motor in getattr(board.get("additions"), "more_motors", ())]
         # Inputs that forbid nothing while homing or probing looks for them.
         self._homes = sum([1 << number for number in range(len(names)) if names[number] in sensors])
         self._probes = sum([1 << number for number in range(len(names)) if names[number] == "probe"])

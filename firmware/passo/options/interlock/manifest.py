@@ -11,10 +11,6 @@ RULES = {
         "release_ms": (int, 20, 1, 1000),  # what a changed input allows is allowed once it has lasted so long
         "unasked_ms": (int, 0, 0, 60_000),  # so long at rest before outputs go on that rows switch on by themselves; 0: never
     },
-    "masks": (dict, {}, 0, 5),  # set by check(), which takes rows, signals and elsewhere away: see manifest_table.py
-    "limits": (dict, {}, 0, 8),  # set by check(): those of the interlock; other limits the board has none then
-    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
-    "parts": (dict, {}, 0, 4),  # set by check(): the modules of what the port has beside its pins, see ports/chip_port.py
 }
 
 
@@ -23,12 +19,13 @@ def check(board):
     for key in ("rows", "signals", "limits"):
         if [name for name in section[key] if not isinstance(section[key][name], str)]:
             raise BoardError("interlock.%s: names are wanted, in an interlock with texts behind them" % key)
-    if not board["masks"]:
+    additions = board["additions"]
+    if additions.masks is None:
         from passo.options.interlock.manifest_table import compile_rows
 
-        board["masks"] = compile_rows(board)
+        additions.masks = compile_rows(board)
     for key in ("rows", "signals", "elsewhere"):
         del section[key]
-    board["limits"] = section["limits"]
-    board["features"]["interlock"] = "passo.options.interlock.control", "InterlockWatch"
-    board["parts"]["veto"] = "passo.options.interlock.port_pins"
+    additions.limits = section["limits"]
+    additions.features["interlock"] = "passo.options.interlock.control", "InterlockWatch"
+    additions.parts["veto"] = "passo.options.interlock.port_pins"

@@ -25,7 +25,7 @@ class Interlock:
     """Has no pins: see port_pins.py and port_virtual.py."""
 
     def __init__(self, board, port):
-        compiled = board["masks"]
+        compiled = board["additions"].masks
         self._port = port
         self.table = array("i", compiled["table"])
         self._unasked = array("i", compiled["unasked"])

@@ -18,7 +18,6 @@ RULES = {
         "at_speed_percent": (int, 5, 1, 50),
         "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
     },
-    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 
@@ -34,4 +33,4 @@ def check(board):
             raise BoardError("inverter: %s is link %s's; take another" % (config["port"], link["name"]))
     if board["spindle"]["pwm"] or board["spindle"]["laser"]:
         raise BoardError("inverter: it sets the spindle's speed; leave out spindle.pwm and spindle.laser")
-    board["features"]["inverter"] = "passo.options.inverter.control", "Inverter"
+    board["additions"].features["inverter"] = "passo.options.inverter.control", "Inverter"

@@ -4,9 +4,6 @@ from passo.config.board_error import BoardError
 
 RULES = {
     "kinematics": ("none", "corexy"),  # a module of this folder; "none": each motor moves its own axis
-    # Set by check(), the rest of the firmware reads these. Their words are ones that all boards have in memory.
-    "motion": (str, "", 0, 40),  # the module whose Planner the machine has
-    "queue": (str, "", 0, 40),  # the module with its Queue
 }
 
 
@@ -14,7 +11,8 @@ def check(board):
     kind = board["kinematics"]
     if kind == "none":
         return
-    board["motion"], board["queue"] = "passo.options.kinematics.motion", "passo.options.kinematics.control"
+    additions = board["additions"]
+    additions.motion, additions.queue = "passo.options.kinematics.motion", "passo.options.kinematics.control"
     unfit = [other for other in ("gantry", "encoders", "weaving", "step_program", "rotary") if board.get(other)]
     if unfit:
         raise BoardError("kinematics: remove %s: it wants a motor for each axis" % unfit[0])

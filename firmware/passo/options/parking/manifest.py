@@ -11,9 +11,6 @@ RULES = {
         "pull_out_mm_min": (int, 100, 1, 100_000),  # $57
         "at_end": (bool, False, 0, 1),  # M2 and M30 go to the target, too, $142
     },
-    # Set by check(), the rest of the firmware reads these. Their words are ones that all boards have in memory.
-    "features": (dict, {}, 0, 16),  # (module, class) by the name of a feature, see machine_builder.rows()
-    "settings": (dict, {}, 0, 0),  # the rules of $41, $42, $56 to $59 and $142, by number; behind 0 Settings puts its value()
 }
 
 
@@ -29,7 +26,7 @@ def check(board):
     names = [axis["name"] for axis in board["axes"]]
     if config["axis"] not in names or not board["homing"] or config["axis"] not in board["homing"]["sensors"]:
         raise BoardError("parking: it wants an axis %s that homes" % config["axis"])
-    board["features"]["pauses"] = "passo.options.parking.control", "Pauses"
+    board["additions"].features["pauses"] = "passo.options.parking.control", "Pauses"
     rules = {
         41: ("parking", 0, 1, 0, 1),
         42: ("parking_axis", 0, names.index(config["axis"]), 0, min(len(names), 3) - 1),
@@ -39,4 +36,4 @@ def check(board):
         59: ("parking_speed", 3, config["mm_min"] * 1000, 1, 100_000_000),
         142: ("parking_at_end", 0, 1 if config["at_end"] else 0, 0, 1),
     }
-    board["settings"].update(rules)
+    board["additions"].settings.update(rules)

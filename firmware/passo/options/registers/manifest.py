@@ -19,7 +19,6 @@ RULES = {
         "edges": [_EDGES, 0, 4],  # pins whose edges have the inputs read at once
         "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
     },
-    "parts": (dict, {}, 0, 4),  # set by check(): the modules of what the port has beside its pins, see ports/chip_port.py
 }
 
 
@@ -37,7 +36,7 @@ def check(board):
     quick = {}  # name of an input: why not
     for name in (board["homing"]["sensors"].values() if board["homing"] else ()):
         quick[name] = "homing's sensor"
-    for name in [str(name) for name in board.get("limits", {}).values()]:
+    for name in [str(name) for name in (board["additions"].limits or {}).values()]:
         quick[name] = "a limit"
     for key, what in (("inputs", "74HC165"), ("outputs", "74HC595")):
         owners = {}
@@ -63,7 +62,7 @@ def check(board):
                 raise BoardError("input %s: %s needs a pin of its own, or one of registers.edges" % (item["name"], quick[item["name"]]))
             if item.get("role", "none") != "none":
                 raise BoardError("output %s: a relay of the change-over needs a pin of its own" % item["name"])
-    board["parts"]["bank"] = "passo.options.registers.port" + ("_rp2" if board["chip"].startswith("rp2") else "")
+    board["additions"].parts["bank"] = "passo.options.registers.port" + ("_rp2" if board["chip"].startswith("rp2") else "")
 
 
 def _prompt(board, config):

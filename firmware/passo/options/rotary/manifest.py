@@ -5,12 +5,11 @@ from passo.config.board_error import BoardError
 RULES = {
     "rotary": ("a",),  # the axis; its millimetres are degrees, and a metre is a thousand of them
     "short_way": (bool, False, 0, 1),  # an absolute word leads by half a turn at most
-    "queue": (str, "", 0, 40),  # set by check(): the module of its queue
 }
 
 
 def check(board):
-    board["queue"] = "passo.options.rotary.control"
+    board["additions"].queue = "passo.options.rotary.control"
     if "".join([axis["name"] for axis in board["axes"]]) != "xyza":
         raise BoardError("rotary: axes x, y, z, a are wanted")
     if "grbl" not in [link["protocol"] for link in board["links"]]:

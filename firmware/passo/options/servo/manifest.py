@@ -12,7 +12,6 @@ RULES = {
         "down_ms": (int, 200, 0, 5000),
         "by_s": (bool, False, 0, 1),
     },
-    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 
@@ -30,4 +29,4 @@ def check(board):
         raise BoardError("servo: it is the tool; leave out spindle.pwm and spindle.laser")
     if config["by_s"] and [link for link in board["links"] if link["protocol"] != "grbl"]:
         raise BoardError("servo.by_s: only links that speak grbl know S")
-    board["features"]["servo"] = "passo.options.servo.control", "PenServo"
+    board["additions"].features["servo"] = "passo.options.servo.control", "PenServo"

@@ -13,7 +13,6 @@ CHIPS = ("esp32", "esp32s3")  # I2S, and a pulse counter to count frames with
 
 RULES = {
     "shift": {"clock": PIN, "latch": PIN, "data": PIN, "enable": (int, -1, -1, 48)},
-    "parts": (dict, {}, 0, 4),  # set by prepare(): the modules of what the port has beside its pins, see ports/chip_port.py
 }
 
 
@@ -55,7 +54,7 @@ def prepare(board):
             _want(pin, "axis %s" % axis["name"])
     _want(board["tool"]["pin"], "tool")
     drive["setup_us"] = -(-drive["setup_us"] // FRAME_US) * FRAME_US  # whole frames: rounding shortens nothing
-    board["parts"]["bank"] = "passo.options.shift.port_esp32"
+    board["additions"].parts["bank"] = "passo.options.shift.port_esp32"
 
 
 def claims(board):

@@ -26,9 +26,6 @@ RULES = {
         "sense_mohm": (int, ..., 10, 1000),  # the resistors beside each driver
         "motors": [_DRIVER, 1, 4],
     },
-    "features": (dict, {}, 0, 16),  # set by check(), as the next: see drivers/manifest.py
-    "stalls": (str, "", 0, 4),
-    "drives": (str, "", 0, 0),
 }
 
 
@@ -40,11 +37,11 @@ def claims(board):
 
 def check(board):
     config = board["spi_drivers"]
-    if board.get("drivers") or board.get("drives"):
+    if board.get("drivers"):
         raise BoardError("spi_drivers: not beside drivers, which are on a UART")
     want_step_dir(board)
     check_motors(board, "spi_drivers", ("axis",), lambda current_ma: scale(current_ma, config))
     feel = [motor for motor in config["motors"] if motor["stall"] != NO_STALL]
     if feel:
         check_stalls(board, feel, "spi_drivers")
-    board["features"]["drives"] = "passo.options.spi_drivers." + ("control_stall" if feel else "control"), "Motors"
+    board["additions"].features["drives"] = "passo.options.spi_drivers." + ("control_stall" if feel else "control"), "Motors"

@@ -11,7 +11,6 @@ RULES = {
         "at_speed_percent": (int, 10, 1, 50),
         "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
     },
-    "features": (dict, {}, 0, 16),  # set by check(): (module, class) by the name of a feature, see machine_builder.rows()
 }
 
 
@@ -27,4 +26,4 @@ def check(board):
         raise BoardError("tachometer: the inverter says the speed itself; a laser has none")
     if config["pulses"] * board["spindle"]["max_rpm"] > 300_000:
         raise BoardError("tachometer.pulses: no more than 5000 a second: %d a turn" % (300_000 // board["spindle"]["max_rpm"]))
-    board["features"]["tachometer"] = "passo.options.tachometer.control", "Tachometer"
+    board["additions"].features["tachometer"] = "passo.options.tachometer.control", "Tachometer"
