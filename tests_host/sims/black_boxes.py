@@ -58,10 +58,14 @@ class Doomed:
         position = self.machine.app.controller.position()
         return low <= position[axis] <= high
 
+    def boxes(self):
+        """What has been written, the newest last."""
+        return self.machine.app.controller.features["links"]._keep.written
+
     def boxed(self, ms=1500):
         """({name: bytes} of the newest box, path)."""
         self.machine.run_ms(ms)
-        return self.files(*self.machine.port.boxes[-1]), self.path()
+        return self.files(*self.boxes()[-1]), self.path()
 
     def files(self, why, numbers, text):
         settings = {f"settings.{slot}": self.slots.read(slot) for slot in range(2)}

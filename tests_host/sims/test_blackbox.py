@@ -113,24 +113,24 @@ def test_nothing_is_written_twice():
     doomed.stream(pieces(), amid(doomed, 3000))
     doomed.press("stop")
     doomed.machine.run_ms(2000)
-    assert [why for why, _, _ in doomed.machine.port.boxes] == ["alarm"]
+    assert [why for why, _, _ in doomed.boxes()] == ["alarm"]
     doomed.machine.app.stop()
-    assert [why for why, _, _ in doomed.machine.port.boxes] == ["alarm"]
+    assert [why for why, _, _ in doomed.boxes()] == ["alarm"]
 
 
 def test_nothing_is_written_while_it_moves():
     """A soft limit comes to its stand first: flash stops the interrupts that make words."""
     doomed = Doomed()
     doomed.machine.send(b"$20=1\n")
-    port = doomed.machine.port
-    written, keep = [], port.keep_box
+    links = doomed.machine.app.controller.features["links"]
+    written, keep = [], links._keep
     queue = doomed.machine.app.controller.queue
 
     def kept(why, *data):
         written.append(queue.still())
         keep(why, *data)
 
-    doomed.machine.app.controller.features["links"]._keep = kept
+    links._keep = kept
     doomed.stream([*pieces(60), b"G1X400\n"])
     doomed.machine.run_ms(4000)
     assert written == [True]

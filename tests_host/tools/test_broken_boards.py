@@ -259,3 +259,11 @@ def test_a_board_file_that_is_no_text_is_one_sentence(tmp_path):
 
 def test_half_a_character_is_shown_by_its_number():
     assert Failure("{}: unknown key {}", "my\ud800.py", "\udfff").told() == "my\\ud800.py: unknown key \\udfff"
+
+
+@pytest.mark.parametrize("key, wanted", [("encoder", "encoders"), ("gantri", "gantry"), ("axis", "axes"), ("Tool", "tool"), ("inter_lock", "interlock"), ("qqq", None)])
+def test_an_unknown_key_comes_with_the_nearest_name(key, wanted):
+    with pytest.raises(BoardError) as refused:
+        check({**project.load("plotter_2014"), key: {}})
+    said = str(refused.value)
+    assert f"unknown key '{key}'" in said and ("nearest" in said) == (wanted is not None) and (wanted is None or f"nearest is '{wanted}'" in said)

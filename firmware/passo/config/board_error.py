@@ -1,9 +1,12 @@
 """What is wrong with a board file, what no message could show, and what the manifests of options add to it."""
 
+import os
+
 from micropython import const
 
 _DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
 OF_OUTPUT = "output_"  # how the option of an output of a name is called
+_LIKE = const(50)  # percent of the pairs of letters in two names
 _LONGEST = const(1000)  # characters of a text
 
 
@@ -46,6 +49,33 @@ def check_shape(value, depth=_DEPTH):
         raise BoardError("a list or dict is nested too deep")
     for each in value.values() if isinstance(value, dict) else value:
         check_shape(each, depth - 1)
+
+
+def options():
+    """Keys of the options that are here, as far as their folders can be listed: not in a UF2."""
+    path = __import__("passo.options", None, None, ("__path__",)).__path__
+    try:
+        return [name for name in os.listdir(path if isinstance(path, str) else path[0]) if "." not in name and name[0] != "_"]
+    except OSError:
+        return []
+
+
+def nearest(key, known):
+    """", nearest is 'axes'" for what is written much like one of the known keys, else ""."""
+    wanted = _pairs(key)
+    best, name = 0, ""
+    for each in known:
+        pairs = _pairs(each)
+        like = 200 * len([pair for pair in pairs if pair in wanted]) // (len(pairs) + len(wanted))
+        if like > best:
+            best, name = like, each
+    return ", nearest is %r" % name if best >= _LIKE else ""
+
+
+def _pairs(key):
+    """A key's letters, each with the one before it."""
+    key = " " + str(key) + " "
+    return [key[at : at + 2] for at in range(len(key) - 1)]
 
 
 def names_of(outputs):

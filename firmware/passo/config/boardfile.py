@@ -6,7 +6,7 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.config.board_error import Additions, BoardError, check_shape, own_rules, want_input
+from passo.config.board_error import Additions, BoardError, check_shape, nearest, options, own_rules, want_input
 from passo.config.chip_pins import PIN, check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
@@ -211,7 +211,8 @@ def _section(where, data, rules):
     _want_dict(where, data)
     for key in data:
         if key not in rules:
-            raise BoardError("%s: unknown key %r; known are %s" % (where, key, ", ".join(sorted(rules))))
+            known = sorted(set(rules) | set(options() if where is _WHOLE else ()))
+            raise BoardError("%s: unknown key %r%s; known are %s" % (where, key, nearest(key, known), ", ".join(known)))
     prefix = "" if where is _WHOLE else where + "."
     return {key: _value(prefix + key, data, key, rule) for key, rule in rules.items()}
 

@@ -81,9 +81,6 @@ class VirtualPort:
             self.world = self._limits = VirtualLimits(self, world, self._inputs)
         if board.get("journal"):
             self.pages = MemoryPages()
-        if board.get("blackbox"):
-            self.boxes = []  # (why, numbers, text) as written, the newest last
-            self.keep_box = lambda why, numbers, text, feed=None: self.boxes.append((why, bytes(numbers), bytes(text)))
         self._listen = getattr(world, "listen", None)
         self._watches = {}
         self.clocked = []  # those of the parts that have a time: run(tick) once it is `due`

@@ -82,7 +82,7 @@ class Links(links.Links):
     def __init__(self, board, machine, queue):
         links.Links.__init__(self, board, machine, queue)
         self.numbers = array("i", [0] * BOX_NUMBERS)
-        self._keep = getattr(machine.port, "keep_box", box.keep)
+        self._keep = machine.port.make("blackbox", box.keep)
         self._now_ms = machine.port.machine_ms
         self._levels = machine.inputs.levels
         self._taken = getattr(queue, "taken", None)  # of a machine with backlash
