@@ -31,7 +31,7 @@ MICROPYTHON = Package(
 )  # fmt: skip
 PAGE = FIRMWARE / "passo" / "web" / "page"
 OWN = Path(__file__).resolve().parent
-TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/plant.py", "host_tools/sim/belt.py", "host_tools/sim/slipping.py", "host_tools/sim/parts.py", "host_tools/sim/decoders.py", "host_tools/sim/stock.py",
+TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/plant.py", "host_tools/sim/input_faults.py", "host_tools/sim/belt.py", "host_tools/sim/slipping.py", "host_tools/sim/parts.py", "host_tools/sim/decoders.py", "host_tools/sim/stock.py",
        *(f"host_tools/page/{name}.py" for name in (
            "cabled", "grbl_machine", "guest", "job", "jobs", "later", "orders", "plotter_job", "plotter_machine", "presence", "queue", "set_up", "teach")),
        "host_tools/programs/program_lines.py", "host_tools/programs/height_map.py", "host_tools/programs/surfacing.py",
