@@ -108,6 +108,7 @@ NOT_WRITTEN = const(182)
 NOT_SENT = const(183)
 JOB_LINE = const(184)
 FOREIGN_ANSWER = const(185)
+LINK_TAKEN = const(186)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

@@ -110,6 +110,7 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
     from host_tools.sim.serial_line import PtyLine, wait
+    from passo import errors
     from passo.config.boardfile import BoardError
     from passo.records import NETWORK_PORTS
 
@@ -142,6 +143,8 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
             raise Failure("{}", reason(error)) from error
         except OSError as error:
             raise Failure("cannot write {}: {}", error.filename, reason(error)) from error
+        for name, line in lines.items() if tcp is not None else ():
+            line.taken = lambda address, name=name: machine.app.controller.machine.note(errors.LINK_TAKEN, f"{name} {address}")
         # Those of the network; a stored job's line has nothing to wait for.
         watched += [link.serial for link in machine.app.links if link.name not in lines and hasattr(link.serial, "watched")]
         try:
@@ -163,10 +166,10 @@ def _protocol_of(config, name, protocols):
 
 def _tcp_line(port, index, name, protocol):
     """The line of link number `index`: each has the port behind that of the one before."""
-    from host_tools.sim.serial_line import TcpLine
+    from host_tools.sim.serial_line import TAKEN, TcpLine
 
     try:
-        return TcpLine(port and port + index, messages=protocol == "grbl")
+        return TcpLine(port and port + index, message=TAKEN.get(protocol, b""))
     except Failure as failure:
         raise Failure("link {}: {}", name, failure) from failure if index else failure
 

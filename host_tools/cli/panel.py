@@ -150,12 +150,12 @@ def _cable(port, prompt, board, own, guest):
 
 def _guest_line(guest):
     from host_tools.sim.consent import Consent, GuestLine
-    from host_tools.sim.serial_line import PtyLine, TcpLine
+    from host_tools.sim.serial_line import TAKEN, PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
 
     if guest.startswith(_WEBSOCKET) and guest[len(_WEBSOCKET) :].isdigit():
         return GuestLine(WebSocketLine(int(guest[len(_WEBSOCKET) :])), Consent())
-    return GuestLine(TcpLine(int(guest), messages=True), Consent()) if guest.isdigit() else PtyLine(guest)
+    return GuestLine(TcpLine(int(guest), message=TAKEN["grbl"]), Consent()) if guest.isdigit() else PtyLine(guest)
 
 
 def _spoken(language, port, baud, guest):

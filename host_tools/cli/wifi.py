@@ -209,7 +209,7 @@ def bridge(
         key = typer.prompt(_("key"), hide_input=True)
     from host_tools.clients.signed import Bridge
     from host_tools.sim.consent import Consent, GuestLine, tell
-    from host_tools.sim.serial_line import PtyLine, TcpLine
+    from host_tools.sim.serial_line import TAKEN, PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
     from host_tools.cli.key_option import key_of
 
@@ -217,7 +217,7 @@ def bridge(
     if websocket is not None:
         line = GuestLine(WebSocketLine(websocket), Consent())
     else:
-        line = GuestLine(TcpLine(tcp, messages=True), Consent()) if tcp is not None else PtyLine(link)
+        line = GuestLine(TcpLine(tcp, message=TAKEN["grbl"]), Consent()) if tcp is not None else PtyLine(link)
     try:
         made = Bridge(host, tcp_port, key, line)
         tell(line)

@@ -55,6 +55,8 @@ class PulsesClient(Client):
             found = None
             kept, self.said = (self.said, []) if idle else ([], self.said)
             for line in kept + self.lines():
+                if line.startswith("taken:"):
+                    raise LinkError("{}: the program at {} has taken this connection", self.port, line[6:])
                 failed = line.startswith(("error:", "alarm:")) and (idle or " line " not in line) or idle and line in _ENDS
                 if found is None and (failed or wanted(line)):
                     found = line

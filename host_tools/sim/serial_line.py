@@ -223,14 +223,19 @@ class _Client:
         return data
 
 
+TAKEN = {"grbl": b"[MSG:%s has taken this connection]\r\n", "pulses": b"taken:%s\n"}  # by language; the others never speak unasked
+
+
 class TcpLine(_Line):
     """A TCP server on this machine with one client at a time. A new client takes the place of the old with the first byte that it may say:
     a browser's requests, and who is refused from the first line on, are hung up on (gate.py), and the old one notices nothing.
-    Port 0: any. `messages`: the language has some, so the one that loses the line is told who has it now; the terminal tells it in any case."""
+    Port 0: any. `message`: what the one that loses the line is told, with the address of the one that has it now; b"": its language has no word for it. The
+    terminal tells it in any case, and `taken(address of the loser)`, for the log that each language's status reads."""
 
-    def __init__(self, port, host="127.0.0.1", messages=False):
+    def __init__(self, port, host="127.0.0.1", message=b"", taken=None):
         super().__init__()
-        self._messages = messages
+        self._message = message
+        self.taken = taken
         try:
             self._server = socket.create_server((host, port))
         except (OSError, OverflowError) as error:
@@ -289,9 +294,11 @@ class TcpLine(_Line):
         """The one that comes, if any, is the client now."""
         if self._client and self._coming:
             print(_("{}: the program at {} has taken the place of the one at {}", self.name, self._coming.address, self._client.address), file=sys.stderr, flush=True)
-            if self._messages:
+            if self._message:
                 with contextlib.suppress(OSError):
-                    self._client.socket.send(b"[MSG:%s has taken this connection]\r\n" % self._coming.address.encode())
+                    self._client.socket.send(self._message % self._coming.address.encode())
+            if self.taken:
+                self.taken(self._client.address)
         if self._client:
             self._client.socket.close()
         self._unsent = b""

@@ -17,7 +17,7 @@ from host_tools.clients.grbl import GrblClient
 from host_tools.clients.plotter import PlotterClient
 from host_tools.clients.serial_port import LinkError, open_exclusively
 from host_tools.failure import Failure
-from host_tools.sim.serial_line import PtyLine, TcpLine, wait
+from host_tools.sim.serial_line import TAKEN, PtyLine, TcpLine, wait
 from running_router import Running
 
 ALL_BYTES = bytes(range(256))
@@ -316,9 +316,10 @@ def test_a_link_that_a_killed_board_has_left_is_not_opened(tmp_path):
     line.close()
 
 
-@pytest.mark.parametrize("messages", [True, False])
-def test_who_loses_a_tcp_line_is_told_who_has_it(messages, capfd):
-    line = TcpLine(0, messages=messages)
+@pytest.mark.parametrize("language, said_to_it", [("grbl", "[MSG:{} has taken this connection]\r\n"), ("pulses", "taken:{}\n"), ("plotter", ""), ("torch", ""), ("keys", "")])
+def test_who_loses_a_tcp_line_is_told_who_has_it(language, said_to_it, capfd):
+    taken = []
+    line = TcpLine(0, message=TAKEN.get(language, b""), taken=taken.append)
     port = int(line.name.rpartition(":")[2])
     with socket.create_connection(("127.0.0.1", port)) as first, socket.create_connection(("127.0.0.1", port)) as second:
         first.sendall(b"$G\n")
@@ -331,7 +332,7 @@ def test_who_loses_a_tcp_line_is_told_who_has_it(messages, capfd):
         while part := first.recv(100):
             said += part
         names = ["%s:%d" % each.getsockname() for each in (first, second)]
-        assert said == b"ok\r\n" + (f"[MSG:{names[1]} has taken this connection]\r\n".encode() if messages else b"")
+        assert said == b"ok\r\n" + said_to_it.format(names[1]).encode() and taken == [names[0]]
         assert f"the program at {names[1]} has taken the place of the one at {names[0]}" in capfd.readouterr().err
     line.close()
 

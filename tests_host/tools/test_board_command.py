@@ -19,9 +19,14 @@ import serial
 
 from host_tools import boards, interpreter
 from host_tools.cli.main import main
+from host_tools.clients.plotter import PlotterClient
+from host_tools.clients.pulses import PulsesClient
+from host_tools.clients.serial_port import LinkError
 from host_tools.failure import Failure
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
+from passo import errors
+from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.torch import protocol as torch
 from patience import patience
 from test_virtual_machine import LOG_2014
@@ -196,6 +201,31 @@ def test_two_links(tmp_path):
             client.write(HELLO)
             assert client.read(1) == b"k"
         assert board.end()[0] == 0
+
+
+def test_who_takes_a_tcp_connection_is_told_that_there_was_another():
+    """The plotter's language of 2014 has no word for who loses it, but the next STATUS tells the number; {log} of pulses tells whose it was."""
+    with Board("--board", "plotter_2014", "--tcp", 0) as board, PlotterClient(board.port) as first:
+        assert first.status()["error"] == 0
+        with socket.create_connection(("127.0.0.1", int(board.port.rpartition(":")[2]))) as second:
+            second.settimeout(60)
+            second.sendall(packet(COMMANDS["STATUS"]))
+            said = b""
+            while len(said) < 4:
+                said += second.recv(100)
+            assert said[:1] == b"?" and said[2] == errors.LINK_TAKEN
+            with pytest.raises(LinkError, match="or another program has taken the connection"):
+                first.status()
+    with Board("--board", "lpt_router", "--tcp", 0) as board, PulsesClient(board.port) as first:
+        first.command("speed", 1200)
+        with socket.create_connection(("127.0.0.1", int(board.port.rpartition(":")[2]))) as second:
+            second.settimeout(60)
+            second.sendall(b"{log}\n")
+            said = b""
+            while f",{errors.LINK_TAKEN},pc 127.0.0.1:".encode() not in said:
+                said += second.recv(1000)
+            with pytest.raises(LinkError, match=r"the program at 127\.0\.0\.1:\d+ has taken this connection"):
+                first.command("speed", 1200)
 
 
 def test_the_tcp_port_of_each_link_is_told(tmp_path):
