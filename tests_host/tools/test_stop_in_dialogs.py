@@ -12,7 +12,10 @@ import pytest
 from marionette import FIREFOX, firefox
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
+from test_board_page import Served
 from test_panel_page import CHROMIUM, DRIVER, Browser, chromium
+from test_site import package  # noqa: F401
+from test_site_page import address  # noqa: F401
 
 from host_tools.shop import shop_server
 from host_tools.shop.book import Book
@@ -37,6 +40,7 @@ return [...dialog.querySelectorAll("button:not(#stop)")].filter((each) => {
   return at.width && !each.contains(document.elementFromPoint(at.left + at.width / 2, at.top + at.height / 2));
 }).map((each) => each.id);
 """
+TYPED = "document.getElementById('line').value = arguments[0]; document.getElementById('line-form').requestSubmit()"
 OPEN = "return [...document.querySelectorAll('dialog[open]')].map((each) => each.id)"
 # Each way into a dialog: what opens it, the dialog.
 WAYS = {
@@ -105,17 +109,65 @@ def test_stop_in_each_dialog(driver, tmp_path, size):
                 assert driver.execute_script(COVERED) == [], (name, how)
                 assert all(abs(one - other) < 1 for one, other in zip(driver.execute_script(SPOT), spot)), "STOP stays where it is"
                 moves(client)
-                if how == "esc":
-                    ActionChains(driver).send_keys(Keys.ESCAPE).perform()
-                else:
-                    click_at(driver, *spot[:2])
-                    click_at(driver, *spot[:2])
+                stop_by(driver, how)
                 client.until(lambda state: state["state"] == "Alarm")
                 assert driver.execute_script(OPEN) == [], (name, how)
                 page.until(lambda: driver.execute_script("return document.getElementById('stop').parentNode.tagName") == "HEADER")
                 assert all(abs(one - other) < 1 for one, other in zip(driver.execute_script(SPOT), spot))
         names = [name for name, _size in client.order("jobs")["jobs"]]
         assert names == ["job"], "a question that STOP has ended is answered by no"
+
+
+def stop_by(driver, how):
+    """The first Esc, or two clicks where STOP is."""
+    if how == "esc":
+        ActionChains(driver).send_keys(Keys.ESCAPE).perform()
+    else:
+        spot = driver.execute_script(SPOT)[:2]
+        click_at(driver, *spot)
+        click_at(driver, *spot)
+
+
+@pytest.mark.parametrize("size", ["phone", "desktop"])
+def test_stop_in_each_dialog_of_a_board_s_page(driver, tmp_path, size):
+    with Served(tmp_path) as served:
+        client = served.page()
+        assert client.order("give", to="page")["error"] == 0
+        page = Browser(served, driver, SIZES[size])
+        for name in ("help", "zero"):
+            press, dialog = WAYS[name]
+            for how in ("esc", "click"):
+                if client.state.get("state") in (None, "Alarm"):
+                    assert client.order("unlock")["error"] == 0
+                    client.until(lambda state: state["state"] == "Idle")
+                page.until_state("Ready")
+                press(page)
+                page.until(lambda dialog=dialog: driver.execute_script(OPEN) == [dialog])
+                assert driver.execute_script(IN_REACH) and driver.execute_script(COVERED) == [], (name, how)
+                moves(client)
+                stop_by(driver, how)
+                client.until(lambda state: state["state"] == "Alarm")
+                assert driver.execute_script(OPEN) == [], (name, how)
+
+
+def test_stop_in_each_dialog_of_the_site(driver, address):  # noqa: F811
+    """The tab's own machine moves by a line that is typed before the dialog opens."""
+    page = Browser(None, driver, SIZES["desktop"], "lang=en&board=router_3axis", address, key=False)
+    for name in ("help", "zero"):
+        press, dialog = WAYS[name]
+        for how in ("esc", "click"):
+            if page.text("state") != "Ready":
+                page.until(page.find("unlock").is_enabled)
+                page.click("unlock")
+                page.until_state("Ready")
+            press(page)
+            page.until(lambda dialog=dialog: driver.execute_script(OPEN) == [dialog])
+            assert driver.execute_script(IN_REACH) and driver.execute_script(COVERED) == [], (name, how)
+            driver.execute_script(TYPED, "$J=G91X20F60")
+            page.until(lambda: page.text("state") not in ("Ready", ""))
+            stop_by(driver, how)
+            page.until(lambda: page.find("unlock").is_enabled())
+            assert driver.execute_script(OPEN) == [], (name, how)
 
 
 def test_dialogs_are_answered_as_before(driver, tmp_path):
