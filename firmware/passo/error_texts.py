@@ -106,7 +106,7 @@ TEXTS = {
     errors.NOT_SENT: "STOP is not known to have left this PC: use the emergency stop",
     errors.JOB_LINE: "a job has no $ line but $H, no real-time command (! ? ~ Ctrl-X), and letters beyond ASCII only in comments",
     errors.FOREIGN_ANSWER: "one ok too many: another program sends lines by the same port, too, and the job has been stopped; close that program",
-    errors.LINK_TAKEN: "another program has taken the connection of this one: whoever commands now should know of the other",
+    errors.LINK_TAKEN: "another program has taken over a TCP connection: end one of the two",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked, because the position is not known: home the machine, or unlock it",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit, the position may be lost: free it, reset, and home",
