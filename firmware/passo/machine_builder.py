@@ -106,6 +106,9 @@ def languages(board):
         if why:
             raise BoardError("link %s: %s" % (link["name"], why))
         modules.append(language)
+    additions = board.get("additions")
+    if additions:
+        additions.load_languages()
     return modules
 
 

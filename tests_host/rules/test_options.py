@@ -102,7 +102,7 @@ def test_a_board_file_has_no_key_that_only_options_write(name):
             check({**board, key: {}})
     again = check(checked)
     written, rewritten = vars(checked.pop("additions")), vars(again.pop("additions"))
-    assert checked == again and str(written) == str(rewritten) and written["value"] is None
+    assert checked == again and str(written) == str(rewritten) and written["value"] is None and not written["extensions"]
 
 
 @pytest.mark.quick

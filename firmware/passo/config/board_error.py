@@ -24,6 +24,8 @@ class Additions:
         self.features = {}  # (module, class) by the name of a feature, see machine_builder.rows()
         self.settings = {}  # rules by number
         self.value = None  # once there are settings: their value()
+        self.languages = []  # modules whose extend(protocol, board) adds to a protocol of G-code
+        self.extensions = ()  # these, once they are loaded
         self.motion = self.queue = None  # modules with its Planner and its Queue
         self.parts = {}  # modules of what the port has beside its pins, see ports/parts.py
         self.more_motors = []  # those beside the axes' own
@@ -31,6 +33,9 @@ class Additions:
         self.stalls = ""  # names of the axes that home by stall
         self.drives = None  # the section of the drivers that are set up
         self.keep = None  # a module whose keep() finds at the start what a reset has left, and what that wants
+
+    def load_languages(self):
+        self.extensions = [__import__(name, None, None, ("extend",)) for name in self.languages]
 
 
 def want_input(board, who, name):

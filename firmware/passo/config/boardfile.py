@@ -137,7 +137,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("card", "jobs", "journal", "network", "tool_change")  # device_keys.py
+DEVICES = ("card", "jobs", "journal", "network")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
@@ -170,7 +170,7 @@ def check(board):
     own = own_rules(board, rules)
     _call(own, "extend", rules)
     board = _section(_WHOLE, board, rules)
-    if own or devices is not None:
+    if own:
         board["additions"] = Additions(before)
     if lines:
         board["step_program"].update(lines)

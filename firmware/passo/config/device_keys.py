@@ -1,5 +1,4 @@
-"""The keys `card`, `journal`, `network` and `tool_change` of a board file: only
-boards that have one of them load this. RULES are in the notation of boardfile.py."""
+"""The keys `card`, `journal` and `network` of a board file: only boards that have one of them load this. RULES are in the notation of boardfile.py."""
 
 from passo.config.board_error import BoardError, want_input
 from passo.config.chip_pins import PIN
@@ -21,13 +20,6 @@ RULES = {
         "broker": (str, "", 0, 21),
         "broker_user": (str, "", 0, 40),
         "broker_password": (str, "", 0, 64),
-    },
-    "tool_change": {
-        "at": (list, ..., 2, 2),  # machine coordinates of X and Y, mm: where tools are changed
-        "sensor": (list, ..., 2, 2),  # and where their length is found
-        "distance_mm": (int, 30, 1, 1000),  # how far down from Z's top a tool has to touch
-        "seek_mm_min": (int, 200, 1, 10_000),
-        "locate_mm_min": (int, 25, 1, 1000),
     },
 }
 
@@ -68,26 +60,6 @@ def _check_journal(board, config):
         want_input(board, "journal.power", config["power"])
 
 
-def _check_tool_change(board, config):
-    if len(board["axes"]) < 3 or not board["homing"] or "z" not in board["homing"]["sensors"]:
-        raise BoardError("tool_change: it wants axes x, y, z that home")
-    want_input(board, "tool_change", "probe")
-    board["additions"].settings = {
-        341: ("tool_change_way", 0, 3, 0, 4),
-        342: ("tool_change_distance", 3, config["distance_mm"] * 1000, 1000, 1_000_000),
-        343: ("tool_change_locate", 3, config["locate_mm_min"] * 1000, 1000, 1_000_000),
-        344: ("tool_change_seek", 3, config["seek_mm_min"] * 1000, 1000, 10_000_000),
-    }
-    for key in ("at", "sensor"):
-        for axis in range(2):
-            item = board["axes"][axis]
-            travel_mm = item["travel_steps"] * 1000 // item["steps_per_m"]
-            low, high = (-travel_mm, 0) if item["name"] in board["homing"]["high_end"] else (0, travel_mm)
-            if not isinstance(config[key][axis], int) or not low <= config[key][axis] <= high:
-                raise BoardError("tool_change.%s: whole mm within %d … %d on %s" % (key, low, high, item["name"]))
-
-
 _CHECKS = (
     ("card", _check_card), ("journal", _check_journal),
-    ("tool_change", _check_tool_change),
 )  # fmt: skip

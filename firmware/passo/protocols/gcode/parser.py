@@ -50,7 +50,7 @@ class GCode(Motions):
         """`axes`: the names of the machine's axes in their order, the first of "xyza"."""
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
-        self.changer = None  # of a board with tool_change
+        self.changer = None  # an option's, which makes M6 several commands
         self.fields = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self.fields[PARSE_AXES] = len(axes)
         self._ends = memoryview(self.fields)[PARSE_TARGET : PARSE_TARGET + len(axes)]

@@ -16,8 +16,6 @@ def _axes(board):
 def check(board):
     if board["homing"] and board["homing"]["latch"]:
         from passo.protocols.grbl import homing  # noqa: F401
-    if board["tool_change"]:
-        from passo.protocols.gcode import tool_change  # noqa: F401
     if board["jobs"]:
         from passo.protocols.jobs.files import understand  # noqa: F401
         from passo.protocols.grbl.stored import answers  # noqa: F401
@@ -36,8 +34,6 @@ def create(link, number, board, controller, shared, most):
     batch = Lines(number, program.rows, most, program.slow_tool(), program.dots)
     made = Grbl(axes, shared["offsets"], machine, batch, (most + 7) >> 3)  # one that goes as a command costs as much as eight
     made.gcode.turns = controller.queue.turns
-    if board["tool_change"]:
-        from passo.protocols.gcode.tool_change import ToolChange
-
-        made.gcode.changer = ToolChange(board)
+    for module in getattr(board.get("additions"), "extensions", ()):  # of options
+        module.extend(made, board)
     return made

@@ -32,6 +32,10 @@ _LOCATE = const(343)
 _SEEK = const(344)
 
 
+def extend(protocol, board):
+    protocol.gcode.changer = ToolChange(board)
+
+
 class ToolChange:
     def __init__(self, board):
         config = board["tool_change"]
