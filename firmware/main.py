@@ -74,13 +74,14 @@ def import_all(board):
     load_all(board)
 
 
-def by_lines(board):
-    """A raw board file with the pins that it has by the lines of a parallel port, if it is one of these."""
+def by_options(board):
+    """A raw board file with the pins that its options give it, such as those of a parallel port."""
     try:
-        if "port_pins" in board["step_program"]:
-            from passo.config.port_pins import applied
+        sections = {key: value for key, value in board.items() if isinstance(value, dict) and "port_pins" in value}
+        if sections:
+            from passo.config.board_error import own_rules, rewritten
 
-            return applied(board)[0]
+            return rewritten(board, own_rules(sections, {}))[0]
     except Exception:  # its check will say what is wrong
         pass
     return board
@@ -88,7 +89,7 @@ def by_lines(board):
 
 def main():
     global BOARD
-    start = Start(by_lines(BOARD))
+    start = Start(by_options(BOARD))
     start.history()
     if BOARD is None or not start.wanted():
         return

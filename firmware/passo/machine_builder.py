@@ -44,7 +44,6 @@ FEATURES = (
     ("homing", "Homing", lambda board: board["homing"]),
     ("drawing", "Drawing", None),
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
-    ("step_program", "StepProgramPlayer", None),
     ("program", "Program", None),
     ("pauses", "Pauses", lambda board: _input(board, "pauses") or _lost(board, "pause")),
     ("pendant", "Pendant", lambda board: [item for item in board["inputs"] if item["name"][:4] == "jog_"]),

@@ -23,7 +23,7 @@ def _board(name):
         board = check(boards.load(name))
     except BoardError as error:
         raise Failure("board {}: {}", name, reason(error)) from error
-    if not board["step_program"]:
+    if not board.get("step_program"):
         raise Failure("board {} has no section step_program", name)
     return board, "".join(axis["name"] for axis in board["axes"])[:3]
 

@@ -61,7 +61,7 @@ def _grbl(board, write, tell, guest):
 
 
 def _pulses(board, write, tell, about):
-    from passo.control.step_program_orders import lengths_of
+    from passo.options.step_program.control_orders import lengths_of
     from host_tools.page.pulses_machine import PulsesMachine
 
     machine = PulsesMachine(write, tell, board)

@@ -38,7 +38,7 @@ class Course:
 
     def __init__(self, found, board):
         from passo.commands import STEPS_DEFAULT, STEPS_FASTEST, STEPS_SPEED, STEPS_TOOL, STEPS_WAIT
-        from passo.control.step_program_orders import lengths_of
+        from passo.options.step_program.control_orders import lengths_of
 
         axes = board["axes"]
         config = board["step_program"]

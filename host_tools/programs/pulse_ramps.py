@@ -24,7 +24,7 @@ _STRAIGHT = math.cos(math.radians(1.0))
 def with_ramps(found, board, accel_mm_s2):
     """The text of a pulse file with the steps and marks of `found` and speeds that accelerate by `accel_mm_s2` at most."""
     from passo import commands
-    from passo.control.step_program_orders import lengths_of
+    from passo.options.step_program.control_orders import lengths_of
 
     axes = board["axes"][:3]
     config = board["step_program"]

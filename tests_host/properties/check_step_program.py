@@ -1,8 +1,8 @@
 """Programs: every unit once and in its order, both ways and from any place; periods exact; the place known at any word."""
 
 from draws import Random
-from passo.motion.step_program import DWELL, MOST, SPEED, STATION, TOOL, StepProgram, mark, run, units
-from passo.motion.step_program_walker import StepProgramWalker
+from passo.options.step_program.motion import DWELL, MOST, SPEED, STATION, TOOL, StepProgram, mark, run, units
+from passo.options.step_program.motion_walker import StepProgramWalker
 from passo.records import COUNT_MASK, ENDLESS, FEED_LEVELS, HOLD_TICKS
 from rig import Rig
 

@@ -9,10 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passo.drives import unipolar
-from passo.motion import line, planner, step_program, step_program_walker
+from passo.motion import line, planner
 from passo.motion.line import MAX_STEPS
 from passo.motion.planner import Block
 from passo.options.independent import motion as independent
+from passo.options.step_program import motion as step_program
+from passo.options.step_program import motion_walker as step_program_walker
 from passo.records import COUNT_MASK, ENDLESS, FEED_OLDEST, FEED_POSITION, FEED_TICKS, MARK_FIELDS, MARK_TICKS
 from passo.steps import position, power, ring
 from rig import DRIVES, LEAST_TICKS, Rig

@@ -54,7 +54,7 @@ SEQUENCES = {
 LONG_FILES = set()
 HALF_CLASSES = set()
 LONG_FUNCTIONS = {
-    "passo/motion/step_program_walker.py:_steps",
+    "passo/options/step_program/motion_walker.py:_steps",
 }  # fmt: skip
 
 # {kernel: why it is longer}

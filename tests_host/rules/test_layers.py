@@ -43,7 +43,7 @@ MAY_IMPORT = {
     "network_builder": ("passo",),
     "passo_image": ("passo.ports.rp2",),
     "main": (
-        "passo_image", "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.port_pins", "passo.config.board_error", "passo.config.journal", "passo.memory", "passo.ports", "board",
+        "passo_image", "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.board_error", "passo.config.journal", "passo.memory", "passo.ports", "board",
     ),
 }
 
@@ -57,8 +57,10 @@ BY_KEY = ("board_error.py", "parts.py")
 
 # Core names no option: these files still do, and the list only shrinks.
 NAMES_OPTIONS = {
-    "passo/config/port_pins.py": {"gantry"},
+    "passo/protocols/page/pulses.py": {"step_program"},  # the language of this key
     "passo/protocols/page/torch.py": {"weaving"},
+    "passo/protocols/pulses/__init__.py": {"step_program"},
+    "passo/protocols/pulses/report.py": {"step_program"},
 }
 
 # Shared by languages; otherwise none imports another.
@@ -126,7 +128,7 @@ def options_open_to(path):
     those of its OPTIONS."""
     option = option_of(path)
     if path.parts[:2] == ("passo", "protocols") and path.name == "__init__.py" and len(path.parts) == 4:
-        return set(import_module(f"passo.protocols.{path.parts[2]}").__dict__.get("OPTIONS", ()))
+        return set(import_module(f"passo.protocols.{path.parts[2]}").__dict__.get("OPTIONS", ())) | NAMES_OPTIONS.get(path.as_posix(), set())
     if option is None:
         return NAMES_OPTIONS.get(path.as_posix(), set())
     return {option, *import_module(f"passo.options.{option}.manifest").__dict__.get("SHARES", ())}

@@ -20,6 +20,7 @@ class Additions:
     def __init__(self, before=None):
         """`before`: those of the same board, when it was checked before."""
         self.masks = before.masks if before else None  # compiled from rows of the board file, which are gone then
+        self.levels = before.levels if before else {}  # masks of a word's levels: "inverted" ones, and "muted" ones, which stay low
         self.limits = None  # inputs by direction, which the port watches: then it alone does
         self.features = {}  # (module, class) by the name of a feature, see machine_builder.rows()
         self.settings = {}  # rules by number
@@ -92,7 +93,7 @@ def names_of(outputs):
 def own_rules(board, rules):
     """The manifests of the options that the board file asks for, by their keys and by what its outputs are. Adds their RULES to `rules`.
 
-    A manifest may have extend(rules), prepare(board), called before pins are checked, claims(board): [(pin, who)], has_bit(pin): True for an
+    A manifest may have rewrite(raw board): (it, Additions.levels), extend(rules), prepare(board), called before pins are checked, claims(board): [(pin, who)], has_bit(pin): True for an
     output that is no pin of the chip, and check(board)."""
     own = []
     outputs = board.get("outputs")
@@ -106,3 +107,12 @@ def own_rules(board, rules):
             rules.update(module.RULES)
             own.append(module)
     return own
+
+
+def rewritten(board, own):
+    """(a raw board file as the manifests `own` rewrite it, masks of a word's levels or None)."""
+    levels = None
+    for module in own:
+        if hasattr(module, "rewrite"):
+            board, levels = module.rewrite(board)
+    return board, levels

@@ -6,7 +6,7 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.config.board_error import Additions, BoardError, check_shape, nearest, options, own_rules, want_input
+from passo.config.board_error import Additions, BoardError, check_shape, nearest, options, own_rules, rewritten, want_input
 from passo.config.chip_pins import PIN, check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
@@ -88,17 +88,6 @@ _JOG = {
     "up": ("y+", "y-", "x+", "x-"),
     "ahead_ms": (int, 100, 10, 10_000),  # of motion that repeated jogs may ask for in advance: how long it goes on after them
 }
-_STEP_PROGRAM = {
-    "interval_us": (int, 100, 1, 250_000),  # the least time between one pulse and the next: it makes the fastest speed
-    "default_mm_min": (int, 600, 1, 900_000),  # until the program says otherwise, and for moves by hand
-    "cells": (int, 4096, 512, 65_536),  # of memory, four bytes each: a run of equal steps takes one
-    "dry_run": (bool, False, 0, 1),  # the tool stays off
-    "accel_mm_s2": (int, 0, 0, 900_000),  # `passo pulses ramps` writes speeds into files that accelerate so; 0: none
-    # The image of a parallel port in status reports, for its bits 7 to 0 (drives on, z pulse, z dir, y pulse, y dir,
-    # x pulse, x dir, tool): the bit each appears at, "-" none; "invert": the mask of those that appear inverted.
-    "port_bits": (str, "76543210", 8, 8),
-    "port_invert": (int, 0, 0, 255),
-}
 _LINK = {
     "name": (str, MUST, 1, 16),
     "port": (str, MUST, 1, 16),
@@ -130,7 +119,6 @@ _BOARD = {
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
-    "step_program": _STEP_PROGRAM,  # paths of single steps
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
     "store_points": (int, 3000, 10, 100_000),
     "links": [_LINK, 1, 4],
@@ -139,7 +127,7 @@ _BOARD = {
 _WHOLE = "the board file"
 DEVICES = ("card", "jobs", "journal", "network")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
-_ABSENT = ("homing", "step_program") + DEVICES  # None if not there
+_ABSENT = ("homing",) + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
@@ -154,11 +142,7 @@ def check(board):
     # None asks for no option.
     board = {key: value for key, value in board.items() if (value is not None or key in _BOARD) and not isinstance(value, Additions)}
     rules = dict(_BOARD)
-    devices = lines = None
-    if isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
-        from passo.config import port_pins
-
-        board, lines = port_pins.applied(board)
+    devices = None
     if [key for key in DEVICES if board.get(key)]:
         from passo.config import device_keys as devices
 
@@ -168,12 +152,13 @@ def check(board):
 
             rules["jobs"] = JOBS
     own = own_rules(board, rules)
+    board, levels = rewritten(board, own)
     _call(own, "extend", rules)
     board = _section(_WHOLE, board, rules)
     if own:
         board["additions"] = Additions(before)
-    if lines:
-        board["step_program"].update(lines)
+    if levels:
+        board["additions"].levels = levels
     _check_clock(board)
     _call(own, "prepare", board)
     _check_pins(board, own)
@@ -182,7 +167,6 @@ def check(board):
     _check_links(board)
     if devices is not None:
         devices.check(board)
-    _check_step_program(board)
     _call(own, "check", board)
     _check_bits(board)
     _check_filters(board)
@@ -326,17 +310,6 @@ def _check_links(board):
         raise BoardError("links: every name once, not %s" % ", ".join(names))
     if board["commands"] and board["commands"] not in names:
         raise BoardError("commands: there is no link %r; known are %s" % (board["commands"], ", ".join(names)))
-
-
-def _check_step_program(board):
-    config = board["step_program"]
-    if config is not None:
-        for axis in board["axes"]:
-            if axis["steps_per_m"] < 100:
-                raise BoardError("axis %s: a step program wants 100 steps/m or more" % axis["name"])
-        bits = config["port_bits"].replace("-", "")
-        if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
-            raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
 
 
 def _check_bits(board):

@@ -44,16 +44,15 @@ def inverted_pins(board, layout):
                 mask ^= 1 << layout.axes
             if axis.get("reversed", False) != motor["opposite"]:
                 mask ^= 1 << (layout.motors + layout.axes)
-        mask ^= _of_lines(board, "inverted")
+        mask ^= _added(board, "inverted")
     return mask
 
 
 def muted_pins(board):
     """Mask of the player's pins that stay low, whatever a word says."""
-    return _of_lines(board, "muted")
+    return _added(board, "muted")
 
 
-def _of_lines(board, key):
-    """What the lines of a parallel port say: config/port_pins.py."""
-    section = board.get("step_program")
-    return section.get(key, 0) if section else 0
+def _added(board, key):
+    """A mask of levels that an option adds."""
+    return getattr(board.get("additions"), "levels", {}).get(key, 0)

@@ -3,7 +3,7 @@
 from passo.protocols.pulses.protocol import Pulses
 from passo.protocols.pulses.report import port_byte  # noqa: F401: for its page
 
-NEEDS = ("step_program", "pauses")
+NEEDS = ("pauses",)
 
 
 def check(board):
@@ -11,7 +11,7 @@ def check(board):
         from passo.protocols.jobs import words  # noqa: F401
     if board["jobs"]:
         from passo.protocols.pulses.stored import answers  # noqa: F401
-    return None if board["step_program"] else "pulses wants the section step_program"
+    return None if board.get("step_program") else "pulses wants the section step_program"
 
 
 def create(link, number, board, controller, shared, most):

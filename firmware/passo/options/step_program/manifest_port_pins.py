@@ -7,7 +7,7 @@ pulse, Y dir, X pulse, X dir, tool), "-" on none; `port_invert` is the mask of t
 says of the pins of axes, tool and the output `enable` gives way to that; polarities there count as before, and are inverted by
 `port_invert`. A disabled bit has a line that is left over, which stays low.
 
-    board, masks = applied(board)       # a raw board file; masks: for section step_program behind the check
+    board, masks = applied(board)       # a raw board file; masks: of a word's levels
 
 `inverted` and `muted` are masks of a step word's levels (passo/steps/wiring.py).
 """

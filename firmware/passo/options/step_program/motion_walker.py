@@ -22,7 +22,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.step_program import DWELL, SPEED, STATION, TOOL, WAS
+from passo.options.step_program.motion import DWELL, SPEED, STATION, TOOL, WAS
 from passo.records import COUNT_MASK, ENDLESS, KIND_STEP_PROGRAM, TICKS_PER_MS
 
 _SEGMENT_TICKS = const(25_000)

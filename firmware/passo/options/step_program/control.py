@@ -1,6 +1,6 @@
 """Playing a step program: forward, backward, step by step, again and again, with manual moves in between and the way back.
 
-What a step program is: motion/step_program.py. How it comes, and what may be asked of it: step_program_orders.py. The machine stops only at
+What a step program is: motion.py. How it comes, and what may be asked of it: control_orders.py. The machine stops only at
 a step, and every start goes on from there: a pause takes the walk off the queue, so that a turn-round, a manual move or a single step may
 follow.
 
@@ -13,7 +13,7 @@ from passo import commands
 from passo.commands import FINISHED, Event
 from passo.control.counted_job import CountedJob
 from passo.control.feature import QUEUE_GONE, WORK_GONE
-from passo.control.step_program_orders import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, StepProgramOrders
+from passo.options.step_program.control_orders import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, StepProgramOrders
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
 from passo.steps.word import us_to_ticks
 

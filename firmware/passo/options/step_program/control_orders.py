@@ -1,6 +1,6 @@
 """How a step program comes to the machine, stored whole or played as it comes, and what STEP_PROGRAM asks of it.
 
-Its items are those of passo/commands.py. Each order is checked here, and refused or begun; step_program.py carries it out.
+Its items are those of passo/commands.py. Each order is checked here, and refused or begun; control.py carries it out.
 """
 
 from array import array
@@ -12,10 +12,10 @@ from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_INDEX, SPOT_TIMES
 from passo.config import setting_numbers as table
 from passo.control.feature import Feature
 from passo.errors import LATER
-from passo.motion import step_program as marks
 from passo.motion.integers import isqrt
-from passo.motion.step_program import StepProgram
-from passo.motion.step_program_walker import StepProgramWalker
+from passo.options.step_program import motion as marks
+from passo.options.step_program.motion import StepProgram
+from passo.options.step_program.motion_walker import StepProgramWalker
 from passo.records import COUNT_MASK, ENDLESS
 
 MOST_PASSES = const(100)

@@ -1,0 +1,38 @@
+"""The key `step_program`: paths of single steps. Only loaded if the board file has it."""
+
+from passo.config.board_error import BoardError
+
+RULES = {
+    "step_program": {
+        "interval_us": (int, 100, 1, 250_000),  # the least time between one pulse and the next: it makes the fastest speed
+        "default_mm_min": (int, 600, 1, 900_000),  # until the program says otherwise, and for moves by hand
+        "cells": (int, 4096, 512, 65_536),  # of memory, four bytes each: a run of equal steps takes one
+        "dry_run": (bool, False, 0, 1),  # the tool stays off
+        "accel_mm_s2": (int, 0, 0, 900_000),  # `passo pulses ramps` writes speeds into files that accelerate so; 0: none
+        # The image of a parallel port in status reports, for its bits 7 to 0 (drives on, z pulse, z dir, y pulse, y dir,
+        # x pulse, x dir, tool): the bit each appears at, "-" none; "invert": the mask of those that appear inverted.
+        "port_bits": (str, "76543210", 8, 8),
+        "port_invert": (int, 0, 0, 255),
+    },
+}
+
+
+def rewrite(board):
+    """A raw board file whose pins are those of the lines of a parallel port, if it has these, and the masks of its levels."""
+    section = board["step_program"]
+    if not isinstance(section, dict) or "port_pins" not in section:
+        return board, None
+    from passo.options.step_program.manifest_port_pins import applied
+
+    return applied(board)
+
+
+def check(board):
+    for axis in board["axes"]:
+        if axis["steps_per_m"] < 100:
+            raise BoardError("axis %s: a step program wants 100 steps/m or more" % axis["name"])
+    config = board["step_program"]
+    bits = config["port_bits"].replace("-", "")
+    if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
+        raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
+    board["additions"].features["step_program"] = "passo.options.step_program.control", "StepProgramPlayer"
