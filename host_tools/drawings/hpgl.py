@@ -110,6 +110,10 @@ class HpglFile:
                     raise Failure("{}: its arcs have more than {} chords: give them longer ones", self._path, error) from error
         sheets = [inks for inks in [*sheets, pen.finished().inks] if inks]
         pen.inks = sheets[0] if sheets else {}
+        without = pen.inks.get(0) if len(pen.inks) > 1 else None
+        if without:  # a plotter has put its pen away; of a file that names no pen all is drawn
+            del pen.inks[0]
+            pen.left_out[N_("line without a pen (SP0)")] += sum(len(ink.lines) for ink in without)
         if len(sheets) > 1:
             pen.left_out[N_("sheet behind the first")] += len(sheets) - 1
         return pen
@@ -159,7 +163,8 @@ class HpglFile:
             stop = stop if stop >= 0 else end.start() if end else len(text)
             given = [float(each) for each in _NUMBER.findall(text[at:stop])]
             at = stop
-            symbols.choose(name, given)
+            if not symbols.choose(name, given):
+                self._left_out[N_("letters of a set that is not known (drawn as ASCII)")] += 1
             if name in Pen.WORDS or name == "PG":
                 if all(math.isfinite(each) and abs(each) < 1e9 for each in given):
                     yield name, given

@@ -19,6 +19,7 @@ class Letters:
         self._size = None  # of a letter, relative to P1 and P2
         self._letter = 0.19 * _CM, 0.27 * _CM
         self._along, self._slant, self._origin = 1 + 0j, 0.0, 1
+        self._space = 0.0, 0.0  # ES: more between letters and lines, in cells
         self.symbol = ""  # SM: a letter at each place
         self._return, self._labelled = 0j, None  # where a carriage return goes, and where the last label ended
 
@@ -26,6 +27,7 @@ class Letters:
         """Draw `text` and return where the pen is behind it. A line feed goes one line down, a carriage return to where labels have
         begun since the pen was moved, or DI turned them; a backspace goes back by a letter, as to strike out a zero."""
         width, height = self._size_of_letters()
+        advance, down = self._cell()
         if place != self._labelled:
             self._return = place
         row, column = (self._origin - 1) % 10 % 3, (self._origin - 1) % 10 // 3
@@ -33,27 +35,27 @@ class Letters:
             if line == "\r":
                 place = self._return
             elif line == "\n":
-                place -= self._along * 2j * height
-                self._return -= self._along * 2j * height
+                place -= self._along * 1j * down
+                self._return -= self._along * 1j * down
             elif line:
                 cells, behind = _cells(line)
-                long = (max([behind, *(cell + 1 for _, cell in cells)])) * 1.5 * width - 0.5 * width
+                long = (max([behind, *(cell + 1 for _, cell in cells)])) * advance - (advance - width)
                 back = complex(-(long / 2, long)[column - 1] if column else 0.0, -height * row / 2)
                 if self._origin > 10:
                     back += complex((0.5, 0.0, -0.5)[column] * width, (0.5, 0.0, -0.5)[row] * height)
                 for each, cell in cells:
-                    self._write(each, place, back + cell * 1.5 * width, width, height)
-                place += self._along * (back + behind * 1.5 * width)
+                    self._write(each, place, back + cell * advance, width, height)
+                place += self._along * (back + behind * advance)
         self._labelled = place
         return place
 
     def cells(self, place, given):
         """CP: move by cells of letters; without numbers to the next line. Returns where."""
         place = self.label(place, "" if given else "\r\n")
-        width, height = self._size_of_letters()
+        advance, down = self._cell()
         across, up = (given + [0, 0])[:2]
-        place += self._along * complex(across * 1.5 * width, up * 2 * height)
-        self._return += self._along * 2j * up * height
+        place += self._along * complex(across * advance, up * down)
+        self._return += self._along * 1j * up * down
         self._labelled = place
         return place
 
@@ -72,6 +74,11 @@ class Letters:
         for stroke in strokes:
             x = stroke.real * width + width / 2 + stroke.imag * height * self._slant
             self._ink([at + self._along * (shift + x + 1j * stroke.imag * height)])
+
+    def _cell(self):
+        """How far on the next letter is, and how far down the next line."""
+        width, height = self._size_of_letters()
+        return 1.5 * width * (1 + self._space[0]), 2 * height * (1 + self._space[1])
 
     def _size_of_letters(self):
         if self._size is None:
@@ -99,6 +106,9 @@ class Letters:
 
     def set_symbol(self, symbol):
         self.symbol = symbol.strip()
+
+    def set_space(self, given):
+        self._space = tuple((given + [0.0, 0.0])[:2])
 
     def set_slant(self, given):
         self._slant = given[0] if given else 0.0

@@ -314,5 +314,5 @@ class Pen:
         "LB": _label, "CP": _cells, "SI": _of_letters(Letters.absolute_size), "SR": _of_letters(Letters.relative_size),
         "DI": _of_letters(Letters.direction), "DR": _of_letters(Letters.relative_direction), "SL": _of_letters(Letters.set_slant),
         "SM": _of_letters(Letters.set_symbol), "LO": _of_letters(Letters.set_origin),
-        "XT": _x_tick, "YT": _y_tick, "TL": _tick_length, "LT": _line_type, "UC": _user_letter, "ES": lambda self, given: None,
+        "XT": _x_tick, "YT": _y_tick, "TL": _tick_length, "LT": _line_type, "UC": _user_letter, "ES": _of_letters(Letters.set_space),
     }  # fmt: skip

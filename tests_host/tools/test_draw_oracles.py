@@ -602,7 +602,7 @@ def test_three_points_make_their_circle(tmp_path):
 
 def test_what_hpgl_has_and_no_pen_draws_is_named(tmp_path):
     path = tmp_path / "a.plt"
-    path.write_text("IN;LT2;QQ5;PU0,0;PD99,1e30;PD400,0;LB\u00e9\x03;SC0,0,1,1;", encoding="latin-1")
+    path.write_text("IN;LT2;QQ5;PU0,0;PD99,1e30;PD400,0;LB\u00e3\x03;SC0,0,1,1;", encoding="latin-1")
     page = sources.opened(path).outlines(0.01)
     assert sum(page.left_out.values()) == 5, page.left_out
 
