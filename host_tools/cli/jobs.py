@@ -155,6 +155,7 @@ def _tell_end(file, number, behind):
 def _check_here(client, file):
     """Raises Failure at the first line that the firmware's parser refuses, with the machine's settings: what is on the board stays."""
     from host_tools.programs import gcode_file
+    from host_tools.programs.made_by import advice_of
     from host_tools.programs.replay import Replay
     from host_tools.programs.replayed_machine import Machine
 
@@ -162,6 +163,8 @@ def _check_here(client, file):
     try:
         Replay(machine, gcode_file.read(file)).check()
     except Failure as failure:
+        if advice := advice_of(file):
+            typer.echo(f"{file.name}: {advice}", err=True)
         raise Failure("{}, {}; nothing was stored", file, failure) from None
 
 

@@ -14,6 +14,7 @@ from host_tools.failure import Failure
 from host_tools.page.later import is_refusal
 from host_tools.panel import job_facts
 from host_tools.programs import gcode_file, stored_job
+from host_tools.programs.made_by import advice_of
 from host_tools.programs.program_lines import latin_bytes
 from host_tools.sim.tab_jobs import text_error
 from passo import errors
@@ -89,7 +90,10 @@ class Store:
         if is_refusal(lines):
             return lines
         found = self._facts(lines, settings) if self._facts else {}
-        return {**found, "placed": True} if self._source(name).is_file() else found
+        source = self._source(name)
+        if found.get("refused"):
+            found["advice"] = advice_of(source if source.is_file() else self._path(name))
+        return {**found, "placed": True} if source.is_file() else found
 
     def tools(self, lines):
         """The tools that a job's lines change to, in order; None: its language has none."""

@@ -15,7 +15,7 @@ from host_tools.failure import Failure, reason
 from host_tools.language import _, count_text, line_text
 from host_tools.programs import file_kinds, gcode_file, tool_table
 from host_tools.programs.listing import Listing
-from host_tools.programs.made_by import advice_for
+from host_tools.programs.made_by import advice_of
 from host_tools.programs.program_lines import WrongLetter, plain_text, raw_lines_of
 
 DIALECTS = ("num", "ngc")
@@ -76,8 +76,7 @@ class Program:
 
     def advice(self):
         """What to choose in the program that made the file, if its lines are refused; "": nothing is known."""
-        with open(self.path, "rb") as file:
-            return advice_for(file.read(file_kinds.FIRST))
+        return advice_of(self.path)
 
     def last_number(self):
         return gcode_file.last_number(self.path) if self.listing is None else len(self.listing.codes)

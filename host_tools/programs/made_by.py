@@ -1,11 +1,13 @@
 """Programs whose settings decide if a board of Passo takes their G-code: found by what they write at a file's beginning.
 
     advice_for(first)       # "made by FreeCAD's post rrf: …", or "" if nothing is known
+    advice_of(path)         # of a file
 """
 
 import re
 
 from host_tools.language import N_, _
+from host_tools.programs import file_kinds
 
 # How a file of that program begins, and what to choose there.
 _FREECAD = N_("made by FreeCAD's post {}: choose grbl, linuxcnc or mach3_mach4 as the job's processor")
@@ -26,3 +28,9 @@ def advice_for(first):
         if found := begins.search(first):
             return _(text, *(each.decode("ascii", "replace") for each in found.groups()[: text.count("{}")]))
     return ""
+
+
+def advice_of(path):
+    """The same of a file."""
+    with open(path, "rb") as file:
+        return advice_for(file.read(file_kinds.FIRST))

@@ -143,6 +143,10 @@ def test_a_line_that_is_refused_is_told_before_it_runs(page, tmp_path):
         browser.find("upload").send_keys(str(tmp_path / "good.nc"))
         browser.until(lambda: "good.nc" in browser.text("run") and "tools T2" in browser.text("job-facts"))
         assert "would stop" not in browser.text("job-wrong")
+        (tmp_path / "cad.nc").write_text("(Exported by FreeCAD)\n(Post Processor: centroid_post)\nG21 G90\nG1 X1 F1000\nM25\n")
+        browser.find("upload").send_keys(str(tmp_path / "cad.nc"))
+        browser.until(lambda: "FreeCAD" in browser.text("job-wrong"))
+        assert "would stop at line 5" in browser.text("job-wrong") and "choose grbl, linuxcnc or mach3_mach4" in browser.text("job-wrong")
 
 
 def test_overrides_stand_beside_their_names(page):

@@ -5,12 +5,14 @@ import re
 
 import pytest
 
-from host_tools.cli import stream
+from host_tools.cli import jobs, stream
 from host_tools.cli.check import _check_file
 from host_tools.clients.grbl import Refused
 from host_tools.drawings import sources
 from host_tools.drawings.placement import MM_PER_PX, box_of
 from host_tools.failure import Failure
+from host_tools.panel import job_facts
+from host_tools.panel.store import Store, gcode_lines
 from host_tools.programs import gcode_file
 from host_tools.programs.made_by import advice_for
 from host_tools.resources import ROOT
@@ -68,6 +70,25 @@ def test_a_sender_says_what_to_choose(tmp_path, capsys):
     path = written(tmp_path, name, text)
     with Running("fast") as running, pytest.raises(Refused, match="M25"):
         stream.stream(path, running.line.name, 115200, "count", False, True, None, 30.0)
+    assert said in capsys.readouterr().err
+
+
+def test_the_panel_says_what_to_choose(tmp_path):
+    """Beside the first line at which a job would stop; a job that runs has no such words."""
+    store = Store(tmp_path, gcode_lines, facts=job_facts.gcode)
+    settings = {100: "80", 101: "80", 102: "80", 110: "6000", 111: "6000", 112: "3000", 120: "500", 121: "500", 122: "300"}
+    for name, text in (("c.nc", REFUSED["FreeCAD centroid"][1]), ("n.nc", "G21 G90\nG1 X1 F600\nM25\n"), ("g.nc", PROGRAMS["FreeCAD grbl"][1])):
+        written(tmp_path, name, text)
+    about = [store.about(name, settings) for name in ("c.nc", "n.nc", "g.nc")]
+    assert [bool(found["refused"]) for found in about] == [True, True, False]
+    assert REFUSED["FreeCAD centroid"][2] in about[0]["advice"] and about[1]["advice"] == "" and "advice" not in about[2]
+
+
+def test_a_store_on_the_board_says_what_to_choose(tmp_path, capsys):
+    name, text, said = REFUSED["FreeCAD centroid"]
+    path = written(tmp_path, name, text)
+    with Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "flash")}) as running, pytest.raises(Failure, match="nothing was stored"):
+        jobs.store(path, None, "grbl", port=running.line.name)
     assert said in capsys.readouterr().err
 
 

@@ -57,10 +57,10 @@ export class JobFacts {
     if (tools && tools.length) facts.push(_("tools {tools}", { tools: tools.join(", ") }));
     if (pauses) facts.push(_("pauses: {pauses}", { pauses }));
     if ($("job-facts").textContent !== facts.join(" · ")) $("job-facts").textContent = facts.join(" · ");
-    const { refused, last, behind, wrong: letter } = this.about, line = refused && refused[0];
+    const { refused, advice, last, behind, wrong: letter } = this.about, line = refused && refused[0];
     this.beyond = box ? this.outside(box) : "";
     const ends = behind ? _("The program ends at line {last}; {behind} lines behind it are no part of it", { last, behind }) : "";
-    const wrong = [letter ? wrongLetter(letter) : "", ends, refused ? `${_("The job would stop at line {line}.", { line })} ${this.errorText(refused[1])}` : "", this.beyond].filter(Boolean).join(". ");
+    const wrong = [letter ? wrongLetter(letter) : "", ends, refused ? `${_("The job would stop at line {line}.", { line })} ${this.errorText(refused[1])}` : "", refused && advice, this.beyond].filter(Boolean).join(". ");
     if ($("job-wrong").textContent !== wrong) $("job-wrong").textContent = wrong;
   }
 
