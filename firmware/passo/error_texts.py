@@ -101,7 +101,7 @@ TEXTS = {
     errors.JOB_MEMORY: "no memory is left to read the job with: reset the board, or take a link out of its board file",
     errors.PRESENCE: "over the network this needs somebody at the machine: hold the button there",
     errors.DRAWING: "the file cannot be drawn, or does not fit on the table: run passo draw FILE --dry-run to see why",
-    errors.NOT_A_JOB: "the file is empty or no text: a job is a program or a drawing",
+    errors.NOT_A_JOB: "the file is empty or no text in UTF-8: a job is a program or a drawing",
     errors.NOT_WRITTEN: "the PC could not read or write its file: its disk is full, or another program has the file: free it, and try again",
     errors.NOT_SENT: "STOP is not known to have left this PC: use the emergency stop",
     errors.JOB_LINE: "a job has no $ line but $H, no real-time command (! ? ~ Ctrl-X), and letters beyond ASCII only in comments",

@@ -5,6 +5,7 @@ import re
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
 from passo import errors
+from passo.protocols.gcode.words import bare, longest
 
 _CHECKSUM = re.compile(rb"\*\d+\s*$")
 
@@ -27,4 +28,7 @@ def meaning(error, line):
     """What an error means, for the line (bytes) that it refuses."""
     if error == errors.LETTER and _CHECKSUM.search(line):
         return _("checksums such as {} are for 3D printers: switch them off in the program that made the file", _CHECKSUM.search(line)[0].decode())
+    text = bare(line)
+    if error == errors.LINE_TOO_LONG and len(text) > longest(text):
+        return _("the line has {} characters, and the board takes {}: shorten it", len(text), longest(text))
     return error_text(error)

@@ -42,7 +42,7 @@ class RefusedLine(Failure):
     """The parser refuses line `number` of the file, by the number `error`."""
 
     def __init__(self, text, number, line, error):
-        super().__init__(text, number, line.decode("ascii", "replace"), explain(f"error:{error}"))
+        super().__init__(text, number, line.decode("ascii", "replace"), explain(f"error:{error}", line))
         self.number = number
         self.error = error
 

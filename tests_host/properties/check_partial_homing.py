@@ -75,6 +75,20 @@ def check_an_axis_alone_unlocks_nothing(first, second, third):
     limited(machine)
 
 
+def check_homing_that_is_switched_off_amid_it():
+    """$22=0 takes the soft limits along: that is told at $X, at the first motion, and in reports, as if they were on."""
+    for lines in (("$22=0", "$X"), ("$X", "$22=0")):
+        machine = started()
+        machine.do("$HX")
+        said = machine.ask(lines[0]) + machine.ask(lines[1])
+        assert (CAUTION in said) and machine.status()["state"] == "Idle", said
+        said = machine.ask("G91G1X1F600") + machine.cycles(5)
+        assert said.count(CAUTION) == 1 and machine.controller.machine.report()["unhomed"] == "YZ", said
+    machine = started()
+    machine.do("$X", "$22=0")
+    assert machine.ask("G91G1X1F600") + machine.cycles(5) == ["ok"], "no axis was homed: as of a machine without switches"
+
+
 def check_a_homed_machine_stays_homed(axis, far):
     machine = started()
     machine.do("$H", "G53G0X4Y3Z-2")

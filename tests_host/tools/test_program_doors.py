@@ -278,8 +278,8 @@ def test_a_line_too_long_for_the_board_is_error_11(tmp_path, part, capsys):
             if wrong:
                 with pytest.raises(Failure, match="1 line would be refused; the first is line 2"):
                     check.check(part, "router_3axis", None, None)
-                assert "error 11," in capsys.readouterr().err
-                with pytest.raises(Failure, match="line 2, .*error 11"):
+                assert f"error 11, the line has {size} characters, and the board takes 80: shorten it" in capsys.readouterr().err
+                with pytest.raises(Failure, match=f"line 2, .*error 11, the line has {size} characters"):
                     jobs.store(part, "LONG", "grbl", port=board.line.name)
             else:
                 check.check(part, "router_3axis", None, None)
@@ -341,6 +341,8 @@ FILES = {
     "holes.drl": (b"M48\n; a comment\nFMAT,2\nINCH,TZ\nT1C0.0315\n%\nG05\nT1\nX1.0Y2.0\nM30\n", r"is a drill file \(Excellon\), which no verb takes"),
     "top.gbr": (b"G04 Layer: top*\n%FSLAX46Y46*%\n%MOMM*%\nM02*\n", r"is a board's layer \(Gerber\), which no verb takes"),
     "part.stl": (b"solid part\nfacet normal 0 0 1\nouter loop\n", r"is a model \(STL\), which no verb takes"),
+    "utf16.nc": ("G21\r\nG1 X5 F600\r\n".encode("utf-16"), "is text in UTF-16, which no verb takes: save it as UTF-8"),
+    "be.nc": ("G21\nG1 X5 F600\n".encode("utf-16-be"), "is text in UTF-16, which no verb takes: save it as UTF-8"),
     "page.pdf": (b"%PDF-1.7\n", "is a PDF, which no verb takes"),
     "page.eps": (b"%!PS-Adobe-3.0 EPSF-3.0\n", "is PostScript, which no verb takes"),
 }

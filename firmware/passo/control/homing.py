@@ -80,7 +80,7 @@ class Homing(Feature):
         if machine.known != self._unhomed_of:
             self._unhomed_of = machine.known
             self._unhomed = self._letters() or None
-        report["unhomed"] = self._unhomed if machine.settings.value(table.HOMING) else None
+        report["unhomed"] = self._unhomed if machine.known or machine.settings.value(table.HOMING) else None
 
     def _letters(self):
         """Of the axes that have a sensor and are not homed."""

@@ -348,8 +348,8 @@ class MachineState:
         self.warn()
 
     def warn(self):
-        """Tell that soft limits are on and do not hold, if that is so."""
-        if not self.homed and self.settings.value(SOFT_LIMITS):
+        """Tell that soft limits do not hold, if they are on, or went off with homing behind some of its axes: the machine is not homed."""
+        if not self.homed and (self.known or self.settings.value(SOFT_LIMITS)):
             self.notice(errors.NOTICE_NO_LIMITS)
 
     def guard(self):

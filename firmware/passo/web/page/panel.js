@@ -238,7 +238,7 @@ let alarmText = "";  // what was said of the alarm, or of axes that are not home
 // Letters of the axes that are not homed, while soft limits are on and so do not hold; in an alarm nothing moves.
 function unlimited() {
   const [, unhomed] = (report.more || []).find(([word]) => word === "Nh") || [];
-  return unhomed && settings[20] !== "0" && report.link !== false ? [...unhomed].join(" ") : "";
+  return unhomed && (settings[20] !== "0" || settings[22] === "0") && report.link !== false ? [...unhomed].join(" ") : "";
 }
 
 function show() {
