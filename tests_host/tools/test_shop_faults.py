@@ -357,3 +357,42 @@ def test_no_message_ends_an_agent_s_connection(topic, payload):
     link._hear(None, None, SimpleNamespace(topic=f"passo/{topic}", payload=payload))
     link._hear(None, None, SimpleNamespace(topic="passo/stop", payload=b""))
     assert stops
+
+
+def test_a_slow_check_holds_no_other_job(tmp_path, monkeypatch):
+    """While one dropped file is looked at, another job is queued again and goes to a machine, STOP stops, and more files may come; they wait
+    their turn."""
+    import asyncio
+
+    looks, stops, begun, may_end = [], [], threading.Event(), threading.Event()
+
+    def slow(name, data, kind):
+        if name == "slow.nc":
+            begun.set()
+            assert may_end.wait(120)
+        return name, data, {}
+
+    monkeypatch.setattr(drop, "job_of", slow)
+    desk = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or 0, look=lambda: looks.append([job.name for job in book.jobs(9) if job.state == "queued"]), complain=print)
+    book = Book(tmp_path / "shop.sqlite")
+    shop = shop_server.Shop(desk, book, KEY, "127.0.0.1")
+    other = book.add(b"G21\nM2\n", "other.nc", {"kind": "router_3axis"})[0]
+
+    def dropped(name):
+        return shop.order({"do": "drop", "name": name, "text": "G21\nM2\n", "at": 0, "last": True, "kind": "router_3axis", "copies": 1, "tool": "T1"}, True)["error"]
+
+    async def day():
+        assert dropped("slow.nc") == 0
+        await asyncio.to_thread(begun.wait, 120)
+        assert dropped("next.nc") == 0
+        assert shop.order({"do": "again", "job": other}, True)["error"] == 0 and looks[-1].count("other.nc") == 2
+        assert shop.order({"do": "stop"}, False)["error"] == 0 and stops
+        assert [job["name"] for job in shop.state()["jobs"]].count("other.nc") == 2
+        may_end.set()
+        while shop._tasks:
+            await asyncio.sleep(0.01)
+
+    asyncio.run(day())
+    names = [job.name for job in book.jobs(9)]
+    assert sorted(names) == ["next.nc", "other.nc", "other.nc", "slow.nc"], names
+    book.close()
