@@ -3,7 +3,7 @@
 from random import Random
 
 import pytest
-from emulated import rig, uf2  # noqa: F401
+from emulated import rig, timer_rig, uf2  # noqa: F401
 
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
@@ -82,6 +82,36 @@ def test_a_halt_cuts_no_pulse_short(rig, call):
         return [(fall - rise) / CYCLES_PER_US for log in rig.step_edges for (rise, high), (fall, _) in zip(log, log[1:]) if high]
 
     found = [on_a_copy(lambda: widths_us(turn * 2.63)) for turn in range(60)]
+    assert min(map(min, found)) >= PULSE_US
+
+
+@pytest.mark.xdist_group("timer")
+@pytest.mark.parametrize("by", ["interrupt", "main loop"])
+def test_a_halt_of_the_timer_player_cuts_no_pulse_short(timer_rig, by):  # noqa: F811
+    """It makes each pulse within its own interrupt, which no other one breaks off."""
+    timer_rig.fit(router(3, player="timer", inputs=INPUTS, drive={"kind": "step_dir", "pulse_us": PULSE_US, "setup_us": 5}))
+    deltas, hz = (600, 400, -300), 20_000
+    if by == "interrupt":
+        timer_rig.clear()
+        set_out(timer_rig, deltas, hz, 6000)
+        pin, level = INTERRUPT_PIN, 1
+    else:
+        timer_rig.clear()
+        timer_rig.pico.console.start(HALTED % (deltas, ticks_of(deltas, hz), "halt()"))
+        while not any(timer_rig.step_edges):
+            timer_rig.pico.run(200)
+        timer_rig.pico.drive(20, 1)
+        timer_rig.pico.run(6000)
+        pin, level = 20, 0
+
+    def widths_us(after_us):
+        timer_rig.pico.run(after_us)
+        timer_rig.pico.drive(pin, level)
+        timer_rig.pico.run(1000)
+        assert all(log[-1][1] == 0 for log in timer_rig.step_edges), "no pulse is left on"
+        return [(fall - rise) / CYCLES_PER_US for log in timer_rig.step_edges for (rise, high), (fall, _) in zip(log, log[1:]) if high]
+
+    found = [on_a_copy(lambda: widths_us(turn * 2.63)) for turn in range(40)]
     assert min(map(min, found)) >= PULSE_US
 
 

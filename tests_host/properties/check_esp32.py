@@ -20,6 +20,7 @@ CASES = {
         ("words", "list", 40, ("ticks", 2500, 60_000), ("levels", 0, 31)), ("stall_at", 0, 40), ("stall_us", 0, 30_000),
     ),
     "check_halt_anywhere": (("ms", 1, 1500),),
+    "check_a_halt_cuts_no_pulse_short": (("after_us", 300, 30_000),),
 }
 RUNS = {"check_intervals": 40, "check_halt_anywhere": 6}
 SQUARE = (("MOVE", 644, 314), ("LINE", 644, 454), ("LINE", 884, 454), ("LINE", 884, 314), ("LINE", 644, 314))
@@ -260,6 +261,35 @@ def check_halt_anywhere(ms):
     assert board.table.pen == 0 and status["state"] == "idle"
     assert board.ask("LINE", 60, 60) + board.ask("END") == b"nd"
     assert board.app.controller.position() == [60, 60]
+
+
+class Once:
+    """What runs once, as all callbacks of MicroPython there: never within another one."""
+
+    period = 1 << 28
+
+    def __init__(self, due, callback):
+        self.due = due
+        self.callback = lambda _: callback()
+
+
+def check_a_halt_cuts_no_pulse_short(after_us):
+    """Whenever it comes: the player makes each pulse within its own callback."""
+    ring, player, layout = bench((18, 19, 21, 33, 32), 250)
+    put(ring, layout, [(10_000, 0b00011), (10_000, 0b00001)] * 20)
+    player.start()
+    chip.timers["halt"] = Once(chip.now + after_us, player.halt)
+    chip.sleep_ms(40)
+    del chip.timers["halt"]
+    rises, widths = {}, []
+    for us, levels in chip.edges:
+        for bit in (1, 2):
+            if levels & bit and bit not in rises:
+                rises[bit] = us
+            elif not levels & bit and bit in rises:
+                widths.append(us - rises.pop(bit))
+    assert not rises and 0 < player.played() < 40 and len(widths) == player.played() + player.played() // 2 + player.played() % 2, (rises, player.played(), widths)
+    assert min(widths) >= 20
 
 
 def check_a_halting_input():
