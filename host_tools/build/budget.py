@@ -3,6 +3,7 @@
     budget(check(BOARD))        # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
 """
 
+from host_tools.build.reference import manifests
 from host_tools.build.tree import digital
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -29,12 +30,10 @@ ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter": 122}
-KEYS_KB = {
-    "motion": 4, "backlash": 6, "rotary": 5, "parking": 5, "drives": 6, "weaving": 24, "encoders": 6, "inverter": 6, "interlock": 11, "gantry": 1,
-    "journal": 4, "jobs": 14, "network": 13, "blackbox": 15,
-}  # fmt: skip
+KEYS_KB = {"journal": 4, "jobs": 14, "network": 13}  # an option's are HEAP_KB of its manifest
+ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 4}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB, STALLS_KB = 6, 10, 8, 2, 4  # a laser's rows of dots, and what burns them
+FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and what burns them
 DIGITAL_KB = 8  # outputs for M62 to M65
 BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
@@ -74,11 +73,12 @@ def heap_kb(board):
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
     taken += sum(cost for key, cost in KEYS_KB.items() if board.get(key))
+    taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in manifests().items() if board.get(key))
+    taken += sum(cost for name, cost in ADDITIONS_KB.items() if getattr(board.get("additions"), name, None))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board["network"] or {}).get("broker"))
     taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     taken += DIGITAL_KB * bool(digital(board))
-    taken += STALLS_KB * bool(getattr(board.get("additions"), "stalls", ""))
     return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 

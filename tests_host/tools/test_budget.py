@@ -30,6 +30,8 @@ def test_an_esp32_without_psram_holds_no_machine_as_files():
     assert of("plotter_esp32")["memory"] == "180 kB wanted, 175 there without PSRAM" and of("router_esp32")["memory"] == "in the module's PSRAM"
     assert of("mks_dlc32")["memory"] == "381 kB wanted, 175 there without PSRAM"
     assert "not counted" in memory({**check(boards.load("plotter_esp32")), "chip": "esp32s3"})
+    for name, kb in (("router_3axis", 172), ("router_tmc2209", 178), ("router_ballscrew", 182), ("corexy_plotter", 178)):
+        assert of(name)["memory"] == f"some {kb} kB of 246 on stock MicroPython", name
     assert of("router_3axis")["memory"] == "some 172 kB of 246 on stock MicroPython" and "memory" not in of("mill_pico_2")
 
 

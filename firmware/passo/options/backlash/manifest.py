@@ -3,6 +3,7 @@
 from passo.config.board_error import BoardError
 
 MOST_UM = 2000
+HEAP_KB = 6  # of a Pico with stock MicroPython
 RULES = {
     "backlash": (dict, {}, 1, 4),  # by axis, in µm; 0: not known yet, see $160
 }

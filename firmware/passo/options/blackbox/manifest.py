@@ -2,6 +2,7 @@
 
 from passo.options.blackbox.config import BOX_ADDED, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_TEXT, BOX_WRITTEN, keep
 
+HEAP_KB = 15  # of a Pico with stock MicroPython
 RULES = {
     "blackbox": (bool, False, 0, 1),
 }

@@ -13,6 +13,7 @@ _ENCODER = {
     "index": (str, "", 0, 16),  # input of its index pulse
     "settle_ms": (int, 50, 1, 10_000),  # after which a motor at rest has come to rest
 }
+HEAP_KB = 6  # of a Pico with stock MicroPython
 RULES = {
     "encoders": [_ENCODER, 0, 4],
 }

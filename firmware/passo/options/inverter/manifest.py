@@ -3,6 +3,7 @@
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import PIN, check_link
 
+HEAP_KB = 6  # of a Pico with stock MicroPython
 RULES = {
     "inverter": {
         "make": ("delta", "yl620", "h100", "nowforever", "teco"),

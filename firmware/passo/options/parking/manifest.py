@@ -2,6 +2,7 @@
 
 from passo.config.board_error import BoardError, want_input
 
+HEAP_KB = 5  # of a Pico with stock MicroPython
 RULES = {
     "parking": {
         "axis": ("z", "x", "y"),

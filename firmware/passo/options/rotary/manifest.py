@@ -2,6 +2,7 @@
 
 from passo.config.board_error import BoardError
 
+HEAP_KB = 5  # of a Pico with stock MicroPython
 RULES = {
     "rotary": ("a",),  # the axis; its millimetres are degrees, and a metre is a thousand of them
     "short_way": (bool, False, 0, 1),  # an absolute word leads by half a turn at most

@@ -1,5 +1,6 @@
 """The key `weaving`: seams made of lines and arcs."""
 
+HEAP_KB = 24  # of a Pico with stock MicroPython
 RULES = {
     "weaving": {"steady_mm_min": (int, 0, 0, 900_000)},  # up to so fast the path has no ramps, as with $140
 }
