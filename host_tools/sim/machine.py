@@ -15,7 +15,6 @@ from pathlib import Path
 from host_tools import boards
 from host_tools.failure import reason
 from host_tools.language import _
-from host_tools.sim.inverter import SimInverter
 from host_tools.sim.pages import Pages
 from host_tools.sim.plant import Plant
 from host_tools.sim.recording import Recording
@@ -65,6 +64,8 @@ class Machine:
         self.port = None
         self.inverter = None
         if self.board.get("inverter"):
+            from host_tools.sim.inverter import SimInverter
+
             self.inverter = inverter or SimInverter(self.board["inverter"], self.now_ms)
             lines = {**lines, "inverter": self.inverter}
         self.drivers = None
