@@ -37,23 +37,21 @@ def board_keys():
     """A table a section of the schema."""
     from passo.config import boardfile
 
-    from host_tools.build.board_keys import MEANINGS, SECTIONS
-
     rows = []
-    meanings = dict(MEANINGS)
-    for section, (title, intro) in SECTIONS.items():
+    sections, meanings = words()
+    for section, (title, intro) in sections.items():
         rules, note = _section(boardfile, section)
         rows += ["", f"### {title}", "", intro + note, "", "| key | value | default | meaning |", "| --- | --- | --- | --- |"]
         for key, rule in rules.items():
             path = f"{section}.{key}" if section else key
-            if path in SECTIONS:
+            if path in sections:
                 continue
             meaning = meanings.pop(path, None)
             if meaning is None:
-                raise Failure("host_tools/build/board_keys.py does not say what {} means", path)
+                raise Failure("neither host_tools/build/board_keys.py nor an option's words.py says what {} means", path)
             rows.append(f"| `{key}` | {_kind(rule)} | {_default(rule, boardfile.MUST)} | {meaning} |")
     if meanings:
-        raise Failure("host_tools/build/board_keys.py has keys that no board file has: {}", ", ".join(meanings))
+        raise Failure("host_tools/build/board_keys.py, or an option's words.py, has keys that no board file has: {}", ", ".join(meanings))
     return rows[1:]
 
 
@@ -68,6 +66,23 @@ def all_rules(boardfile):
         if hasattr(manifest, "extend"):
             manifest.extend(rules)
     return rules
+
+
+def words():
+    """(SECTIONS, MEANINGS) of board_keys.py, and those of options behind them."""
+    from host_tools.build.board_keys import MEANINGS, SECTIONS
+
+    sections, meanings = dict(SECTIONS), dict(MEANINGS)
+    for own in own_words():
+        sections.update(own.SECTIONS)
+        meanings.update(own.MEANINGS)
+    return sections, meanings
+
+
+def own_words():
+    """words.py of each option that has one."""
+    folders = [folder for folder in sorted((FIRMWARE / tree.OPTIONS).iterdir()) if (folder / tree.WORDS).is_file()]
+    return [import_module(f"passo.options.{folder.name}.words") for folder in folders]
 
 
 def manifests():

@@ -96,6 +96,7 @@ QUICK = (
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 MANIFEST = "manifest.py"
+WORDS = "words.py"  # of an option: texts for its page, which no board has
 _WRITTEN = re.compile(r'"(passo(?:\.\w+)+)"')
 PORT_OF = "port_"  # how the name of an option's file for one of them begins
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
@@ -124,6 +125,8 @@ def module_files(firmware=FIRMWARE):
 
 def runs_on(path, chip=None):
     """Whether a module runs on `chip`; without one, whether it runs on any chip at all."""
+    if path.is_relative_to(OPTIONS) and path.name == WORDS:
+        return False
     in_option = path.is_relative_to(OPTIONS) and path.stem.startswith(PORT_OF)
     if path.parts[:2] != ("passo", "ports") and not in_option:
         return True

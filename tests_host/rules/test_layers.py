@@ -50,6 +50,7 @@ MAY_IMPORT = {
 # The layer of an option's file, by the first word of its name.
 OF_OPTIONS = {
     "manifest": "config", "config": "config", "motion": "motion", "steps": "steps", "control": "control", "drive": "drives", "port": "ports", "language": "protocols",
+    "words": "config",
 }  # fmt: skip
 
 # These load an option's manifest, and its part of a port, by the option's key or the name that its manifest writes.

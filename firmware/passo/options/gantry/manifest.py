@@ -2,7 +2,7 @@
 
 from passo.config.board_error import BoardError, want_input
 
-HEAP_KB = 1  # of a Pico with stock MicroPython
+HEAP_KB = 2  # of a Pico with stock MicroPython
 RULES = {
     "gantry": {
         "axis": (str, ..., 1, 1),

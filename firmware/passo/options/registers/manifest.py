@@ -8,6 +8,7 @@ _EDGES = {
     "pin": PIN,
     "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
 }
+HEAP_KB = 2  # of a Pico with stock MicroPython
 RULES = {
     "registers": {
         "clock": PIN,

@@ -1,0 +1,6 @@
+"""What the key `backlash` means: texts of docs/reference/board-file.md. No board has this file."""
+
+SECTIONS = {}
+MEANINGS = {
+    "backlash": "Lost motion of each axis in µm, `{\"x\": 40, \"y\": 50}`: the first values of `$160` to `$163`. See [backlash](../use/backlash.md). Without the key there are no such settings.",
+}

@@ -1,0 +1,6 @@
+"""What the key `blackbox` means: texts of docs/reference/board-file.md. No board has this file."""
+
+SECTIONS = {}
+MEANINGS = {
+    "blackbox": "True: keep the last seconds before an alarm, a crash or a reset. See [black box](../use/blackbox.md).",
+}

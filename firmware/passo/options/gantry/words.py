@@ -1,0 +1,15 @@
+"""What the key `gantry` means: texts of docs/reference/board-file.md. No board has this file."""
+
+SECTIONS = {
+    "gantry": ("gantry", "One axis with a motor at each side. See [encoders](../use/encoders.md#gantries)."),
+}
+MEANINGS = {
+    "gantry.axis": "Name of the axis. Its second motor is called by that name and `2`: `x2`.",
+    "gantry.pins": "`[STEP, DIR]` of the second motor: STEP behind the STEPs of the axes, DIR behind the DIRs.",
+    "gantry.opposite": "The second motor turns the other way round.",
+    "gantry.wait_steps": "With encoders: from this lag on a move waits until the lag is gone; 0: it never waits. Above what rotors lag under load.",
+    "gantry.limit_steps": "With encoders: a lag beyond it stops the machine at once, alarm 231, and no larger one is squared.",
+    "gantry.sensor": "Homing's sensor of the second side; that of the first is in `homing.sensors`. Empty: homing does not square.",
+    "gantry.offset_steps": "How much farther from its sensor's edge the second side stands than the first when the gantry is square.",
+    "gantry.rack_steps": "How far homing may move one side alone.",
+}
