@@ -26,7 +26,7 @@ _SHARED = FIRMWARE / "passo" / "web" / "page"
 _NAMES = (b"127.0.0.1", b"localhost")
 _TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8", "json": "application/json", "svg": "image/svg+xml"}
 _FILES = {
-    **{name: _OWN for name in ("machine.html", "machine.js", "tiles.js", "shop.css", "pt.json")}, **{name: _SHARED for name in ("panel.css", "words.js", "sha256.js", "icon.svg")},
+    **{name: _OWN for name in ("machine.html", "machine.js", "tiles.js", "shop.css", "pt.json")}, **{name: _SHARED for name in ("panel.css", "titles.js", "words.js", "sha256.js", "icon.svg")},
 }  # fmt: skip
 _MOST_BYTES = 4096
 

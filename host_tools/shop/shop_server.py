@@ -25,7 +25,7 @@ from passo import errors
 from passo.protocols.page.orders import Wrong, number, text
 
 _OWN = Path(__file__).parent / "page"
-_SHARED = ("panel.css", "words.js", "link.js", "sha256.js", "gcode_path.js", "program.js", "icon.svg")
+_SHARED = ("panel.css", "titles.js", "words.js", "link.js", "sha256.js", "gcode_path.js", "program.js", "icon.svg")
 _PAGES = 30
 _MOST_COPIES = 200
 _PIECE = 32_768

@@ -91,7 +91,7 @@ def test_what_is_grey_says_why(page, router, tmp_path):
         (tmp_path / "pause.nc").write_text("G21\nM0\nM2\n")
         browser.find("upload").send_keys(str(tmp_path / "pause.nc"))
         browser.until(lambda: browser.find("run").is_enabled())
-        assert not browser.text("run-why") and not browser.find("run").get_attribute("title") and browser.find("remove").is_enabled()
+        assert not browser.text("run-why") and not browser.find("run").get_attribute("data-why") and browser.find("remove").is_enabled()
         browser.click("run")
         browser.until(lambda: browser.find("wait-go").is_displayed())
         assert browser.find("check").get_attribute("title") == "A job is under way." and not browser.driver.execute_script(GREY)

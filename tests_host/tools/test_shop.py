@@ -34,6 +34,7 @@ from passo.web import session
 sys.path.insert(0, str(Path(__file__).parents[1] / "sims"))
 import shop_load  # noqa: E402
 from machine_page import MachinePage  # noqa: E402
+from titles import WITHOUT  # noqa: E402
 
 KEY = "ABCDEFGHJKLMNPQR"
 
@@ -689,12 +690,14 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     browser.find_element("css selector", "#add button").click()
     bench.until(lambda: len(browser.find_elements("css selector", "#queue li")) == 2)
     assert "laser de classe 2" in text("#queue li")
+    bench.until(lambda: not browser.execute_script(WITHOUT))
     assert browser.execute_script("return document.documentElement.scrollWidth") == 320
     first = browser.current_window_handle
     browser.switch_to.new_window("tab")
     browser.get(local)
     bench.until(lambda: text(".tile button") == "O papel está posto")
     assert "key=" not in browser.current_url
+    bench.until(lambda: not browser.execute_script(WITHOUT))
     press(".tile button")
     bench.until(lambda: "desenhando" in text(".tile"))
     browser.switch_to.window(first)

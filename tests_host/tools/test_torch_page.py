@@ -9,6 +9,7 @@ import time
 import pytest
 
 from test_http import KEY, LIMIT_S, Torch
+from titles import WITHOUT
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="there is no selenium: the torch's page was NOT tried in a browser")
 CHROMIUM = shutil.which("chromium")
@@ -64,6 +65,7 @@ def test_the_page(tmp_path):
         with Page(f"{torch_board.url}/#key={KEY}", tmp_path / "known") as page:
             assert KEY not in page.driver.current_url  # nor in the history, then
             assert "PARAR" in page.text("halt")
+            assert not page.driver.execute_script(WITHOUT) and "Para a tocha" in page.driver.execute_script("return document.getElementById('halt').title")
             page.press("/ON")
             page.until(lambda: page.text("answer") == "code=238&state=stopped&error=0")
             page.press("/COMMAND")

@@ -99,4 +99,4 @@ def test_a_page_is_small(tmp_path):
 
     for name in ("plotter_page", "router_pico_w"):
         rows = pack(boards.load(name), tmp_path / name)
-        assert "index.html" in [name for name, _, _ in rows] and sum(packed for _, _, packed in rows) < 90_000
+        assert "index.html" in [name for name, _, _ in rows] and sum(packed for _, _, packed in rows) < 98_000  # 6 kB are a sentence for each control, twice

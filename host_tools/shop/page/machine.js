@@ -1,6 +1,7 @@
 // The page on the machine's own PC: "paper is in", go on, give up.
 
 import { _, choose, preferred } from "./words.js";
+import { explain, showTitles } from "./titles.js";
 import { hex, hmac } from "./sha256.js";
 import { element, said, states } from "./tiles.js";
 
@@ -98,6 +99,15 @@ const given = /key=([A-Z2-9]+)/.exec(location.hash);
 if (given) history.replaceState(null, "", location.pathname);
 useKey(given ? given[1] : sessionStorage.getItem(KEY) || "");
 const language = at("language");
-language.addEventListener("change", async () => { await choose(language.value); shown = ""; });
+language.addEventListener("change", async () => { await choose(language.value); showTitles(true); shown = ""; });
 language.value = preferred();
-choose(language.value).then(look);
+choose(language.value).then(() => { showTitles(true); look(); });
+
+explain(() => [
+  ["#language", _("Language of this page")],
+  ["#stop", _("Stops the machines of this computer at once")],
+  ["#key", _("The letters that the agent has printed in its terminal")],
+  ["form button", _("Lets this page release the machines")],
+  [".danger", _("Stops this machine at once, and drops its job")],
+  ["button", _("Tells the shop that somebody at the machine wants this")],
+]);

@@ -1,6 +1,7 @@
 // The shop's page: all machines, the queue, and files that are dropped.
 
 import { _, choose, preferred } from "./words.js";
+import { explain, showTitles } from "./titles.js";
 import { Link } from "./link.js";
 import { read } from "./gcode_path.js";
 import { decode } from "./program.js";
@@ -215,6 +216,26 @@ function useKey(text) {
 const given = /key=([A-Z2-9]+)/.exec(location.hash);
 if (given) history.replaceState(null, "", location.pathname);
 useKey(given ? given[1] : sessionStorage.getItem(KEY) || "");
-at("language").addEventListener("change", async () => { await choose(at("language").value); lists = ""; at("said").textContent = telling.map(([, text]) => text()).join("\n"); show(); });
+at("language").addEventListener("change", async () => { await choose(at("language").value); showTitles(true); lists = ""; at("said").textContent = telling.map(([, text]) => text()).join("\n"); show(); });
 at("language").value = preferred();
-choose(at("language").value).then(() => { lists = ""; show(); });
+choose(at("language").value).then(() => { showTitles(true); lists = ""; show(); });
+
+explain(() => [
+  ["#language", _("Language of this page")],
+  ["#stop", _("Stops every machine of the shop at once, and drops their jobs")],
+  ["#key", _("The letters that the shop has printed in its terminal")],
+  ["#open button", _("Lets this page queue jobs from now on")],
+  ["#filter", _("Which machines are shown")],
+  ["#file", _("Files of this PC that become jobs")],
+  ["#kind", _("The machines that may take the job")],
+  ["#copies", _("How many times the job is made")],
+  ["#tool", _("Only machines with this pen or tool take the job")],
+  ["#laser", _("Only lasers up to this class take the job")],
+  ["#material", _("Only machines with this material take the job")],
+  ["form button", _("Puts the files behind the jobs that wait")],
+  ["li button", _("Changes this job's place in the queue, or ends it")],
+  ["a[href]", _("Opens the page of this machine")],
+  ["canvas", _("Picture of the job under way")],
+  ["button", _("Does to this machine or job what it says")],
+  ["[tabindex]", _("More about this machine or job")],
+]);

@@ -105,7 +105,9 @@ export function onOff(name, on) {
 // Greys a button, and says why to a pointer and to a screen reader; "": it may be pressed.
 export function grey(button, why) {
   button.disabled = Boolean(why);
-  if (button.title !== why) button.title = why;
+  if ((button.dataset.why || "") !== why) button.dataset.why = why;
+  const title = why || button.dataset.help || "";
+  if (button.title !== title) button.title = title;
 }
 
 // Why nothing may begin now, in words; "" where it may. `mine`: this page commands; `rest`: the machine is at rest, perhaps in an alarm; `idle`: and

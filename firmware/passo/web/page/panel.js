@@ -20,6 +20,8 @@ import { Recover } from "./recover.js";
 import { Settings } from "./settings.js";
 import { Tabs } from "./tabs.js";
 import { Typed } from "./typed.js";
+import { sentences } from "./help.js";
+import { explain, showTitles } from "./titles.js";
 import { _, choose as chooseWords, languages, preferred } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -310,7 +312,7 @@ function enable() {
   for (const key of $("pad").querySelectorAll("button")) if (key.getAttribute("aria-disabled") !== String(still)) key.setAttribute("aria-disabled", still);
   const moves = picture.moves.length ? facts.beyond : _("This file moves nothing.");
   set("round", why.mine || why.idle || why.chosen || moves);
-  const told = busy || !cards.can("jobs") ? "" : $("run").title;  // a finger has no other way to ask
+  const told = busy || !cards.can("jobs") ? "" : $("run").dataset.why || "";  // a finger has no other way to ask
   if ($("run-why").textContent !== told) $("run-why").textContent = told;
   showPause();
   set("give", why.idle);
@@ -734,6 +736,7 @@ async function speak(language) {
   setAxes(now, turns);
   if (setup) setup.speak();
   if (prove) prove.speak();
+  showTitles(true);
   cards.tellElsewhere();
   facts.tell();
   picture.draw();
@@ -759,4 +762,5 @@ $("language").value = [asked.get("lang"), kept("language"), preferred()].find((e
 $("theme").value = [asked.get("theme"), kept("theme")].find((each) => ["auto", "light", "dark"].includes(each)) || "auto";
 $("refresh").value = [kept("refresh"), "50"].find((each) => [...$("refresh").options].some((option) => option.value === each));
 theme($("theme").value);
+explain(sentences);
 table("errors.json").then((found) => { errors = found; return speak($("language").value); });

@@ -16,6 +16,22 @@ if (english) {
   document.querySelector("main").lang = "en";
   for (const each of document.querySelectorAll("[data-en]")) each.textContent = each.dataset.en;
 }
+// What each control does, by its form's path and its name: [Portuguese, English].
+const DOES = {
+  "/HALT": ["Para a tocha na hora", "Stops the torch at once"],
+  "/JOGX+": ["Move X para mais enquanto apertado", "Moves X to plus while it is held"], "/JOGX-": ["Move X para menos enquanto apertado", "Moves X to minus while it is held"],
+  "/JOGY+": ["Move Y para mais enquanto apertado", "Moves Y to plus while it is held"], "/JOGY-": ["Move Y para menos enquanto apertado", "Moves Y to minus while it is held"],
+  "/ON": ["Os relés ligam os motores a esta placa", "Relays connect the motors to this board"],
+  "/OFF": ["Os relés devolvem os motores ao controle original", "Relays give the motors back to the original controller"],
+  "/ORIGIN": ["Este lugar vira a origem 0;0", "This place becomes the origin 0;0"], "/INFO": ["Pergunta a posição", "Asks for the position"],
+  "/COMMAND": ["Move cada eixo tantos passos, na sua velocidade", "Moves each axis by its steps, at its own speed"],
+  "/CONFIG": ["Passos e velocidades dos movimentos manuais", "Steps and speeds of moves by hand"],
+  key: ["As letras que passo wifi mostra", "The letters that passo wifi shows"],
+};
+for (const each of document.querySelectorAll("button, input")) {
+  const path = each.form && each.form.getAttribute("action");
+  each.title = (DOES[path] || DOES.key)[english ? 1 : 0];
+}
 key.value = new URLSearchParams(location.hash.slice(1)).get("key") || sessionStorage.getItem("key") || "";
 key.addEventListener("input", () => sessionStorage.setItem("key", key.value));
 history.replaceState(null, "", "/");

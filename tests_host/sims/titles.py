@@ -1,0 +1,6 @@
+"""What a page's controls say of themselves: JavaScript that returns those without a sentence."""
+
+WITHOUT = """
+return [...document.querySelectorAll("button, input:not([type=hidden]), select, textarea, summary, canvas, a[href], [tabindex]")]
+  .filter((e) => !e.title).map((e) => e.outerHTML.slice(0, 200));
+"""
