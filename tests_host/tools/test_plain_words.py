@@ -63,7 +63,7 @@ TAKEN = {
     "G17 G3 X-2 Y2 I-2 F100 K1": "K of an arc in XY", "G0 Z5 | G93 G81 X1 Z-2 R1 F3": "a cycle in G93", "G43 H200": "G43 H of a tool",
     "G91 G53 G0 X3": "G53 in G91", "G28.1 X1": "G28.1 and G30.1 with axis words",
 }  # fmt: skip
-OWN = ("G3 I-5 H90 F100", "S0:500:1000", "S=@@OT_H")  # Passo's own words
+OWN = ("G3 I-5 H90 F100", "S0:500:1000", "S=@@OT_H", "M10 | M11")  # Passo's own words
 # Refused by the board, by this error; [1]: by rs274, too.
 REFUSED = {
     "G1 X1": (22, 1), "G2 X1 Y1 F100": (35, 1), "G1 X1 Y1 K2 F100": (36, 1), "G0 X1 X2": (25, 1), "G0 G1 X1": (24, 1), "G1 X2 F0": (22, 1), "G41 X1": (20, 1),
