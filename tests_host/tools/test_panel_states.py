@@ -3,6 +3,7 @@
 import time
 
 import pytest
+from selenium import webdriver
 from test_panel_page import MM, Browser, driver, pytestmark as of_pages  # noqa: F401
 
 from panel_process import PanelProcess
@@ -68,6 +69,26 @@ def test_a_phone_in_an_alarm_begins_with_what_ends_it(page, router):
         browser.until(lambda: browser.driver.execute_script(settles) == "auto")
         assert box(browser, "card-jog")[1] < box(browser, "card-place")[1] and browser.find("home").get_attribute("class") == ""
         assert browser.driver.execute_script(PAD) == ["false"]
+
+
+ALARMED = {"en": "Error 9: the machine is in alarm: home it first, or unlock it", "pt": "Erro 9: a máquina está em alarme: busque a origem primeiro, ou destrave"}
+
+
+@pytest.mark.parametrize("language", ALARMED)
+@pytest.mark.parametrize("way", ["an arrow key", "a key of the page"])
+def test_a_key_that_moves_says_in_an_alarm_what_to_do(tmp_path, driver, language, way):
+    """A router wants to be homed as it starts."""
+    with PanelProcess(tmp_path, "--board", "router_3axis") as process, Browser(process, driver, WIDE, f"lang={language}&theme=light") as browser:
+        browser.until(lambda: browser.find("state").get_attribute("data-state") == "Alarm")
+        browser.driver.execute_script("document.getElementById('message').click()")
+        before = browser.place()
+        if way == "an arrow key":
+            browser.driver.execute_script("document.activeElement.blur()")
+            webdriver.ActionChains(browser.driver).send_keys(webdriver.Keys.ARROW_RIGHT).perform()
+        else:
+            browser.tap("[data-way='x+']")
+        browser.until(lambda: browser.text("message").startswith(ALARMED[language]))
+        assert browser.place() == before and browser.find("state").get_attribute("data-state") == "Alarm"
 
 
 @pytest.mark.parametrize("language", NO_JOB)
