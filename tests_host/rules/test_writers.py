@@ -21,8 +21,6 @@ WRITERS = {
     "active": {"line_batches", "program"},
     "fresh": {"line_batches", "program"},
     "jogging": {"controller", "drawing", "independent", "program"},
-    # the spindle's speed: what switches it says "not yet", what measures it "now"
-    "at_speed": {"inverter", "pauses", "spindle_speed", "tachometer", "tools"},
     # a button may toggle what the program has switched
     "coolant": {"pauses", "tools"},
     # what finds the position, and what doubts it

@@ -81,7 +81,8 @@ class Pauses(Feature):
 
     def _light(self):
         """Switch the tool on again at a stand."""
-        self._machine.at_speed = not self._machine.waits_for_speed
+        if self._machine.gauge:
+            self._machine.gauge.expect(True)
         self._queue.rest(True)
         self._wait(max(self._queue.tool_ms(True), 0 if self._laser() else self._spindle["spin_up_ms"]))
 
@@ -156,7 +157,7 @@ class Pauses(Feature):
                 self._ready_ms = None
         elif machine.resuming:
             self._restore()
-            if self._ready_ms is None and (machine.at_speed or not self._queue.lit()):
+            if self._ready_ms is None and (machine.is_at_speed() or not self._queue.lit()):
                 self._go_on()
 
     def _stand(self):

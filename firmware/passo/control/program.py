@@ -364,7 +364,7 @@ class Program(LineBatches):
                 self._poll_probe(still)
             elif still and self._dwell_ms and machine.busy_with(commands.DWELL):
                 self._go_on_dwelling()
-            elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.at_speed):
+            elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.is_at_speed()):
                 machine.finish()
         if queue.streams or machine.fresh:
             queue.stream(machine.fresh, machine.port.machine_ms())

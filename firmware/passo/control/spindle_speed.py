@@ -19,7 +19,8 @@ class SpindleSpeed(Feature):
         self._since_ms = 0  # since when it is wanted
         self._reached = False
         self._slow = 0
-        machine.waits_for_speed = True
+        self.at_speed = True  # or nobody asks for one; measured
+        machine.gauge = self
         self._rpm_of = None  # what `_rpm` was computed of
         self._rpm = 0
 
@@ -36,6 +37,10 @@ class SpindleSpeed(Feature):
             self._rpm = max(rpm, settings.value(table.MIN_RPM)) if rpm else 0
         return self._rpm
 
+    def expect(self, turns):
+        """The spindle has been switched: if it `turns`, it is not at speed before that has been measured."""
+        self.at_speed = not turns
+
     def begin(self, now_ms):
         """Another speed is wanted from now on."""
         self._since_ms = now_ms
@@ -47,7 +52,7 @@ class SpindleSpeed(Feature):
         if abs(speed - wanted) * 100 <= wanted * self._percent:
             self._reached = True
             self._slow = 0
-            self._machine.at_speed = True
+            self.at_speed = True
         elif self._reached and 2 * speed < wanted:
             self._slow += 1
         return self._slow >= _SLOW
@@ -58,4 +63,4 @@ class SpindleSpeed(Feature):
 
     def ready(self):
         """Nothing sets out with a spindle that is not at speed. What moves already goes on."""
-        return self._machine.at_speed or not self._queue.silent() or not self._queue.lit()
+        return self.at_speed or not self._queue.silent() or not self._queue.lit()

@@ -64,8 +64,7 @@ class MachineState:
         self.spindle = commands.SPINDLE_OFF  # as it should be, see SPINDLE
         self.power = 0  # of the spindle, in millionths of the most
         self.overrides = None  # feed, rapid, spindle: Tools has them
-        self.waits_for_speed = False  # a feature knows whether the spindle is at speed, and says so:
-        self.at_speed = True
+        self.gauge = None  # the feature that measures the spindle's speed: a SpindleSpeed
         self.links = [link["name"] for link in board["links"]]
         self.commander = self.links.index(board["commands"] or self.links[0])  # the link that may command
         self.lender = -1  # the link that commanded when a stored job began to run; -1: none runs
@@ -122,6 +121,9 @@ class MachineState:
 
     def busy_with(self, kind):
         return self.command is not None and self.command.kind == kind
+
+    def is_at_speed(self):
+        return self.gauge is None or self.gauge.at_speed
 
     def fine(self):
         """True while inputs decide where the machine stops: cycles of the main loop should be short."""

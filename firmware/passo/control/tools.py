@@ -100,7 +100,8 @@ class Tools(Feature):
             turned = command.value != machine.spindle
             machine.spindle = command.value
             machine.power = command.power if command.value != SPINDLE_OFF else 0
-            machine.at_speed = not machine.waits_for_speed or command.value == SPINDLE_OFF
+            if machine.gauge:
+                machine.gauge.expect(command.value != SPINDLE_OFF)
             self._planner.set_power(0 if laser and not command.tool else thousandths(machine.power), False)
             self.show_outputs(machine.hold != "door")
             still = self._queue.still()
@@ -120,7 +121,7 @@ class Tools(Feature):
                     self._queue.flush()
                     machine.command = command
                     return 0
-                if not machine.at_speed and lit:
+                if lit and not machine.is_at_speed():
                     machine.command = command
                     return 0
         return machine.accepted(command)

@@ -91,7 +91,7 @@ class Inverter(SpindleSpeed):
             hz = min(self.asked_rpm() * self._poles // 1200, 0xFFFF)
             if not hz:
                 way = 0
-                machine.at_speed = True
+                self.at_speed = True
         if way != self._way or hz != self._hz:
             self._way = way
             self._hz = hz

@@ -43,7 +43,7 @@ class Tachometer(SpindleSpeed):
         else:
             wanted = self.asked_rpm() if self._by_s else machine.settings.value(table.MAX_RPM)
             if not wanted:
-                machine.at_speed = True
+                self.at_speed = True
         if wanted != self._wanted:
             self._wanted = wanted
             self.begin(now_ms)
