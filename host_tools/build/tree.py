@@ -109,7 +109,6 @@ BROKER, ERROR_TEXTS = WEB / "broker.py", Path("passo", "error_texts.py")  # only
 _STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 4088, 40
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
-OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
 OPTIONS = Path("passo", "options")  # a folder a key of the board file: only boards with the key have it
 # Only boards with outputs for the programme, M62 to M65, have these.
 DIGITAL = (
@@ -243,7 +242,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     laser = (board.get("spindle") or {}).get("laser")
-    absent = (() if board.get("card") else OF_CARD) + (() if laser else (OF_LASER,))
+    absent = () if laser else (OF_LASER,)
     switching = DIGITAL if digital(board) else ()
     absent += tuple(set(DIGITAL) - set(switching))
     options = options_of(board, firmware)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 from host_tools.language import N_
-from passo.config.card_store import END_MARK
+from passo.options.card.config import END_MARK
 from passo.config.job_keys import JOBS, LONGEST_NAME, NAME_LETTERS, name_fits
 from passo.config.job_store import WINDOW_BITS, first_line
 

@@ -205,7 +205,7 @@ def _lines(board):
             terminals = [Terminal("RX", link["tx"]), Terminal("TX", link["rx"])]
             notes = [_("USB adapter of 3.3 V, or a"), _("controller: {}, {} baud", link["protocol"], link["baud"])]
             yield Part(f"link_{link['name']}", "serial", _("serial line {}", link["name"]), terminals, notes)
-    inverter, card = board.get("inverter"), board["card"]
+    inverter, card = board.get("inverter"), board.get("card")
     if inverter:
         terminals = [Terminal("DI", inverter["tx"]), Terminal("RO", inverter["rx"])]
         notes = [_("RS-485 transceiver that"), _("switches itself; {} baud", inverter["baud"])]

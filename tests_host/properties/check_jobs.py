@@ -4,7 +4,7 @@ import os
 from time import time_ns
 from binascii import b2a_base64, crc32
 
-from passo.config import card_store
+from passo.options.card import config as card_store
 from passo.config.job_store import WINDOW_BITS, first_line
 from router import BOARD, Machine, answers, home
 
@@ -571,7 +571,7 @@ class Flash:
 def check_free_flash():
     """Also where MicroPython counts less than nothing."""
     from passo.config import job_store
-    from passo.config.card_store import CardStore
+    from passo.options.card.config import CardStore
 
     before = job_store.os
     try:

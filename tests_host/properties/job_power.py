@@ -14,7 +14,7 @@ from binascii import crc32
 from check_jobs import stored_form
 from passo import memory
 from passo.config import job_store
-from passo.config.card_store import CardStore
+from passo.options.card.config import CardStore
 from passo.config.job_store import JobStore
 
 JobStore.root = "/flash/"

@@ -125,7 +125,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("card", "jobs", "journal", "network")  # device_keys.py
+DEVICES = ("jobs", "journal", "network")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing",) + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
@@ -261,8 +261,6 @@ def claimed_pins(board, own=None):
     for module in own_rules({key: value for key, value in board.items() if value}, {}) if own is None else own:
         if hasattr(module, "claims"):
             claims += module.claims(board)
-    if board["card"]:
-        claims += [(board["card"][key], "card " + key) for key in ("sck", "mosi", "miso", "cs")]
     for link in board["links"]:
         if link["port"].startswith("uart"):
             claims += [(link[key], "link %s %s" % (link["name"], key)) for key in ("tx", "rx")]

@@ -1,10 +1,9 @@
-"""The keys `card`, `journal` and `network` of a board file: only boards that have one of them load this. RULES are in the notation of boardfile.py."""
+"""The keys `journal` and `network` of a board file: only boards that have one of them load this. RULES are in the notation of boardfile.py."""
 
 from passo.config.board_error import BoardError, want_input
 from passo.config.chip_pins import PIN
 
 RULES = {
-    "card": {"spi": (int, 1, 0, 2), "sck": PIN, "mosi": PIN, "miso": PIN, "cs": PIN},
     "journal": {
         "every_ms": (int, 1000, 100, 60_000),  # so old at most is what is written while the machine moves
         "power": (str, "", 0, 16),  # the input that is active when the power fails; "": none
@@ -38,17 +37,6 @@ def check(board):
         network_keys.check(board)
 
 
-def _check_card(board, config):
-    if not board["jobs"]:
-        raise BoardError("card: it is for stored jobs, and there is no key jobs")
-    if board["chip"].startswith("esp32"):
-        return
-    for key, rest in (("miso", 0), ("sck", 2), ("mosi", 3)):  # RP2040 datasheet 1.4.3
-        if config[key] & 3 != rest or config[key] >> 3 & 1 != config["spi"]:
-            pins = [str(pin) for pin in range(30) if pin & 3 == rest and pin >> 3 & 1 == config["spi"]]
-            raise BoardError("card.%s of SPI %d is on pin %s, not %d" % (key, config["spi"], ", ".join(pins), config[key]))
-
-
 def _check_journal(board, config):
     spoken = [link["protocol"] for link in board["links"]]
     counted = "plotter" in spoken or "pulses" in spoken
@@ -61,5 +49,5 @@ def _check_journal(board, config):
 
 
 _CHECKS = (
-    ("card", _check_card), ("journal", _check_journal),
+    ("journal", _check_journal),
 )  # fmt: skip

@@ -97,14 +97,7 @@ class Jobs(Feature):
         self._config = config
         folder = getattr(machine.port, "folder", None) or config["folder"]
         self._card = None
-        if board["card"]:
-            from passo.config.card_store import CardStore
-
-            self._card = machine.port.make("memory_card", board["card"])
-            self._store = CardStore(self._card.path + folder)
-        else:
-            self._store = JobStore(folder)
-            self._store.mount()
+        self._store = self._make_store(board, machine.port, folder)
         self._start = config["start"]
         self.line = None
         self._number = 0  # of the link
@@ -124,6 +117,11 @@ class Jobs(Feature):
         self.line = JobLine(protocol, stored, self._look, self._refused)
         self._store.prepare()
         return self.line
+
+    def _make_store(self, board, port, folder):
+        store = JobStore(folder)
+        store.mount()
+        return store
 
     def handlers(self):
         return {commands.JOB: self._job}

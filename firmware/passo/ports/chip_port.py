@@ -208,13 +208,9 @@ class ChipPort:
 
     def make(self, kind, config):
         """What few boards have: what create() of an option's port.py makes, by the option's key; "switching": outputs that change with a
-        step, False if the player cannot; "memory_card": `card` of the board file."""
+        step, False if the player cannot."""
         if kind == "switching":
             return self._switching(config)
-        if kind == "memory_card":
-            from passo.ports.memory_card import MemoryCard
-
-            return MemoryCard(self, config)
         return parts.of_option(kind, "port").create(self, self._inputs, config)
 
     def _switching(self, switches):

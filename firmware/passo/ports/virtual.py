@@ -143,8 +143,6 @@ class VirtualPort:
             if self.veto is None:
                 self._player.mark(config, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
             return self.veto is None
-        if kind == "memory_card":
-            return VirtualCard(self, config)
         return parts.of_option(kind, "port_virtual").create(self, config)
 
     def tripped(self):
@@ -270,20 +268,6 @@ class MemoryPages:
     def erase(self, block):
         for slot in range(self.SLOTS):
             self._slots.pop((block, slot), None)
-
-
-class VirtualCard:
-    """The memory card of a virtual board: a folder of the PC."""
-
-    path = ""
-    inside = True
-
-    def __init__(self, port, config):
-        pass
-
-    def mount(self):
-        if not self.inside:
-            raise OSError("no SD card")
 
 
 class MutedWorld:

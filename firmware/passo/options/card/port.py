@@ -1,6 +1,6 @@
 """A memory card on SPI, with MicroPython's own driver `sdcard` (micropython-lib), and its FAT file system.
 
-    card = port.make("memory_card", board["card"])
+    card = port.make("card", board["card"])
     card.mount()                    # at card.path from now on. Raises OSError, ImportError
     open(card.path + "/A")
 
@@ -47,3 +47,7 @@ class MemoryCard:
         config = self._config
         spi = SPI(config["spi"], sck=Pin(config["sck"]), mosi=Pin(config["mosi"]), miso=Pin(config["miso"]))
         vfs.mount(vfs.VfsFat(SDCard(spi, self._select)), self.path)
+
+
+def create(port, inputs, config):
+    return MemoryCard(port, config)

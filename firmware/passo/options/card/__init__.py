@@ -1,0 +1,1 @@
+"""A memory card keeps stored jobs."""

@@ -1,0 +1,14 @@
+"""The memory card of a virtual board: a folder of the PC."""
+
+
+class VirtualCard:
+    path = ""
+    inside = True
+
+    def mount(self):
+        if not self.inside:
+            raise OSError("no SD card")
+
+
+def create(port, config):
+    return VirtualCard()

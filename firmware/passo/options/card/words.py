@@ -1,0 +1,12 @@
+"""What the key `card` means: texts of docs/reference/board-file.md. No board has this file."""
+
+SECTIONS = {
+    "card": ("card", "A memory card (SD, FAT) on SPI, on which stored jobs are kept. See [jobs](../use/jobs.md#memory-card)."),
+}
+MEANINGS = {
+    "card.spi": "RP2040, RP2350: 0 or 1; ESP32: 1 or 2.",
+    "card.sck": "Pin at the card's CLK.",
+    "card.mosi": "Pin at the card's DI.",
+    "card.miso": "Pin at the card's DO, with a pull-up resistor of 10 kΩ.",
+    "card.cs": "Pin at the card's CS.",
+}
