@@ -14,7 +14,9 @@ from host_tools.failure import Failure
 from host_tools.language import _, error_text
 
 ARGUMENTS = {"LINE": 2, "MOVE": 2, "SPEED": 1, "LINK": 1}
+OBJECT = "OBJECT"  # no packet: MOVE, LINE … and END of a polygon
 _HEX = re.compile(r"[0-9a-fA-F]{2}$")
+_POINT = re.compile(r"(\d{1,5}),(\d{1,5})$")
 
 
 def send(
@@ -30,8 +32,11 @@ def send(
 
         passo send --port /dev/ttyACM0 REQUEST ORIGIN "SPEED 1000"
         passo send "MOVE 644 314" "LINE 644 454" "LINE 884 454" END STATUS
+        passo send "OBJECT 644,314 644,454 884,454 884,314 644,314" "OBJECT 1000,100 1200,100"
         passo send 6d 02 84 01 3a 2e
         passo send
+
+    OBJECT x,y x,y … is a polygon: MOVE to its first point, LINE to the others, END. Several are drawn in a row, each with its time.
 
     Names: REQUEST, LINE x y, MOVE x y, END, ORIGIN, SPEED n, UP, LEFT, DOWN, RIGHT, STOP, STATUS, LINK n. Bytes in
     hex are sent as they are. Without words, packets are read line by line.
@@ -44,8 +49,8 @@ def send(
         before = signal.signal(signal.SIGINT, lambda *_: client.cancel())
         try:
             if words:
-                for item in items:
-                    _send(client, item)
+                drawn = [(item, _send(client, item)) for item in items]
+                _tell_objects([(item[1], seconds) for item, seconds in drawn if item[0] == OBJECT])
             else:
                 signal.signal(signal.SIGINT, before)
                 _converse(client)
@@ -67,6 +72,15 @@ def parse(words):
             items.append(bytes(run))
             continue
         name = tokens.pop(0).upper()
+        if name == OBJECT:
+            points = []
+            while tokens and (point := _POINT.match(tokens[0])):
+                points.append((int(point[1]), int(point[2])))
+                tokens.pop(0)
+            if len(points) < 2 or max(map(max, points)) > 65535:
+                raise Failure("OBJECT wants two points or more, x,y from 0 to 65535 each, as in OBJECT 644,314 644,454")
+            items.append((OBJECT, points))
+            continue
         if name not in plotter.COMMANDS:
             raise Failure("{!r} is no packet; known are {}, or bytes in hex", name, ", ".join(sorted(plotter.COMMANDS)))
         count = ARGUMENTS.get(name, 0)
@@ -99,8 +113,25 @@ def _converse(client):
         raise Failure("not every packet was carried out")
 
 
+def _tell_objects(drawn):
+    """The times of the objects [(points, seconds)], if there are any."""
+    for number, (points, seconds) in enumerate(drawn):
+        print(_("Object {}: {} points, {:.3f} s", number, len(points), seconds))
+    if len(drawn) > 1:
+        print(_("{} objects: {:.3f} s", len(drawn), sum(seconds for _points, seconds in drawn)))
+
+
+def _send_object(client, points):
+    """Send a polygon's packets. Returns the seconds from its first packet until it is drawn."""
+    begun = time.monotonic()
+    for number, point in enumerate(points):
+        _send(client, ("LINE" if number else "MOVE", point))
+    _send(client, ("END", ()))
+    return time.monotonic() - begun
+
+
 def _send(client, item):
-    """Send one item and print it with its answer."""
+    """Send one item and print it with its answer. Returns the seconds of an object."""
     from host_tools.clients.plotter import Cancelled
     from host_tools.clients.wire import packet_text
     from passo.protocols.plotter import host as plotter
@@ -109,6 +140,8 @@ def _send(client, item):
         _send_raw(client, item)
         return
     name, numbers = item
+    if name == OBJECT:
+        return _send_object(client, numbers)
     data = plotter.packet(plotter.COMMANDS[name], *numbers)
     print(_("Sending: {}", packet_text(data)), end="", flush=True)
     resends, begun = client.resends, time.monotonic()

@@ -546,6 +546,8 @@ def test_send_shows_the_conversation_of_2014(start):
 @pytest.mark.parametrize("words, message", [
     (["send", "--port", "/dev/nowhere", "REQUEST"], "cannot open port /dev/nowhere"),
     (["send", "--port", "x", "JUMP"], "'JUMP' is no packet"),
+    (["send", "--port", "x", "OBJECT 1,2"], "OBJECT wants two points or more"),
+    (["send", "--port", "x", "OBJECT 1,2 70000,3"], "OBJECT wants two points or more"),
     (["send", "--port", "x", "MOVE 1"], "MOVE wants 2 numbers from 0 to 65535, not 1"),
     (["draw", "none.svg", "--dry-run"], "no file none.svg"),
     (["draw", "none.svg", "--dry-run", "--board", "nix"], "unknown board 'nix'; known are"),

@@ -13,15 +13,55 @@ export class Plotter {
     const field = $("draw-speed");
     [field.min, field.max, field.value] = [speed.min, speed.max, speed.default];
     this.speed = speed;
+    this.times = [];
+    $("points-form").onsubmit = (event) => { event.preventDefault(); this.make(); };
+    $("points-next").onclick = () => { $("points").value = `${$("points").value.trim()}\n`; };
+    $("points-click").onclick = () => this.click($("points-click").getAttribute("aria-pressed") !== "true");
+    this.click(false);
     $("draw-speed-form").onsubmit = (event) => { event.preventDefault(); page.order("pace", { speed: Number(field.value) }); };
+  }
+
+  // A tap on the picture is a point of the last object, while that is wanted.
+  click(on) {
+    $("points-click").setAttribute("aria-pressed", on);
+    this.page.picture.pointed = on ? (x, y) => {
+      const before = $("points").value;
+      $("points").value = `${before}${!before || before.endsWith("\n") ? "" : " "}${x.toFixed(1)},${y.toFixed(1)}`;
+    } : null;
+  }
+
+  // The polygons of the lines as one job, in the words of packets; an END behind each object.
+  make() {
+    const lines = $("points").value.split("\n").map((line) => line.trim()).filter(Boolean), rows = [];
+    for (const line of lines) {
+      const points = line.split(/\s+/).map((each) => /^(\d+(?:\.\d+)?),(\d+(?:\.\d+)?)$/.exec(each));
+      if (points.length < 2 || points.includes(null)) { this.page.say(_("An object is two points or more, x,y in mm: {line}", { line })); return; }
+      points.forEach(([, x, y], n) => rows.push(`${n ? "LINE" : "MOVE"} ${Math.round(x * this.scale[0])} ${Math.round(y * this.scale[1])}`));
+      rows.push("END");
+    }
+    if (rows.length) this.page.upload(new File([`${rows.join("\n")}\n`], "points.txt"));
+  }
+
+  // How long each object takes, while a job of several is drawn: by the lines that are its ENDs.
+  time(now) {
+    const ends = (this.ends || []).filter((line) => now.line > line || now.how === "done").length, at = performance.now();
+    if (now.how !== "run" && now.how !== "done" || !this.ends || this.ends.length < 2) { this.begun = null; return; }
+    if (now.how === "run" && (this.begun === null || this.begun === undefined || ends < this.times.length)) { this.begun = at; this.times = []; }
+    while (this.begun !== null && this.begun !== undefined && this.times.length < ends) { this.times.push((at - this.begun) / 1000); this.begun = at; }
+    const text = this.times.map((seconds, n) => _("Object {n}: {seconds} s", { n, seconds: seconds.toFixed(1) }));
+    if ($("object-times").dataset.shown === text.join()) return;
+    $("object-times").dataset.shown = text.join();
+    $("object-times").replaceChildren(...text.map((each) => Object.assign(document.createElement("li"), { textContent: each })));
   }
 
   // Moves of the picture in mm.
   read(text) {
     const moves = [];
     let from = [0, 0];
+    this.ends = [];
     text.split("\n").forEach((row, index) => {
       const [word, x, y] = row.split("#")[0].trim().toUpperCase().split(/\s+/);
+      if (word === "END") this.ends.push(index + 1);
       if (word !== "MOVE" && word !== "LINE") return;
       const to = [Number(x) / this.scale[0], Number(y) / this.scale[1]];
       moves.push({ line: index + 1, points: [from, to], rapid: word === "MOVE" });
@@ -37,6 +77,7 @@ export class Plotter {
       if ($(name).textContent !== String(value)) $(name).textContent = value;
     }
     const now = report.job || {};
+    this.time(now);
     const mine = report.link && report.owner !== "guest";
     const back = why.mine || (mine && report.state === "Idle" && now.back ? "" : why.idle || _("No job is under way."));
     const run = why.mine || (mine && now.how === "run" && now.single ? "" : _("No job is under way."));

@@ -51,7 +51,7 @@ const queue = new Queue((name, fields) => order(name, fields), { job: () => $("j
 const picture = new Picture($("path"), touched);
 const place = new Place(order, picture, () => load());
 const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields }), picture, (about) => place.take(about), errorText);
-const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
+const cards = new Cards({ order, ask, picture, say, upload: (file) => (cards.can("jobs") ? upload(file) : shelf.upload(file)), report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 let setup = null;  // once it has been loaded
 let prove = null;  // likewise

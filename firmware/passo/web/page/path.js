@@ -305,6 +305,7 @@ export class Picture {
   }
 
   touch(px, py) {
+    if (this.pointed) { this.pointed(...this.view.place(px, py)); return; }  // see card_plotter.js
     this.marked = this.near(px, py);
     this.aim = this.view.solid ? null : this.view.place(px, py);
     this.chosen(this.aim, this.marked);
