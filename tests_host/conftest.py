@@ -19,12 +19,13 @@ TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent
 BUILDS, KEPT_S = ROOT / "build" / "kept", 86_400
 
-# Modules that several folders use are imported by their bare names, as under MicroPython.
-FOLDERS = [TESTS / name for name in ("properties", "sims", "tools", "pico", "cores", "rules")]
-
-for folder in (ROOT, ROOT / "firmware", ROOT / "host_tools" / "shims", TESTS, *FOLDERS):
+for folder in (ROOT, ROOT / "firmware", ROOT / "host_tools" / "shims", TESTS):
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
+
+import folders  # noqa: E402  it lies in TESTS
+
+sys.path += [str(folder) for folder in folders.ALL if str(folder) not in sys.path]
 
 import own_fonts  # noqa: E402  it lies in TESTS
 import tiers  # noqa: E402  it lies in TESTS
@@ -115,7 +116,7 @@ def pytest_collection_modifyitems(config, items):
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if item not in set(left_out)]
     for item in items:
-        if item.path.parent.name == "pico":
+        if item.path.name.startswith("test_pico_"):
             item.add_marker("unmeasured")  # it runs none of the firmware here
         if _marked(item, "slow"):
             item.add_marker(pytest.mark.timeout(0))

@@ -24,6 +24,7 @@ from contextlib import redirect_stdout
 from io import StringIO
 from pathlib import Path
 
+import folders
 import whole_boards
 from mpremote.romfs import make_romfs
 
@@ -104,8 +105,8 @@ def modules(firmware):
         yield path, path.relative_to(firmware)
     for path in sorted((whole_boards.folder() / "boards").glob("*.py")):
         yield path, Path("boards") / path.name
-    for folder in ("properties", "sims"):
-        for path in sorted((TESTS / folder).glob("*.py")):
+    for folder in (*folders.OF_CHECKS, TESTS / "sims"):
+        for path in sorted(folder.glob("*.py")):
             if not path.name.startswith("test_"):
                 yield path, Path(path.name)
 

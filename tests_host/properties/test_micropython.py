@@ -5,6 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import folders
 import pytest
 import tiers
 import whole_boards
@@ -15,9 +16,9 @@ from host_tools.build.tree import unix_tree
 CHECKS = Path(__file__).resolve().parent
 TESTS = CHECKS.parent
 ROOT = TESTS.parent
-MODULE_PATH = (unix_tree(), CHECKS, TESTS / "sims", whole_boards.folder(), ROOT)
+MODULE_PATH = (unix_tree(), *folders.OF_CHECKS, TESTS / "sims", whole_boards.folder(), ROOT)
 MICROPYTHON = Path(sys.executable).parent / "micropython"
-MODULES = sorted(path.stem for path in CHECKS.glob("check_*.py"))
+MODULES = folders.checks()
 TIMEOUT_S = 300
 
 needs_micropython = pytest.mark.skipif(not MICROPYTHON.exists(), reason=f"there is no {MICROPYTHON}")

@@ -8,6 +8,7 @@ import ast
 import re
 from pathlib import Path
 
+import folders
 import pytest
 from parsed import Trees
 
@@ -418,17 +419,19 @@ def test_a_star_brings_constants_only():
 
 def misplaced(paths):
     """Faults of the files of tests_host, given from there: modules are imported by bare names, so each name occurs once; both
-    interpreters look for check_*.py in properties/ only."""
+    interpreters look for check_*.py in properties/ and options/KEY/ only."""
     names = [path.name for path in paths if path.name != "__init__.py"]
     faults = [f"{path}: another file has this name" for path in paths if names.count(path.name) > 1]
-    return faults + [f"{path}: belongs into properties/" for path in paths
-                     if path.name.startswith("check_") and path.parent.as_posix() != "properties"]  # fmt: skip
+    return faults + [f"{path}: belongs into properties/ or options/KEY/" for path in paths
+                     if path.name.startswith("check_") and path.parent.as_posix() != "properties" and path.parent.parent.as_posix() != "options"]  # fmt: skip
 
 
 def test_tests_lie_where_they_are_found():
     tests = ROOT / "tests_host"
     report(misplaced([path.relative_to(tests) for path in tests.rglob("*.py")]))
-    assert len(misplaced([Path("pico/a.py"), Path("sims/a.py"), Path("sims/check_b.py"), Path("properties/check_c.py")])) == 3
+    keys = {path.name for path in (ROOT / "firmware" / "passo" / "options").iterdir() if path.is_dir()}
+    assert {path.name for path in folders.OF_OPTIONS} <= keys and len(folders.OF_OPTIONS) > 5
+    assert len(misplaced([Path("pico/a.py"), Path("sims/a.py"), Path("sims/check_b.py"), Path("properties/check_c.py"), Path("options/backlash/check_d.py")])) == 3
 
 
 # --- the rules find what they are for

@@ -1,4 +1,4 @@
-"""`passo blackbox` with a file, as somebody gets it who was not there; tests_host/pico/test_pico_blackbox.py reads one off a port."""
+"""`passo blackbox` with a file, as somebody gets it who was not there; tests_host/options/blackbox/test_pico_blackbox.py reads one off a port."""
 
 import pytest
 from black_boxes import CAUSES

@@ -271,6 +271,19 @@ def test_a_big_picture_is_read_small_or_refused(tmp_path, monkeypatch):
         engraving.open_picture(tmp_path / "a.png")
 
 
+def test_a_picture_of_400_million_pixels_is_refused_by_its_size(tmp_path):
+    """Pillow has a bound of its own, at which it was said to be a picture, for passo engrave."""
+    Image.new("1", (20_000, 20_000)).save(tmp_path / "a.png")
+    done = run(tmp_path / "a.png", "--width", "20")
+    assert done.exit_code == 1 and "has 20000 × 20000 pixels: at most 20000000" in said(done), said(done)
+
+
+def test_a_broken_picture_is_not_sent_to_where_it_was(tmp_path):
+    (tmp_path / "a.png").write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(99))
+    done = run(tmp_path / "a.png", "--width", "20")
+    assert done.exit_code == 1 and "cannot be read as a picture" in said(done), said(done)
+
+
 PEAK = """
 import re, sys
 from host_tools.drawings import engraving
