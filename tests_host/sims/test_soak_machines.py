@@ -13,7 +13,7 @@ from host_tools.sim.machine import VirtualMachine
 from passo.config import job_store
 from passo.control.inputs import Inputs
 from passo.control.state import MachineState
-from passo.ports.virtual_inputs import VirtualInterlock
+from passo.options.interlock.port_virtual import VirtualInterlock
 from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl.protocol import Grbl
 from passo.protocols.plotter.host import COMMANDS, PACKET, packet
