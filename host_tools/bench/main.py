@@ -1,7 +1,7 @@
 """`python -m host_tools.bench`: the measurements, printed as tables and written to docs/reference/benchmarks.md.
 
-Each part of the document stands between two markers and is replaced when its bench has run, and with it the rows at the top that tell its
-figures (summary.py). The text around it, with method and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
+Each part of the document stands between two markers and is replaced when its bench has run, and with it the day and the commit below it, and the
+rows at the top that tell its figures (summary.py). The text around it, with method and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
 they are named.
 
 The parts of the emulated Pico are in `pico`, `moving`, `where` and `frozen`; `make bench ARGS=pico` runs all of them.
@@ -242,6 +242,22 @@ def replace(document, part, table):
     return pattern.sub(lambda found: f"{found[1]}{table}\n{found[2]}", document)
 
 
+def date(document, part, measured):
+    """`document` with the line below this part that says when it was measured."""
+    pattern = re.compile(rf"(<!-- /bench:{part} -->\n)(?:\nMeasured [^\n]*\n)?")
+    return pattern.sub(lambda found: f"{found[1]}\nMeasured {measured}.\n", document)
+
+
+def now():
+    """The day and the commit that is measured, if this is a clone of the repository."""
+    day = time.strftime("on %Y-%m-%d")
+    try:
+        done = subprocess.run(["git", "rev-parse", "--short=8", "HEAD"], cwd=ROOT, capture_output=True, text=True)
+    except OSError:  # without git
+        return day
+    return day if done.returncode else f"{day} at {done.stdout.strip()}"
+
+
 def show(title, header, rows):
     from rich.console import Console
     from rich.table import Column, Table
@@ -268,7 +284,7 @@ def main(wanted):
         raise Failure(f"no bench {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
     failed = []
     for part in wanted or [part for part in PARTS if part not in LONG]:
-        begun = time.monotonic()
+        begun, measured = time.monotonic(), now()
         try:
             header, rows = PARTS[part]()
         except Unavailable as reason:
@@ -279,7 +295,8 @@ def main(wanted):
             failed.append(part)
             continue
         show(f"{part} ({time.monotonic() - begun:.0f} s)", header, rows)
-        DOCUMENT.write_text(summarise(replace(DOCUMENT.read_text(encoding="utf-8"), part, markdown(header, rows))), encoding="utf-8")
+        document = replace(DOCUMENT.read_text(encoding="utf-8"), part, markdown(header, rows))
+        DOCUMENT.write_text(summarise(date(document, part, measured)), encoding="utf-8")
     print(f"written to {DOCUMENT.relative_to(ROOT)}")
     if failed:
         raise Failure(f"failed: {', '.join(failed)}")

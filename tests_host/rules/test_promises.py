@@ -45,6 +45,18 @@ def test_another_figure_in_a_table_is_another_at_the_top():
 
 
 @pytest.mark.quick
+@pytest.mark.parametrize("worst, over", [("24.9", ""), ("25.0", ""), ("25.1", ", more than the 25 µs")])
+def test_a_halt_that_takes_too_long_is_named(worst, over):
+    stops = re.search(r"<!-- bench:stops -->\n.*?<!-- /bench:stops -->", DOCUMENT, re.DOTALL)[0]
+    row = Tables(DOCUMENT).row("stops", "other pins")
+    line = "| " + " | ".join(row.values()) + " |"
+    assert line in stops
+    other = "| " + " | ".join({**row, "worst, flash cache": worst}.values()) + " |"
+    text = summarise(DOCUMENT.replace(line, other))
+    assert f"at most {row['worst']} µs, with the flash cache {worst}{over}; {row['exact']} of" in text
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize("page", ["README.md", "docs/pt/README.md"])
 def test_readme_has_figures_of_these_tables(page):
     text, tables = (ROOT / page).read_text(encoding="utf-8"), Tables(DOCUMENT)

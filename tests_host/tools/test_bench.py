@@ -1,5 +1,7 @@
 """What `bench` makes of two measurements of the same part."""
 
+import re
+
 import pytest
 
 from host_tools.bench import main as bench
@@ -37,3 +39,19 @@ def test_every_part_has_its_place_in_the_document():
         assert "a table" in bench.replace(document, part, "a table")
     with pytest.raises(Failure):
         bench.replace(document, "nothing", "")
+
+
+def test_every_table_says_when_it_was_measured():
+    document = bench.DOCUMENT.read_text(encoding="utf-8")
+    for part in bench.PARTS:
+        line = re.search(rf"<!-- /bench:{part} -->\n\n(Measured on \d{{4}}-\d\d-\d\d at [0-9a-f]{{8}}\.)\n", document)
+        assert line, part
+        for _ in range(2):  # measured again, it has the new day only
+            document = bench.date(document, part, "on 2031-02-03 at 01234567")
+            assert document.count("Measured on 2031-02-03 at 01234567.\n") == 1
+        document = bench.date(document, part, line[1].removeprefix("Measured ")[:-1])
+    assert document == bench.DOCUMENT.read_text(encoding="utf-8")
+
+
+def test_a_measurement_has_its_day():
+    assert re.fullmatch(r"on \d{4}-\d\d-\d\d(?: at [0-9a-f]{8,})?", bench.now())
