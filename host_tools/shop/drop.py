@@ -41,8 +41,8 @@ def job_of(name, data, kind):
         program = compiler.read(path, "plain", None)
         job = VirtualJob(kind, (), None, None)
         job.run(program.rows())
-    if job.errors:
         advice = program.advice()
+    if job.errors:
         raise Failure("{}: line {} would be refused: {}", name, job.errors[0][0], job.errors[0][2] + (f"; {advice}" if advice else ""))
     if too_long := job.beyond():
         raise Failure("{} is larger than the machine: {}", name, too_long)

@@ -123,6 +123,11 @@ def test_an_order_is_good_once_for_its_end_its_nonce_and_as_it_was():
 # --- what is dropped
 
 
+def test_a_file_that_a_board_refuses_is_told_by_its_line():
+    with pytest.raises(Failure, match="a.gcode: line 2 would be refused"):
+        drop.job_of("a.gcode", b"G0 X10\nG99999\n", "corexy_plotter")
+
+
 @pytest.mark.slow
 def test_a_file_is_checked_before_it_is_queued():
     svg = b'<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30"><path d="M5 5H25V20"/></svg>'

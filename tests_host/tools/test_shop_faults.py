@@ -128,6 +128,7 @@ def test_what_a_machine_says_while_the_book_cannot_be_written_is_done_later(book
         book.add(b"G0X2\n" * 200_000, "b", {"kind": "k"})
         word(desk, 1)
     assert book.open_of("m").id == first
+    until(lambda: [text for topic, text in desk._client.published if topic == "passo/m/order"])
     orders = [text for topic, text in desk._client.published if topic == "passo/m/order"]
     assert len(orders) == 1 and not book.trouble
     other.close()
