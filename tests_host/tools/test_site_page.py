@@ -25,7 +25,7 @@ pytestmark = [
         not (CHROMIUM and CHROMEDRIVER), reason="there is no chromium with its driver: the site was NOT tried in a browser"
     ),
 ]
-PATIENCE_S = 240  # with a machine far slower than this one
+PATIENCE_S = 700  # with a machine far slower than this one
 STATE = "document.getElementById('state').dataset.state"
 AT = "document.getElementById('machine-view').dataset.at"
 PACE = "document.getElementById('machine-pace').textContent"
