@@ -22,6 +22,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont, ImageOps, UnidentifiedImageError
 
 from host_tools.failure import Failure, reason
+from host_tools.programs import file_kinds
 from host_tools.programs.gcode_file import refuse_others_at
 from host_tools.programs import toolpath
 from host_tools.programs.gcode_time import Limits, settings_of
@@ -29,6 +30,7 @@ from host_tools.programs.gcode_time import Limits, settings_of
 SHADES = ("jarvis", "floyd", "threshold", "grey")
 MOST_DOTS = 40_000_000
 MOST_PIXELS = 20_000_000  # of a picture as it is read: up to 5 bytes each
+Image.MAX_IMAGE_PIXELS = None  # pillow's own bound: it would refuse a large JPEG, too, and without a word of what to do
 _BAND = 256  # rows of a picture at once
 number = partial(toolpath.number, decimals=3)
 # How a dot's error is shared, in parts of the first number: (dx, dy, parts)
@@ -161,8 +163,8 @@ def open_picture(path):
             return grey
     except FileNotFoundError:
         raise Failure("there is no file {}", path) from None
-    except (UnidentifiedImageError, Image.DecompressionBombError, OSError, ValueError, SyntaxError) as error:
-        refuse_others_at(path)
+    except (UnidentifiedImageError, OSError, ValueError, SyntaxError) as error:
+        refuse_others_at(path, (file_kinds.PICTURE,))
         raise Failure("{} cannot be read as a picture: {}", path, reason(error)) from None
 
 

@@ -61,10 +61,10 @@ def _rows(file, path):
         yield from raw.splitlines()
 
 
-def refuse_others_at(path):
-    """Raise Failure if a file is of a kind that another verb takes."""
+def refuse_others_at(path, taken=()):
+    """Raise Failure if a file is of a kind that another verb takes, and not of those `taken`."""
     with open(path, "rb") as file:
-        refuse_others(path, file.read(FIRST))
+        refuse_others(path, file.read(FIRST), taken)
 
 
 def _no_text(path):
