@@ -31,6 +31,7 @@ _KEYWORDS = ("inherit", "initial", "unset")
 _SIGNED = ("x", "y", "cx", "cy")
 _SIDE = re.compile(r"([-+]?)(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?:px|mm|cm|q|in|pt|pc|r?em|ex|ch|%)?", re.I)
 _PATH = re.compile(r"path\(\s*(['\"])(.*)\1\s*\)", re.I | re.S)
+_UNIT = re.compile(r"[\d.](?:deg|g?rad|turn|px|mm|cm|q|in|pt|pc|r?em|ex|ch|%)", re.I)
 UNREAD = "unread"  # how many values of an element's style cannot be read, or are none in a style sheet
 _SIZES = {"xx-small": 9.0, "x-small": 10.0, "small": 13.0, "medium": 16.0, "large": 18.0, "x-large": 24.0, "xx-large": 32.0, "xxx-large": 48.0}
 _STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
@@ -174,7 +175,9 @@ class Sheet:
         own = {}
         geometry = _GEOMETRY.get(local_name(element.tag), frozenset())
         for name, value in element.attrib.items():
-            if name in _KNOWN or name in geometry:
+            if name == "transform" and _UNIT.search(value):
+                own[UNREAD] = own.get(UNREAD, 0) + 1  # units are a style sheet's
+            elif name in _KNOWN or name in geometry:
                 own[name] = value.strip()
         bodies = [*self._of.get(id(element), ()), element.get("style", "")]
         for important in (False, True):

@@ -121,6 +121,7 @@ CONSTRUCTS = {
     "vector-effect": '<g transform="scale(3)"><path vector-effect="non-scaling-stroke" d="M9 20h30"/></g>',
     "paint-order": '<path paint-order="fill" fill="black" d="M20 20h60v50z"/>',
     "media screen": '<style>@media screen{.q{display:none}}</style><path class="q" d="M9 9h99"/><path d="M9 99h99"/>',
+    "transform attribute with units": '<rect transform="rotate(10deg)" x="60" y="20" width="40" height="30"/>',
     "media width": '<style>@media (min-width:100px){.q{display:none}}</style><path class="q" d="M9 9h99"/><path d="M9 99h99"/>',
     "import rule": '<style>@import url(nothing.css);.q{display:none}</style><path class="q" d="M9 9h99"/><path d="M9 99h99"/>',
     "selector not": '<style>path:not(.k){display:none}</style><path d="M9 9h99"/><path class="k" d="M9 99h99"/>',

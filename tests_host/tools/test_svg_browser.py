@@ -182,6 +182,7 @@ def test_what_lies_below_a_white_page_is_drawn_and_named(tmp_path, more, covered
 OTHERWISE = {  # (what is drawn, the same in other words)
     "x and y of a symbol": ('<symbol id="s" x="10" y="5" width="40" height="40" viewBox="0 0 20 20"><path d="M2 2h9"/></symbol><use href="#s" x="30" y="20"/>', '<path d="M44 29h18"/>'),
     "a use turned about its box": ('<defs><path id="q" d="M0 0h40v30"/></defs><use href="#q" x="60" y="30" style="transform-box:fill-box;transform-origin:center;rotate:180deg"/>', '<path d="M-20 0h-40v-30"/>'),
+    "an attribute with units": ('<path transform="translate(20px 10px)" d="M0 0h40v30"/>', '<path d="M0 0h40v30"/>'),
     "no radius of an inherit": ('<style>circle{r:inherit}</style><circle cx="90" cy="60" r="25"/>', ""),
     "first width": ('<rect width="90" height="20" style="width:initial"/>', ""),
     "a sheet of another type": ('<style type="text/x">path{display:none}</style>', ""),
@@ -197,6 +198,7 @@ def test_what_browsers_draw_otherwise_than_librsvg(tmp_path, name):
 
 
 @pytest.mark.parametrize("body, name", [
+    ('<rect transform="rotate(10deg)" width="9" height="5"/>', "value of a style that cannot be read, or lacks its unit"),
     ('<path style="offset-path:path(\'M90 60h50\')" d="M0 0h9"/>', "offset-path of CSS"), ("<style>g{.k{display:none}}</style>", "style rule that cannot be read"),
 ])  # fmt: skip
 def test_css_that_is_not_drawn_is_named(tmp_path, body, name):
