@@ -65,3 +65,12 @@ def test_readme_has_figures_of_these_tables(page):
     over_usb = [row for row in tables.rows("gcode") if row["G-code on router_3axis"].startswith(LINES + " over USB, the PC takes 0 ")]
     low, high = (int(cached(row, "measured")) // 100 * 100 for row in over_usb)
     assert re.findall(r"(\d+) (?:to|a) (\d+) (?:short lines|linhas curtas)/s", text) == [(str(low), str(high))]
+
+
+@pytest.mark.quick
+def test_the_timers_page_has_figures_of_its_table():
+    text, rows = (ROOT / "docs" / "use" / "timer.md").read_text(encoding="utf-8"), Tables(DOCUMENT).rows("timer")
+    free, charged = (max(float(row["µs, worst"]) for row in rows if row["flash cache"] == cache) for cache in ("no", "yes"))
+    taken = [100 - int(row["CPU left"][:-1]) for row in rows if row["kHz"] == "25"]
+    assert f"within {free} µs of their time; with the flash cache within {charged} µs" in text
+    assert f"{min(taken)} to {max(taken)} % at 25 kHz" in text
