@@ -33,7 +33,7 @@ def calibrate(
     write: Annotated[bool, typer.Option("--write", help="Set $100…, and $160… if it takes up backlash, of the machine at --port to what is right.")] = False,
     anyway: Annotated[bool, typer.Option("--anyway", help="Write although the mechanics are at fault, or nothing is known.")] = False,
     pattern: Annotated[
-        Optional[Path], typer.Option(help="Write G-code that draws the lengths to be measured to this file, and a new TABLE to fill in.")
+        Optional[Path], typer.Option(help="Write the program that draws the lengths to be measured to this file, in G-code or the language of --board, and a new TABLE to fill in.")
     ] = None,
     lengths: Annotated[str, typer.Option(metavar="MM,MM…", help="The lengths of --pattern.")] = "10,20,50,100",
     strokes: Annotated[int, typer.Option(min=2, max=100, help="Of --pattern: strokes of each length.")] = 10,
@@ -49,12 +49,13 @@ def calibrate(
 
         passo calibrate examples/torch_2020.txt --board torch_manipulator
         passo calibrate table.txt --pattern strokes_x.gcode --lengths 20,50,100,200
+        passo calibrate table.txt --pattern strokes.txt --board plotter_2014
         passo calibrate table.txt --port /dev/ttyACM0 --write
     """
     from host_tools.programs import calibration
 
     if pattern:
-        _write_pattern(calibration, table, pattern, lengths, strokes, feed)
+        _write_pattern(calibration, table, pattern, lengths, strokes, feed, board)
         return
     if write and not port:
         raise Failure("--write wants the --port of a machine that speaks G-code; of others, change steps_per_m in the board file")
@@ -229,19 +230,42 @@ def _write(fits, taken, port, baud, anyway):
     print(_("home the machine again before it cuts: its millimetres have changed"))
 
 
-def _write_pattern(calibration, table, pattern, text, strokes, feed):
+def lengths_of(text):
+    """The numbers of --lengths. Raises Failure."""
     try:
         lengths = [float(part) for part in text.split(",")]
     except ValueError:
         lengths = []
     if len(set(lengths)) < 2 or min(lengths) <= 0 or max(lengths) > 10_000:
         raise Failure("--lengths wants two different lengths or more, in mm, as in 10,20,50,100, not {!r}", text)
+    return lengths
+
+
+def _lines_of(calibration, axis, lengths, strokes, feed, board):
+    """The program of an axis, in the language of a board; None: G-code. Raises Failure."""
+    from host_tools import boards
+
+    config = boards.load(board) if board else None
+    language = config["links"][0]["protocol"] if config else "grbl"
+    if language == "grbl":
+        return calibration.pattern(axis, lengths, strokes, feed)
+    if language == "keys":
+        raise Failure("{} turns motors without an end: it draws no lengths", board)
+    if language == "plotter":
+        return calibration.pattern_packets(axis, lengths, strokes, boards.steps_per_mm(config))
+    if language == "pulses":
+        return calibration.pattern_pulses(axis, lengths, strokes, feed, boards.steps_per_mm(config))
+    return [f"passo torch strokes {axis} --board {board} --lengths {','.join(f'{length:g}' for length in lengths)} --strokes {strokes} --speed {feed:g}"]
+
+
+def _write_pattern(calibration, table, pattern, text, strokes, feed, board):
+    lengths = lengths_of(text)
     if table.exists():
         raise Failure("{} is there already: name a new table, or move that one away", table)
     files = {table: _TABLE}
     for axis in "xy":
         path = pattern.with_name(f"{pattern.stem}_{axis}{pattern.suffix}")
-        files[path] = "\n".join(calibration.pattern(axis, lengths, strokes, feed)) + "\n"
+        files[path] = "\n".join(_lines_of(calibration, axis, lengths, strokes, feed, board)) + "\n"
         files[table] += "".join(f"#{axis}      {length:<9g}  ?         ?      {strokes:<8}  turn\n" for length in lengths)
     for path, content in files.items():
         try:

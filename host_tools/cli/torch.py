@@ -121,6 +121,41 @@ def move(
         _move(client, units, (x, y), speeds, wait)
 
 
+@app.command()
+def strokes(
+    axis: Annotated[str, typer.Argument(help="x or y.")],
+    lengths: Annotated[str, typer.Option(metavar="MM,MM…", help="What is drawn, and measured afterwards.")] = "10,20,50,100",
+    strokes_: Annotated[int, typer.Option("--strokes", min=2, max=100, help="Of each length.")] = 10,
+    speed: Speed = DEFAULT_SPEED, board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
+):  # fmt: skip
+    """Draw the square waves of the calibration, from where the torch stands, and come back: with a pen in its place, or with the torch.
+
+    The tool is switched by hand: between two lengths it has to be off. `passo calibrate` takes what you measure.
+
+    Examples:
+
+        passo torch strokes x --port /dev/ttyACM0
+        passo torch strokes y --lengths 20,50 --strokes 4
+    """
+    from host_tools.cli.calibrate import lengths_of
+    from host_tools.programs.calibration import square_waves
+
+    if axis not in ("x", "y"):
+        raise Failure("strokes are drawn along x or y, not {!r}", axis)
+    wanted, units, at = lengths_of(lengths), Units(board, False), (0.0, 0.0)
+    speeds = units.speed(0, None, speed), units.speed(1, None, speed)
+    live = sys.stdin.isatty()
+    with _client(port, baud, log) as client:
+        for length, x, y in [*square_waves(axis, wanted, strokes_), (None, 0.0, 0.0)]:
+            if length is not None:
+                print(_("strokes of {:g} mm", length))
+            if (x, y) != at:
+                _move(client, units, (x - at[0], y - at[1]), speeds, True)
+            if length is not None and live:
+                input(_("tool on, then Enter "))
+            at = x, y
+
+
 @app.command(context_settings=_NUMBERS)
 def goto(
     x: Annotated[float, typer.Argument(help="Target, from the origin.")],

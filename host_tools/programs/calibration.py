@@ -202,20 +202,54 @@ def squareness(rows, scales, reading=READING_MM):
     return found
 
 
-def pattern(axis, lengths, count, feed, spacing=4.0):
-    """The lines of G-code that draw the square waves of the document: `count` strokes to and fro along `axis` (x or y) for each length
-    in mm, `spacing` mm apart on the other axis, at `feed` mm/min; each stroke is after a turn. M3 lowers the pen, M5 lifts it."""
-    other = "Y" if axis == "x" else "X"
-    axis = axis.upper()
-    lines = ["G21 G90 G94", "M5"]
-    position = 0.0
+def square_waves(axis, lengths, count, spacing=4.0):
+    """The square waves of the document, [(mm of a length's first point or None, x, y)], from 0, 0: `count` strokes to and fro along `axis` (x or
+    y) for each length, `spacing` mm apart on the other axis; each stroke is after a turn. To a length's first point the tool is off."""
+    found, across = [], 0.0
+
+    def add(length, along):
+        found.append((length, along, across) if axis == "x" else (length, across, along))
+
     for length in lengths:
-        lines += [f"G0 {axis}0 {other}{position:g}", "M3 S1000", "G4 P0.5", f"(strokes of {length:g} mm)"]
+        add(length, 0.0)
         for stroke in range(count):
-            lines.append(f"G1 {axis}{length if stroke % 2 == 0 else 0:g} F{feed:g}")
+            along = float(length) if stroke % 2 == 0 else 0.0
+            add(None, along)
             if stroke < count - 1:
-                position += spacing
-                lines.append(f"G1 {other}{position:g}")
-        lines += ["M5", "G4 P0.5"]
-        position += 3 * spacing
-    return [*lines, "G0 X0 Y0", "M2"]
+                across += spacing
+                add(None, along)
+        across += 3 * spacing
+    return found
+
+
+def pattern(axis, lengths, count, feed):
+    """These square waves as lines of G-code, at `feed` mm/min. M3 lowers the pen, M5 lifts it."""
+    lines, before = ["G21 G90 G94", "M5"], None
+    for length, x, y in square_waves(axis, lengths, count):
+        if length is not None:
+            lines += ["M5", "G4 P0.5"] if before else []
+            lines += [f"G0 X{x:g} Y{y:g}" if axis == "x" else f"G0 Y{y:g} X{x:g}", "M3 S1000", "G4 P0.5", f"(strokes of {length:g} mm)"]
+        elif x != before[0] or axis == "x" and y == before[1]:
+            lines.append(f"G1 X{x:g}" + (f" F{feed:g}" if axis == "x" else ""))
+        else:
+            lines.append(f"G1 Y{y:g}" + (f" F{feed:g}" if axis == "y" else ""))
+        before = x, y
+    return [*lines, "M5", "G4 P0.5", "G0 X0 Y0", "M2"]
+
+
+def pattern_packets(axis, lengths, count, steps_per_mm):
+    """The same in the words of the plotter's packets."""
+    waves = square_waves(axis, lengths, count)
+    return [f"{'LINE' if length is None else 'MOVE'} {round(x * steps_per_mm[0])} {round(y * steps_per_mm[1])}" for length, x, y in waves] + ["END"]
+
+
+def pattern_pulses(axis, lengths, count, feed, steps_per_mm):
+    """The same as a file of pulses, whose tool is on along the strokes."""
+    codes, at = [f"[+{feed:g}"], (0, 0)
+    for length, x, y in square_waves(axis, lengths, count):
+        to = round(x * steps_per_mm[0]), round(y * steps_per_mm[1])
+        codes += [")"] if length is not None else []
+        codes += ["AB"[to[0] < at[0]] * abs(to[0] - at[0]), "CD"[to[1] < at[1]] * abs(to[1] - at[1])]
+        codes += ["("] if length is not None else []
+        at = to
+    return ["".join(codes) + ")]"]

@@ -1,12 +1,16 @@
 """`passo calibrate`: the document's own table, and lengths made with known errors."""
 
+import csv
 import math
 import random
+import re
+import subprocess
 
 import numpy as np
 import pytest
 from running_router import Running
 
+from host_tools import boards, interpreter
 from host_tools.cli import calibrate as command
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
@@ -197,6 +201,45 @@ def test_the_pattern_draws_each_length_so_often(tmp_path, capsys):
         run(table, board="router_3axis")
     with pytest.raises(Failure, match="two different lengths"):
         run(tmp_path / "other.txt", pattern=lines, lengths="10")
+
+
+@pytest.mark.parametrize("board", ["plotter_2014", "lpt_router"])
+def test_the_pattern_in_other_languages(board, tmp_path):
+    """A plotter's packets and a file of pulses draw the same strokes, in steps of the board."""
+    table, lines = tmp_path / "table.txt", tmp_path / "strokes.txt"
+    run(table, pattern=lines, lengths="10,25", strokes=4, board=board)
+    per_mm = boards.steps_per_mm(boards.load(board))
+    for number, axis in enumerate("xy"):
+        at, along = [0, 0], [0]
+        for code in (tmp_path / f"strokes_{axis}.txt").read_text().split("\n") if board == "plotter_2014" else re.findall(r"A+|B+|C+|D+", (tmp_path / f"strokes_{axis}.txt").read_text()):
+            if board == "lpt_router":
+                at["ABCD".index(code[0]) // 2] += len(code) * (1 if code[0] in "AC" else -1)
+            elif code[:4] in ("LINE", "MOVE"):
+                at = [int(part) for part in code.split()[1:]]
+            along.append(at[number])
+        turned = [one for one, other in zip(along, along[1:] + [-1]) if one != other]
+        assert turned == [0] + [round(length * per_mm[number]) if stroke % 2 == 0 else 0 for length in (10, 25) for stroke in range(4)], axis
+    with pytest.raises(Failure, match="draws no lengths"):
+        run(tmp_path / "other.txt", pattern=lines, lengths="10,25", board="two_motor_kit")
+
+
+def test_the_torch_draws_the_strokes_itself(tmp_path):
+    """Along Y, and back to where it stood, each length so often; measured lengths then tell the steps/mm."""
+    trace = tmp_path / "torch.csv"
+    board = subprocess.Popen([*interpreter.passo(), "board", "--board", "torch_manipulator", "--time", "fast", "--trace", str(trace)], stdout=subprocess.PIPE, text=True)
+    try:
+        port = board.stdout.readline().strip()[6:]
+        for words in (["connect"], ["strokes", "y", "--lengths", "5,10", "--strokes", "4", "--speed", "600"]):
+            subprocess.run([*interpreter.passo(), "torch", *words, "--port", port], check=True, capture_output=True, stdin=subprocess.DEVNULL, timeout=240)
+    finally:
+        board.terminate()
+        board.wait(60)
+        board.stdout.close()
+    with open(trace, newline="") as file:
+        rows = [int(row["y"]) for row in csv.DictReader(file)]
+    moved = [rows[0], *[at for before, at in zip(rows, rows[1:]) if at != before]]
+    ends = [at - rows[0] for before, at, after in zip(moved, moved[1:], moved[2:]) if (at > before) != (after > at)]
+    assert ends == [5 * 83, 0, 5 * 83, 0, 10 * 83, 0, 10 * 83] and rows[-1] == rows[0]
 
 
 def lengths(backlash, offset=0.0, both=True):
