@@ -114,9 +114,14 @@ class PageClient:
     def ready(self):
         """Unlocked, and known."""
         self.until(lambda state: state["link"])
-        self.order("unlock")
-        self.until(lambda state: state["state"] == "Idle")
+        self.unlock()
         return self
+
+    def unlock(self):
+        """Unlock the machine. The state that says so may come before the order's answer, and no other behind it."""
+        assert self.order("unlock")["error"] == 0
+        if self.state.get("state") != "Idle":
+            self.until(lambda state: state["state"] == "Idle")
 
     def put(self, name, text):
         for at in range(0, len(text), 30_000):
