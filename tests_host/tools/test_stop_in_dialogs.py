@@ -111,7 +111,7 @@ def test_stop_in_each_dialog(driver, tmp_path, size):
                 client.until(lambda state: state["state"] == "Alarm")
                 assert driver.execute_script(OPEN) == [], (name, how)
                 page.until(lambda: driver.execute_script("return document.getElementById('stop').parentNode.tagName") == "HEADER")
-                assert all(abs(one - other) < 1 for one, other in zip(driver.execute_script(SPOT), spot))
+                assert all(abs(one - other) < 1 for one, other in zip(driver.execute_script(SPOT), spot)), (name, how)
         names = [name for name, _size in client.order("jobs")["jobs"]]
         assert names == ["job"], "a question that STOP has ended is answered by no"
 
