@@ -83,7 +83,7 @@ def test_and_that_of_a_tmc2130(current_ma, wanted):
 def test_all_drivers_are_set_up_before_anything_moves(way, chip):
     router = Router(way=way, chip=chip, run_ms=0)
     router.machine.send(b"$X\nG91G1X5F600\n")
-    taken = {axis: len(tmc_spi.registers(check(globals()["router"](way, chip))["drives"]["motors"][0], {"chip": chip, "sense_mohm": 110})) for axis in "xyz"}
+    taken = {axis: len(tmc_spi.registers(check(globals()["router"](way, chip))["additions"].drives["motors"][0], {"chip": chip, "sense_mohm": 110})) for axis in "xyz"}
     while router.plant.position[0] == 3000:
         ready = all(len(router.drivers[axis].taken) == taken[axis] for axis in "xyz")
         router.machine.cycle()
