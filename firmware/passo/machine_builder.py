@@ -160,7 +160,7 @@ def rows(board, languages):
         rule = bool if name in own else rule
         module, kind = own.pop(name, ("passo.control." + name, kind))
         found.append((name, module, kind, rule))
-    return found + [(name, own[name][0], own[name][1], bool) for name in sorted(own)]
+    return [(name, own[name][0], own[name][1], bool) for name in sorted(own)] + found  # the journal looks at what others have done
 
 
 def load(names, board, languages):

@@ -430,6 +430,10 @@ class Plant:
         """The next `steps` that a motor is asked for are lost."""
         self._carriage(motor).stall += steps
 
+    def mend_inputs(self):
+        """From now on nothing is wrong with any input; levels that a bounce still has to change excepted."""
+        self._faults = InputFaults(self._board["inputs"], self.barriers, {}, self._random)
+
     def slip(self, motor, steps):
         """A motor turns by `steps` that nobody asked for."""
         carriage = self._carriage(motor)

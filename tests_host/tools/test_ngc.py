@@ -98,6 +98,7 @@ EXAMPLES = (
     ("m3 s100\nm4\nm5\nm7\nm8\nm9\nm48\nm49\nm50 m51 m52 m53", "S100 M3\nM4\nM5\nM7\nM8\nM9"),
     ("m61 q1\ng43", "G43.1 Z40"),
     ("m66 p1\nm66 p0 l3 q[1/4]\nm66 p9 q5", "M66 P1 L0\nM66 P0 L3 Q0.25\nM66 P9 L0"),
+    ("m10\nm11\ng0 x1", "M10\nM11\nG0 X1"),
     ("m62 p1\nm63 p1\nm64 p2\nm65 p2", "M62 P1\nM63 P1\nM64 P2\nM65 P2"),
     ("g0 x1\nm2\nx5", "G0 X1\nM2"),
     ("%\ng0 x1\nm30\n%\nx7", "G0 X1\nM30"),

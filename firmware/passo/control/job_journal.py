@@ -77,7 +77,7 @@ class JobJournal(Feature):
         self._retired = queue.retired()  # blocks, as seen last
         self._moving = False  # by a line of the job
         self._broken = False  # what was queued has been dropped amid a line
-        self._counted = machine.job  # a CountedJob; None: lines have numbers
+        self._counted = None  # a CountedJob, see handlers(); None: lines have numbers
         self._spot = array("i", [0] * (SPOT_AXES + self._axes))
         self._lead = self._times = 0  # as announced, of one that is counted
         self._back = False
@@ -120,6 +120,7 @@ class JobJournal(Feature):
         self._block = -1
 
     def handlers(self):
+        self._counted = self._machine.job  # of a feature that is made in any order
         return {commands.JOURNAL: self._ask}
 
     def _ask(self, command):
