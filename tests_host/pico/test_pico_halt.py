@@ -90,18 +90,19 @@ def test_a_halt_cuts_no_pulse_short(rig, call):
 def test_a_halt_of_the_timer_player_cuts_no_pulse_short(timer_rig, by):  # noqa: F811
     """It makes each pulse within its own interrupt, which no other one breaks off."""
     timer_rig.fit(router(3, player="timer", inputs=INPUTS, drive={"kind": "step_dir", "pulse_us": PULSE_US, "setup_us": 5}))
-    deltas, hz = (600, 400, -300), 20_000
+    deltas, hz = (2400, 1600, -1200), 20_000
     if by == "interrupt":
         timer_rig.clear()
         set_out(timer_rig, deltas, hz, 6000)
         pin, level = INTERRUPT_PIN, 1
     else:
         timer_rig.clear()
-        timer_rig.pico.console.start(HALTED % (deltas, ticks_of(deltas, hz), "halt()"))
+        program = HALTED.replace("while pin.value()", "print('held')\nwhile pin.value()")
+        timer_rig.pico.console.start(program % (deltas, ticks_of(deltas, hz), "halt()"))
         while not any(timer_rig.step_edges):
             timer_rig.pico.run(200)
         timer_rig.pico.drive(20, 1)
-        timer_rig.pico.run(6000)
+        timer_rig.pico.console.expect(b"held")
         pin, level = 20, 0
 
     def widths_us(after_us):

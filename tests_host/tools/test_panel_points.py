@@ -18,6 +18,7 @@ def test_objects_by_their_points(tmp_path, driver):
         def typed():
             return browser.find("points").get_attribute("value")
 
+        browser.tap("#points-card summary")
         browser.driver.execute_script("document.getElementById('points').value = arguments[0]", "10,10 30,10 30,25 10,10\n50,10")
         browser.click("points-click")
         browser.tap("#path")

@@ -117,6 +117,7 @@ export const sentences = () => [
   ["#ask-no", _("Leaves all as it is")],
   ["#draw-speed", _("Speed of drawing, in the board file's unit")],
   ["#draw-speed-form button", _("The board draws at this speed from now on")],
+  ["#points-card summary", _("Drawings that are typed, or clicked on the picture, point by point")],
   ["#points", _("Each line is an object: its points as x,y in mm, with blanks between")],
   ["#points-click", _("A tap on the picture adds a point to the last object")],
   ["#points-next", _("The next point begins another object")],
