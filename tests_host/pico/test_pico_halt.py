@@ -98,7 +98,7 @@ def test_a_halt_of_the_timer_player_cuts_no_pulse_short(timer_rig, by):  # noqa:
     else:
         timer_rig.clear()
         program = HALTED.replace("while pin.value()", "print('held')\nwhile pin.value()")
-        timer_rig.pico.console.start(program % (deltas, ticks_of(deltas, hz), "halt()"))
+        timer_rig.pico.console.start(program % (deltas, ticks_of(deltas, hz), "hold(1); player.halt()"))  # else the feeder would start it again
         while not any(timer_rig.step_edges):
             timer_rig.pico.run(200)
         timer_rig.pico.drive(20, 1)

@@ -273,6 +273,18 @@ class Once:
         self.callback = lambda _: callback()
 
 
+def check_nothing_is_fed_while_the_machine_is_put_together():
+    board = Board()
+    assert not board.app.feeder.open
+    board.ask("REQUEST")
+    board.uart.incoming += packet(COMMANDS["ORIGIN"], 0, 0)
+    cycles = 1000
+    while not board.app.feeder.open:
+        board.cycles(1)
+        cycles -= 1
+        assert cycles, "what moves is fed"
+
+
 def check_a_halt_cuts_no_pulse_short(after_us):
     """Whenever it comes: the player makes each pulse within its own callback."""
     ring, player, layout = bench((18, 19, 21, 33, 32), 250)

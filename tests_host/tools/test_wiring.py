@@ -40,7 +40,7 @@ def expected(board):
     """{pin as `data-pin` has it: names of the parts that it leads to}, by the claims of the firmware's own check."""
     claims = claimed_pins(board)
     power = "power" if board["tool"]["pin"] >= REGISTER_BIT else "tool"
-    whole = {"tool": "tool", "spindle's power": power, "input of the registers": "registers", "drivers": "drivers", "spi_drivers": "drivers", **{name: name for name in ("inverter", "card", "servo")}}
+    whole = {"tool": "tool", "spindle's power": power, "input of the registers": "registers", "input of the card": "card", "drivers": "drivers", "spi_drivers": "drivers", **{name: name for name in ("inverter", "card", "servo")}}
     begun = {"axis ": "motor_", "input of encoder ": "encoder_", "input ": "in_", "output ": "out_", "link ": "link_"}
     found = {}
     for pin, who in claims:

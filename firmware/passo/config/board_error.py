@@ -19,21 +19,21 @@ class Additions:
 
     def __init__(self, before=None):
         """`before`: those of the same board, when it was checked before."""
-        self.masks = before.masks if before else None  # compiled from rows of the board file, which are gone then
+        self.masks = before.masks if before else None  # of the option that forbids motion: made of rows that the first check drops, to save memory
         self.levels = before.levels if before else {}  # masks of a word's levels: "inverted" ones, and "muted" ones, which stay low
-        self.limits = None  # inputs by direction, which the port watches: then it alone does
+        self.limits = None  # {direction: name of the input at that end}, of the option that forbids motion
         self.features = {}  # (module, class) by the name of a feature, see machine_builder.rows()
         self.settings = {}  # rules by number
-        self.value = None  # once there are settings: their value()
+        self.value = None  # Settings.value, once there are settings
         self.languages = []  # modules whose extend(protocol, board) adds to a protocol of G-code
-        self.extensions = ()  # these, once they are loaded
+        self.extensions = ()  # the same modules, loaded: see load_languages()
         self.motion = self.queue = None  # modules with its Planner and its Queue
         self.parts = {}  # modules of what the port has beside its pins, see ports/parts.py
         self.more_motors = []  # those beside the axes' own
         self.drive_module = None  # the module that turns words of all motors into pins
         self.stalls = ""  # names of the axes that home by stall
-        self.drives = None  # the section of the drivers that are set up
-        self.keep = None  # a module whose keep() finds at the start what a reset has left, and what that wants
+        self.drives = None  # the board file's section with `motors`, of chips that are set up over a wire
+        self.keep = None  # (module, arguments) of a keep() that is called at the start, before memory that a reset has left is used anew
 
     def load_languages(self):
         self.extensions = [__import__(name, None, None, ("extend",)) for name in self.languages]
@@ -93,8 +93,8 @@ def names_of(outputs):
 def own_rules(board, rules):
     """The manifests of the options that the board file asks for, by their keys and by what its outputs are. Adds their RULES to `rules`.
 
-    A manifest may have rewrite(raw board): (it, Additions.levels), extend(rules), prepare(board), called before pins are checked, claims(board): [(pin, who)], has_bit(pin): True for an
-    output that is no pin of the chip, and check(board)."""
+    A manifest may have rewrite(raw board), which returns (it, Additions.levels or None); extend(rules); prepare(board), called before pins
+    are checked; claims(board), which returns [(pin, who)]; has_bit(pin), True if an output is on no pin of the chip; and check(board)."""
     own = []
     outputs = board.get("outputs")
     names = names_of(outputs if isinstance(outputs, (list, tuple)) else ())

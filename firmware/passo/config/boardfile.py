@@ -250,8 +250,8 @@ def _check_clock(board):
 
 
 def claimed_pins(board, own=None):
-    """[(pin, who)] of everything that claims a pin, a serial port's two included. `own`: the manifests of its options, if they are
-    loaded."""
+    """[(pin, who)] of everything that claims a pin, a serial port's two included. A name begins with "input" or ends in " rx" if the chip only
+    reads the pin. `own`: the manifests of the board's options; by default they are loaded."""
     claims = [(pin, "axis %s" % axis["name"]) for axis in board["axes"] for pin in axis["pins"]]
     claims.append((board["tool"]["pin"], "tool"))
     if board["spindle"]["pwm"]:
@@ -285,7 +285,7 @@ def _check_pins(board, own):
         owners[pin] = who
         if outside:
             continue
-        check_pin(board["chip"], pin, who, not who.startswith("input") and who[-3:] not in (" rx", "iso"))  # of the card
+        check_pin(board["chip"], pin, who, not who.startswith("input") and who[-3:] != " rx")
     for item in board["inputs"]:
         if item["pull"] == "down" and board["chip"] == "rp2350" and item["pin"] < REGISTER_BIT:
             raise BoardError("input %s: an rp2350 may hold a pin up by its own pull-down (erratum E9); 4.7 kΩ to GND, and 'pull': 'none'" % item["name"])

@@ -43,7 +43,7 @@ class Block:
 
     def __init__(self, rows):
         self.kind = KIND_WAIT
-        self.walker = None  # its geometry: the planner's line or circle, independent axes, a step program; a wait has none
+        self.walker = None  # its geometry: the planner's line or circle, or one that a feature has queued by walk(); None of a wait
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.rows = rows  # its row begins at rows[at]
         self.at = 0
@@ -360,5 +360,5 @@ class Planner:
         return (self.indices[QUEUE_RETIRED] - 1 - back) % QUEUE_SIZE * self._stride
 
     def walker(self, at):
-        """The independent axes, or the step program, of the row that begins at rows[at]."""
+        """The geometry that walk() queued in the row that begins at rows[at]."""
         return self._walkers[at // self._stride]

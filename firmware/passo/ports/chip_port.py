@@ -261,8 +261,10 @@ class ChipPort:
     # --- interrupts
 
     def _join(self, feeder, player):
-        """What follows the steps gets them: parts of options."""
+        """What follows the steps gets them: parts of options. Nothing is fed before the app has something to play: until then features
+        add attributes to the player, and meanwhile an interrupt would find none of its attributes."""
         self._feeder = feeder
+        feeder.open = False
         for part in self._parts:
             part.join(feeder, player)
         self._looks = tuple([part.check for part in self._parts if hasattr(part, "check")])

@@ -9,7 +9,7 @@ RULES = {
 
 
 def claims(board):
-    return [(board["card"][key], "card " + key) for key in ("sck", "mosi", "miso", "cs")]
+    return [(board["card"][key], "input of the card" if key == "miso" else "card " + key) for key in ("sck", "mosi", "miso", "cs")]
 
 
 def check(board):
