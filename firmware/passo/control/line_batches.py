@@ -98,8 +98,6 @@ class LineBatches(Feature):
     def _reachable(self, command):
         if not self._inside(command.target):
             return False
-        if self._machine.weave is not None and self.reach() and not self._machine.weave.inside(command, self._inside):
-            return False
         if command.kind != commands.ARC or not self.reach():
             return True
         for position in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
@@ -183,7 +181,7 @@ class LineBatches(Feature):
         machine = self._machine
         queue = self._queue
         planner = self._planner
-        if machine.weave is not None or not room(planner.indices) or batch.reach is not None and not self._reachable(command):
+        if not room(planner.indices) or batch.reach is not None and not self._reachable(command):
             return False
         if planner.power != power or planner.dynamic != command.dynamic:
             planner.set_power(power, command.dynamic)

@@ -151,7 +151,7 @@ class Program(LineBatches):
         cannot take it: then Planner.line() queues or refuses it."""
         machine, queue, planner = self._machine, self._queue, self._planner
         if (
-            not planner.ready or self._limits_of != machine.settings.version or queue.chords or machine.weave is not None
+            not planner.ready or self._limits_of != machine.settings.version or queue.chords
             or command.per_min or command.also or command.dots or command.feed > FASTEST_NM_S or command.tool != queue.tool
             or command.dynamic != planner.dynamic or command.power != 1000 * planner.power
             or machine.veto is not None and machine.veto.denied or room(planner.indices) < _BLOCKS_A_MOTION
@@ -209,13 +209,7 @@ class Program(LineBatches):
         ticks = minute_ticks(command) if command.per_min else 0
         error = 0
         try:
-            weave = self._machine.weave
-            if weave is not None and command.feed and not ticks and command.kind in (commands.LINE, commands.ARC):
-                self._queue.weave(weave.woven(command), command)
-            elif command.kind == commands.ARC:
-                self._queue.arc(command, ticks)
-            else:
-                self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
+            self._hand_on(command, ticks)
         except ValueError:
             error = errors.RADIUS if command.kind == commands.ARC else self._too_long(command) or errors.TARGET
         if power > POWER_MOST:
@@ -223,6 +217,13 @@ class Program(LineBatches):
             if error:
                 self.dots[DOTS_HEAD] = power >> DOTS_FIRST
         return error
+
+    def _hand_on(self, command, ticks):
+        """Queue a motion that lasts `ticks`; 0: at its feed. Raises ValueError if the planner cannot."""
+        if command.kind == commands.ARC:
+            self._queue.arc(command, ticks)
+        else:
+            self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
 
     def _lacks(self, dots):
         """True if the queue has no room for these dots yet."""
@@ -258,7 +259,7 @@ class Program(LineBatches):
             [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
             settings.value(table.JUNCTION) * 1000,
-            max(settings.value(table.START), self._machine.steady_mm_min * 1000) * 50 // 3,
+            self._start_speed() * 50 // 3,
             jerk * 1000,
         )
         limits = self._planner.limits(limits)
@@ -267,6 +268,10 @@ class Program(LineBatches):
             shift += 1
         seen = self._queue.seen
         seen[SEEN_FASTEST], seen[SEEN_SHIFT] = limits.fastest >> shift, shift
+
+    def _start_speed(self):
+        """Micrometres a minute up to which there are no ramps."""
+        return self._machine.settings.value(table.START)
 
     # --- probing
 

@@ -32,8 +32,6 @@ class MachineState:
         self.inputs = Inputs(board, settings, port)
         self.log = Log()
         self.veto = getattr(port, "veto", None)  # of the port, if the board file has an option that forbids motion
-        self.queries = {}  # of features, by a line that asks: a function that says the answer
-        self.orders = {}  # likewise, by a line: the kind of its command
         self.squaring = None  # what has both sides of an axis home, if an option does
         self.about = ""  # what the port says of itself, for who asks
         self.awake = True  # something is under way or new: features are polled
@@ -41,8 +39,6 @@ class MachineState:
         self.known = 0  # mask of the axes that have
         self.cautious = True  # the next motion beyond the reach of soft limits is told
         self.job = None  # a CountedJob, of the feature that plays commands or points; lines have numbers of their own
-        self.weave = None  # what makes seams of lines and arcs, while it does: options/weaving/control.py
-        self.steady_mm_min = 0  # up to so fast there are no ramps, whatever $140 says
         self.alarm = 0
         self.checking = False  # commands are only checked
         self.sleeping = False  # everything is off until RESET

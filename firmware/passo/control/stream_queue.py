@@ -150,10 +150,10 @@ class StreamQueue(Queue):
         self.lead(target)
         self.waiting = True
 
-    def weave(self, woven, command):
-        """Go to the end of a seam (options/weaving/motion.py), the way that it takes."""
+    def follow(self, chords, command):
+        """Go to the end of a motion by `chords`, as Chords."""
         self._change_tool(command.tool, command.number)
-        self.chords = woven
+        self.chords = chords
         self.feed()
         self.lead(command.target)
         self.waiting = True

@@ -20,7 +20,6 @@ from passo import commands, errors
 from passo.control.feature import Feature
 from passo.control.motors import RELEASED
 from passo.config import setting_numbers as table
-from passo.options.encoders.language_grbl import text
 from passo.records import COUNT_MASK
 
 _TRIES = const(3)
@@ -30,8 +29,6 @@ class EncoderWatch(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._encoders = machine.port.encoders
-        machine.queries["$ENC"] = lambda: text(self._encoders)
-        machine.orders["$ENC=0"] = commands.ZERO_COUNTS
         self._axes = [axis["name"] for axis in board["axes"]]
         self._correct = [item["correct"] for item in board["encoders"]]
         self._limits = [item["limit_steps"] for item in board["encoders"]]

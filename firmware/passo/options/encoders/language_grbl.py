@@ -1,7 +1,22 @@
-"""What `$ENC` says."""
+"""`$ENC`: what encoders have counted, and `$ENC=0`, which counts from here on."""
+
+from passo import errors
+from passo.commands import HELLO, ZERO_COUNTS, Command
 
 
-def text(encoders):
+def extend(protocol, board):
+    protocol.system.more["$ENC"] = tell
+    protocol.system.more["$ENC="] = count_anew
+
+
+def count_anew(machine, text):
+    return [Command(ZERO_COUNTS)] if text == "0" else errors.STATEMENT
+
+
+def tell(machine, _):
     """A line an encoder: motor, counts, steps turned beyond those stepped, the largest such error so far."""
+    command = Command(HELLO)
+    encoders = machine.port.encoders
     rows = [(name, encoders.count(number), encoders.steps(number), encoders.most(number)) for number, name in enumerate(encoders.names)]
-    return "".join(["[ENC:%s,%d,%d,%d]\r\n" % row for row in rows])
+    command.text = "".join(["[ENC:%s,%d,%d,%d]\r\n" % row for row in rows])
+    return [command]

@@ -40,5 +40,7 @@ def check(board):
         a, b = item["pins"]
         if board["chip"].startswith("rp2") and b != a + 1:
             raise BoardError("encoder %s: its PIO program wants B on the pin next to A, [%d, %d]" % (motor, a, a + 1))
+    if "grbl" in [link["protocol"] for link in board["links"]]:
+        board["additions"].languages.append("passo.options.encoders.language_grbl")
     board["additions"].features["encoders"] = "passo.options.encoders.control", "EncoderWatch"
     board["additions"].parts["encoders"] = "passo.options.encoders.port_rp2" if board["chip"].startswith("rp2") else "passo.options.encoders.port_pins"

@@ -1,25 +1,30 @@
 """Weaving on or off, and the seams made of the lines and arcs of a program. Board file: section `weaving`.
 
-WEAVE, `value`: a spec (options/weaving/motion.py) or None, holds for the lines and arcs at a feed behind it, until the next one or a reset.
-program.py asks `machine.weave` at each of these.
+WEAVE, `value`: a spec (motion.py) or None, holds for the lines and arcs at a feed behind it, until the next one or a reset.
 """
 
 from passo import commands, errors
-from passo.control.feature import ANEW, Feature
+from passo.config.setting_numbers import START
+from passo.control.feature import ANEW
+from passo.control.program import Program
 from passo.options.weaving import motion as weave
 
 
-class Weaving(Feature):
-    heeds = ANEW
+class Weaving(Program):
+    """The motion of a program whose lines and arcs may be seams: then each comes as a command."""
+
+    heeds = Program.heeds | ANEW
 
     def __init__(self, board, machine, queue):
-        Feature.__init__(self, board, machine, queue)
         self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
-        self._spec = None
-        machine.steady_mm_min = board["weaving"]["steady_mm_min"]
+        self._spec = None  # None: lines and arcs are none
+        self._steady_mm_min = board["weaving"]["steady_mm_min"]
+        Program.__init__(self, board, machine, queue)
 
     def handlers(self):
-        return {commands.WEAVE: self._set, commands.SEAM: self._seam}
+        handlers = Program.handlers(self)
+        handlers.update({commands.WEAVE: self._set, commands.SEAM: self._seam})
+        return handlers
 
     def _set(self, command):
         machine = self._machine
@@ -30,7 +35,6 @@ class Weaving(Feature):
         if command.value is not None and weave.wrong(command.value):
             return errors.NUMBER_RANGE
         self._spec = command.value
-        machine.weave = None if command.value is None else self
         return machine.accepted(command)
 
     def _seam(self, command):
@@ -42,15 +46,51 @@ class Weaving(Feature):
             return errors.BUSY
         if weave.wrong(command.value):
             return errors.NUMBER_RANGE
-        kept = machine.weave, self._spec
-        machine.weave, self._spec = self, command.value
+        before = self._spec
+        self._spec = command.value
         command.kind = commands.ARC if any(command.centre) else commands.LINE
         command.target = [at + by for at, by in zip(self._queue.target, command.target)]
         result = machine.handlers[command.kind](command)
-        machine.weave, self._spec = kept
+        self._spec = before
         return result
 
-    def woven(self, command):
+    def heed(self, what):
+        if what & ANEW:
+            self._spec = None
+        if what & Program.heeds:
+            Program.heed(self, what)
+
+    # --- the motion of a program, as seams
+
+    def open(self, batch):
+        return self._spec is None and Program.open(self, batch)
+
+    def _row(self, command):
+        return self._spec is None and Program._row(self, command)
+
+    def _reachable(self, command):
+        """True if all edges of a seam, too, are within the travel."""
+        if not Program._reachable(self, command):
+            return False
+        if self._spec is None or not self.reach():
+            return True
+        start = self._queue.target
+        try:
+            seam = self._woven(command)
+        except ValueError:
+            return True  # its motion will be refused for that
+        for corner in seam.corners():
+            if not self._inside([at + by for at, by in zip(start, corner)]):
+                return False
+        return True
+
+    def _hand_on(self, command, ticks):
+        if self._spec is not None and command.feed and not ticks and command.kind in (commands.LINE, commands.ARC):
+            self._queue.follow(self._woven(command), command)
+        else:
+            Program._hand_on(self, command, ticks)
+
+    def _woven(self, command):
         """The Woven of a line or an arc. Raises ValueError."""
         plane, circle = (0, 1), None
         if command.kind == commands.ARC:
@@ -59,17 +99,5 @@ class Weaving(Feature):
         deltas = list(self._queue.deltas(command.target))
         return weave.Woven(deltas, plane, circle, self._spec, command.feed, command.tool, command.number, self._steps_per_m)
 
-    def inside(self, command, inside):
-        """True if all edges of the seam are inside(position)."""
-        start = self._queue.target
-        try:
-            seam = self.woven(command)
-        except ValueError:
-            return True  # its motion will be refused for that
-        for corner in seam.corners():
-            if not inside([at + by for at, by in zip(start, corner)]):
-                return False
-        return True
-
-    def heed(self, _):
-        self._spec = self._machine.weave = None
+    def _start_speed(self):
+        return max(self._machine.settings.value(START), self._steady_mm_min * 1000)

@@ -7,5 +7,6 @@ RULES = {
 
 
 def check(board):
-    board["additions"].features["program"] = "passo.control.program", "Program"
-    board["additions"].features["weaving"] = "passo.options.weaving.control", "Weaving"
+    board["additions"].features["program"] = "passo.options.weaving.control", "Weaving"
+    if "grbl" in [link["protocol"] for link in board["links"]]:
+        board["additions"].languages.append("passo.options.weaving.language_grbl")

@@ -71,14 +71,8 @@ class GCode(Motions):
         self.absolute = self.per_minute = self.initial = True  # G90, G94, G98
         self.feed = self.rpm = self.system = self.coolant = self.tool = self.number = 0
         self.spindle = 5
-        self.weaving = False  # lines become seams: the machine has to see each of them
         self.cycle = NO_CYCLE
         self._steps = [None] * self.axes
-
-    def weave(self, on):
-        """Lines and arcs are woven from now on, or no more."""
-        self.leave_batch()
-        self.weaving = on
 
     def forget(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
@@ -147,7 +141,7 @@ class GCode(Motions):
         """Fill in `fields` from the modal state. False if that is not for plain lines."""
         self.leave_batch()
         if (
-            self.weaving or self.motion not in (0, 100, 200, 300) or not self.per_minute or self.turns and self.inch_feed != self.inches
+            self.motion not in (0, 100, 200, 300) or not self.per_minute or self.turns and self.inch_feed != self.inches
             or self.feed > FASTEST_NM_S or self.rpm > FARTHEST
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip

@@ -44,6 +44,7 @@ class System:
         self._machine = machine
         self._number = batch.link
         self._rows = batch.dots[DOTS_MASK]
+        self.more = {}  # of options, by their beginning up to "=": understand(machine, what follows), which returns as execute()
         self.blocks = machine.blocks()
         self.probed = [0] * gcode.axes
         self.touched = False
@@ -62,13 +63,15 @@ class System:
             return answer(grbl_report.modes(self._gcode, self.inches()))
         if line == "$LOG":
             return told(grbl_report.log(self._machine.log))
-        if line in self._machine.queries:
-            return answer(self._machine.queries[line]())
         if line == "$MASKS":
             # What the board file says of the settings that are masks, by which old ones are converted.
             return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
         if line[:5] == "$LINK":
             return self._link(line[5:])
+        value_at = line.find("=") + 1  # 0: it has none, and asks
+        understand = self.more.get(line[:value_at] if value_at else line)
+        if understand and not value_at:
+            return understand(self._machine, "")
         if line not in ("$#", "$I", "$N", "$JR") and self._machine.commander != self._number:
             return errors.COMMANDED_ELSEWHERE
         if line == "$C":
@@ -77,10 +80,8 @@ class System:
             return [Command(commands.UNLOCK)]
         if line in ("$MOTORS=0", "$MOTORS=1"):
             return [Command(commands.CONNECT, value=int(line[8]))]
-        if line[:7] == "$WEAVE=":
-            return self._weave(line[7:])
-        if line in self._machine.orders:
-            return [Command(self._machine.orders[line])]
+        if understand:
+            return understand(self._machine, line[value_at:])
         if line[1:2] == "F" and commands.JOB in self._machine.handlers:
             from passo.protocols.jobs import files  # loaded at the start, by check()
 
@@ -124,24 +125,6 @@ class System:
         if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
-
-    def _weave(self, text):
-        """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/use/weaving.md; 0: off."""
-        if commands.WEAVE not in self._machine.handlers:
-            return errors.STATEMENT
-        if text == "0":
-            self._gcode.weave(False)
-            return [Command(commands.WEAVE, value=None)]
-        parts = (text + ",0,0,0").split(",")[:6]
-        words = self._gcode.words
-        spec = []
-        for part, places in zip(parts, (0, 3, 3, 3, 3, 0)):  # mm, seconds
-            error = words.scan(b"X" + part.encode())
-            if error or words.count or words.have != 1 << X:
-                return errors.NUMBER
-            spec.append(words.fixed(X, places))
-        self._gcode.weave(True)
-        return [Command(commands.WEAVE, value=tuple(spec))]
 
     def _home(self, what):
         """$H, $HX …: one axis, $HR=10: all, and ten times more to see how well it repeats."""

@@ -1,0 +1,23 @@
+"""`$WEAVE=`: which way the lines and arcs of a link that speaks grbl are woven."""
+
+from passo import commands, errors
+from passo.commands import Command
+from passo.protocols.gcode.words import X
+
+
+def extend(protocol, board):
+    protocol.system.more["$WEAVE="] = lambda machine, text: understand(protocol.gcode.words, text)
+
+
+def understand(words, text):
+    """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/use/weaving.md; 0: off. `words`: the parser's. Returns as System.execute()."""
+    if text == "0":
+        return [Command(commands.WEAVE, value=None)]
+    parts = (text + ",0,0,0").split(",")[:6]
+    spec = []
+    for part, places in zip(parts, (0, 3, 3, 3, 3, 0)):  # mm, seconds
+        error = words.scan(b"X" + part.encode())
+        if error or words.count or words.have != 1 << X:
+            return errors.NUMBER
+        spec.append(words.fixed(X, places))
+    return [Command(commands.WEAVE, value=tuple(spec))]
