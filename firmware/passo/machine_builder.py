@@ -204,27 +204,14 @@ def make_drive(board):
     kind = board["drive"]["kind"]
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
+    name = getattr(board.get("additions"), "drive_module", None)  # an option's
+    drive = __import__(name, None, None, ("create",)).create(board) if name else None
     if kind == "step_dir":
         motors = names + [motor["name"] for motor in getattr(board.get("additions"), "more_motors", ())]
         pins = [name + "_step" for name in motors] + [name + "_dir" for name in motors]
-        layout = Layout(kind, count, len(pins), pins, (1 << len(motors)) - 1, len(motors))
-        name = getattr(board.get("additions"), "drive_module", None)
-        return layout, __import__(name, None, None, ("create",)).create(board) if name else None, 0
-    from passo.drives.coils import CoilDrive
-
-    if kind == "unipolar":
-        from passo.drives import unipolar as motors
-    else:
-        from passo.drives import pbl3770a as motors
-    mode = board["drive"]["mode"]
-    backwards = off = 0
-    for axis in range(count):
-        backwards |= board["axes"][axis]["reversed"] << axis
-        off |= motors.OFF << axis * motors.WIDTH
-    hold = motors.HOLD[mode] if kind == "pbl3770a" else None
-    drive = CoilDrive(count, motors.MODES[mode], motors.WIDTH, hold, backwards, motors.OFF)
-    pins = [name + "_" + pin for name in names for pin in motors.PINS]
-    return Layout("coils", count, count * motors.WIDTH, pins, 0), drive, off
+        return Layout(kind, count, len(pins), pins, (1 << len(motors)) - 1, len(motors)), drive, 0
+    pins = [name + "_" + pin for name in names for pin in drive.pins]
+    return Layout("coils", count, len(pins), pins, 0), drive, drive.released()
 
 
 def fastest(board, settings):

@@ -7,6 +7,7 @@ from host_tools.build.reference import manifests
 from host_tools.build.tree import digital
 from host_tools.failure import Failure
 from host_tools.language import _
+from passo.config.board_error import asked_by_value
 from passo.config.boardfile import claimed_pins
 from passo.steps.ring import power_room
 
@@ -73,7 +74,7 @@ def heap_kb(board):
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
     taken += sum(cost for key, cost in KEYS_KB.items() if board.get(key))
-    taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in manifests().items() if board.get(key))
+    taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in manifests().items() if board.get(key) or key in asked_by_value(board))
     taken += sum(cost for name, cost in ADDITIONS_KB.items() if getattr(board.get("additions"), name, None))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board["network"] or {}).get("broker"))

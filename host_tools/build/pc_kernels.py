@@ -38,7 +38,7 @@ from host_tools.resources import FIRMWARE
 
 CHOICE = "PASSO_PC_KERNELS"  # plain or c
 TAKEN = {
-    "passo.drives.coils_viper.apply",
+    "passo.options.coil_drives.drive_viper.apply",
     "passo.motion.block_viper.plan_block",
     "passo.motion.circle_viper.walk",
     "passo.motion.line_viper.walk",

@@ -184,9 +184,9 @@ def _pin_name(pin, esp32, short):
 
 def _pins(board):
     """(pin, what it is, more about that) of each pin in use."""
-    from passo.drives import pbl3770a, unipolar
+    from host_tools.wiring.parts import motor_pins
 
-    coils = {"step_dir": ("step", "dir"), "unipolar": unipolar.PINS, "pbl3770a": pbl3770a.PINS}[board["drive"]["kind"]]
+    coils = motor_pins(board["drive"]["kind"])
     for axis in board["axes"]:
         for pin, coil in zip(axis["pins"], coils):
             yield pin, f"motor {axis['name'].upper()} {coil.upper()}", ""

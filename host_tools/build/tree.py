@@ -23,7 +23,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from passo import machine_builder
-from passo.config.board_error import OF_OUTPUT, names_of
+from passo.config.board_error import OF_OUTPUT, asked_by_value
 from passo.config.boardfile import check
 
 from host_tools import boards
@@ -145,14 +145,16 @@ def options_of(board, firmware=FIRMWARE):
     """The options whose keys a board file has, or that the languages of its links ask for, those whose files these share, and None, for what
     is no option's. Raises Failure if there is not what a language asks for."""
     found = {None}
-    outputs = board.get("outputs", ())
-    asked = [key for key in [*board, *(OF_OUTPUT + name for name in names_of(outputs))] if (firmware / OPTIONS / key / MANIFEST).is_file()]
+    asked = [key for key in [*board, *asked_by_value(board)] if (firmware / OPTIONS / key / MANIFEST).is_file()]
     for language in {link["protocol"] for link in board.get("links", [])}:
         path = firmware / "passo" / "protocols" / language / "__init__.py"
         for option in options_asked(path.read_text(encoding="utf-8")) if path.is_file() else ():
             if not (firmware / OPTIONS / option / MANIFEST).is_file():
                 raise Failure("the language {} asks for the option {}, which is not here", language, option)
             asked.append(option)
+    for name in asked_by_value(board):
+        if name not in asked and not name.startswith(OF_OUTPUT):  # an output may be one that nothing switches
+            raise Failure("the board file asks for the option {}, which is not here", name)
     while asked:
         key = asked.pop()
         if key not in found:

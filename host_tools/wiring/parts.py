@@ -8,9 +8,9 @@ goes to a terminal of each driver if neither lies behind a register; every other
 """
 
 from dataclasses import dataclass, field
+from importlib import import_module
 
 from host_tools.language import _
-from passo.drives import pbl3770a, unipolar
 
 REGISTER_BIT = 100
 # Inputs by the beginning of their names; the others are plain signals.
@@ -71,14 +71,18 @@ def _motors(board):
             if not drive["step_active"]:
                 notes.append(_("a low pin is active"))
             yield Part(f"motor_{name}", "driver", _("{} driver and motor", title), terminals, notes, ("M+", "GND"))
-        elif drive["kind"] == "unipolar":
-            terminals = [Terminal(label.upper(), pin) for label, pin in zip(unipolar.PINS, pins)]
-            notes = [_("unipolar, through 4 channels"), _("of a ULN2803A, COM to M+")]
-            yield Part(f"motor_{name}", "coils", _("{} motor", title), terminals, notes, ("M+", "GND"))
         else:
-            terminals = [Terminal(label.upper(), pin) for label, pin in zip(pbl3770a.PINS, pins)]
-            notes = [_("bipolar, two PBL3770A,"), _("one a winding")]
+            terminals = [Terminal(label.upper(), pin) for label, pin in zip(motor_pins(drive["kind"]), pins)]
+            notes = {
+                "unipolar": [_("unipolar, through 4 channels"), _("of a ULN2803A, COM to M+")],
+                "pbl3770a": [_("bipolar, two PBL3770A,"), _("one a winding")],
+            }.get(drive["kind"], [])
             yield Part(f"motor_{name}", "coils", _("{} motor", title), terminals, notes, ("M+", "GND"))
+
+
+def motor_pins(kind):
+    """Names of a motor's pins, in the order of the board file."""
+    return ("step", "dir") if kind == "step_dir" else import_module(f"passo.options.drive_{kind}.drive").PINS
 
 
 def common_enable(board):

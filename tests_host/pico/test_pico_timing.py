@@ -7,10 +7,10 @@ import pytest
 from emulated import rig, timer_rig, uf2  # noqa: F401
 
 from host_tools.emulator.halting import INTERRUPT_PIN, amid_start
-from host_tools.emulator.rig import router
+from host_tools.emulator.rig import Rig, router
 from host_tools.emulator.traffic import points
 from host_tools.sim.decoders import Pbl3770a
-from passo.drives import pbl3770a
+from passo.options.drive_pbl3770a import drive as pbl3770a
 
 pytestmark = [pytest.mark.on_a_copy]
 ONE_AXIS_HZ = (10_000, 50_000, 100_000, 200_000, 250_000, 480_000)
@@ -110,12 +110,12 @@ def test_four_axes(rig, hz, missed, show):
 
 @pytest.mark.xdist_group("rig")
 @pytest.mark.parametrize("mode", ["half", "full", "eighth"])
-def test_two_motors_with_two_winding_chips_each(rig, mode):
+def test_two_motors_with_two_winding_chips_each(uf2, mode):  # noqa: F811
     """Thirteen pins of one word. A motor follows the currents on them to the same position."""
     board = router(2, drive={"kind": "pbl3770a", "mode": mode}, outputs=[], tool={"pin": 14})
     for axis, first in zip(board["axes"], (2, 8)):
         axis["pins"] = list(range(first, first + 6))
-    rig.fit(board)
+    rig = Rig(board, uf2)  # whose build has this drive
     run = rig.play([((400, -300), 20_000), ((-100, 300), 5000)], COLLECT)
     assert run.off == run.late == 0 and run.steps == 400 + 300
     assert run.position == turned(rig.edges, mode) == [300, 0]

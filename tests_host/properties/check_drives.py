@@ -3,8 +3,9 @@
 import math
 from array import array
 
-from passo.drives import pbl3770a, unipolar
-from passo.drives.coils import CoilDrive
+from passo.options.coil_drives.drive import CoilDrive
+from passo.options.drive_pbl3770a import drive as pbl3770a
+from passo.options.drive_unipolar import drive as unipolar
 
 TABLES = [(unipolar.MODES[mode], 4) for mode in ("wave", "full", "half")]
 TABLES += [(pbl3770a.MODES[mode], 6) for mode in ("full", "half", "quarter", "eighth")]

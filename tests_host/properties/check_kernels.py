@@ -5,7 +5,7 @@ from array import array
 
 from check_line import seek
 from draws import Random
-from passo.drives import coils_viper
+from passo.options.coil_drives import drive_viper as coils_viper
 from passo.motion import line, line_viper, speed_viper
 from passo.records import (
     KIND_WAIT, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_STEPS, ROW_TAG, ROW_TOP,

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from passo.drives import unipolar
+from passo.options.drive_unipolar import drive as unipolar
 from passo.motion import line, planner
 from passo.motion.line import MAX_STEPS
 from passo.motion.planner import Block

@@ -36,7 +36,7 @@ MAY_IMPORT = {
     "protocols": VOCABULARY,
     "config": VOCABULARY + ("passo.steps",),  # a board file's pins and interlock become those of the words
     "control": VOCABULARY + ("passo.config", "passo.motion", "passo.steps"),
-    "ports": VOCABULARY + ("passo.steps", "passo.drives"),
+    "ports": VOCABULARY + ("passo.steps",),
     "web": VOCABULARY + ("passo.protocols.page",),  # links, whose language that is
     "app": ("passo",),
     "machine_builder": ("passo",),
@@ -257,7 +257,7 @@ BROKEN = [
     (import_faults, "passo/motion/line.py", "from passo.steps import word"),
     (import_faults, "passo/motion/line.py", "from ..steps import word"),
     (import_faults, "passo/motion/line.py", "import math"),
-    (import_faults, "passo/steps/feeder.py", "import passo.drives.coils"),
+    (import_faults, "passo/steps/feeder.py", "import passo.control.tools"),
     (import_faults, "passo/steps/ring.py", "from typing import Any"),
     (import_faults, "passo/control/homing.py", "def home():\n    import machine"),
     (import_faults, "passo/control/homing.py", "from passo.protocols import plotter"),
@@ -282,7 +282,7 @@ BROKEN = [
     (language_faults, "passo/steps/feeder.py", "x = 1  # as the Plotter does"),
     (language_faults, "passo/steps/feeder.py", "grbl_mode = 1"),
     (language_faults, "passo/steps/feeder.py", "if mode == 'pulses': pass"),
-    (language_faults, "passo/drives/coils.py", "from passo.protocols import keys"),
+    (language_faults, "passo/options/coil_drives/drive.py", "from passo.protocols import keys"),
 ]
 SOUND = [
     (import_faults, "passo/steps/feeder.py", "from passo.motion.line import Line\nfrom passo.steps import word"),

@@ -42,7 +42,7 @@ class Axes(Nothing):
     """The world: what the drivers or rotors do, from the pins alone."""
 
     def __init__(self, data):
-        self.layout, self.drive, _ = make_drive(data)
+        self.layout, self.drive, _ = make_drive(check(data))
         self.steps = [[] for _ in range(self.layout.axes)]
         self.turned = [0] * self.layout.axes  # tick of the last change of a DIR pin
         self.shortest_setup = None

@@ -1,5 +1,6 @@
 """A feeder on a bench: planner, ring and drive without a port. Words are taken as fast as they are made."""
 
+from passo.config.board_error import Additions, own_rules
 from passo.machine_builder import make_drive
 from passo.motion.planner import Planner
 from passo.steps.feeder import Feeder
@@ -26,6 +27,9 @@ class Rig:
             "drive": {"kind": kind, "mode": mode},
             "axes": [{"name": "xyza"[i], "reversed": i in reversed_axes} for i in range(axes)],
         }
+        for option in own_rules(self.board, {}):
+            self.board["additions"] = Additions()
+            option.prepare(self.board)
         self.layout, self.drive, self.off = make_drive(self.board)
         self.ring = Ring(size)
         self.planner = planner or Planner(axes)

@@ -6,6 +6,7 @@ from micropython import const
 
 _DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
 OF_OUTPUT = "output_"  # how the option of an output of a name is called
+OF_DRIVE = "drive_"  # and that of a drive.kind
 _LIKE = const(50)  # percent of the pairs of letters in two names
 _LONGEST = const(1000)  # characters of a text
 
@@ -31,6 +32,7 @@ class Additions:
         self.parts = {}  # modules of what the port has beside its pins, see ports/parts.py
         self.more_motors = []  # those beside the axes' own
         self.drive_module = None  # the module that turns words of all motors into pins
+        self.motor_pins = 2  # of each motor: STEP and DIR, or coils
         self.stalls = ""  # names of the axes that home by stall
         self.drives = None  # the board file's section with `motors`, of chips that are set up over a wire
         self.keep = None  # (module, arguments) of a keep() that is called at the start, before memory that a reset has left is used anew
@@ -90,19 +92,31 @@ def names_of(outputs):
     return [name for name in names if name.isalpha()]
 
 
+def asked_by_value(board):
+    """Names that options have for which a raw board file asks by a value: output_vacuum, drive_unipolar. Values may be anything."""
+    outputs, drive = board.get("outputs"), board.get("drive")
+    names = [OF_OUTPUT + name for name in names_of(outputs if isinstance(outputs, (list, tuple)) else ())]
+    kind = drive.get("kind") if isinstance(drive, dict) else None
+    if isinstance(kind, str) and kind != "step_dir":  # the core's
+        names.append(OF_DRIVE + kind)
+    return names
+
+
 def own_rules(board, rules):
-    """The manifests of the options that the board file asks for, by their keys and by what its outputs are. Adds their RULES to `rules`.
+    """The manifests of the options that the board file asks for, by their keys and by values. Adds their RULES to `rules`. Raises BoardError for
+    a drive that is not here.
 
     A manifest may have rewrite(raw board), which returns (it, Additions.levels or None); extend(rules); prepare(board), called before pins
     are checked; claims(board), which returns [(pin, who)]; has_bit(pin), True if an output is on no pin of the chip; and check(board)."""
     own = []
-    outputs = board.get("outputs")
-    names = names_of(outputs if isinstance(outputs, (list, tuple)) else ())
-    for key in sorted([key for key in board if isinstance(key, str)]) + [OF_OUTPUT + name for name in names]:
+    for key in sorted([key for key in board if isinstance(key, str)]) + asked_by_value(board):
         if key not in rules and "." not in key:
             try:
                 module = __import__("passo.options.%s.manifest" % key, None, None, ("RULES",))
             except ImportError:
+                if key.startswith(OF_DRIVE) and key not in board:
+                    known = ["step_dir"] + [name[len(OF_DRIVE) :] for name in options() if name.startswith(OF_DRIVE)]
+                    raise BoardError("%s: %r is none of %s" % ("drive.kind", key[len(OF_DRIVE) :], ", ".join(known)))
                 continue
             rules.update(module.RULES)
             own.append(module)

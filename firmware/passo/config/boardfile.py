@@ -37,8 +37,8 @@ _AXIS = {
     "jog_steps_s": (int, 0, 0, 1_000_000),  # its speed; 0: speed.default
 }
 _DRIVE = {
-    "kind": ("step_dir", "unipolar", "pbl3770a"),
-    "mode": (str, "half", 4, 7),  # of coil drives
+    "kind": ("step_dir",),  # and those of options: coils that the board itself switches
+    "mode": (str, "half", 4, 7),  # how these step
     "pulse_us": (int, 2, 1, 100),
     "setup_us": (int, 5, 0, 1000),
     "step_active": _BIT,
@@ -131,7 +131,6 @@ _ABSENT = ("homing",) + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
-PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 
 
 def check(board):
@@ -170,9 +169,6 @@ def check(board):
     _call(own, "check", board)
     _check_bits(board)
     _check_filters(board)
-    modes = "half, full, quarter, eighth" if board["drive"]["kind"] == "pbl3770a" else "half, full, wave"
-    if board["drive"]["mode"] not in modes.split(", "):
-        raise BoardError("drive.mode: %r is none of %s, those of %s" % (board["drive"]["mode"], modes, board["drive"]["kind"]))
     speed = board["speed"]
     if not speed["min"] <= speed["default"] <= speed["max"]:
         raise BoardError("speed.default: %(default)d is not between %(min)d and %(max)d" % speed)
@@ -269,12 +265,13 @@ def claimed_pins(board, own=None):
 
 def _check_pins(board, own):
     kind = board["drive"]["kind"]
-    most = (MOST_BITS - 1) // PINS_OF[kind] - len(getattr(board.get("additions"), "more_motors", ()))
+    pins_of = getattr(board.get("additions"), "motor_pins", 2)
+    most = (MOST_BITS - 1) // pins_of - len(getattr(board.get("additions"), "more_motors", ()))
     if len(board["axes"]) > most:
         raise BoardError("axes: %d are too many for a %s drive; it moves %d" % (len(board["axes"]), kind, most))
     for axis in board["axes"]:
-        if len(axis["pins"]) != PINS_OF[kind]:
-            raise BoardError("axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, PINS_OF[kind], len(axis["pins"])))
+        if len(axis["pins"]) != pins_of:
+            raise BoardError("axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, pins_of, len(axis["pins"])))
     owners = {}
     for pin, who in claimed_pins(board, own):
         outside = any([module.has_bit(pin) for module in own if hasattr(module, "has_bit")])

@@ -15,7 +15,8 @@ A motor of 1.8° is off by 0.08° at most. At rest a winding pair has the least 
 steps these are those that it moves with.
 """
 
-WIDTH = 6
+from passo.options.coil_drives.drive import of_board
+
 PINS = ("ph_a", "i0_a", "i1_a", "ph_b", "i0_b", "i1_b")
 
 FULL_CURRENT = 0b000
@@ -52,3 +53,8 @@ def _table(quarter, step, first):
 MODES = {mode: _table(_QUARTER, *_STEPS[mode]) for mode in _STEPS}
 HOLD = {mode: _table(_AT_REST, *_STEPS[mode]) for mode in _STEPS}
 OFF = NO_CURRENT | NO_CURRENT << 3
+
+
+def create(board):
+    mode = board["drive"]["mode"]
+    return of_board(board, PINS, MODES[mode], OFF, HOLD[mode])

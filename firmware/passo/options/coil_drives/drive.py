@@ -3,16 +3,18 @@
 Each motor owns its own bits of a word, so that stepping one never disturbs another. The phase is the motor's position
 modulo the table's length: after a stop it is found again from the position alone.
 
-    drive = CoilDrive(axes=2, table=unipolar.MODES["half"], width=4)
+    drive = CoilDrive(axes=2, table=MODES["half"], width=4)              # of options/drive_unipolar
     drive.apply(words, 0, 10)            # ten words in the step form become pin levels
 """
 
 import micropython
 
-from passo.drives.coils_viper import apply, tally
+from passo.options.coil_drives.drive_viper import apply, tally
 
 
 class CoilDrive:
+    pins = ()  # names of a motor's, lowest bit first: see of_board()
+
     def __init__(self, axes, table, width, hold=None, reversed_mask=0, off=0):
         """`table`: levels of `width` pins a phase, its length a power of two; `hold`: the same phases at the standstill
         current (default: `table`); `reversed_mask`: axes that run through the tables backwards; `off`: levels without
@@ -28,6 +30,13 @@ class CoilDrive:
         self._off = off
         self._phase = bytearray(axes)
         self.unpowered(0)
+
+    def released(self):
+        """The levels of all motors without current."""
+        levels = 0
+        for axis in range(self.axes):
+            levels |= self._off << axis * self.width
+        return levels
 
     @staticmethod
     def _order(table, backwards):
@@ -81,3 +90,14 @@ class CoilDrive:
             return 0
         table = self._table[axis]
         return 1 if table[(table.find(bytes([before])) + 1) & self._last] == after else -1
+
+
+def of_board(board, pins, table, off, hold=None):
+    """The CoilDrive of a checked board's motors; `pins`: names of a motor's, the rest as CoilDrive has it."""
+    backwards = 0
+    axes = board["axes"]
+    for axis in range(len(axes)):
+        backwards |= axes[axis]["reversed"] << axis
+    drive = CoilDrive(len(axes), table, len(pins), hold, backwards, off)
+    drive.pins = pins
+    return drive

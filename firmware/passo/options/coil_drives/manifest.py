@@ -1,0 +1,23 @@
+"""What the manifests of coil drives have in common: no key of a board file. A drive's folder is drive_ and its name in `drive.kind`."""
+
+from passo.config.board_error import BoardError
+
+RULES = {}
+
+
+def allow(rules, kind):
+    """`drive.kind` may be `kind`."""
+    rules["drive"] = dict(rules["drive"])
+    rules["drive"]["kind"] += (kind,)
+
+
+def use(board, module, pins):
+    """Each motor has `pins` pins, whose levels what create() of `module` returns makes."""
+    board["additions"].drive_module = module
+    board["additions"].motor_pins = pins
+
+
+def check_mode(board, modes):
+    drive = board["drive"]
+    if drive["mode"] not in modes:
+        raise BoardError("drive.mode: %r is none of %s, those of %s" % (drive["mode"], ", ".join(modes), drive["kind"]))

@@ -1,0 +1,1 @@
+"""Bipolar motors by two PBL3770A chips each."""

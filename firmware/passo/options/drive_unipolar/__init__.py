@@ -1,0 +1,1 @@
+"""Unipolar motors by four transistors each."""
