@@ -120,12 +120,12 @@ class App:
             self.links.append(made)
         if board["network"]:
             machine_builder.network().join(self.links, self.controller)
-        self._prepare()  # before what stored jobs want
+        self._prepare()  # before what links of files want
         if self.interrupt:  # a chip has little memory
             machine_builder = None
             forget("passo.machine_builder", True)
-        if board["jobs"]:
-            self._add_jobs(languages, shared, most)
+        for name, language in getattr(board.get("additions"), "file_links", ()):
+            self._add_link(self.controller.features[name], languages, language, shared, most)
             self._prepare()
         self.controller.machine.restarted()
         self._answer()
@@ -139,14 +139,13 @@ class App:
             except MemoryError:
                 return
 
-    def _add_jobs(self, languages, shared, most):
-        """The link that stored jobs come by: it speaks as the first one of their language."""
-        jobs = self.controller.features["jobs"]
-        index = [link["protocol"] for link in self.board["links"]].index(self.board["jobs"]["language"])
-        config = dict(self.board["links"][index], name=self.controller.machine.links[-1])
+    def _add_link(self, feature, languages, language, shared, most):
+        """A link that a feature brings: it speaks as the first one of its language."""
+        index = [link["protocol"] for link in self.board["links"]].index(language)
         number = len(self.links)
+        config = dict(self.board["links"][index], name=self.controller.machine.links[number])
         protocol = languages[index].create(config, number, self.board, self.controller, shared, most)
-        self.links.append(Link(number, config, jobs.join(number, protocol, languages[index].stored), protocol, self.controller))
+        self.links.append(Link(number, config, feature.join(number, protocol), protocol, self.controller))
 
     def _make_queue(self, builder, settings, streamed):
         """Feeder and queue. `streamed`: as machine_builder.queue() has it."""

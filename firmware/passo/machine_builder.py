@@ -54,9 +54,6 @@ FEATURES = (
     ("links", "Links", lambda board: True),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),
     ("resets", "Resets", lambda board: True),
-    ("power_fail", "PowerFail", lambda board: board["journal"] and board["journal"]["power"]),
-    ("job_journal", "JobJournal", lambda board: board["journal"]),
-    ("jobs", "Jobs", lambda board: board["jobs"]),
     ("admission", "Admission", lambda board: board["network"]),
 )
 
@@ -76,7 +73,6 @@ def load_all(board):
         ("program" in names, _OF_PROGRAM),
         (homing and homing["latch"], ("control.quality",)),
         (homing and "veto" not in getattr(board.get("additions"), "parts", ()), ("ports.limit_watch",)),
-        (board["jobs"], ("config.job_store",)),
     ):
         for module in modules if asked else ():
             __import__("passo." + module)
@@ -160,7 +156,9 @@ def rows(board, languages):
         rule = bool if name in own else rule
         module, kind = own.pop(name, ("passo.control." + name, kind))
         found.append((name, module, kind, rule))
-    return [(name, own[name][0], own[name][1], bool) for name in sorted(own)] + found  # the journal looks at what others have done
+    last = getattr(board.get("additions"), "watchers", ())
+    own = [(name, own[name][0], own[name][1], bool) for name in sorted(own)]
+    return [row for row in own if row[0] not in last] + found + [row for row in own if row[0] in last]
 
 
 def load(names, board, languages):

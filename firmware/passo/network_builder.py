@@ -26,8 +26,6 @@ def load(board):
             for module in _OF_PAGE:
                 __import__("passo." + module)
             _shown(link["protocol"])
-            if board["jobs"]:
-                __import__("passo.protocols.page.stored")
 
 
 def _shown(language):
@@ -48,12 +46,7 @@ def page(language, link, number, board, controller, shared, most):
     """The protocol of a link for pages; `language`: the package of what the link speaks otherwise."""
     shown = _shown(link["protocol"])
     spoken = language.create(link, number, board, controller, shared, most) if shown.speaks else language
-    made = __import__("passo.protocols.page", None, None, ("create",)).create(shown, number, board, controller, spoken)
-    if board["jobs"]:
-        from passo.config.job_keys import name_fits
-
-        made.keep(__import__("passo.protocols.page.stored", None, None, ("StoredJobs",)).StoredJobs, link["protocol"], name_fits)
-    return made
+    return __import__("passo.protocols.page", None, None, ("create",)).create(shown, number, board, controller, spoken)
 
 
 def serials(board, port):

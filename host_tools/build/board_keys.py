@@ -24,8 +24,6 @@ SECTIONS = {
         "passphrase. See [network](../use/network.md).",
     ),
     "jog": ("jog", "Jogs of the plotter's and the torch's languages."),
-    "journal": ("journal", "Keeps the state of a job in flash. See [jobs](../use/jobs.md#after-a-power-cut)."),
-    "jobs": ("jobs", "Programs kept on the board, and run without a PC. See [jobs](../use/jobs.md)."),
     "links": ("links", "A list of the board's serial lines, one entry a line. See [README](languages/README.md)."),
 }
 
@@ -97,12 +95,6 @@ MEANINGS = {
     "planning.junction_um": "Junction deviation in µm: how fast corners are taken; 0: a stop at each. `$11` overrides it.",
     "planning.arc_um": "Kept for senders as `$12`; changes nothing.",
     "planning.independent_ramps": "Torch: axes accelerate with their `accel_mm_s2`, instead of running at one speed.",
-    "journal.every_ms": "While the machine moves, age of the last record at most, ms; older once half the slots are used.",
-    "journal.power": "Name of the input that is active when the power fails: the machine stops, and writes where it is.",
-    "jobs.language": "The language of stored jobs: that of one of the links.",
-    "jobs.folder": "The folder that keeps them, in the board's flash; with `card`, of the card.",
-    "jobs.button": "Name of the job that the input `job` runs.",
-    "jobs.start": "Name of the job that runs when the board is switched on. With homing its first line is `$H`.",
     "spindle.max_rpm": "S at full power. `$30` overrides it.",
     "spindle.min_rpm": "Lowest S that turns. `$31` overrides it.",
     "spindle.pwm": "The tool has analogue power: a PWM signal on `pin`.",

@@ -31,7 +31,7 @@ ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter": 122}
-KEYS_KB = {"journal": 4, "jobs": 14, "network": 13}  # an option's are HEAP_KB of its manifest
+KEYS_KB = {"network": 13}  # an option's are HEAP_KB of its manifest
 ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 6}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and what burns them
@@ -80,7 +80,7 @@ def heap_kb(board):
     taken += BROKER_KB * bool((board["network"] or {}).get("broker"))
     taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     taken += DIGITAL_KB * bool(digital(board))
-    return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])
+    return taken + JOB_KB * bool(board.get("jobs")) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 
 def _stock_kb(board):

@@ -58,10 +58,9 @@ def board_keys():
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
     from passo.config import device_keys
-    from passo.config.job_keys import JOBS
 
     own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items()}
-    rules = {**boardfile._BOARD, **own, **device_keys.RULES, "jobs": JOBS}
+    rules = {**boardfile._BOARD, **own, **device_keys.RULES}
     for manifest in manifests().values():
         if hasattr(manifest, "extend"):
             manifest.extend(rules)

@@ -99,6 +99,7 @@ MANIFEST = "manifest.py"
 WORDS = "words.py"  # of an option: texts for its page, which no board has
 _WRITTEN = re.compile(r'"(passo(?:\.\w+)+)"')
 PORT_OF = "port_"  # how the name of an option's file for one of them begins
+LANGUAGE_OF = "language_"  # how that of one which adds to a language does
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
 WEB = Path("passo", "web")
 NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
@@ -248,9 +249,11 @@ def selected(board, firmware=FIRMWARE, spared=None):
     switching = DIGITAL if digital(board) else ()
     absent += tuple(set(DIGITAL) - set(switching))
     options = options_of(board, firmware)
-    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent and option_of(path) in options]
-    known = {language_name(path) for path in files} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
+    spoken = {"", *wanted, *(link["port"] for link in board.get("links", []))}  # "page" is a port
+    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent and option_of(path) in options]
+    files = [path for path in files if path.stem.partition(LANGUAGE_OF)[2] in spoken]
+    known = {language_name(path) for path in files} - {None}
     if any(link.get("frames") for link in board.get("links", [])):
         wanted.add(FRAMES)
     if wanted - known:
@@ -265,7 +268,6 @@ def selected(board, firmware=FIRMWARE, spared=None):
         for link in board["links"]:
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
-                chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
                 chosen |= {BROKER, ERROR_TEXTS} if board["network"].get("broker") else set()
     chosen |= {path for path in switching if path in files}
     spared = spared_features(board) if spared is None else spared

@@ -3,7 +3,7 @@
     machine.job = StoredJobs(machine, tell, packed)
     machine.orders["stored"]({"do": "stored", "what": "list"})      # the event "stored" follows: names, bytes, and bytes free
 
-`packed(name)`: (bytes, CRC-32, the packed bytes) of a job of the page's own as a board stores it (job_store.py), or the number of an
+`packed(name)`: (bytes, CRC-32, the packed bytes) of a job of the page's own as a board stores it (options/jobs/config.py), or the number of an
 error. One line at a time goes to the board: as it writes its flash a Pico's processor stands still.
 """
 
@@ -15,7 +15,7 @@ from host_tools.page.job import Job
 from host_tools.page.later import Later, is_refusal
 from host_tools.clients.grbl_wire import PAGE
 from passo import errors
-from passo.config.job_keys import name_fits
+from passo.options.jobs.config_names import name_fits
 
 _PIECE = const(54)  # bytes of an upload in a line
 _LOST = const(60)  # reports; then the message that it has ended was lost

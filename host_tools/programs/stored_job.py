@@ -1,6 +1,6 @@
 """Jobs in the form in which a board stores them.
 
-    packed = pack(data)                     # what follows the first line of a file of config/job_store.py
+    packed = pack(data)                     # what follows the first line of a file of options/jobs/config.py
     data = gcode_job(path)                  # the lines of a file, numbered; Failure if it is none
 """
 
@@ -13,8 +13,9 @@ from pathlib import Path
 from host_tools.failure import Failure, reason
 from host_tools.language import N_
 from passo.options.card.config import END_MARK
-from passo.config.job_keys import JOBS, LONGEST_NAME, NAME_LETTERS, name_fits
-from passo.config.job_store import WINDOW_BITS, first_line
+from passo.options.jobs.config import WINDOW_BITS, first_line
+from passo.options.jobs.config_names import LONGEST_NAME, NAME_LETTERS, name_fits
+from passo.options.jobs.manifest import RULES
 
 LISTED = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")  # a row of the answer to $F
 
@@ -70,7 +71,7 @@ def write_on_card(card, name, language, data):
         raise Failure("{!r} is no job's name: at most {} capitals, digits, '.', '_' and '-'", name, LONGEST_NAME)
     if not card.is_dir():
         raise Failure("there is no folder {}: is the card in, and mounted?", card)
-    folder = card / JOBS["folder"][1].lstrip("/")
+    folder = card / RULES["jobs"]["folder"][1].lstrip("/")
     try:
         folder.mkdir(exist_ok=True)
         path = folder / f"{name}.alt"

@@ -29,7 +29,7 @@ def job_of(name, data, kind):
     if not _NAME.fullmatch(name) or len(data) > MOST_BYTES:
         raise Failure("{}: a name of at most 80 letters is wanted, and a file of at most {} bytes", name, MOST_BYTES)
     board = check(boards.load(kind))
-    if board["links"][0]["protocol"] != "grbl" or not board["journal"]:
+    if board["links"][0]["protocol"] != "grbl" or not board.get("journal"):
         raise Failure("{}: jobs are for boards that speak grbl and have the key journal", kind)
     found = drawn.gcode_of(board, _AsItIs)(name, data.decode("utf-8", "replace"))
     if is_refusal(found):
@@ -55,6 +55,6 @@ def kinds():
     found = []
     for name in boards.names():
         board = check(boards.load(name))
-        if board["links"][0]["protocol"] == "grbl" and board["journal"]:
+        if board["links"][0]["protocol"] == "grbl" and board.get("journal"):
             found.append(name)
     return found

@@ -78,7 +78,7 @@ class Machine:
         if self.plant.slipping:
             self.plant.slipping.wire(self.drivers)
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, player=player, radio=radio)
-        if self.board["journal"]:
+        if self.board.get("journal"):
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)
         self.port.folder = str(Path(flash) / "jobs") if flash else self._own_folder()
         slots = slots or (_Slots(str(Path(flash) / "settings")) if flash else None)
@@ -88,7 +88,7 @@ class Machine:
 
     def _own_folder(self):
         """Stored jobs that last as long as the machine."""
-        if not self.board["jobs"]:
+        if not self.board.get("jobs"):
             return None
         self._folder = tempfile.TemporaryDirectory(prefix="passo-")
         return self._folder.name

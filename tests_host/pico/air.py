@@ -22,7 +22,7 @@ from host_tools.emulator import binary
 from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.heap import Heap
 from host_tools.programs import stored_job
-from passo.protocols.page.stored import PIECE
+from passo.options.jobs.language_page import PIECE
 from passo.web.session import Session
 
 BAUD = 921_600  # as uart_radio.py

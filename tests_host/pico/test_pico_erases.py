@@ -10,7 +10,7 @@ from emulated import uf2  # noqa: F401
 from host_tools import boards
 from host_tools.emulator.flash_times import LONGEST, TYPICAL
 from host_tools.emulator.machine import EmulatedMachine, written
-from passo.control.job_journal import packed
+from passo.options.journal.control import packed
 
 BLOCKS, SLOTS, RECORD = 4, 128, 32
 USED = 3 * SLOTS + 60  # of the slots: three blocks are erased

@@ -13,7 +13,7 @@ from host_tools import boards
 from host_tools.emulator.machine import written
 from host_tools.programs import stored_job
 from host_tools.sim.machine import VirtualMachine
-from passo.control.job_journal import unpacked
+from passo.options.journal.control import unpacked
 
 MISS_CYCLES = 50  # of the flash cache: 100 at 200 MHz
 SMALL = b"G91\nG1X0.5Y0.2F3000\n\nG1X-0.5\nM30\n"

@@ -4,7 +4,7 @@ import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from passo.control.job_journal import unpacked
+from passo.options.journal.control import unpacked
 from passo.records import JOURNAL_BYTES, TICKS_PER_MS
 from test_pico_jobs import ask, fast_router, ready
 

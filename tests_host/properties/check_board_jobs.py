@@ -5,7 +5,7 @@ from binascii import b2a_base64, crc32
 from board_browser import ServedRouter
 from check_jobs import folder, remove, stored_form
 from passo import errors
-from passo.protocols.page.stored import PIECE
+from passo.options.jobs.language_page import PIECE
 from router import BOARD, World
 
 MM = 320  # steps

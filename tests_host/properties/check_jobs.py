@@ -5,7 +5,7 @@ from time import time_ns
 from binascii import b2a_base64, crc32
 
 from passo.options.card import config as card_store
-from passo.config.job_store import WINDOW_BITS, first_line
+from passo.options.jobs.config import WINDOW_BITS, first_line
 from router import BOARD, Machine, answers, home
 
 JOB = b"G21\nG90\nM3S1000\nG1X5Y2F1200\n\nG2X9Y2I2J0\nG0Z-1\nM5\nM30\n"
@@ -570,7 +570,7 @@ class Flash:
 
 def check_free_flash():
     """Also where MicroPython counts less than nothing."""
-    from passo.config import job_store
+    from passo.options.jobs import config as job_store
     from passo.options.card.config import CardStore
 
     before = job_store.os

@@ -6,6 +6,7 @@ from passo.commands import (
 )
 from passo.protocols.plotter import host as plotter
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, PACKET, Plotter, packet, status_bytes, status_from
+from passo.options.jobs import language
 from passo.protocols.plotter.words import PacketWords
 
 GAP_MS = 5
@@ -218,7 +219,7 @@ def packets_of(line, first=0):
 def check_lines_in_packets():
     """A line in packets, one of which comes twice; one that does not follow; one that is no line."""
     made = Plotter(GAP_MS)
-    made.words = PacketWords({"jobs": True, "journal": None})
+    PacketWords.of(made).learn(language)
     first, second, last = packets_of("$FD=PART")
     for data in (first, second, second):
         command = feed_all(made, data, 0)[0]

@@ -13,9 +13,9 @@ from binascii import crc32
 
 from check_jobs import stored_form
 from passo import memory
-from passo.config import job_store
+from passo.options.jobs import config as job_store
 from passo.options.card.config import CardStore
-from passo.config.job_store import JobStore
+from passo.options.jobs.config import JobStore
 
 JobStore.root = "/flash/"
 OLD = b"G1X1F100\n" * 60

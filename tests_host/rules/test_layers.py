@@ -58,6 +58,7 @@ BY_KEY = ("board_error.py", "parts.py")
 
 # Core names no option: these files still do, and the list only shrinks.
 NAMES_OPTIONS = {
+    "passo/protocols/page/orders.py": {"jobs"},  # a word of the page: the files of its own
     "passo/protocols/page/pulses.py": {"step_program"},  # the language of this key
     "passo/protocols/page/torch.py": {"weaving"},
     "passo/protocols/pulses/__init__.py": {"step_program"},
@@ -65,7 +66,7 @@ NAMES_OPTIONS = {
 }
 
 # Shared by languages; otherwise none imports another.
-SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.jobs", "passo.protocols.HELLO_WIRE")
+SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.words", "passo.protocols.HELLO_WIRE", "passo.protocols.extended")
 
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
@@ -160,6 +161,8 @@ def import_faults(source, path):
     room = room_of(path)
     own = SHARED_PROTOCOLS + (".".join(path.parts[:3]),) if room == "protocols" else (f"passo.{room}",)
     own += tuple(f"passo.options.{option}" for option in options_open_to(path))
+    if option_of(path) and path.stem.startswith("language_"):
+        own += ("passo.protocols." + path.stem.partition("_")[2],)  # what it adds to
     allowed = MAY_IMPORT.get(room, ()) + own
     built_ins = BUILT_INS | MORE_BUILT_INS.get(room, set())
     faults = []

@@ -14,7 +14,7 @@ pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 # Attributes with several writers, and why.
 WRITERS = {
     # a flag that says "poll again", which nobody but the controller takes back
-    "awake": {"blackbox", "changeover", "controller", "encoders", "gantry", "host_watch", "independent", "job_journal", "jobs", "line_batches", "program", "step_program"},
+    "awake": {"blackbox", "changeover", "controller", "encoders", "gantry", "host_watch", "independent", "jobs", "journal", "line_batches", "program", "step_program"},
     # the long command: its feature begins it, and whoever stops the machine ends it
     "command": {"controller", "drawing", "homing", "jobs", "pauses", "program", "resets", "tools", "wait"},
     # motion of a program and jogs: each way of queueing them says so, the controller notices the stand

@@ -13,7 +13,7 @@ from host_tools.cli import jobs, pulses
 from host_tools.clients.refusal import Refused
 from host_tools.programs import drawn, stored_job
 from host_tools.sim.machine import VirtualMachine
-from passo.config import job_store
+from passo.options.jobs import config as job_store
 from virtual_wire import Killed, plugged
 
 SHARE = 0.01

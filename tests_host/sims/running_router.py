@@ -32,7 +32,7 @@ class Running:
         self.line = line or PtyLine()
         lines = {"pc": self.line, "serial": MemoryLine()}
         port = VirtualPort(board, self.world, mode, lines, lambda ms: wait([self.line], ms))
-        if board["journal"]:
+        if board.get("journal"):
             port.pages = Pages()
         self.app = App(board, port)
         self._stop = False

@@ -12,7 +12,7 @@ import os
 
 from host_tools.sim.pages import PowerCut
 from passo import memory
-from passo.config import job_store
+from passo.options.jobs import config as job_store
 
 BLOCK = 4096
 

@@ -5,7 +5,7 @@ import pytest
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages
-from passo.control.job_journal import packed, unpacked
+from passo.options.journal.control import packed, unpacked
 
 USED = 300  # slots: more than half
 

@@ -10,7 +10,7 @@ from host_tools.cli import pulses
 from host_tools.failure import Failure
 from host_tools.programs import stored_job
 from host_tools.sim.machine import VirtualMachine
-from passo.config import job_store
+from passo.options.jobs import config as job_store
 from passo.control.inputs import Inputs
 from passo.control.state import MachineState
 from passo.options.interlock.port_virtual import VirtualInterlock

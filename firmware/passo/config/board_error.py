@@ -24,10 +24,12 @@ class Additions:
         self.levels = before.levels if before else {}  # masks of a word's levels: "inverted" ones, and "muted" ones, which stay low
         self.limits = None  # {direction: name of the input at that end}, of the option that forbids motion
         self.features = {}  # (module, class) by the name of a feature, see machine_builder.rows()
+        self.watchers = []  # names of those features that look at what others have done: they stand behind all
+        self.file_links = []  # (feature, language) of a link that a feature brings, whose bytes come from a file: the feature has join(number, protocol)
         self.settings = {}  # rules by number
         self.value = None  # Settings.value, once there are settings
-        self.languages = []  # modules whose extend(protocol, board) adds to a protocol of G-code
-        self.extensions = ()  # the same modules, loaded: see load_languages()
+        self.languages = []  # names of modules whose extend(protocol, board) adds to a protocol of the language that ends their name
+        self.extensions = {}  # the same modules, loaded, by language: see load_languages()
         self.motion = self.queue = None  # modules with its Planner and its Queue
         self.parts = {}  # modules of what the port has beside its pins, see ports/parts.py
         self.more_motors = []  # those beside the axes' own
@@ -37,8 +39,14 @@ class Additions:
         self.drives = None  # the board file's section with `motors`, of chips that are set up over a wire
         self.keep = None  # (module, arguments) of a keep() that is called at the start, before memory that a reset has left is used anew
 
+    def add_languages(self, start, languages):
+        """Add a module for each of these languages; `start`: of their names."""
+        self.languages += [start + language for language in languages]
+
     def load_languages(self):
-        self.extensions = [__import__(name, None, None, ("extend",)) for name in self.languages]
+        for name in self.languages:
+            language = name.rpartition("_")[2]
+            self.extensions[language] = self.extensions.get(language, ()) + (__import__(name, None, None, ("extend",)),)
 
 
 def want_input(board, who, name):

@@ -125,7 +125,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("jobs", "journal", "network")  # device_keys.py
+DEVICES = ("network",)  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing",) + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
@@ -146,10 +146,6 @@ def check(board):
         from passo.config import device_keys as devices
 
         rules.update(devices.RULES)
-        if board.get("jobs"):
-            from passo.config.job_keys import JOBS
-
-            rules["jobs"] = JOBS
     own = own_rules(board, rules)
     board, levels = rewritten(board, own)
     _call(own, "extend", rules)

@@ -55,7 +55,7 @@ class ChipPort:
         self.lead_ticks = lead_ticks
         self.bank = None  # the part that serves inputs and outputs which are on no pin of the chip
         self.veto = None  # the part that forbids motion: the outputs are its affair, too
-        self._parts = []  # of options: each has join(feeder, player) and close(), and may have check(), for each call of the feeder
+        self._parts = []  # of options: each may have join(feeder, player), close(), and check() for each call of the feeder
         self._inputs = {}
         self._outputs = {}
         modules = dict(parts.load(board))
@@ -256,7 +256,7 @@ class ChipPort:
             if item.pin is not None:
                 item.pin.irq(None)
         for part in self._parts + self._lines:
-            part.close()
+            getattr(part, "close", int)()
 
     # --- interrupts
 
@@ -266,7 +266,8 @@ class ChipPort:
         self._feeder = feeder
         feeder.open = False
         for part in self._parts:
-            part.join(feeder, player)
+            if hasattr(part, "join"):
+                part.join(feeder, player)
         self._looks = tuple([part.check for part in self._parts if hasattr(part, "check")])
 
     @micropython.native

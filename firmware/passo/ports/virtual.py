@@ -36,7 +36,7 @@ except ImportError:  # MicroPython's clock is monotonic only as far as the syste
 
 from passo.ports import parts
 from passo.ports.virtual_player import Player
-from passo.records import COUNT_MASK, JOURNAL_BYTES, TICKS_PER_MS
+from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.steps.position import Latch
 from passo.steps.wiring import inverted_pins, muted_pins, word_times
 
@@ -79,8 +79,6 @@ class VirtualPort:
             from passo.ports.virtual_inputs import VirtualLimits
 
             self.world = self._limits = VirtualLimits(self, world, self._inputs)
-        if board.get("journal"):
-            self.pages = MemoryPages()
         self._listen = getattr(world, "listen", None)
         self._watches = {}
         self.clocked = []  # those of the parts that have a time: run(tick) once it is `due`
@@ -104,7 +102,7 @@ class VirtualPort:
     def feed_from_interrupt(self, feeder, player):
         """There are no interrupts here: the main loop fills the ring itself."""
         for part in [self._limits] + self._parts:
-            if part is not None:
+            if hasattr(part, "join"):
                 part.join(feeder, player)
         return False
 
@@ -248,26 +246,6 @@ class MemoryLine:
 
     def write(self, data):
         self.outgoing += bytes(data)
-
-
-class MemoryPages:
-    """The flash of the job's journal, in memory: as ports/rp2/pages.py."""
-
-    BLOCKS = 4
-    SLOTS = 128
-
-    def __init__(self):
-        self._slots = {}
-
-    def read(self, block, slot):
-        return self._slots.get((block, slot), b"\xff" * JOURNAL_BYTES)
-
-    def write(self, block, slot, data):
-        self._slots[block, slot] = bytes(data)
-
-    def erase(self, block):
-        for slot in range(self.SLOTS):
-            self._slots.pop((block, slot), None)
 
 
 class MutedWorld:

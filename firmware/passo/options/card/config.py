@@ -1,7 +1,7 @@
 """Stored jobs on a memory card. FAT replaces no file at once, so nothing is renamed here: a power cut between two writes could
 lose a file, or leave two names for one.
 
-A job is in one of two files, NAME.job or NAME.alt, in the form of job_store.py, and one byte more. An upload goes to the one
+A job is in one of two files, NAME.job or NAME.alt, in the form of jobs/config.py, and one byte more. An upload goes to the one
 that is free. It counts once that last byte is there: it is written when the upload has been read back, right and whole. Then the
 other file goes. If both count, the power was cut in between: either is whole, and one of them is used. An upload that was cut off is
 shorter than its first line says, or has none: it is no job, and is removed by the next list. A file whose first line is wrong is
@@ -13,7 +13,7 @@ import os
 
 from micropython import const
 
-from passo.config.job_store import HEAD_BYTES, JobStore, parse_first_line
+from passo.options.jobs.config import HEAD_BYTES, JobStore, parse_first_line
 
 END_MARK = b"\n"
 _TORN = const(1)  # an upload that was cut off

@@ -1,10 +1,10 @@
 """Stored jobs on a memory card."""
 
-from passo.control import jobs
 from passo.options.card.config import CardStore
+from passo.options.jobs import control
 
 
-class Jobs(jobs.Jobs):
+class Jobs(control.Jobs):
     def _make_store(self, board, port, folder):
         self._card = port.make("card", board["card"])
         return CardStore(self._card.path + folder)

@@ -3,6 +3,7 @@
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import PIN
 
+SHARES = ("jobs",)
 RULES = {
     "card": {"spi": (int, 1, 0, 2), "sck": PIN, "mosi": PIN, "miso": PIN, "cs": PIN},
 }
@@ -14,7 +15,7 @@ def claims(board):
 
 def check(board):
     config = board["card"]
-    if not board["jobs"]:
+    if not board.get("jobs"):
         raise BoardError("card: it is for stored jobs, and there is no key jobs")
     board["additions"].features["jobs"] = "passo.options.card.control", "Jobs"
     if board["chip"].startswith("esp32"):

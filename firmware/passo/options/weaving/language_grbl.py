@@ -6,7 +6,7 @@ from passo.protocols.gcode.words import X
 
 
 def extend(protocol, board):
-    protocol.system.more["$WEAVE="] = lambda machine, text: understand(protocol.gcode.words, text)
+    protocol.system.learn("$WEAVE=", lambda machine, text: understand(protocol.gcode.words, text))
 
 
 def understand(words, text):

@@ -43,8 +43,6 @@ def load(board):
     if "usb" in [link["port"] for link in board["links"]]:
         from passo.ports.rp2 import console  # noqa: F401
         from passo.ports import usb_line  # noqa: F401
-    if board["journal"]:
-        from passo.ports.rp2 import pages  # noqa: F401
 
 
 class Guard:
@@ -79,10 +77,6 @@ class Port(ChipPort):
         ChipPort.__init__(self, board, LEAD_TICKS, _LIVE_TICKS)
         if hasattr(self.bank, "levels"):
             self.levels = self.bank.levels
-        if board["journal"]:
-            from passo.ports.rp2.pages import Pages
-
-            self.pages = Pages()
 
     @micropython.viper
     def levels(self) -> int:

@@ -37,7 +37,7 @@ class Start(start.Start):
         self._code = flash_code.code
 
     def keep(self, board):
-        """Make the largest arrays, and what links and stored jobs keep."""
+        """Make the largest arrays, and what links and files keep."""
         if start.FROZEN:
             if not board["network"]:  # 90 kB and more stay free
                 from passo.memory import FileRoom
@@ -53,11 +53,11 @@ class Start(start.Start):
         self.rooms = [(kind, array(kind, bytearray(4 * count))) for kind, count in sizes]
         if self._code:
             self._code.borrow(self.rooms[0][1])
-        if board["jobs"]:
+        for _, language in getattr(board.get("additions"), "file_links", ()):
             from passo.memory import FILE_BYTES, spent
 
             self.rooms += [("d", spent(0)), ("b", bytearray(FILE_BYTES))]
-            languages.append(board["jobs"]["language"])
+            languages.append(language)
         self.rooms += [("b", bytearray(LINES_BYTES)) for language in languages if language == "grbl"]
 
     def run(self, app, port):

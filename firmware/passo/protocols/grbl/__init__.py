@@ -1,6 +1,7 @@
 """G-code as grbl takes it on a link; its links share their work offsets."""
 
 from passo.batch import Lines
+from passo.protocols import extended
 from passo.protocols.gcode.offsets import Offsets
 from passo.protocols.grbl.protocol import Grbl
 
@@ -16,11 +17,6 @@ def _axes(board):
 def check(board):
     if board["homing"] and board["homing"]["latch"]:
         from passo.protocols.grbl import homing  # noqa: F401
-    if board["jobs"]:
-        from passo.protocols.jobs.files import understand  # noqa: F401
-        from passo.protocols.grbl.stored import answers  # noqa: F401
-    if board["journal"]:
-        from passo.protocols.jobs.journal import told  # noqa: F401
     axes = _axes(board)
     return None if axes in ("x", "xy", "xyz", "xyza") else "grbl wants axes x, y, z in this order, not " + axes
 
@@ -34,6 +30,4 @@ def create(link, number, board, controller, shared, most):
     batch = Lines(number, program.rows, most, program.slow_tool(), program.dots)
     made = Grbl(axes, shared["offsets"], machine, batch, (most + 7) >> 3)  # one that goes as a command costs as much as eight
     made.gcode.turns = controller.queue.turns
-    for module in getattr(board.get("additions"), "extensions", ()):  # of options
-        module.extend(made, board)
-    return made
+    return extended(made, board, "grbl")

@@ -71,8 +71,17 @@ class Grbl:
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
         self._stored = False  # it reads a file, in which no byte acts at once
+        self._languages = {}  # of options, by the kind of their command
+        self._raw = b"$"  # how a line begins whose letters count as they are
         self._configure()
         self._forget()
+
+    def learn(self, language):
+        """Take `$` lines of an option whose answers are its own, too: a module with START, KIND, understand(machine, text) and told(value)."""
+        self._languages[language.KIND] = language
+        self._raw = getattr(language, "RAW", self._raw)
+        self.system.marks = language.START[1] + self.system.marks
+        self.system.learn(language.START, language.understand, hasattr(language, "ASKED"))
 
     def _forget(self):
         self._lines.clear()
@@ -304,7 +313,7 @@ class Grbl:
             if b"\x7f" in bare(line):
                 return acted + [Command(commands.BAD, error=errors.LETTER)]
         if b"$" in line and bare(line)[:1] == b"$":
-            result = self.system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
+            result = self.system.execute(line.decode() if line[:3] == self._raw else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
         elif self._machine.commander != self._number:
@@ -344,14 +353,8 @@ class Grbl:
 
                 text += told(event.value)
             self._start_lines = [] if self._machine.alarm else self.system.start_lines()
-        if command.kind == commands.JOB and event.value:
-            from passo.protocols.jobs.files import told
-
-            text += told(event.value)
-        if command.kind == commands.JOURNAL and event.value:
-            from passo.protocols.jobs.journal import told
-
-            text += told(event.value)
+        if command.kind in self._languages and event.value:
+            text += self._languages[command.kind].told(event.value)
         if self._rest and self._rest[0].kind == commands.MORE:
             made = next(self._rest[0].value)
             if made is None:
@@ -382,11 +385,10 @@ class Grbl:
             self.gcode.spindle, self.gcode.coolant = 5, 0  # the machine has switched them off: G1 without M3 must not light the tool
         if event.kind == ALARM:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
-        if event.kind == NOTICE and event.error == errors.NOTICE_JOB_ENDED:
-            from passo.protocols.jobs.files import ended
-
-            return grbl_report.message(ended(event.value)).encode()
         if event.kind == NOTICE:
+            for language in self._languages.values():
+                if getattr(language, "NOTICE", 0) == event.error:
+                    return grbl_report.message(language.ended(event.value)).encode()
             text = grbl_report.NOTICES[event.error]
             return grbl_report.message(text if event.value is None else text % event.value).encode()
         if event.kind != RESTARTED:

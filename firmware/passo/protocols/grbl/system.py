@@ -44,10 +44,19 @@ class System:
         self._machine = machine
         self._number = batch.link
         self._rows = batch.dots[DOTS_MASK]
-        self.more = {}  # of options, by their beginning up to "=": understand(machine, what follows), which returns as execute()
         self.blocks = machine.blocks()
         self.probed = [0] * gcode.axes
         self.touched = False
+        self._own = ()  # lines of options, see learn()
+        self.marks = ""  # letters of options in what `$I` says
+        self._asked = ("$#", "$I", "$N")  # lines that any link may say
+
+    def learn(self, start, understand, asked=False):
+        """Lines that begin with `start` are an option's: understand(machine, what follows) returns as execute(). `asked`: any link may say the
+        line that is `start` and no more."""
+        self._own += ((start, understand),)
+        if asked:
+            self._asked += (start,)
 
     def inches(self):
         """Whether reports are in inches: never, if an axis counts degrees."""
@@ -68,11 +77,7 @@ class System:
             return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
         if line[:5] == "$LINK":
             return self._link(line[5:])
-        value_at = line.find("=") + 1  # 0: it has none, and asks
-        understand = self.more.get(line[:value_at] if value_at else line)
-        if understand and not value_at:
-            return understand(self._machine, "")
-        if line not in ("$#", "$I", "$N", "$JR") and self._machine.commander != self._number:
+        if line not in self._asked and self._machine.commander != self._number:
             return errors.COMMANDED_ELSEWHERE
         if line == "$C":
             return [Command(commands.CHECK, value=0 if state == "check" else 1)]
@@ -80,16 +85,9 @@ class System:
             return [Command(commands.UNLOCK)]
         if line in ("$MOTORS=0", "$MOTORS=1"):
             return [Command(commands.CONNECT, value=int(line[8]))]
-        if understand:
-            return understand(self._machine, line[value_at:])
-        if line[1:2] == "F" and commands.JOB in self._machine.handlers:
-            from passo.protocols.jobs import files  # loaded at the start, by check()
-
-            return files.understand(line)
-        if line[1:3] == "JR" and commands.JOURNAL in self._machine.handlers:
-            from passo.protocols.jobs import journal  # loaded at the start, by check()
-
-            return journal.understand(line)
+        for start, understand in self._own:
+            if line.startswith(start):
+                return understand(self._machine, line[len(start) :])
         if line[1:2] == "J":
             return self._jog(line, state)
         if state not in ("idle", "alarm"):
@@ -151,15 +149,13 @@ class System:
         text = self._settings.get(INFO) or ""
         version = "[VER:1.1h.20190830:%s]\r\n" % text  # of the grbl whose interface this is
         about = self._machine.about
-        handlers = self._machine.handlers
-        more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
         rows = "[CLUSTER:%d]\r\n[PACKED:%d]\r\n" % (_CLUSTER, _PACKED) if self._rows else ""
         if self._gcode.axes > 3:
             rows += "[AXS:4:XYZA]\r\n"
         turns = self._gcode.turns
         if turns:
             rows += "[ROTARY:A%s%s]\r\n" % (",SHORT" if turns & 2 else "", ",ENDLESS" if turns & 4 else "")
-        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
+        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (self.marks, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
         before = self._settings.snapshot()

@@ -10,6 +10,8 @@ what it may ask for. A PC's page has the same orders and machines, which a wire 
 def create(kind, number, board, controller, spoken):
     """`kind`: the class of the machine; `spoken`: what its link speaks besides, or else that language's
     package."""
+    from passo.protocols import extended
     from passo.protocols.page.protocol import Page  # late: this package is imported before each of its modules
 
-    return Page(lambda tell: kind(controller.machine, number, board, tell, spoken))
+    language = board["links"][number]["protocol"]
+    return extended(Page(lambda tell: kind(controller.machine, number, board, tell, spoken), language), board, "page")

@@ -33,8 +33,9 @@ _JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 
 
 class Page:
-    def __init__(self, machine_of):
-        """`machine_of(tell)`: a PageMachine."""
+    def __init__(self, machine_of, language):
+        """`machine_of(tell)`: a PageMachine; `language`: the name of its link's."""
+        self._language = language
         self._messages = []  # to pages: what all are told, and answers to orders
         self._ordered = None  # the command of an order that is being carried out
         self._refused = 0  # the error of the order's commands
@@ -54,9 +55,9 @@ class Page:
         self._orders = Orders(self._machine)
         self.hello = self._orders.hello  # hello(): what a page is told first, a dict
 
-    def keep(self, jobs_of, language, name_fits):
-        """The board stores jobs, of that language."""
-        self._jobs = jobs_of(self._machine, self.tell, language, name_fits)
+    def keep(self, jobs_of):
+        """The board stores jobs."""
+        self._jobs = jobs_of(self._machine, self.tell, self._language)
 
     def tell(self, event):
         """Something for every page, a dict."""

@@ -126,7 +126,7 @@ class Plotter:
         """`gap_ms`: silence that ends a burst; `jog_up`: the direction, in axes, of UP (RIGHT is a quarter turn on);
         `batch`: a batch.Points of the link."""
         self.batch = batch
-        self.words = None  # PacketWords, if the board has stored jobs or a journal
+        self.words = None  # PacketWords, if options add some
         self.gap_ms = gap_ms
         up_x, up_y = jog_up
         self._jogs = {UP: (up_x, up_y), DOWN: (-up_x, -up_y), RIGHT: (up_y, -up_x), LEFT: (-up_y, up_x)}

@@ -1,4 +1,4 @@
-"""Lines of text in packets, for stored jobs and the journal: `$`, number, three characters, checksum.
+"""Lines of text in packets, for what options add: `$`, number, three characters, checksum.
 
 The packets of a line are numbered from 0; a line feed ends it. Each is answered by TAKEN, the last by the lines that answer it, of
 which the last is `ok` or `error:120`. One that comes a second time is answered again and not taken. One whose number does not
@@ -9,14 +9,14 @@ from micropython import const
 
 from passo import errors
 from passo.commands import BAD, HELLO, Command
-from passo.protocols.jobs.words import Words
+from passo.protocols.words import Words
 
 _LONGEST = const(90)  # characters of a line
 
 
 class PacketWords(Words):
-    def __init__(self, board):
-        Words.__init__(self, board)
+    def __init__(self):
+        Words.__init__(self)
         self._text = b""
         self._number = 0  # of the packet that follows
 

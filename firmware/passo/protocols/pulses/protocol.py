@@ -8,7 +8,7 @@ Control commands stand in braces, which are no codes, and may come at any moment
     {run} {run 5} {back} {pause} {stop} {step} {step back}
     {return} {return back} {continue} {continue back}    after manual moves: the way they came, or from here
     {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?} {log}
-    {$F} {$JR} …           stored jobs and the journal, if the board has them: see protocols/jobs
+    {$F} {$JR} …           lines that options add, such as stored jobs and the journal: see protocols/words.py
     {motors on}            where relays choose between this board and another controller
 
 With the drives off the steps of a file go out all the same, as from a parallel port, and no motor has current: a dry run,
@@ -71,7 +71,7 @@ def frame(*words):
 class Pulses:
     def __init__(self, axes, config):
         """`axes`: their names, at most three count; `config`: the section `step_program` of the board file."""
-        self.words = None  # Words, if the board has stored jobs or a journal
+        self.words = None  # Words, if options add some
         self._axes = axes[:3]
         self._config = config
         self._known = (1 << len(self._axes)) - 1
@@ -387,6 +387,6 @@ class Pulses:
         """What is said unasked."""
         if event.kind == ALARM:
             return b"alarm:%d\n" % event.error
-        if event.kind == NOTICE and event.error == errors.NOTICE_JOB_ENDED and self.words:
-            return self.words.ended(event.value)
+        if event.kind == NOTICE and self.words:
+            return self.words.said(event)
         return b"ready\n" if event.kind == RESTARTED else b""

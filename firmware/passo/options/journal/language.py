@@ -10,18 +10,22 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.records import COUNT_MASK
 
+START = "$JR"  # how these lines begin
+KIND = commands.JOURNAL  # of their command
+ASKED = True  # by any link: the line that is no more than that
 
-def understand(line):
-    """The commands of a line that begins with `$JR`, or the number of an error."""
-    if line == "$JR":
+
+def understand(machine, text):
+    """The commands of a line in which `text` follows START, or the number of an error."""
+    if not text:
         return [Command(commands.JOURNAL)]
-    number, comma, rest = line[4:].partition(",")
+    number, comma, rest = text[1:].partition(",")
     try:
         job = int(number, 16)
         fields = [int(field) for field in rest.split(",")] if comma else ()
     except ValueError:
         job = 0
-    if line[3:4] != "=" or not 0 < job <= 0xFFFFFFFF:
+    if text[:1] != "=" or not 0 < job <= 0xFFFFFFFF:
         return errors.STATEMENT
     if not fields:
         return [Command(commands.JOURNAL, job)]

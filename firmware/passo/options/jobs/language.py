@@ -15,28 +15,33 @@ from binascii import a2b_base64
 from passo import commands, errors
 from passo.commands import Command
 
+START = "$F"  # how these lines begin
+KIND = commands.JOB  # of their command
+NOTICE = errors.NOTICE_JOB_ENDED  # of how one has ended
+RAW = b"$F:"  # how those begin whose letters count as they are
+
 
 def _command(what, target=None):
     return [Command(commands.JOB, target, what)]
 
 
-def understand(line):
-    """The commands of a line that begins with `$F`, or the number of an error."""
-    if line == "$F":
+def understand(machine, text):
+    """The commands of a line in which `text` follows START, or the number of an error."""
+    if not text:
         return _command(commands.JOB_LIST)
-    if line == "$F?":
+    if text == "?":
         return _command(commands.JOB_STATE)
-    if line == "$FE":
+    if text == "E":
         return _command(commands.JOB_CLOSE)
-    if line[:3] == "$F=" and line[3:]:
-        return _command(commands.JOB_RUN, line[3:])
-    if line[:4] == "$FD=":
-        return _command(commands.JOB_DELETE, line[4:])
+    if text[:1] == "=" and text[1:]:
+        return _command(commands.JOB_RUN, text[1:])
+    if text[:2] == "D=":
+        return _command(commands.JOB_DELETE, text[2:])
     try:
-        if line[:3] == "$F:":
-            return _command(commands.JOB_DATA, a2b_base64(line[3:]))
-        if line[:4] == "$FS=":
-            name, language, size, crc, stored = line[4:].split(",")
+        if text[:1] == ":":
+            return _command(commands.JOB_DATA, a2b_base64(text[1:]))
+        if text[:2] == "S=":
+            name, language, size, crc, stored = text[2:].split(",")
             return _command(commands.JOB_OPEN, (name, language.lower(), int(size), int(crc, 16), int(stored)))
     except ValueError:
         pass

@@ -1,6 +1,8 @@
-"""What the language of pulse codes says of stored jobs: codes, streamed. Their blocks of CREDIT are answered, and the end."""
+"""Stored jobs in the language of pulse codes, streamed. Their blocks of CREDIT are answered, and the end."""
 
+from passo.options.jobs import language
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW
+from passo.protocols.words import Words
 
 LIMITS = (WINDOW - CREDIT, CREDIT)  # codes not yet answered, from which on no more are given; bytes given at once
 FRAME = (b"{stream}\n", b"{end}")  # what stands before a job, and behind it
@@ -15,3 +17,8 @@ def units(data):
 def answers(said, before, given):
     """All is answered when the program has been played to its end."""
     return given if b"end\n" in said else before + CREDIT * said.count(ACK)
+
+
+def extend(protocol, board):
+    protocol.stored = LIMITS, FRAME, units, answers
+    Words.of(protocol).learn(language)

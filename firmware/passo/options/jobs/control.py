@@ -15,10 +15,10 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import DROPPED, Event
-from passo.config.job_keys import LINK, name_fits
-from passo.config.job_store import Damaged, JobStore
 from passo.control.feature import OFF, WORK_GONE, Feature
 from passo.memory import buffer
+from passo.options.jobs.config import Damaged, JobStore
+from passo.options.jobs.config_names import LINK, name_fits
 
 _PIECE = const(512)  # bytes that are read at once while a job is proven
 _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
@@ -28,11 +28,11 @@ class JobLine:
     """The serial line of a stored job: reads the file, counts the answers, and waits while the language has as many units unanswered
     as it may."""
 
-    def __init__(self, protocol, stored, look, damaged):
-        """`look()` is called when something has been answered, `damaged(error)` if the file is damaged."""
+    def __init__(self, protocol, look, damaged):
+        """`protocol`: has `stored`, how its language's answers are counted. `look()` is called when something has been answered, `damaged(error)` if the file is damaged."""
         self._protocol = protocol
-        self._stored = stored  # the language's module: how its answers are counted
-        self._most, piece = stored.LIMITS  # units that may be unanswered: lines, packets, codes
+        limits, self._frame, self._units, self._answers = protocol.stored
+        self._most, piece = limits  # units that may be unanswered: lines, packets, codes
         self.piece = memoryview(buffer(max(piece, _PIECE)))  # what a job is proven with
         self._view = self.piece[:piece]  # on the bytes read last
         self._look = look
@@ -44,7 +44,7 @@ class JobLine:
     def begin(self, file):
         self._file = file
         self.given = self.answered = 0
-        self._first, self._last = self._stored.FRAME
+        self._first, self._last = self._frame
         getattr(self._protocol, "begin_file", int)()
 
     def leave(self):
@@ -74,12 +74,12 @@ class JobLine:
                 self._damaged(damaged.args[0])
                 return b""
             data = self._view[:count]
-        self.given += self._stored.units(data)
+        self.given += self._units(data)
         return data
 
     def write(self, data):
         if self._file is not None:
-            self.answered = self._stored.answers(bytes(data), self.answered, self.given)
+            self.answered = self._answers(bytes(data), self.answered, self.given)
             self._look()
 
     def done(self):
@@ -111,10 +111,10 @@ class Jobs(Feature):
         self._rest = None  # its file, read to its end behind a line that was refused
         machine.links.append(LINK)
 
-    def join(self, number, protocol, stored):
-        """`number` and `protocol` of the link; `stored`: what its language says of stored jobs. Returns the serial line."""
+    def join(self, number, protocol):
+        """`number` and `protocol` of the link. Returns the serial line."""
         self._number = number
-        self.line = JobLine(protocol, stored, self._look, self._refused)
+        self.line = JobLine(protocol, self._look, self._refused)
         self._store.prepare()
         return self.line
 

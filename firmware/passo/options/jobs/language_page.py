@@ -1,12 +1,12 @@
-"""Stored jobs on the page that a board serves: uploaded in pieces, listed, run, deleted. Only boards with `jobs` load it.
+"""Stored jobs on the page that a board serves: uploaded in pieces, listed, run, deleted.
 
-    jobs = StoredJobs(machine, tell, language, name_fits)
+    jobs = StoredJobs(machine, tell, language)
     machine.orders["stored"]({"do": "stored", "what": "begin", "name": "PART.NC", "size": 900, "crc": "cbf43926", "stored": 300})
     machine.orders["stored"]({"do": "stored", "what": "piece", "name": "PART.NC", "at": 0, "data": "…"})    # base64, PIECE bytes
     machine.orders["stored"]({"do": "stored", "what": "end", "name": "PART.NC"})    # read back whole; the job "kept" or "failed" follows
     jobs.poll()                     # before the state is pushed
 
-The commands are those of the `$F` lines of every language (protocols/jobs/files.py): the machine refuses them while anything moves, and
+The commands are those of the `$F` lines of every language (language.py): the machine refuses them while anything moves, and
 without the command. An upload never is in memory: a piece is written before the next is asked for, and the browser has packed it.
 """
 
@@ -16,6 +16,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
+from passo.options.jobs.config_names import name_fits
 from passo.protocols.page.orders import Wrong, number, text
 
 PIECE = const(300)  # bytes of an upload in a message: with its proof some 600, of which a Pico W has several pieces at any time
@@ -25,12 +26,11 @@ _PER_CENT = const(100)
 
 
 class StoredJobs:
-    def __init__(self, machine, tell, language, name_fits):
-        """`machine`: a PageMachine; `tell(event)`: a dict for every page; `name_fits(name)`: a job may be called so."""
+    def __init__(self, machine, tell, language):
+        """`machine`: a PageMachine; `tell(event)`: a dict for every page."""
         self._machine = machine
         self._tell = tell
         self._language = language
-        self._fits = name_fits
         self._name = ""  # of the upload under way
         self._sent = self._size = 0
         self._closing = self._ran = False
@@ -45,7 +45,7 @@ class StoredJobs:
         if what == "list":
             return self._ask(commands.JOB_LIST)
         name = text(order, "name", 64)
-        if not self._fits(name):
+        if not name_fits(name):
             return errors.STORED_NAME
         if what == "run" or what == "delete":
             return self._ask(commands.JOB_RUN if what == "run" else commands.JOB_DELETE, name)
@@ -133,3 +133,7 @@ class StoredJobs:
             "name": name, "how": how, "error": error, "line": line, "lines": _PER_CENT, "done": done,
             "pass": 1, "passes": 1, "checked": False, "single": False, "stored": True,
         }  # fmt: skip
+
+
+def extend(protocol, board):
+    protocol.keep(StoredJobs)

@@ -28,9 +28,9 @@ import deflate
 from micropython import const
 
 from passo import errors
-from passo.config.job_keys import name_fits
 from passo.config.journal import sealed
 from passo.memory import WINDOW_BITS, FileRoom, stream
+from passo.options.jobs.config_names import name_fits
 
 _MAGIC = b"job "
 HEAD_BYTES = const(96)  # at most, of a file's first line

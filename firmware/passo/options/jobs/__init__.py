@@ -1,0 +1,1 @@
+"""Programs kept on the board, and run without a PC."""

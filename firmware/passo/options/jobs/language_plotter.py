@@ -1,0 +1,21 @@
+"""Stored jobs in the plotter's language: packets, each answered by a byte. One at a time: a refused one has no answer, and nothing
+behind it may be done."""
+
+from passo.options.jobs import language
+from passo.protocols.plotter.words import PacketWords
+
+LIMITS = (1, 6)  # packets not yet answered; bytes given at once
+FRAME = (b"", b"")  # what stands before a job, and behind it
+
+
+def units(data):
+    return 1
+
+
+def answers(said, before, given):
+    return before + len(said)
+
+
+def extend(protocol, board):
+    protocol.stored = LIMITS, FRAME, units, answers
+    PacketWords.of(protocol).learn(language)

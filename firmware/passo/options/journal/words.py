@@ -1,0 +1,9 @@
+"""What the key `journal` means: texts of docs/reference/board-file.md. No board has this file."""
+
+SECTIONS = {
+    "journal": ("journal", "Keeps the state of a job in flash. See [jobs](../use/jobs.md#after-a-power-cut)."),
+}
+MEANINGS = {
+    "journal.every_ms": "While the machine moves, age of the last record at most, ms; older once half the slots are used.",
+    "journal.power": "Name of the input that is active when the power fails: the machine stops, and writes where it is.",
+}
