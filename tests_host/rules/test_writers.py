@@ -34,7 +34,7 @@ WRITERS = {
 # All that a language may know of a machine.
 FACE = {
     # what it is
-    "about", "arcs", "handlers", "links", "settings", "steps_per_m",
+    "about", "arcs", "links", "settings", "steps_per_m",
     # what it does
     "alarm", "blocks", "busy_with", "checking", "coolant", "homed", "log", "overrides", "state", "target",
     # who commands, and on whose behalf a stored job runs

@@ -50,6 +50,7 @@ _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
 
 class Grbl:
     keeps = True  # see app.py
+    stored = None  # of an option whose link reads files: bounds of what is unanswered, frame of a file, units(data), answers(said, before, given)
 
     def __init__(self, axes, offsets, machine, batch, most):
         """`axes`: names; `machine`: the record of its state; `batch`: a batch.Lines of the link; `most`: lines that feed() takes."""

@@ -121,6 +121,7 @@ def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, ro
 
 class Plotter:
     binary = True  # 00 is a byte like others
+    stored = None  # as Grbl's
 
     def __init__(self, gap_ms=5, jog_up=(0, 1), batch=None):
         """`gap_ms`: silence that ends a burst; `jog_up`: the direction, in axes, of UP (RIGHT is a quarter turn on);

@@ -69,6 +69,8 @@ def frame(*words):
 
 
 class Pulses:
+    stored = None  # as Grbl's
+
     def __init__(self, axes, config):
         """`axes`: their names, at most three count; `config`: the section `step_program` of the board file."""
         self.words = None  # Words, if options add some
