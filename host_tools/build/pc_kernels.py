@@ -24,6 +24,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import types
 from functools import lru_cache
 from pathlib import Path
 
@@ -56,7 +57,7 @@ TAKEN = {
     "passo.steps.segments_viper.make",
 }
 PC = (Path(units.__file__).parent / "pc.c").read_text(encoding="utf-8")
-OPTIONS = "-O2 -std=gnu11 -fwrapv -fno-strict-aliasing -fPIC -shared -w"
+OPTIONS = "-O2 -fno-math-errno -std=gnu11 -fwrapv -fno-strict-aliasing -fPIC -shared -w"
 SUFFIX = ".dll" if sys.platform == "win32" else ".so"
 
 
@@ -74,13 +75,19 @@ def compiler():
     return [*interpreter.python(), "-m", "ziglang", "cc", "-fno-sanitize=all"] if importlib.util.find_spec("ziglang") else None
 
 
-def library():
-    """(path of the library, its table) for the firmware as it is now; None if nothing compiles here. Raises Failure."""
+def firmware_texts():
+    """{path: text} of the firmware, but for the ports of chips."""
+    paths = [path for path in sorted((FIRMWARE / "passo").rglob("*.py")) if "ports" not in path.parts and not path.name.startswith("port")]
+    return {path.relative_to(FIRMWARE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
+
+
+def library(texts=None):
+    """(path of the library, its table) for the texts, {path: text}, by default those of the firmware as it is now; None if nothing compiles
+    here. Raises Failure."""
     command = compiler()
     if command is None:
         return None
-    paths = [path for path in sorted((FIRMWARE / "passo").rglob("*.py")) if "ports" not in path.parts and not path.name.startswith("port")]  # of chips
-    texts = {path.relative_to(FIRMWARE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
+    texts = texts or firmware_texts()
     makers = [path.read_text(encoding="utf-8") for path in sorted(Path(units.__file__).parent.glob("*.*")) if path.is_file()]
     state = hashlib.sha256(repr((texts, makers, command, OPTIONS, sys.platform, Path(__file__).read_text(encoding="utf-8"))).encode())
     kept = modules.CACHE / f"pc-{state.hexdigest()[:24]}{SUFFIX}"
@@ -127,6 +134,26 @@ def use_compiled():
     for name in [name for name in sys.modules if finder.names_in(name)]:
         _replace(sys.modules[name], finder.names_in(name), kernels)
     return True
+
+
+def kernels_of(module, *names):
+    """A host tool's own kernels, functions of a module by name: those in C if there is a compiler, else the module's; `.compiled` says which.
+    The plain ones do the same, some hundred times slower. Raises Failure."""
+    return _kernels_of(os.environ.get(CHOICE), module, names)
+
+
+@lru_cache(maxsize=8)
+def _kernels_of(choice, module, names):
+    plain, found = importlib.import_module(module), None
+    if choice != "plain":
+        TAKEN.update(f"{module}.{name}" for name in names)
+        found = library({module.replace(".", "/") + ".py": Path(plain.__file__).read_text(encoding="utf-8")})
+    if found is None and choice == "c":
+        raise Failure("{}=c: there is no C compiler here", CHOICE)
+    if found is None:
+        return types.SimpleNamespace(compiled=False, **{name: getattr(plain, name) for name in names})
+    made = Library(*found)
+    return types.SimpleNamespace(compiled=True, **{name: made.function(f"{module}.{name}", getattr(plain, name)) for name in names})
 
 
 def _replace(module, names, library):

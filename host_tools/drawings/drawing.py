@@ -17,11 +17,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy
+import shapely
 from shapely.affinity import affine_transform
 
 from host_tools import boards
 from host_tools.drawings import hatch, layout, placement, sources, svg_area
-from host_tools.drawings.line_order import followed, joined, sorted_from, travel
+from host_tools.drawings.line_order import followed, joined, travel
+from host_tools.drawings.page import moved
 from host_tools.drawings.placement import MM_PER_PX, Options, percent  # noqa: F401
 from host_tools.drawings.shorter import shortened
 from host_tools.failure import Failure
@@ -172,7 +174,7 @@ def _sheet(path, board, options, progress, several):
     scale = MM_PER_PX * place.factor
     (left, bottom), (x, y) = place.corner_px, place.origin_mm
     layers = {
-        number: [(line - complex(left, bottom)).conjugate() * scale + complex(x, y) for line in lines] for number, lines in chosen.items()
+        number: moved(lines, lambda places: (places - complex(left, bottom)).conjugate() * scale + complex(x, y)) for number, lines in chosen.items()
     }
     fills = {
         number: [affine_transform(area, [scale, 0, 0, -scale, x - left * scale, y + bottom * scale]) for area in page.fills.get(number, [])]
@@ -207,12 +209,22 @@ def _read(file, path, factor, options, progress):
 def _cropped(lines, size_px):
     """The parts of lines on the page; lines outside by less than _EDGE_MM are moved onto its edge."""
     edge, (width, height) = _EDGE_MM / MM_PER_PX, size_px
+    if lines:
+        left, top, right, bottom = placement.box_of([lines])
+        if left >= 0 and top >= 0 and right <= width and bottom <= height:
+            return lines
     inside = svg_area.clipped(lines, svg_area.rectangle(-edge, -edge, width + edge, height + edge))
-    return [numpy.clip(line.real, 0, width) + 1j * numpy.clip(line.imag, 0, height) for line in inside]
+    return moved(inside, lambda places: numpy.clip(places.real, 0, width) + 1j * numpy.clip(places.imag, 0, height))
 
 
 def _length(layers):
-    return sum(float(abs(line[1:] - line[:-1]).sum()) for lines in layers.values() for line in lines)
+    every = [line for lines in layers.values() for line in lines]
+    if not every:
+        return 0.0
+    places = numpy.concatenate(every)
+    ways = abs(places[1:] - places[:-1])
+    ways[numpy.cumsum([len(line) for line in every[:-1]], dtype=int) - 1] = 0.0  # between two lines
+    return float(ways.sum())
 
 
 def _chosen(page, path, options):
@@ -259,33 +271,41 @@ def _notes_of(page, options):
 def _ordered(layers, options, progress):
     """(The lines of each layer, joined, thinned, and ordered for little pen-up travel from 0;0; the travel that the order of the file
     would take, in mm)."""
-    from shapely.geometry import LineString
-
     ordered, pen = [], 0j
     before_mm, old = 0.0, 0j
     count, done = sum(map(len, layers)), 0
     for lines in layers:
         before_mm += travel(lines, old)
         old = lines[-1][-1]
-        thin = []
-        for index, line in enumerate(followed(lines, _JOIN_MM) if options.keep_order else joined(lines, _JOIN_MM)):
-            if index % 64 == 0:
-                progress(N_("ordering"), (done + _JOINING * index) / count)
-            if len(line) > 2:
-                points = numpy.column_stack((line.real, line.imag))
-                kept = numpy.asarray(LineString(points).simplify(options.tolerance / 2).coords)
-                line = kept[:, 0] + 1j * kept[:, 1]
-            thin.append(_repeated(line, options.repeat))
+        progress(N_("ordering"), done / count)
+        thin = _thinned(followed(lines, _JOIN_MM) if options.keep_order else joined(lines, _JOIN_MM), options.tolerance / 2)
+        thin = [_repeated(line, options.repeat) for line in thin] if options.repeat > 1 else thin
         if not options.keep_order:
 
             def told(share, done=done, size=len(lines)):
                 progress(N_("ordering"), (done + (_JOINING + (1 - _JOINING) * share) * size) / count)
 
-            thin = shortened(sorted_from(thin, pen), pen, told)
+            thin = shortened(thin, pen, told)
         ordered.append(thin)
         pen = thin[-1][-1]
         done += len(lines)
     return ordered, before_mm
+
+
+def _thinned(lines, tolerance):
+    """Lines without the points that lie within `tolerance` of the line through their neighbours."""
+    long = [number for number, line in enumerate(lines) if len(line) > 2]
+    if not long:
+        return lines
+    points = numpy.concatenate([lines[number] for number in long])
+    owner = numpy.repeat(numpy.arange(len(long)), [len(lines[number]) for number in long])
+    made = shapely.simplify(shapely.linestrings(points.real, points.imag, indices=owner), tolerance)
+    places, owner = shapely.get_coordinates(made, return_index=True)
+    kept = numpy.split(places[:, 0] + 1j * places[:, 1], numpy.flatnonzero(numpy.diff(owner)) + 1)
+    lines = list(lines)
+    for number, line in zip(long, kept):
+        lines[number] = line
+    return lines
 
 
 def _repeated(line, times):
@@ -297,11 +317,14 @@ def _repeated(line, times):
 
 def _to_steps(lines, steps_per_mm, travel):
     """Integer points without repeats. A line shorter than a step stays as a dot: the same point twice."""
-    result = []
-    for line in lines:
-        xs = numpy.clip(numpy.rint(line.real * steps_per_mm[0]), 0, travel[0]).astype(int)
-        ys = numpy.clip(numpy.rint(line.imag * steps_per_mm[1]), 0, travel[1]).astype(int)
-        fresh = numpy.append(True, (xs[1:] != xs[:-1]) | (ys[1:] != ys[:-1]))
-        points = list(zip(xs[fresh].tolist(), ys[fresh].tolist()))
-        result.append(points if len(points) > 1 else points * 2)
-    return result
+    if not lines:
+        return []
+    points = numpy.concatenate(lines)
+    firsts = numpy.cumsum([0, *map(len, lines)])
+    xs = numpy.clip(numpy.rint(points.real * steps_per_mm[0]), 0, travel[0]).astype(int)
+    ys = numpy.clip(numpy.rint(points.imag * steps_per_mm[1]), 0, travel[1]).astype(int)
+    fresh = numpy.append(True, (xs[1:] != xs[:-1]) | (ys[1:] != ys[:-1]))
+    fresh[firsts[:-1]] = True
+    bounds = numpy.concatenate([[0], numpy.cumsum(fresh)])[firsts].tolist()
+    places = list(zip(xs[fresh].tolist(), ys[fresh].tolist()))
+    return [places[begin:end] * (1 if end - begin > 1 else 2) for begin, end in zip(bounds, bounds[1:])]

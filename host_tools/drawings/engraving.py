@@ -15,12 +15,15 @@ W. H. Ninke, "A survey of techniques for the display of continuous tone pictures
 
 import math
 import re
+from array import array
 from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont, ImageOps, UnidentifiedImageError
 
+from host_tools.build.pc_kernels import kernels_of
+from host_tools.drawings import dither_viper
 from host_tools.failure import Failure, reason
 from host_tools.programs import file_kinds
 from host_tools.programs.gcode_file import refuse_others_at
@@ -244,23 +247,17 @@ def diffused(dark, parts, shares, progress=None):
     """Dots, 1 or 0, whose mean is that of `dark` everywhere: each dot's error goes to those that follow. Rows in turn from the left and
     from the right, so that no pattern leans."""
     height, width = dark.shape
-    reach, down = max(abs(dx) for dx, _, _ in shares), max(dy for _, dy, _ in shares)
-    left = [[0.0] * (width + 2 * reach) for _ in range(down + 1)]
-    out = np.zeros((height, width))
+    room, below = max(abs(dx) for dx, _, _ in shares), max(dy for _, dy, _ in shares)
+    pitch = width + 2 * room
+    kernels = kernels_of(dither_viper.__name__, "diffuse_row")
+    numbers = array("i", [each for share in shares for each in share] + [0] * dither_viper.SHARE)
+    errors, blank = array("i", bytes(4 * pitch * (below + 1))), array("i", bytes(4 * pitch))
+    out = np.empty((height, width))
     for y in range(height):
-        row = left[0]
-        wanted = dark[y].tolist()
-        step = 1 if y % 2 == 0 else -1
-        given = [(step * dx, left[dy], part / parts) for dx, dy, part in shares]
-        for x in range(width) if step > 0 else range(width - 1, -1, -1):
-            value = wanted[x] + row[x + reach]
-            error = value
-            if value >= 0.5:
-                out[y, x] = 1.0
-                error -= 1.0
-            for dx, target, share in given:
-                target[x + reach + dx] += error * share
-        left = [*left[1:], [0.0] * (width + 2 * reach)]
+        row = array("i", np.rint(dark[y] * dither_viper.ONE).astype(np.int32).tobytes())
+        kernels.diffuse_row(row, errors, numbers, parts, room, width, y % 2)
+        out[y] = row
+        errors = errors[pitch:] + blank
         if progress:
             progress((y + 1) / height)
     return out

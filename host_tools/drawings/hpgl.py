@@ -19,7 +19,7 @@ import numpy
 from host_tools.drawings import hpgl_encoded
 from host_tools.drawings.hpgl_pen import Pen, TooMany
 from host_tools.drawings.hpgl_symbols import SymbolSets
-from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Page
+from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Ink, Page, moved
 from host_tools.failure import Failure, reason
 from host_tools.language import N_
 
@@ -61,7 +61,9 @@ class HpglFile:
         self._instructions = list(self._parsed(data.decode("latin-1")))
         if not self._instructions:
             raise Failure("{} has no instruction of HPGL", path)
-        farthest = abs(self._lay(self._drawn(1.0))).max() / UNITS_PER_MM
+        pen = self._drawn(1.0)
+        self._straight = None if pen.curved else pen  # then it is as fine as any
+        farthest = abs(self._lay(pen)).max() / UNITS_PER_MM
         if not farthest < _FARTHEST_MM:
             raise Failure("{}: {} mm is too far away for a drawing", path, farthest)
 
@@ -78,15 +80,14 @@ class HpglFile:
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
-        pen = self._drawn(deviation_px / UNIT_PX)
+        pen = self._straight or self._drawn(deviation_px / UNIT_PX)
         self._lay(pen)
         page = Page(self.size_px, by_colour=by_colour)
         page.left_out = self._left_out + pen.left_out
         for number in sorted(pen.inks):
-            for ink in pen.inks[number]:
-                ink.lines = [self._placed(line) for line in ink.lines]
-                ink.areas = [self._placed_area(area) for area in ink.areas] if fills else []
-            page.add(max(1, number), None, pen.inks[number])
+            lines = moved([line for ink in pen.inks[number] for line in ink.lines], self._placed)
+            areas = [self._placed_area(area) for ink in pen.inks[number] for area in ink.areas] if fills else []
+            page.add(max(1, number), None, [Ink(str(number), lines, areas)])
         return page
 
     def _placed(self, line):

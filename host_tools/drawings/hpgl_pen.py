@@ -42,6 +42,7 @@ def _of_letters(set_up):
 class Pen:
     def __init__(self, deviation):
         self._deviation = deviation
+        self.curved = False  # whether the deviation has counted
         self.inks = {}
         self.sheet = Sheet()
         self.left_out = self.sheet.left_out
@@ -157,6 +158,7 @@ class Pen:
     def _swept(self, centre, start, degrees, chord=None, factors=None):
         """Places behind `start` on an arc around `centre`; `chord`: degrees that the file asks for. It is round in the file's own units:
         an ellipse, if a scale differs by axis."""
+        self.curved = True
         factors = factors or self.sheet.factors
         way = complex((start - centre).real / factors[0], (start - centre).imag / factors[1])
         radius = abs(way) * max(map(abs, factors))
@@ -208,6 +210,7 @@ class Pen:
 
     def _bezier(self, given, relative):
         """BZ and BR: three places a curve; BR's are measured from the curve's begin."""
+        self.curved = True
         for at in range(0, len(given) - 5, 6):
             a = self._place
             b, c, d = (self.sheet.units(*given[each : each + 2], relative) + (a if relative else 0) for each in range(at, at + 6, 2))

@@ -1,16 +1,17 @@
-"""Joins polylines whose ends meet, and orders them for little travel.
+"""Joins polylines whose ends meet.
 
     lines = joined(lines, 0.05)             # join ends this close, in the lines' own unit
-    lines = sorted_from(lines, 0j)          # always take the nearest end next; turn a line round if its end is nearer
 
-A line is a numpy array of complex numbers, x + yj. Both functions are greedy, with a grid over the ends: a hundred thousand
-lines take seconds.
+A line is a numpy array of complex numbers, x + yj. Lines that no other meets are found over arrays: of a hundred thousand lines only
+those that meet take time.
 """
 
 import math
+from operator import itemgetter
 
 import numpy
 
+_CROWD = 16  # ends in a cell of the grid
 _RINGS = 6  # rings of cells around a point to search, before searching all ends
 
 
@@ -95,17 +96,52 @@ def joined(lines, tolerance):
     number meets, or one closed line (Euler, 1736; Hierholzer, 1873).
     """
     lines = [line for line in lines if len(line) > 1]
-    lines = [_chained([(lines[number], turned) for number, turned in trail]) for trail in _trails(lines, tolerance / 2)]
+    alone = _alone(lines, tolerance)
+    meet = numpy.flatnonzero(~alone).tolist()
+    made = [(meet[first], line) for first, line in _met([lines[number] for number in meet], tolerance)]
+    made += [(number, lines[number]) for number in numpy.flatnonzero(alone).tolist()]
+    return [line for _, line in sorted(made, key=itemgetter(0))]
+
+
+def _alone(lines, tolerance):
+    """Of each line whether no end of another is within `tolerance` of its ends; False also where many are about."""
+    if not lines:
+        return numpy.zeros(0, bool)
+    ends = numpy.array([end for line in lines for end in (line[0], line[-1])], dtype=complex)
+    pitch = max(tolerance, 1e-9) * (1 + 1e-6)
+    columns, rows = (numpy.floor((part - part.min()) / pitch).astype(numpy.int64) for part in (ends.real, ends.imag))
+    width = int(columns.max()) + 3
+    cells = rows * width + columns
+    order = numpy.argsort(cells, kind="stable")
+    sorted_cells = cells[order]
+    alone = numpy.ones(len(lines), bool)
+    for step in (0, 1, width - 1, width, width + 1):  # each pair of neighbouring cells once
+        first = numpy.searchsorted(sorted_cells, sorted_cells + step)
+        last = numpy.searchsorted(sorted_cells, sorted_cells + step, "right")
+        alone[order[last - first > _CROWD] >> 1] = False  # not looked at one by one
+        for more in range(min(int((last - first).max()), _CROWD)):
+            here = numpy.flatnonzero(first + more < last)
+            one, other = order[here], order[first[here] + more]
+            near = (one >> 1 != other >> 1) & (abs(ends[one] - ends[other]) <= pitch)
+            alone[one[near] >> 1] = alone[other[near] >> 1] = False
+    return alone
+
+
+def _met(lines, tolerance):
+    """[(the least number of a line in it, line)] of lines that meet others."""
+    trails = _trails(lines, tolerance / 2)
+    numbers = [min(number for number, _ in trail) for trail in trails]
+    lines = [_chained([(lines[number], turned) for number, turned in trail]) for trail in trails]
     # Ends that are near each other, but not near one place.
     ends = Ends(lines, max(tolerance, 1e-9))
     result = []
     while len(ends):
-        parts = [(lines[ends.first()], False)]
+        parts = [(ends.first(), False)]
         for _ in range(2):  # at its end; turned round, at its beginning
-            while (found := ends.nearest(_last(*parts[-1]), tolerance)) is not None:
-                parts.append((lines[found[0]], found[1]))
-            parts = [(line, not turned) for line, turned in reversed(parts)]
-        result.append(_chained(parts))
+            while (found := ends.nearest(_last(lines[parts[-1][0]], parts[-1][1]), tolerance)) is not None:
+                parts.append(found)
+            parts = [(number, not turned) for number, turned in reversed(parts)]
+        result.append((min(numbers[number] for number, _ in parts), _chained([(lines[number], turned) for number, turned in parts])))
     return result
 
 
@@ -226,29 +262,9 @@ def _circuit(start, edges, around):
     return circuit
 
 
-def sorted_from(lines, position):
-    """The lines in drawing order from `position`, each time the one with the nearest end; unchanged if that is shorter."""
-    lines = list(lines)
-    if not lines:
-        return []
-    every = [end for line in lines for end in (line[0], line[-1])]
-    width = max(end.real for end in every) - min(end.real for end in every)
-    height = max(end.imag for end in every) - min(end.imag for end in every)
-    ends = Ends(lines, max(math.sqrt(width * height / len(lines)), max(width, height) / len(lines), 1e-9))
-    result = []
-    at = position
-    while len(ends):
-        number, turned = ends.nearest(at)
-        line = lines[number][::-1] if turned else lines[number]
-        result.append(line)
-        at = line[-1]
-    return result if travel(result, position) <= travel(lines, position) else lines
-
-
 def travel(lines, position):
     """How far a pen goes from `position` and between the lines."""
-    way = 0.0
-    for line in lines:
-        way += float(abs(line[0] - position))
-        position = line[-1]
-    return way
+    if not lines:
+        return 0.0
+    starts, stops = (numpy.array([line[end] for line in lines]) for end in (0, -1))
+    return float(abs(starts - numpy.concatenate([[position], stops[:-1]])).sum())

@@ -8,6 +8,8 @@
 from collections import Counter
 from dataclasses import dataclass, field, replace
 
+import numpy
+
 from host_tools.drawings import svg_area
 from host_tools.language import N_
 
@@ -57,6 +59,11 @@ class Page:
         """Forget other layers."""
         self.layers = {number: self.layers[number] for number in numbers}
         self.fills = {number: self.fills.get(number, []) for number in numbers}
+
+
+def moved(lines, change):
+    """Lines whose places, one array, have gone through `change`."""
+    return numpy.split(change(numpy.concatenate(lines)), numpy.cumsum([len(line) for line in lines[:-1]])) if lines else []
 
 
 def cut(inks, area, left_out):

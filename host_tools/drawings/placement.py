@@ -9,6 +9,8 @@ also those that are not drawn, so each layer has the same position.
 
 from dataclasses import dataclass
 
+import numpy
+
 from host_tools import boards
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -43,11 +45,8 @@ class Options:
 
 def box_of(layers):
     """Left, least y, right, largest y of lists of lines."""
-    everything = [line for lines in layers for line in lines if len(line)]
-    return (
-        float(min(line.real.min() for line in everything)), float(min(line.imag.min() for line in everything)),
-        float(max(line.real.max() for line in everything)), float(max(line.imag.max() for line in everything)),
-    )  # fmt: skip
+    places = numpy.concatenate([line for lines in layers for line in lines if len(line)])
+    return float(places.real.min()), float(places.imag.min()), float(places.real.max()), float(places.imag.max())
 
 
 def table_mm(board):

@@ -1,304 +1,263 @@
-"""Shortens the pen's ways between lines: pieces of the drawing order are turned round or put elsewhere, and closed lines begin at the
-vertex that suits, as long as that helps.
+"""Orders lines so that the pen's ways between them get short: lines are turned round, and closed lines begin at the vertex that suits.
 
     lines = shortened(lines, 0j)            # in drawing order, from a place on
 
-2-opt and or-opt (Croes, 1958; Or, 1976) over the nearest ends of each line. Then two neighbouring pieces change places, again and
-again, and what follows of it is kept if it is shorter (Martin, Otto and Felten, 1991). The same lines give the same order every time: a
-drawing that is gone on with is the one that was begun. 7000 and 20 000 lines take three seconds, 100 000 twelve.
+It begins by the nearest end, again and again, or by the order that is given, if that is shorter. 2-opt and or-opt (Croes, 1958; Or, 1976)
+follow, over the nearest ends of each line. Then two neighbouring pieces change places, again and again, and what follows of it is kept if
+it is shorter (Martin, Otto and Felten, 1991). The same lines give the same order every time: a drawing that is gone on with is the one
+that was begun. The kernels of order_viper.py run as C if there is a compiler; without one there are a hundred times fewer tries.
 """
 
-import random
 from array import array
 
 import numpy
 
-_NEAR = 10  # ends tried around each
+from host_tools.build.pc_kernels import kernels_of
+from host_tools.drawings import order_viper
+from host_tools.drawings.line_order import travel
+
+_KERNELS = "add_nearest", "apart", "improve", "kick_often"
+_SIDE = 32_767  # units of the longer side
 _ROUNDS = 6
-_LONGEST = 8  # lines moved together
-_FARTHEST = 25_000  # lines between two that change places: each of them is moved along
-_FARTHEST_KICKED = 2000  # the same behind a kick, which many moves follow
-_MOST_TRIED = 4_000_000  # comparisons in all
-_MOST_KICKS = 3000  # of pieces that change places; none of more than _FARTHEST lines
-_KICKS_A_LINE = 2
-_MOST_KICKED = 20_000_000  # kicks times lines: among many lines a kick shortens little, and takes longer
-_PIECE = 30  # lines in such a piece
-_LEAST = 1e-9  # shorter by less is not shorter
-_CELL = 4  # ends in a cell of the grid, on average
+_FEW, _STARTS = 100, 8  # so few lines are begun so often, each time otherwise
+_FARTHEST = 25_000  # lines that one move takes along
+_FARTHEST_KICKED = 1000  # the same behind a kick, which many moves follow
+_MOST_TRIED = 60_000_000  # comparisons in all
+_KICKS_A_LINE = 50
+_KICKS = 80_000
+_MOST_KICKED = 4_000_000_000  # kicks times lines: among many lines a kick shortens little, and takes longer
+_PLAIN = 100  # without a compiler all of that is divided by so much, but for moves
+_CHUNK = 2_000_000  # comparisons between two calls of progress()
+_MORTON = 8  # neighbours on a curve that are tried, in each direction
+_SHIFTED = 0, 9157  # of the two curves: units
 
 
 def shortened(lines, place, progress=None):
     """The lines, in an order and directions of less travel. A line is a complex array. Calls `progress(share)` now and then, 0…1."""
-    if len(lines) < 2:
-        return [_entered(line, place, None) for line in lines]
+    lines = list(lines)
+    if not lines:
+        return []
     progress = progress or (lambda share: None)
-    tour = _Tour(lines, place)
-    _settled(tour, progress)
-    kicks = min(_KICKS_A_LINE * len(lines), _MOST_KICKS, _MOST_KICKED // len(lines))
-    chance = random.Random(kicks)
-    for number in range(kicks if 3 < len(lines) <= _FARTHEST else 0):
-        if number % 64 == 0:
-            progress(number / kicks)
-        if tour.tried > _MOST_TRIED:
-            break
-        tour.kick(chance)
-    _settled(tour, progress)
-    tour.enter()
-    return tour.lines()
-
-
-def _settled(tour, progress):
-    for _ in range(_ROUNDS):
-        before = tour.length
-        tour.enter()
-        tour.improve(progress)
-        if tour.tried > _MOST_TRIED or tour.length > before * (1 - 1e-3):
-            break
-
-
-def _is_closed(line):
-    return len(line) > 3 and line[0] == line[-1]
-
-
-def _entered(line, before, after):
-    """A closed line from the vertex that makes the ways to it and on from it shortest; any other as it is."""
-    if not _is_closed(line):
-        return line
-    ways = abs(line[:-1] - before) + (abs(line[:-1] - after) if after is not None else 0.0)
-    first = int(numpy.argmin(ways))
-    return numpy.concatenate((line[first:-1], line[: first + 1]))
+    share = 1 if kernels_of(order_viper.__name__, *_KERNELS).compiled else _PLAIN
+    made, starts = lines, max(1, _STARTS // share) if len(lines) <= _FEW else 1
+    for number in range(starts):
+        tour = _Tour(list(lines), place)
+        tour.start(number)
+        tour.settle(lambda share: progress((number + share * 0.6) / starts))
+        tour.kick(lambda share: progress((number + 0.6 + share * 0.4) / starts))
+        tour.settle(lambda share: None)
+        made = min(made, tour.lines(), key=lambda each: travel(each, place))
+    return made
 
 
 class _Tour:
-    """`_order`: numbers of lines; a line is gone from its end `_flip` (0: its first point) to the other; `_at[line]`: its index.
-
-    By index, `_starts` and `_stops` are the places where the pen comes to a line and leaves it (`_stops[-1]` is where it is at first), and
-    `_ways` the way to the line, 0 behind the last. Moves of long pieces are slices, not loops: a hundred thousand lines take seconds.
-    """
+    """Lines as the kernels' arrays, which order_viper.py describes."""
 
     def __init__(self, lines, place):
-        self._lines = list(lines)
-        self._count = count = len(lines)
-        self._order, self._at, self._flip = array("q", range(count)), array("q", range(count)), array("b", bytes(count))
-        self._orders, self._ats, self._flips = (numpy.frombuffer(each, each.typecode) for each in (self._order, self._at, self._flip))
-        self._ends = [complex(end) for line in self._lines for end in (line[0], line[-1])]
-        self._starts, self._stops = self._ends[::2], [*self._ends[1::2], complex(place)]
-        self._ways = [0.0] * (count + 1)
-        self.length = 0.0  # sum of _ways, kept up to date by the seams of each move
-        self._near = None
-        self._farthest = _FARTHEST
-        self._changes = None  # what _arrange has changed, while it may be taken back
-        self.tried = 0
-        self._measure()
+        self._lines, self._place, self._count = lines, complex(place), len(lines)
+        self._kernels = kernels_of(order_viper.__name__, *_KERNELS)
+        self._share = 1 if self._kernels.compiled else _PLAIN
+        self._ends = numpy.array([end for line in lines for end in (line[0], line[-1])] + [place, place], dtype=complex)
+        self._closed = _Closed(lines)
+        points = numpy.concatenate([self._ends, self._closed.points])
+        self._low = complex(points.real.min(), points.imag.min())
+        size = max(numpy.ptp(points.real), numpy.ptp(points.imag), 1e-9)
+        self._unit = _SIDE / size
+        self._state = _numbers(order_viper.STATE)
+        self._state[order_viper.COUNT], self._state[order_viper.LOGGED] = self._count, -1
+        self._tour, self._at = _numbers(self._count + 2), _numbers(self._count + 1)
+        self._queue, self._log = _numbers(4 * self._count + 4), _numbers(order_viper.LOG)
+        self._locate()
 
-    def _measure(self):
-        self._set_ways(0, self._count)
-        self.length = sum(self._ways)
+    def _locate(self):
+        """Where ends lie, in units, and which are near each other."""
+        places = (self._ends - self._low) * self._unit
+        xs, ys = (numpy.clip(numpy.rint(part), 0, _SIDE).astype(numpy.int32) for part in (places.real, places.imag))
+        self._xs, self._ys = _array(xs), _array(ys)
+        self._near = _array(_nearest(xs, ys))
 
-    def _set_ways(self, first, last):
-        """Those to the lines of the indices `first` to `last`, after a change."""
-        for index in range(first, min(last + 1, self._count)):
-            self._ways[index] = abs(self._stops[index - 1] - self._starts[index])
+    @property
+    def _places(self):
+        return self._state, self._xs, self._ys
+
+    @property
+    def _moves(self):
+        return *self._places, self._near, self._tour, self._at, self._log, self._queue
+
+    def start(self, number=0):
+        """By the nearest end, or in the order of the file, whichever is shorter; of an odd number the other one. Later numbers have closed
+        lines begin at random."""
+        count, state = self._count, self._state
+        if number > 1:
+            self._closed.shuffle(self._ends, number)
+            self._locate()
+        self._set_tour(2 * numpy.arange(count))
+        given = self.lines()
+        chain, state[order_viper.SHIFT] = _chained(self._xs, self._ys, count)
+        left = _array(numpy.concatenate([numpy.arange(count), numpy.arange(count)]))
+        state[order_viper.LEFT] = count
+        self._kernels.add_nearest(*self._places, self._near, self._tour, chain, _numbers(count + 1), left, count)
+        self._set_tour(numpy.array(self._tour[1 : count + 1]))
+        if (travel(given, self._place) < travel(self.lines(), self._place)) != number % 2:
+            self._set_tour(2 * numpy.arange(count))
+
+    def _set_tour(self, ends):
+        self._tour = _array(numpy.concatenate([[2 * self._count + 1], ends, [-1]]))
+        at = numpy.zeros(self._count + 1, numpy.int32)
+        at[ends >> 1] = numpy.arange(1, self._count + 1)
+        self._at = _array(at)
+
+    def _order(self):
+        return numpy.frombuffer(self._tour, numpy.int32)[1:-1]
 
     def lines(self):
-        return [self._lines[k][::-1] if self._flip[k] else self._lines[k] for k in self._order]
+        """In the order of the tour."""
+        self._closed.turn(self._lines)
+        return [self._lines[end >> 1][:: -1 if end & 1 else 1] for end in self._order().tolist()]
 
-    def enter(self):
-        """Let closed lines begin where their neighbours want it."""
-        for index, k in enumerate(self._order):
-            if _is_closed(self._lines[k]):
-                line = _entered(self._lines[k], self._stops[index - 1], self._starts[index + 1] if index + 1 < self._count else None)
-                first = complex(line[0])
-                if first != self._starts[index]:
-                    self._near = None
-                self._lines[k] = line
-                self._ends[2 * k] = self._ends[2 * k + 1] = self._starts[index] = self._stops[index] = first
-        self._measure()
+    def settle(self, progress):
+        """Until no end has a better neighbour among the nearest, with closed lines entered where that suits."""
+        state, size = self._state, 2 * self._count
+        for number in range(_ROUNDS):
+            progress(number / _ROUNDS)
+            before = self._length()
+            if self._closed.enter(self._ends, self._order()):
+                self._locate()
+            self._queue[: size + 1] = array("i", [*range(size), 0])
+            self._queue[size + 1 :] = array("i", [1] * size + [0] * (len(self._queue) - 2 * size - 1))
+            state[order_viper.HEAD], state[order_viper.TAIL] = 0, size
+            state[order_viper.FARTHEST] = _FARTHEST
+            while state[order_viper.TRIED] < _MOST_TRIED // self._share and self._kernels.improve(*self._moves, _CHUNK // self._share):
+                progress(number / _ROUNDS)
+            if self._length() > before * (1 - 1e-3):
+                return
 
-    def improve(self, progress):
-        """Until no end has a better neighbour among the nearest."""
-        self._near = self._near or _nearest(self._ends)
-        self._improve(range(len(self._ends)), progress)
+    def _length(self):
+        ends = self._ends[self._order()]
+        stops = numpy.concatenate([[self._place], self._ends[self._order()[:-1] ^ 1]])
+        return float(abs(ends - stops).sum())
 
-    def kick(self, chance):
-        """Let two neighbouring pieces change places, and take that back if the way does not get shorter by what follows."""
-        low = chance.randrange(self._count - 1)
-        middle = min(low + chance.randrange(_PIECE), self._count - 2)
-        high = min(middle + 1 + chance.randrange(_PIECE), self._count - 1)
-        before, self._changes, self._farthest = self.length, [], min(_FARTHEST, _FARTHEST_KICKED)
-        self._arrange(low, [(middle + 1, high, False), (low, middle, False)])
-        size = high - middle
-        touched = self._seams(low - 1, low, low + size - 1, low + size, high, high + 1)
-        self._improve([end for line in sorted(touched) for end in (2 * line, 2 * line + 1)], None)
-        changes, self._changes, self._farthest = self._changes, None, _FARTHEST
-        if self.length > before - _LEAST:
-            for change in reversed(changes):
-                self._take_back(*change)
-            self.length = before
-
-    def _take_back(self, low, order, flips, starts, stops, ways):
-        high = low + len(order)
-        self._orders[low:high] = order
-        self._flips[order] = flips
-        self._ats[order] = numpy.arange(low, high)
-        self._starts[low:high], self._stops[low:high], self._ways[low : low + len(ways)] = starts, stops, ways
-
-    def _improve(self, waiting, progress):
-        near = self._near
-        queued = dict.fromkeys(waiting, True)
-        left = 1.0
-        while waiting and self.tried <= _MOST_TRIED:
-            following = []
-            for index, end in enumerate(waiting):
-                if progress and index % 1024 == 0:
-                    progress(1 - left * (1 - index / len(waiting) / 2))
-                queued[end] = False
-                while True:
-                    touched = self._better(end, near[end])
-                    if not touched:
-                        break
-                    for each in touched:
-                        for one in (2 * each, 2 * each + 1):
-                            if not queued.get(one):
-                                queued[one] = True
-                                following.append(one)
-            waiting = following
-            left /= 2
-
-    def _better(self, end, near):
-        """Make one move that joins `end` to a near one; the lines at its seams, or nothing."""
-        line = end >> 1
-        at = self._at[line]
-        leaving = (end & 1) != self._flip[line]  # the pen leaves the line here
-        gap = at if leaving else at - 1
-        now = self._ways[gap + 1]
-        place = self._ends[end]
-        for other in near:
-            way = abs(place - self._ends[other])
-            if way >= now:
-                return None
-            self.tried += 1
-            touched = self._join(at, gap, leaving, other, way, now)
-            if touched:
-                return touched
-        return None
-
-    def _join(self, at, gap, leaving, other, way, now):
-        """Try the moves that put the end at a gap beside `other`."""
-        there = self._at[other >> 1]
-        if there == at:
-            return None
-        other_leaves = (other & 1) != self._flip[other >> 1]
-        if leaving == other_leaves:  # two ends that the pen leaves, or two that it comes to: turn the lines between them
-            other_gap = there if leaving else there - 1
-            low, high = min(gap, other_gap), max(gap, other_gap)
-            gain = now + self._ways[other_gap + 1] - way - self._cross(low, high, leaving)
-            if gain > _LEAST and high - low <= self._farthest:
-                return self._turn(low + 1, high)
-        return self._move(gap, there, leaving, other_leaves, way, now)
-
-    def _cross(self, low, high, leaving):
-        """The way that turning low + 1 … high makes at the other seam."""
-        if leaving:  # stops[low]–stops[high] is the one given; starts[low + 1]–starts[high + 1] the other
-            return abs(self._starts[low + 1] - self._starts[high + 1]) if high + 1 < self._count else 0.0
-        return abs(self._stops[low] - self._stops[high])
-
-    def _move(self, gap, there, leaving, other_leaves, way, now):
-        """Put up to _LONGEST lines that begin or end at the other end into the gap."""
-        starts, stops, ways, count = self._starts, self._stops, self._ways, self._count
-        if abs(there - gap) > self._farthest:
-            return None
-        beside = (starts[gap + 1] if gap + 1 < count else None) if leaving else stops[gap]
-        # The piece goes on from `there` away from the end that is joined, and ends before the gap.
-        if other_leaves:
-            after = starts[there + 1] if there + 1 < count else None
-            saved = now - way + ways[there + 1]
-            for first in range(there, max(there - _LONGEST, gap + 1 if gap <= there else -1), -1):
-                gain = saved + ways[first]
-                if after is not None:
-                    gain -= abs(stops[first - 1] - after)
-                if gain > _LEAST and (beside is None or gain - abs(starts[first] - beside) > _LEAST):
-                    return self._put(first, there, gap, leaving)
-        else:
-            before = stops[there - 1]
-            saved = now - way + ways[there]
-            for last in range(there, min(there + _LONGEST, gap if there <= gap + 1 else count)):
-                gain = saved + ways[last + 1]
-                if last + 1 < count:
-                    gain -= abs(before - starts[last + 1])
-                if gain > _LEAST and (beside is None or gain - abs(stops[last] - beside) > _LEAST):
-                    return self._put(there, last, gap, not leaving)
-        return None
-
-    def _turn(self, first, last):
-        self._arrange(first, [(first, last, True)])
-        return self._seams(first - 1, first, last, last + 1)
-
-    def _put(self, first, last, gap, turned):
-        size = last - first + 1
-        if gap < first:
-            low, high = gap + 1, last
-            self._arrange(low, [(first, last, turned), (low, first - 1, False)])
-        else:
-            low, high = first, gap
-            self._arrange(low, [(last + 1, high, False), (first, last, turned)])
-        return self._seams(low - 1, low, low + size - 1, low + size, high - size, high - size + 1, high, high + 1)
-
-    def _arrange(self, low, pieces):
-        """Put pieces, (first index, last, turned round or not), one behind the other from the index `low` on: they come from there."""
-        if self._changes is not None:
-            high = low + sum(last - first + 1 for first, last, _ in pieces)
-            before = self._orders[low:high].copy()
-            kept = self._starts[low:high], self._stops[low:high], self._ways[low : high + 1]
-            self._changes.append((low, before, self._flips[before].copy(), *kept))
-        order, starts, stops, ways = [], [], [], []
-        seams = [first for first, _, _ in pieces] + [low + sum(last - first + 1 for first, last, _ in pieces)]
-        self.length -= sum(self._ways[seam] for seam in seams)
-        for first, last, turned in pieces:
-            here = slice(first, last + 1)
-            numbers, begins, ends, between = self._orders[here], self._starts[here], self._stops[here], self._ways[first + 1 : last + 1]
-            if turned:
-                self._flips[numbers] ^= 1
-                numbers, begins, ends, between = numbers[::-1], ends[::-1], begins[::-1], between[::-1]
-            order.append(numbers)
-            starts += begins
-            stops += ends
-            ways += [0.0, *between]
-        high = low + len(starts)
-        self._orders[low:high] = order = numpy.concatenate(order)
-        self._ats[order] = numpy.arange(low, high)
-        self._starts[low:high], self._stops[low:high], self._ways[low:high] = starts, stops, ways
-        seam = low
-        for first, last, _ in [*pieces, (0, 0, False)]:
-            self._set_ways(seam, seam)
-            self.length += self._ways[seam]
-            seam += last - first + 1
-
-    def _seams(self, *indices):
-        return {self._order[index] for index in indices if 0 <= index < self._count}
+    def kick(self, progress):
+        """Let pieces change places."""
+        state, tried = self._state, order_viper.TRIED
+        kicks = min(_KICKS_A_LINE * self._count, _KICKS, _MOST_KICKED // self._count) // self._share
+        state[order_viper.FARTHEST] = _FARTHEST_KICKED
+        for number in range(20 if self._count > 3 else 0):
+            progress(number / 20)
+            self._kernels.kick_often(*self._moves, kicks // 20, _MOST_TRIED // self._share)
 
 
-def _nearest(ends):
-    """Of each end the _NEAR nearest ones of other lines, the nearest first; fewer, if they are far."""
-    places = numpy.array(ends)
-    left, bottom = places.real.min(), places.imag.min()
-    width, height = places.real.max() - left, places.imag.max() - bottom
-    cell = max((width * height * _CELL / len(ends)) ** 0.5, max(width, height) * _CELL / len(ends), 1e-9)
-    columns = ((places.real - left) / cell).astype(int)
-    rows = ((places.imag - bottom) / cell).astype(int)
-    cells = {}
-    for index, key in enumerate(zip(columns.tolist(), rows.tolist())):
-        cells.setdefault(key, []).append(index)
-    found = [()] * len(ends)
-    for (column, row), members in cells.items():
-        around = [each for i in (-1, 0, 1) for j in (-1, 0, 1) for each in cells.get((column + i, row + j), ())]
-        around = numpy.array(sorted(around))
-        for begun in range(0, len(members), 256):
-            some = numpy.array(members[begun : begun + 256])
-            ways = abs(places[some][:, None] - places[around][None, :])
-            ways[(some[:, None] >> 1) == (around[None, :] >> 1)] = numpy.inf
-            count = min(_NEAR, len(around))
-            best = numpy.argsort(ways, axis=1, kind="stable")[:, :count]
-            for each, chosen, lengths in zip(some.tolist(), best, numpy.take_along_axis(ways, best, 1)):
-                found[each] = around[chosen[numpy.isfinite(lengths)]].tolist()
-    return found
+class _Closed:
+    """Where closed lines begin: any vertex will do."""
+
+    def __init__(self, lines):
+        self._numbers = numpy.array([number for number, line in enumerate(lines) if len(line) > 3 and line[0] == line[-1]], dtype=int)
+        parts = [lines[number][:-1] for number in self._numbers]
+        sizes = numpy.array([len(part) for part in parts], dtype=int)
+        self.points = numpy.concatenate(parts) if parts else numpy.zeros(0, complex)
+        self._firsts = numpy.cumsum(sizes) - sizes
+        self._owner = numpy.repeat(numpy.arange(len(parts)), sizes)
+        self._chosen = numpy.zeros(len(parts), int)  # vertices
+        self._turned = self._chosen.copy()  # as the lines have them
+
+    def shuffle(self, ends, seed):
+        """Choose vertices at random."""
+        if len(self._numbers):
+            sizes = numpy.diff([*self._firsts, len(self.points)])
+            self._chosen = numpy.random.default_rng(seed).integers(0, sizes)
+            ends[2 * self._numbers] = ends[2 * self._numbers + 1] = self.points[self._firsts + self._chosen]
+
+    def enter(self, ends, order):
+        """Choose the vertices that make the ways to a line and on from it shortest, of every other line in turn. Return whether `ends` have changed."""
+        if not len(self._numbers):
+            return False
+        old = self._chosen.copy()
+        at = numpy.empty(len(ends) // 2, int)
+        at[order >> 1] = numpy.arange(len(order))
+        index = at[self._numbers]
+        for parity in (0, 1):
+            before = ends[numpy.where(index > 0, order[index - 1] ^ 1, len(ends) - 1)]
+            ways = abs(self.points - before[self._owner])
+            more = numpy.flatnonzero(index + 1 < len(order))
+            after = numpy.zeros(len(index), complex)
+            after[more] = ends[order[index[more] + 1]]
+            ways += numpy.where((index + 1 < len(order))[self._owner], abs(self.points - after[self._owner]), 0.0)
+            least = numpy.minimum.reduceat(ways, self._firsts)
+            found = numpy.flatnonzero(ways <= least[self._owner])
+            first = found[numpy.searchsorted(self._owner[found], numpy.arange(len(index)))]
+            here = index % 2 == parity
+            self._chosen[here] = (first - self._firsts)[here]
+            ends[2 * self._numbers[here]] = ends[2 * self._numbers[here] + 1] = self.points[first[here]]
+        return bool((old != self._chosen).any())
+
+    def turn(self, lines):
+        """Let the lines begin at the vertices that were chosen."""
+        for number, first, size in zip(self._numbers.tolist(), self._chosen - self._turned, numpy.diff([*self._firsts, len(self.points)])):
+            if first:
+                line, first = lines[number], first % size
+                lines[number] = numpy.concatenate((line[first:-1], line[: first + 1]))
+        self._turned = self._chosen.copy()
+
+
+def _numbers(count):
+    return array("i", bytes(4 * count))
+
+
+def _array(numbers):
+    made = array("i")
+    made.frombytes(numpy.ascontiguousarray(numbers, numpy.int32).tobytes())
+    return made
+
+
+def _nearest(xs, ys):
+    """Of each end the order_viper.NEAR nearest ones of other lines, among those that are near on two space-filling curves (Morton, 1966): a
+    grid would have most of a drawing in a few cells. Of the pen's first place, the last two, there are none."""
+    count = len(xs) - 2
+    found = numpy.full((count + 2, order_viper.NEAR), -1, numpy.int32)
+    steps = numpy.array([each for each in range(-_MORTON, _MORTON + 1) if each])
+    curves = []
+    for shift in _SHIFTED:
+        order = numpy.argsort(_morton(xs[:-2] + shift) | _morton(ys[:-2] + shift) << 1, kind="stable").astype(numpy.int32)
+        rank = numpy.empty(count, numpy.int32)
+        rank[order] = numpy.arange(count)
+        curves.append((order, rank))
+    (first, rank), (second, rank2) = curves
+    wide, high = xs.astype(numpy.float32), ys.astype(numpy.float32)
+    for begin in range(0, count, 20_000):  # bounds the memory
+        rows = numpy.arange(begin, min(begin + 20_000, count), dtype=numpy.int32)
+        there, there2 = rank[rows][:, None] + steps, rank2[rows][:, None] + steps
+        others = numpy.concatenate([first[numpy.clip(there, 0, count - 1)], second[numpy.clip(there2, 0, count - 1)]], axis=1)
+        ways = (wide[rows][:, None] - wide[others]) ** 2 + (high[rows][:, None] - high[others]) ** 2
+        bad = others >> 1 == rows[:, None] >> 1
+        bad |= numpy.concatenate([(there < 0) | (there >= count), (there2 < 0) | (there2 >= count)], axis=1)
+        bad[:, len(steps) :] |= abs(rank[others[:, len(steps) :]] - rank[rows][:, None]) <= _MORTON  # the first curve has it
+        ways[bad] = numpy.inf
+        some = numpy.argpartition(ways, order_viper.NEAR, axis=1)[:, : order_viper.NEAR]
+        best = numpy.take_along_axis(some, numpy.argsort(numpy.take_along_axis(ways, some, 1), axis=1, kind="stable"), 1)
+        found[rows] = numpy.where(numpy.isfinite(numpy.take_along_axis(ways, best, 1)), numpy.take_along_axis(others, best, 1), -1)
+    return found.ravel()
+
+
+def _morton(numbers):
+    """The bits of numbers below 2^16, a gap behind each."""
+    spread = numbers.astype(numpy.int64)
+    for shift, mask in ((8, 0x00FF00FF), (4, 0x0F0F0F0F), (2, 0x33333333), (1, 0x55555555)):
+        spread = (spread | spread << shift) & mask
+    return spread
+
+
+def _chained(xs, ys, count):
+    """(chains of ends in the cells of a grid: of each end the next one of its cell, and behind them the first of each cell; the grid's shift)"""
+    shift = 14
+    while shift > 6 and (32768 >> shift) ** 2 < 2 * count:
+        shift -= 1
+    side = 32768 >> shift
+    size = 2 * count
+    cells = (numpy.frombuffer(ys, numpy.int32)[:size] >> shift) * side + (numpy.frombuffer(xs, numpy.int32)[:size] >> shift)
+    order = numpy.argsort(cells, kind="stable")
+    chain = numpy.full(size + 2 + side * side, -1, numpy.int32)
+    same = cells[order[1:]] == cells[order[:-1]]
+    chain[order[:-1][same]] = order[1:][same]
+    heads = numpy.flatnonzero(numpy.append(True, ~same))
+    chain[size + 2 + cells[order[heads]]] = order[heads]
+    return _array(chain), shift

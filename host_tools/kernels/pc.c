@@ -45,3 +45,7 @@ INLINE void *array_of(context_t at, object_t o) {
 INLINE bool is_kernel(object_t o, const void *wrapper) {
     return o->code == wrapper;
 }
+
+INLINE int32_t root(int32_t value) {
+    return value > 0 ? (int32_t)__builtin_sqrt((double)value) : 0;  // exact: a double holds 53 bits
+}

@@ -14,6 +14,7 @@ from host_tools.failure import Failure
 
 POINTERS = "ptr8", "ptr16", "ptr32"
 INT, BOOL, OBJECT = "int", "bool", "object"
+ROOT = "isqrt"  # math's: of a number from 0 on, on a PC only
 LOOPS = ast.While, ast.For
 
 
@@ -75,7 +76,7 @@ def kind_of(node, kinds, called=lambda node: None):
     if isinstance(node, ast.Call):
         name = node.func.id if isinstance(node.func, ast.Name) else None
         kernel = called(node)
-        return INT if name == INT or kernel and kernel.returns else name if name in POINTERS else OBJECT
+        return INT if name in (INT, ROOT) or kernel and kernel.returns else name if name in POINTERS else OBJECT
     if isinstance(node, ast.Attribute):
         return OBJECT
     if isinstance(node, ast.IfExp):

@@ -10,7 +10,7 @@ table of the interpreter's functions as its first argument, `at`; the others are
 
 import ast
 
-from host_tools.kernels.program import BOOL, INT, OBJECT, POINTERS, kind_of
+from host_tools.kernels.program import BOOL, INT, OBJECT, POINTERS, ROOT, kind_of
 
 BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}
 FUNCTION = {ast.FloorDiv: "divided", ast.Mod: "modulo", ast.LShift: "left", ast.RShift: "right"}
@@ -187,6 +187,8 @@ class Function:
                 return f"(({C_TYPE[name]})array_of(at, {self.value(node.args[0])}))"
             volatile = "volatile " if kind not in POINTERS else ""
             return f"(({volatile}{C_TYPE[name]})(uintptr_t){self.value(node.args[0])})"
+        if name == ROOT and name not in self.kinds and len(node.args) == 1:
+            return f"root({self.number(node.args[0])})"
         kernel = self.called(node)
         if kernel:
             return self._direct(kernel, node)
@@ -247,7 +249,7 @@ class Function:
                     self.with_objects = True
                 elif isinstance(node, ast.Call):
                     kernel = self.called(node)
-                    plain = isinstance(node.func, ast.Name) and node.func.id in (INT, *POINTERS, "range")
+                    plain = isinstance(node.func, ast.Name) and node.func.id in (INT, *POINTERS, ROOT, "range")
                     if kernel and self.unit.function(kernel).needs_objects() or not kernel and not plain:
                         self.with_objects = True
                     if not (kernel and node.args == []) and any(self.kind(each) == OBJECT for each in node.args):

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 from host_tools.programs.toolpath import sweep_of
 
 _WORD = re.compile(rb"([A-Z])([-+]?\d*\.?\d*)")
+_ALONG_X = re.compile(rb"(?:G([01]))?X(-?\d+(?:\.\d*)?)(?:S[\d.]*)?")  # a dot of a picture: most lines of large files are such
+_LEFT, _RIGHT = (-1.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
 _STRAIGHT = math.cos(math.radians(10))
 _DEFAULT_SPEED, _DEFAULT_ACCELERATION = 1000.0, 200.0
 _AXES = b"XYZA"
@@ -62,6 +64,10 @@ class _State:
         self.feed = 0.0  # mm/min
         self.place = [0.0] * 4
 
+    def is_plain(self):
+        """Whether X is a place in mm, and where a straight line goes."""
+        return self.motion < 2 and self.scale == 1.0 and not self.relative and not self.inverse
+
 
 def estimate(lines, limits):
     """Seconds that each of [(number, bytes)] takes."""
@@ -70,18 +76,19 @@ def estimate(lines, limits):
     run = []  # (index, length, speed, acceleration) of lines between two stands
     before = None  # direction at the end of the previous line
     for index, (_, line) in enumerate(lines):
-        dwell, move = _read(line.upper(), state)
+        plain = _ALONG_X.fullmatch(line) if state.is_plain() else None
+        dwell, move = _along_x(plain, state) if plain else _read(line.upper(), state)
         seconds.append(dwell)
         if dwell:
             before = None
         if move and move[0]:
             length, deltas, into, out, rapid, per_min = move
-            speed, acceleration = _bounds(deltas, length, limits)
+            speed, acceleration = (limits.speeds[0], limits.accelerations[0]) if plain else _bounds(deltas, length, limits)
             if per_min:
                 speed = min(speed, length * per_min / 60)
             elif not rapid and state.feed:
                 speed = min(speed, state.feed / 60)
-            if not before or sum(a * b for a, b in zip(before, into)) <= _STRAIGHT:
+            if not before or before is not into and sum(a * b for a, b in zip(before, into)) <= _STRAIGHT:
                 _add_run(seconds, run)
                 run = []
             run.append((index, length, speed, acceleration))
@@ -111,6 +118,18 @@ def _bounds(deltas, length, limits):
         min(bound / share for bound, share in zip(bounds, shares) if share > 1e-9)
         for bounds in (limits.speeds, limits.accelerations)
     )
+
+
+def _along_x(match, state):
+    """The same as _read() for a line of X alone."""
+    if match[1]:
+        state.motion = int(match[1])
+    x, begun = float(match[2]), state.place[0]
+    if x == begun:
+        return 0.0, None
+    state.place = [x, *state.place[1:]]
+    direction = _RIGHT if x > begun else _LEFT
+    return 0.0, (abs(x - begun), None, direction, direction, state.motion == 0, 0.0)
 
 
 def _read(line, state):

@@ -1,6 +1,7 @@
 """Kernels as C on a PC hold what plain Python and viper hold: the digests, and the properties, under CPython by ctypes, and under
 MicroPython as machine code of the PC."""
 
+import math
 import subprocess
 import sys
 
@@ -189,3 +190,17 @@ def test_without_a_compiler_kernels_stay_python(monkeypatch):
 def test_each_kernel_that_is_taken_exists():
     texts = {path: (ROOT / "firmware" / path).read_text() for path in {full.rpartition(".")[0].replace(".", "/") + ".py" for full in pc_kernels.TAKEN}}
     assert pc_kernels.TAKEN <= Program(texts).kernels.keys()
+
+
+@pytest.mark.quick
+def test_a_root_is_exact(in_c):
+    """isqrt() of kernels for a PC: that of a double, cut off."""
+    apart = pc_kernels.kernels_of("host_tools.drawings.order_viper", "apart").apart
+    xs, ys = pc_kernels.array.array("i", [0, 0]), pc_kernels.array.array("i", [0, 0])
+    for x in (0, 1, 2, 3, 46_340, 32_767, 2048, 4096, *range(2049, 32_767, 997)):
+        for y in (0, 1, 2, x):
+            xs[1], ys[1] = x, y
+            if 2048 <= x <= 32_767:
+                assert apart(xs, ys, 0, 1) == math.isqrt(x * x + y * y) << 4
+            elif x < 2048:
+                assert apart(xs, ys, 0, 1) == math.isqrt(x * x + y * y << 8)

@@ -104,3 +104,11 @@ def test_no_motion_counts_lines():
 @given(st.text(alphabet="GXYZIJRPFMNS0123456789.-+ ", max_size=40))
 def test_any_line_is_read(text):
     assert all(taken >= 0 and math.isfinite(taken) for taken in estimate(numbered("F600\nG1X1\n" + text), ROUTER))
+
+
+@given(st.lists(st.tuples(st.sampled_from(["", "", "G0", "G1", "G91", "G20", "G93", "G2", "F300", "Y5"]), st.integers(-50, 50), st.sampled_from(["", "S", "S12.5"])), max_size=40))
+def test_a_line_of_x_alone_is_read_as_any_other(lines):
+    """Dots of a picture have a way of their own; a blank takes a line from it."""
+    texts = [f"{code}X{x / 4:g}{power}" if code in ("", "G0", "G1") else code for code, x, power in lines]
+    quick, other = ("F600\nG1X1\n" + "\n".join(each) for each in (texts, [text.replace("X", " X") for text in texts]))
+    assert estimate(numbered(quick), ROUTER) == estimate(numbered(other), ROUTER)
