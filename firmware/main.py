@@ -112,7 +112,7 @@ def main():
         port = start.port(board)
         app = App(board, port, None, FileSlots("settings"), start.rooms)
         forget("passo.machine_builder")
-        forget("passo.network_builder")
+        forget(getattr(board.get("additions"), "lines", None))
         said = ", ".join([part for part in (said, STAMP and "build " + STAMP) if part])
         if said:
             print(said)

@@ -96,7 +96,8 @@ class App:
         coils = None if self.layout.kind == "step_dir" else self._drive
         self._motors = Motors(port, self.player, self.layout, coils, off_levels, board, inverted)
         queue = self._make_queue(machine_builder, settings, "program" in names)
-        serials = machine_builder.serials(board, port)
+        own = machine_builder.lines_of(board)
+        serials = machine_builder.serials(own, board, port)
         kinds = machine_builder.load(names, board, languages)
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
@@ -110,7 +111,7 @@ class App:
         most = _SEVERAL if self.interrupt else _ALL
         for config, language, serial in zip(board["links"], languages, serials):
             number = len(self.links)
-            protocol = machine_builder.speaker(language, config, number, board, self.controller, shared, most)
+            protocol = machine_builder.speaker(own, language, config, number, board, self.controller, shared, most)
             made = Link(number, config, serial, protocol, self.controller)
             if config["frames"]:
                 baud = config["baud"] if config["port"] != "usb" else _USB_BAUD
@@ -118,11 +119,11 @@ class App:
             if config["lost"] != "go_on":
                 self.controller.features["host_watch"].watch(number, made.serial if config["frames"] else made)
             self.links.append(made)
-        if board["network"]:
-            machine_builder.network().join(self.links, self.controller)
+        if own:
+            own.join(self.links, self.controller)
         self._prepare()  # before what links of files want
         if self.interrupt:  # a chip has little memory
-            machine_builder = None
+            machine_builder = own = None
             forget("passo.machine_builder", True)
         for name, language in getattr(board.get("additions"), "file_links", ()):
             self._add_link(self.controller.features[name], languages, language, shared, most)

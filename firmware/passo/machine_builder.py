@@ -30,7 +30,6 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
-_CHECKED = ("device", "network")
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.arcs")  # fmt: skip
@@ -54,14 +53,11 @@ FEATURES = (
     ("links", "Links", lambda board: True),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),
     ("resets", "Resets", lambda board: True),
-    ("admission", "Admission", lambda board: board["network"]),
 )
 
 
 def load_all(board):
     """Import what App will ask for, so that all code is there before there is anything else."""
-    for key in _CHECKED:
-        forget("passo.config.%s_keys" % key, True)
     drive = getattr(board.get("additions"), "drive_module", None)  # an option's
     if drive:
         __import__(drive)
@@ -80,8 +76,9 @@ def load_all(board):
     load(names, board, spoken)
     if [link for link in board["links"] if link["frames"]]:
         framed_line()
-    if board["network"]:
-        network().load(board)
+    own = lines_of(board)
+    if own:
+        own.load(board)
 
 
 def languages(board):
@@ -115,24 +112,20 @@ def framed_line():
         raise BoardError("frames are not on this board (%s): flash it anew" % missing)
 
 
-def network():
-    """The module of links over the network; only boards that have one load it. Raises BoardError."""
-    try:
-        return __import__("passo.network_builder", None, None, ("load",))
-    except ImportError as missing:
-        raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
+def lines_of(board):
+    """An option's module for links that are no cables, or None: load(board), serials(board, port), create(language, …), join(links, controller)."""
+    name = getattr(board.get("additions"), "lines", None)
+    return __import__(name, None, None, ("load",)) if name else None
 
 
-def speaker(language, link, *more):
-    """The protocol of a link; `language`: its package. A link for pages speaks theirs."""
-    return network().page(language, link, *more) if link["port"] == "page" else language.create(link, *more)
+def speaker(own, language, link, *more):
+    """The protocol of a link; `language`: its package; `own`: as lines_of()."""
+    return own.create(language, link, *more) if own else language.create(link, *more)
 
 
-def serials(board, port):
+def serials(own, board, port):
     """The serial line of each link of the board file."""
-    if board["network"]:
-        return network().serials(board, port)
-    return [port.serial(link) for link in board["links"]]
+    return own.serials(board, port) if own else [port.serial(link) for link in board["links"]]
 
 
 def wanted(board, languages):

@@ -31,7 +31,6 @@ ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter": 122}
-KEYS_KB = {"network": 13}  # an option's are HEAP_KB of its manifest
 ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 6}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and what burns them
@@ -63,7 +62,7 @@ def needs(board):
     languages = {link["protocol"] for link in board["links"]}
     language = next((each for each in ("grbl", "torch", "plotter") if each in languages), None)
     page = any(link["port"] == "page" for link in board["links"])
-    found = ESP32_NEEDS.get((language, bool(board["network"]), page))
+    found = ESP32_NEEDS.get((language, bool(board.get("network")), page))
     if found and board["spindle"]["pwm"]:
         return tuple(kb + more for kb, more in zip(found, ESP32_POWER))
     return found
@@ -73,18 +72,17 @@ def heap_kb(board):
     """What a checked board takes of a Pico's heap with stock MicroPython, in kB: the dearest of its languages, and each key and link."""
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
-    taken += sum(cost for key, cost in KEYS_KB.items() if board.get(key))
     taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in manifests().items() if board.get(key) or key in asked_by_value(board))
     taken += sum(cost for name, cost in ADDITIONS_KB.items() if getattr(board.get("additions"), name, None))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
-    taken += BROKER_KB * bool((board["network"] or {}).get("broker"))
+    taken += BROKER_KB * bool((board.get("network") or {}).get("broker"))
     taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
     taken += DIGITAL_KB * bool(digital(board))
     return taken + JOB_KB * bool(board.get("jobs")) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 
 def _stock_kb(board):
-    return PICO_W_KB if board["network"] else PICO_KB
+    return PICO_W_KB if board.get("network") else PICO_KB
 
 
 def memory(board):

@@ -18,7 +18,7 @@ from pathlib import Path
 
 from host_tools.build import pages
 from host_tools.build.constants import numbered_only, whole
-from host_tools.build.tree import COLD, MARCH, NETWORK, WEB, check_compiler, compile_module, module_files, runs_on, source_of
+from host_tools.build.tree import COLD, MARCH, OPTIONS, WEB, check_compiler, compile_module, module_files, runs_on, source_of
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
@@ -64,7 +64,7 @@ def modules(chip, firmware=FIRMWARE):
     """Paths of the modules that are frozen, main.py and passo_image.py included."""
     files = [path for path in module_files(firmware) if runs_on(path, chip.mcu) and path not in _OF_FILES]
     if not chip.network:
-        files = [path for path in files if path.parts[:2] != WEB.parts and path != NETWORK]
+        files = [path for path in files if path.parts[:2] != WEB.parts and not path.is_relative_to(OPTIONS / "network")]
     return [MAIN, IMAGE, *files]
 
 

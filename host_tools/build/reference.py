@@ -57,10 +57,8 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import device_keys
-
     own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items()}
-    rules = {**boardfile._BOARD, **own, **device_keys.RULES}
+    rules = {**boardfile._BOARD, **own}
     for manifest in manifests().values():
         if hasattr(manifest, "extend"):
             manifest.extend(rules)

@@ -102,7 +102,6 @@ PORT_OF = "port_"  # how the name of an option's file for one of them begins
 LANGUAGE_OF = "language_"  # how that of one which adds to a language does
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
 WEB = Path("passo", "web")
-NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
 PAGE_LINE = WEB / "page_line.py"
 PAGE = Path("passo", "protocols", "page")
 BROKER, ERROR_TEXTS = WEB / "broker.py", Path("passo", "error_texts.py")  # only boards that tell a broker
@@ -264,7 +263,6 @@ def selected(board, firmware=FIRMWARE, spared=None):
     chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports" or option_of(path)}
     chosen -= {path for path in files if language_name(path) not in wanted | {None}}
     if board.get("network"):
-        chosen.add(NETWORK)
         for link in board["links"]:
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}

@@ -48,7 +48,7 @@ def _said(kind):
             kind.__init__(self, Told(), 0, board, tell, spoken)
             self.wire = wire
             self.state["link"] = False
-            self._presence = bool(board and board["network"] and board["network"]["presence"])
+            self._presence = bool(board and board.get("network") and board["network"]["presence"])
 
         def do(self, command, answered=None):
             if len(self.said) >= _MOST:

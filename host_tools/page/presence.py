@@ -1,5 +1,5 @@
 """What a page on another computer may do only while somebody is at the machine. A board that serves its own page knows that by its
-links (control/admission.py).
+links (options/network/control.py).
 
     starts({"do": "output", "name": "spindle_cw"})      # True
 """

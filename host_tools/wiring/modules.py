@@ -46,7 +46,7 @@ def module_of(board, pins, right):
     """The module of a checked board file; `pins`: all of the chip's that it names, `right`: those that a plain list has on its right."""
     chip = board["chip"]
     if chip in ("rp2040", "rp2350"):
-        wireless = board["network"] is not None or "pico_w" in board["name"]
+        wireless = board.get("network") is not None or "pico_w" in board["name"]
         edges = _edge(_PICO_LEFT, "GP"), _edge(_PICO_RIGHT, "GP")
         numbers = range(1, 21), range(40, 20, -1)
         return _made(_CHIPS[chip] + (" W" if wireless else ""), "GP", *edges, pins, numbers)

@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "web": VOCABULARY + ("passo.protocols.page",),  # links, whose language that is
     "app": ("passo",),
     "machine_builder": ("passo",),
-    "network_builder": ("passo",),
+    "builder": ("passo",),  # of an option
     "passo_image": ("passo.ports.rp2",),
     "main": (
         "passo_image", "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.board_error", "passo.config.journal", "passo.memory", "passo.ports", "board",
@@ -49,7 +49,7 @@ MAY_IMPORT = {
 
 # The layer of an option's file, by the first word of its name.
 OF_OPTIONS = {
-    "manifest": "config", "config": "config", "motion": "motion", "steps": "steps", "control": "control", "drive": "drives", "port": "ports", "language": "protocols",
+    "manifest": "config", "config": "config", "motion": "motion", "steps": "steps", "control": "control", "drive": "drives", "port": "ports", "language": "protocols", "builder": "builder",
     "words": "config",
 }  # fmt: skip
 
@@ -170,7 +170,7 @@ def import_faults(source, path):
         top = name.split(".")[0]
         if not (within(name, allowed) or top in built_ins and top != "passo"):
             faults.append(f"{path}:{line}: {room} may not import {name}")
-    if room not in ("machine_builder", "network_builder", "main") and path.name not in BY_KEY:
+    if room not in ("machine_builder", "builder", "main") and path.name not in BY_KEY:
         for node in ast.walk(parse(source)):
             if isinstance(node, ast.Name) and node.id == "__import__":
                 faults.append(f"{path}:{node.lineno}: only builders load modules by name")
@@ -206,7 +206,7 @@ def language_faults(source, path):
 
 def name_faults(path):
     """A module or a folder named like one of MicroPython's own."""
-    names = set(path.with_suffix("").parts) & RESERVED
+    names = (set(path.with_suffix("").parts) - {option_of(path)}) & RESERVED  # an option is called as its key is
     if room_of(path) == "ports":
         names -= PORT_NAMES
     return [f"{path}: hides MicroPython's {name}" for name in sorted(names)]

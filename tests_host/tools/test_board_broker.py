@@ -185,7 +185,7 @@ def alone(monkeypatch):
     umqtt = importlib.import_module("umqtt.simple")
     module, stops = Module(), []
     monkeypatch.setattr(broker, "socket", module)
-    yield broker.Broker(check(board_with(broker="1.2.3.4")), "grbl", lambda *_: stops.append(1), umqtt, error_texts.text), module.made, stops
+    yield broker.Broker(check(board_with(broker="1.2.3.4"))["network"], "grbl", lambda *_: stops.append(1), umqtt, error_texts.text), module.made, stops
     del sys.modules["umqtt.simple"]
 
 

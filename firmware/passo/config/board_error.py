@@ -31,6 +31,8 @@ class Additions:
         self.languages = []  # names of modules whose extend(protocol, board) adds to a protocol of the language that ends their name
         self.extensions = {}  # the same modules, loaded, by language: see load_languages()
         self.motion = self.queue = None  # modules with its Planner and its Queue
+        self.ports = ()  # of links that are no cable
+        self.lines = None  # the module that makes the lines of all links, where some are no cable: see machine_builder.lines_of()
         self.parts = {}  # modules of what the port has beside its pins, see ports/parts.py
         self.more_motors = []  # those beside the axes' own
         self.drive_module = None  # the module that turns words of all motors into pins

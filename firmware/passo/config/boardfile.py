@@ -125,9 +125,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("network",)  # device_keys.py
-_BOARD.update({key: {} for key in DEVICES})
-_ABSENT = ("homing",) + DEVICES  # None if not there
+_ABSENT = ("homing",)  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
@@ -141,11 +139,6 @@ def check(board):
     # None asks for no option.
     board = {key: value for key, value in board.items() if (value is not None or key in _BOARD) and not isinstance(value, Additions)}
     rules = dict(_BOARD)
-    devices = None
-    if [key for key in DEVICES if board.get(key)]:
-        from passo.config import device_keys as devices
-
-        rules.update(devices.RULES)
     own = own_rules(board, rules)
     board, levels = rewritten(board, own)
     _call(own, "extend", rules)
@@ -160,8 +153,6 @@ def check(board):
     _check_order(board)
     _check_homing(board)
     _check_links(board)
-    if devices is not None:
-        devices.check(board)
     _call(own, "check", board)
     _check_bits(board)
     _check_filters(board)
@@ -283,7 +274,7 @@ def _check_pins(board, own):
         if item["pull"] == "down" and board["chip"] == "rp2350" and item["pin"] < REGISTER_BIT:
             raise BoardError("input %s: an rp2350 may hold a pin up by its own pull-down (erratum E9); 4.7 kΩ to GND, and 'pull': 'none'" % item["name"])
     for link in board["links"]:
-        check_link(board["chip"], link, board["network"])
+        check_link(board["chip"], link, getattr(board.get("additions"), "ports", ()))
 
 
 def _check_order(board):

@@ -5,7 +5,6 @@ the flash memory takes are left out.
 """
 
 from passo.config.board_error import BoardError
-from passo.records import NETWORK_PORTS
 
 PIN = (int, ..., 0, 48)  # the rule of a key whose value is a pin, in the notation of boardfile.py
 
@@ -32,11 +31,11 @@ def check_pin(chip, pin, who, output):
         raise BoardError("%s: pin %d of an %s can only be an input" % (who, pin, chip))
 
 
-def check_link(chip, link, network=None):
-    """Raises BoardError where `chip` has no such port, or not on these pins. `network`: of the board file."""
+def check_link(chip, link, ports=()):
+    """Raises BoardError where `chip` has no such port, or not on these pins. `ports`: others than cables."""
     port = link["port"]
     where = "link %s: " % link["name"]
-    if port == "usb" or network and port in NETWORK_PORTS:
+    if port == "usb" or port in ports:
         return
     count = _UARTS.get(chip, 2)
     if port not in ["uart%d" % number for number in range(count)]:

@@ -1,6 +1,6 @@
 """The board publishes its state to an MQTT broker, and takes STOP from it: topics as in docs/use/shop.md.
 
-    broker = Broker(board, language, line.stop, umqtt.simple, text_of)     # calls stop() if a STOP comes; text_of(number of an alarm)
+    broker = Broker(config, language, line.stop, umqtt.simple, text_of)     # calls stop() if a STOP comes; text_of(number of an alarm)
     broker.poll(now_ms)                         # True: the state is wanted
     broker.tell(state)                          # bytes, JSON as pages get it
 
@@ -67,12 +67,11 @@ class Wire:
 
 
 class Broker:
-    def __init__(self, board, language, stop, umqtt, text_of):
-        """`board`: checked; `language`: of its page's link."""
+    def __init__(self, config, language, stop, umqtt, text_of):
+        """`config`: the board file's network, checked; `language`: of its page's link."""
         self._umqtt = umqtt
         umqtt.socket = self  # it makes a socket, and looks for an address
         self._text_of = text_of
-        config = board["network"]
         self._host, _, port = config["broker"].partition(":")  # numbers: there is no time to ask for names
         self._port = int(port or _PORT)
         self._user = config["broker_user"].encode(), config["broker_password"].encode()

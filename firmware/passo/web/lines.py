@@ -1,6 +1,6 @@
 """Links whose bytes come over the network: to the app they are serial lines.
 
-    lines = make(board, radio, clock_ms, page_line)     # {name of a link: its line}
+    lines = make(links, radio, legacy, clock_ms, page_line)     # {name of a link: its line}
     line.join(link, controller)             # once there are both
     line.read(), line.write(data), line.any()
 
@@ -17,20 +17,20 @@ from passo.web.http import Server
 from passo.web.radio import Radio  # noqa: F401: for who makes lines
 from passo.web.signed import SignedLine
 
-_FROZEN = str(sys.modules["passo"].__path__).startswith(".frozen")  # network_builder.py puts the files there
+_FROZEN = str(sys.modules["passo"].__path__).startswith(".frozen")  # options/network/builder.py puts the files there
 _FOLDER = "/page/" if _FROZEN else __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
 
 
-def make(board, radio, clock_ms, page_line):
-    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock; `page_line()`: the class of lines
+def make(links, radio, legacy, clock_ms, page_line):
+    """The lines of the links over the network. `links`: of the board file; `legacy`: programs without the key may be admitted; `clock_ms()`: the links' clock; `page_line()`: the class of lines
     for pages."""
     lines = {}
-    links = [link for link in board["links"] if link["port"] in NETWORK_PORTS]
+    links = [link for link in links if link["port"] in NETWORK_PORTS]
     listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None
     server = None
     if listener:
         guard = Guard(radio.names, radio.key, nonce(), radio.own)
-        server = Server(listener, Folder(getattr(radio, "folder", _FOLDER)), guard, clock_ms, board["network"]["legacy_http"])
+        server = Server(listener, Folder(getattr(radio, "folder", _FOLDER)), guard, clock_ms, legacy)
     for link in links:
         name = link["name"]
         lines[name] = Silent()

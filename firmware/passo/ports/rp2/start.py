@@ -39,7 +39,7 @@ class Start(start.Start):
     def keep(self, board):
         """Make the largest arrays, and what links and files keep."""
         if start.FROZEN:
-            if not board["network"]:  # 90 kB and more stay free
+            if not getattr(board.get("additions"), "lines", None):  # 90 kB and more stay free, but with a radio
                 from passo.memory import FileRoom
 
                 FileRoom.spare()

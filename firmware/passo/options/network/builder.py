@@ -1,7 +1,8 @@
-"""What a board with a network loads, and makes of its links: no other board has it.
+"""What a board with a network makes of its links: see machine_builder.lines_of().
 
     load(board)                     # early, each module after the one that it imports: there is no room for several at once
     serials(board, port)            # the serial line of each link of the board file
+    create(language, link, …)       # its protocol; `language`: a package. A link for pages speaks theirs
     join(links, controller)         # once there are both
 """
 
@@ -42,8 +43,9 @@ def _page_line():
     return __import__("passo.web.page_line", None, None, ("PageLine",)).PageLine
 
 
-def page(language, link, number, board, controller, shared, most):
-    """The protocol of a link for pages; `language`: the package of what the link speaks otherwise."""
+def create(language, link, number, board, controller, shared, most):
+    if link["port"] != "page":
+        return language.create(link, number, board, controller, shared, most)
     shown = _shown(link["protocol"])
     spoken = language.create(link, number, board, controller, shared, most) if shown.speaks else language
     return __import__("passo.protocols.page", None, None, ("create",)).create(shown, number, board, controller, spoken)
@@ -54,7 +56,7 @@ def serials(board, port):
     from passo.web.lines import Radio, make
 
     radio = port.radio if hasattr(port, "radio") else Radio(board["network"])
-    networked = make(board, radio, port.link_ms, _page_line)
+    networked = make(board["links"], radio, board["network"]["legacy_http"], port.link_ms, _page_line)
     if board["network"]["broker"]:
         _join_broker(board, networked)
     return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]
@@ -69,7 +71,7 @@ def _join_broker(board, lines):
         line = lines[link["name"]] if link["port"] == "page" else None
         if hasattr(line, "join_broker"):  # else the radio is off
             text_of = __import__("passo.error_texts", None, None, ("text",)).text  # imported at the start: an import takes memory in pieces, and time, while the machine moves
-            line.join_broker(__import__("passo.web.broker", None, None, ("Broker",)).Broker(board, link["protocol"], line.stop, umqtt, text_of))
+            line.join_broker(__import__("passo.web.broker", None, None, ("Broker",)).Broker(board["network"], link["protocol"], line.stop, umqtt, text_of))
 
 
 def join(links, controller):

@@ -1,11 +1,30 @@
-"""The check of a board file's `network`, and of links over it: only boards that have it load this."""
+"""The key `network`, and links over it. Only loaded if the board file has it."""
 
 from passo.config.board_error import BoardError, want_input
 from passo.records import NETWORK_PORTS as PORTS
 
+HEAP_KB = 13  # of a Pico W with stock MicroPython; host_tools/build/budget.py adds its links and a broker
+RULES = {
+    "network": {
+        "host": (str, "passo", 1, 32),
+        "http_port": (int, 80, 1, 65_535),
+        "tcp_port": (int, 23, 1, 65_535),
+        "legacy_http": (bool, False, 0, 1),
+        "button": (str, "", 0, 16),
+        "presence": (str, "", 0, 16),
+        "minutes": (int, 10, 1, 60),
+        "broker": (str, "", 0, 21),
+        "broker_user": (str, "", 0, 40),
+        "broker_password": (str, "", 0, 64),
+    },
+}
+
+
+def prepare(board):
+    board["additions"].ports = PORTS
+
 
 def check(board):
-    """Raises BoardError."""
     config = board["network"]
     for letter in config["host"]:
         if letter not in "abcdefghijklmnopqrstuvwxyz0123456789-":
@@ -13,6 +32,8 @@ def check(board):
     for key in ("button", "presence"):
         if config[key]:
             want_input(board, "network." + key, config[key])
+    board["additions"].lines = "passo.options.network.builder"
+    board["additions"].features["admission"] = "passo.options.network.control", "Admission"
     ports = [link["port"] for link in board["links"] if link["port"] in PORTS]
     if len(set(ports)) != len(ports):
         raise BoardError("network: one link on http, one on page, and one on tcp, at most")

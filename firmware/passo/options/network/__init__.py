@@ -1,0 +1,1 @@
+"""Links over a network: Wi-Fi, the page, a broker."""
