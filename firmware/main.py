@@ -110,9 +110,10 @@ def main():
 
         said = start.loaded()
         port = start.port(board)
+        lines = getattr(board.get("additions"), "lines", None)
         app = App(board, port, None, FileSlots("settings"), start.rooms)
         forget("passo.machine_builder")
-        forget(getattr(board.get("additions"), "lines", None))
+        forget(lines)
         said = ", ".join([part for part in (said, STAMP and "build " + STAMP) if part])
         if said:
             print(said)

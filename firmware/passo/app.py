@@ -33,7 +33,6 @@ _SEVERAL = const(6)  # lines at a time on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
 _FULL = const(128)  # bytes of a read that left some in the line's buffer
 _MORE = const(8)  # such reads a cycle: the whole buffer
-_USB_BAUD = const(1_000_000)  # at least
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 _LINES = const(4)  # of a batch
@@ -93,13 +92,11 @@ class App:
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)), *power_room(board))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
         inverted = bool(settings.turned(ENABLE_INVERT)) and getattr(port, "veto", None) is None  # which knows the board file's only
-        coils = None if self.layout.kind == "step_dir" else self._drive
-        self._motors = Motors(port, self.player, self.layout, coils, off_levels, board, inverted)
-        queue = self._make_queue(machine_builder, settings, "program" in names)
-        own = machine_builder.lines_of(board)
+        self._motors = Motors(port, self.player, self.layout, None if self.layout.kind == "step_dir" else self._drive, off_levels, board, inverted)
+        own, queue = machine_builder.lines_of(board), self._make_queue(machine_builder, settings, "program" in names)
         serials = machine_builder.serials(own, board, port)
-        kinds = machine_builder.load(names, board, languages)
-        self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
+        guarded = machine_builder.guarded(board, languages, settings)
+        self._make_controller(settings, queue, guarded, machine_builder.load(names, board, languages))
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES, _KEPT
         self._answered_ms = -1  # lines of a batch were answered while the machine moved, and it has not been polled since; −1: none
@@ -109,27 +106,29 @@ class App:
         self.links = []
         shared = {}  # what links of one language have in common
         most = _SEVERAL if self.interrupt else _ALL
-        for config, language, serial in zip(board["links"], languages, serials):
-            number = len(self.links)
-            protocol = machine_builder.speaker(own, language, config, number, board, self.controller, shared, most)
-            made = Link(number, config, serial, protocol, self.controller)
-            if config["frames"]:
-                baud = config["baud"] if config["port"] != "usb" else _USB_BAUD
-                made.serial = machine_builder.framed_line()(made, serial, baud, port.link_ms, made.note)
-            if config["lost"] != "go_on":
-                self.controller.features["host_watch"].watch(number, made.serial if config["frames"] else made)
-            self.links.append(made)
-        if own:
-            own.join(self.links, self.controller)
+        self._make_links(machine_builder, languages, serials, own, shared, most)
         self._prepare()  # before what links of files want
         if self.interrupt:  # a chip has little memory
             machine_builder = own = None
             forget("passo.machine_builder", True)
         for name, language in getattr(board.get("additions"), "file_links", ()):
             self._add_link(self.controller.features[name], languages, language, shared, most)
-            self._prepare()
+        if self.interrupt:  # who wants more of them has them
+            board.pop("additions", None)
         self.controller.machine.restarted()
         self._answer()
+
+    def _make_links(self, builder, languages, serials, own, shared, most):
+        for number, (config, language, serial) in enumerate(zip(self.board["links"], languages, serials)):
+            protocol = builder.speaker(own, language, config, number, self.board, self.controller, shared, most)
+            made = Link(number, config, serial, protocol, self.controller)
+            if config["frames"]:
+                made.serial = builder.framed(made, config, self.port)
+            if config["lost"] != "go_on":
+                self.controller.features["host_watch"].watch(number, made.serial if config["frames"] else made)
+            self.links.append(made)
+        if own:
+            own.join(self.links, self.controller)
 
     def _prepare(self):
         """Make now what links make when they are used first, as far as memory lasts."""
@@ -147,6 +146,7 @@ class App:
         config = dict(self.board["links"][index], name=self.controller.machine.links[number])
         protocol = languages[index].create(config, number, self.board, self.controller, shared, most)
         self.links.append(Link(number, config, feature.join(number, protocol), protocol, self.controller))
+        self._prepare()
 
     def _make_queue(self, builder, settings, streamed):
         """Feeder and queue. `streamed`: as machine_builder.queue() has it."""

@@ -251,7 +251,6 @@ def selected(board, firmware=FIRMWARE, spared=None):
     wanted = {link["protocol"] for link in board.get("links", [])}
     spoken = {"", *wanted, *(link["port"] for link in board.get("links", []))}  # "page" is a port
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent and option_of(path) in options]
-    files = [path for path in files if path.stem.partition(LANGUAGE_OF)[2] in spoken]
     known = {language_name(path) for path in files} - {None}
     if any(link.get("frames") for link in board.get("links", [])):
         wanted.add(FRAMES)
@@ -260,7 +259,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     modules = {}  # name: path
     for path in files:
         modules[".".join(path.with_suffix("").parts).removesuffix(".__init__")] = path
-    chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports" or option_of(path)}
+    chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports" or option_of(path) and path.stem.partition(LANGUAGE_OF)[2] in spoken}
     chosen -= {path for path in files if language_name(path) not in wanted | {None}}
     if board.get("network"):
         for link in board["links"]:

@@ -1,7 +1,7 @@
 """Lines of text in languages that are not of lines: what options add to them.
 
-    words = Words.of(protocol)      # made when it is asked for first
-    words.learn(language)           # a module: START and KIND, understand(machine, text), told(value)
+    words = Words.of(protocol)                          # made when it is asked for first
+    words.learn("$F", JOB, understand, told)            # as Grbl.learn()
     words.command("$F=PART")        # a Command; BAD if no line begins so
     words.told(event)               # the bytes that answer it; None: the event is of no such line
 """
@@ -14,7 +14,9 @@ _LINE = "$"  # the `value` of BAD
 
 class Words:
     def __init__(self):
-        self._languages = {}  # by kind of command
+        self._lines = []  # (how a line begins, understand)
+        self._told = {}  # by kind of command
+        self.notices = {}  # functions by number, that say the value
 
     @classmethod
     def of(cls, protocol):
@@ -22,31 +24,30 @@ class Words:
             protocol.words = cls()
         return protocol.words
 
-    def learn(self, language):
-        self._languages[language.KIND] = language
+    def learn(self, start, kind, understand, told, asked=False):
+        self._lines.append((start, understand))
+        self._told[kind] = told
 
     def command(self, line):
         found = errors.STATEMENT
-        for language in self._languages.values():
-            if line.startswith(language.START):
-                found = language.understand(None, line[len(language.START) :])
+        for start, understand in self._lines:
+            if line.startswith(start):
+                found = understand(None, line[len(start) :])
         if isinstance(found, int):
             return Command(BAD, value=_LINE, error=found)
         return found[0]
 
     def told(self, event):
         command = event.command
-        language = self._languages.get(command.kind)
-        if not language and (command.kind != BAD or command.value != _LINE):
+        told = self._told.get(command.kind)
+        if not told and (command.kind != BAD or command.value != _LINE):
             return None
         if event.kind != ACCEPTED and event.kind != FINISHED:
             return b"error:%d\n" % event.error
-        said = language.told(event.value).replace("\r", "") if language and event.value else ""
+        said = told(event.value).replace("\r", "") if told and event.value else ""
         return (said + "ok\n").encode()
 
     def said(self, event):
         """What a notice says, if it is one of an option: bytes."""
-        for language in self._languages.values():
-            if getattr(language, "NOTICE", 0) == event.error:
-                return ("[MSG:%s]\n" % language.ended(event.value)).encode()
-        return b""
+        say = self.notices.get(event.error)
+        return ("[MSG:%s]\n" % say(event.value)).encode() if say else b""

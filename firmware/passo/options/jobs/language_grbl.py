@@ -1,19 +1,88 @@
-"""Stored jobs in grbl's language: lines, each answered by `ok` or `error`."""
+"""Stored jobs in grbl's language: the `$F` lines, as far as grblHAL has them by the same words; each line is answered by `ok` or `error`.
 
-from passo.options.jobs import language
+    $F                                      [FILE:NAME|SIZE:bytes|STORED:bytes|CRC:hexadecimal|LANGUAGE:grbl] each, [FREE:bytes];
+                                            before it [MORE:count] of jobs that the list leaves out
+    $F?                                     [JOB:NAME|per cent] of the one that runs, else [ENDED:NAME|error|line], error 0: it is done
+    $F=NAME                                 run
+    $FD=NAME                                delete
+    $FS=NAME,LANGUAGE,BYTES,CRC,STORED      an upload of STORED bytes begins; they are a job of BYTES with that CRC-32
+    $F:BASE64                               some of its bytes
+    $FE                                     it is complete: `ok` once it has been read back and is right
+"""
 
-LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; bytes given at once
-FRAME = (b"", b"")  # what stands before a job, and behind it
+from binascii import a2b_base64
 
+from passo import commands, errors
+from passo.commands import Command
 
-def units(data):
-    return bytes(data).count(b"\n")
-
-
-def answers(said, before, given):
-    return before + said.count(b"ok\r\n") + said.count(b"error:")
+_LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; bytes given at once
+_FRAME = (b"", b"")  # what stands before a job, and behind it
 
 
 def extend(protocol, board):
-    protocol.stored = LIMITS, FRAME, units, answers
-    protocol.learn(language)
+    protocol.stored = _LIMITS, _FRAME, _units, _answers
+    protocol.raw = b"$F:"
+    protocol.notices[errors.NOTICE_JOB_ENDED] = ended
+    teach(protocol)
+
+
+def teach(words):
+    words.learn("$F", commands.JOB, understand, told)
+
+
+def _units(data):
+    return bytes(data).count(b"\n")
+
+
+def _answers(said, before, given):
+    return before + said.count(b"ok\r\n") + said.count(b"error:")
+
+
+def _command(what, target=None):
+    return [Command(commands.JOB, target, what)]
+
+
+def understand(machine, text):
+    """The commands of a line in which `text` follows `$F`, or the number of an error."""
+    if not text:
+        return _command(commands.JOB_LIST)
+    if text == "?":
+        return _command(commands.JOB_STATE)
+    if text == "E":
+        return _command(commands.JOB_CLOSE)
+    if text[:1] == "=" and text[1:]:
+        return _command(commands.JOB_RUN, text[1:])
+    if text[:2] == "D=":
+        return _command(commands.JOB_DELETE, text[2:])
+    try:
+        if text[:1] == ":":
+            return _command(commands.JOB_DATA, a2b_base64(text[1:]))
+        if text[:2] == "S=":
+            name, language, size, crc, stored = text[2:].split(",")
+            return _command(commands.JOB_OPEN, (name, language.lower(), int(size), int(crc, 16), int(stored)))
+    except ValueError:
+        pass
+    return errors.STATEMENT
+
+
+def told(value):
+    """The lines that answer `$F` and `$F?`."""
+    if len(value) == 3:
+        return "[ENDED:%s|%d|%d]\r\n" % value
+    if isinstance(value[0], str):
+        return "[JOB:%s|%d]\r\n" % value
+    entries, (free, more) = value
+    lines = ["[FILE:%s|SIZE:%d|STORED:%d|CRC:%08x|LANGUAGE:%s]\r\n" % (name, size, stored, crc, language or "damaged")
+             for name, language, size, stored, crc in entries]
+    if more:
+        lines.append("[MORE:%d]\r\n" % more)
+    lines.append("[FREE:%d]\r\n" % free)
+    return "".join(lines)
+
+
+def ended(value):
+    """How a job has ended, for its notice."""
+    name, error, line = value
+    if error == 0:
+        return "Job %s done" % name
+    return "Job %s: error %d in line %d" % (name, error, line) if line else "Job %s: error %d" % (name, error)

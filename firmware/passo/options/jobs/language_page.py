@@ -6,7 +6,7 @@
     machine.orders["stored"]({"do": "stored", "what": "end", "name": "PART.NC"})    # read back whole; the job "kept" or "failed" follows
     jobs.poll()                     # before the state is pushed
 
-The commands are those of the `$F` lines of every language (language.py): the machine refuses them while anything moves, and
+The commands are those of the `$F` lines of every language (language_grbl.py): the machine refuses them while anything moves, and
 without the command. An upload never is in memory: a piece is written before the next is asked for, and the browser has packed it.
 """
 

@@ -1,6 +1,7 @@
 """Stored jobs in the language of pulse codes, streamed. Their blocks of CREDIT are answered, and the end."""
 
-from passo.options.jobs import language
+from passo import errors
+from passo.options.jobs.language_grbl import ended, teach
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW
 from passo.protocols.words import Words
 
@@ -21,4 +22,6 @@ def answers(said, before, given):
 
 def extend(protocol, board):
     protocol.stored = LIMITS, FRAME, units, answers
-    Words.of(protocol).learn(language)
+    words = Words.of(protocol)
+    words.notices[errors.NOTICE_JOB_ENDED] = ended
+    teach(words)

@@ -1,7 +1,43 @@
-"""The journal in grbl's language."""
+"""The `$JR` lines: the job's journal.
 
-from passo.options.journal import language
+    $JR             [JOURNAL:job|line|flags|x,y,z]: job in hexadecimal, positions in steps; flags: 1 the line is done, 2 the position
+                    is known; of commands and points also 4 backward, 256 × the times it is to be played
+    $JR=89ABCDEF    a job of that number begins
+    $JR=89ABCDEF,LINE,FLAGS,LEAD,X,Y,Z      the same, of commands or points, as it is gone on with: LEAD of those to come are none of it
+"""
+
+from passo import commands, errors
+from passo.commands import Command
+from passo.records import COUNT_MASK
 
 
 def extend(protocol, board):
-    protocol.learn(language)
+    teach(protocol)
+
+
+def teach(words):
+    words.learn("$JR", commands.JOURNAL, understand, told, True)
+
+
+def understand(machine, text):
+    """The commands of a line in which `text` follows `$JR`, or the number of an error."""
+    if not text:
+        return [Command(commands.JOURNAL)]
+    number, comma, rest = text[1:].partition(",")
+    try:
+        job = int(number, 16)
+        fields = [int(field) for field in rest.split(",")] if comma else ()
+    except ValueError:
+        job = 0
+    if text[:1] != "=" or not 0 < job <= 0xFFFFFFFF:
+        return errors.STATEMENT
+    if not fields:
+        return [Command(commands.JOURNAL, job)]
+    if not 2 < len(fields) < 8 or min(fields[:3]) < 0 or fields[1] > 0xFFFF or max([abs(field) for field in fields]) > COUNT_MASK:
+        return errors.STATEMENT
+    return [Command(commands.JOURNAL, (job, fields[0], fields[1], fields[2], fields[3:]))]
+
+
+def told(value):
+    job, line, flags, position = value
+    return "[JOURNAL:%08x|%d|%d|%s]\r\n" % (job, line, flags, ",".join([str(steps) for steps in position]))

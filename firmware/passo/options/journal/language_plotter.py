@@ -1,8 +1,8 @@
 """The journal in the plotter's language."""
 
-from passo.options.journal import language
+from passo.options.journal.language_grbl import teach
 from passo.protocols.plotter.words import PacketWords
 
 
 def extend(protocol, board):
-    PacketWords.of(protocol).learn(language)
+    teach(PacketWords.of(protocol))

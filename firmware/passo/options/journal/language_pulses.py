@@ -1,8 +1,8 @@
 """The journal in the language of pulse codes."""
 
-from passo.options.journal import language
+from passo.options.journal.language_grbl import teach
 from passo.protocols.words import Words
 
 
 def extend(protocol, board):
-    Words.of(protocol).learn(language)
+    teach(Words.of(protocol))

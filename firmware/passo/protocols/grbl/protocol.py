@@ -50,6 +50,8 @@ _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
 
 class Grbl:
     keeps = True  # see app.py
+    notices = {}  # functions of options, by number, that say the value
+    raw = b"$"  # how a `$` line begins whose letters count as they are
     stored = None  # of an option whose link reads files: bounds of what is unanswered, frame of a file, units(data), answers(said, before, given)
 
     def __init__(self, axes, offsets, machine, batch, most):
@@ -72,17 +74,15 @@ class Grbl:
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
         self._stored = False  # it reads a file, in which no byte acts at once
-        self._languages = {}  # of options, by the kind of their command
-        self._raw = b"$"  # how a line begins whose letters count as they are
+        self._told = {}  # functions of options, by the kind of their command
         self._configure()
         self._forget()
 
-    def learn(self, language):
-        """Take `$` lines of an option whose answers are its own, too: a module with START, KIND, understand(machine, text) and told(value)."""
-        self._languages[language.KIND] = language
-        self._raw = getattr(language, "RAW", self._raw)
-        self.system.marks = language.START[1] + self.system.marks
-        self.system.learn(language.START, language.understand, hasattr(language, "ASKED"))
+    def learn(self, start, kind, understand, told, asked=False):
+        """Take `$` lines of an option, as System.learn(), whose commands are of this kind; told(value) says what comes of one."""
+        self._told[kind] = told
+        self.system.marks = start[1] + self.system.marks
+        self.system.learn(start, understand, asked)
 
     def _forget(self):
         self._lines.clear()
@@ -314,7 +314,7 @@ class Grbl:
             if b"\x7f" in bare(line):
                 return acted + [Command(commands.BAD, error=errors.LETTER)]
         if b"$" in line and bare(line)[:1] == b"$":
-            result = self.system.execute(line.decode() if line[:3] == self._raw else plain_text(line))
+            result = self.system.execute(line.decode() if line[:3] == self.raw else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
         elif self._machine.commander != self._number:
@@ -354,8 +354,8 @@ class Grbl:
 
                 text += told(event.value)
             self._start_lines = [] if self._machine.alarm else self.system.start_lines()
-        if command.kind in self._languages and event.value:
-            text += self._languages[command.kind].told(event.value)
+        if command.kind in self._told and event.value:
+            text += self._told[command.kind](event.value)
         if self._rest and self._rest[0].kind == commands.MORE:
             made = next(self._rest[0].value)
             if made is None:
@@ -387,9 +387,8 @@ class Grbl:
         if event.kind == ALARM:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
         if event.kind == NOTICE:
-            for language in self._languages.values():
-                if getattr(language, "NOTICE", 0) == event.error:
-                    return grbl_report.message(language.ended(event.value)).encode()
+            if event.error in self.notices:
+                return grbl_report.message(self.notices[event.error](event.value)).encode()
             text = grbl_report.NOTICES[event.error]
             return grbl_report.message(text if event.value is None else text % event.value).encode()
         if event.kind != RESTARTED:
