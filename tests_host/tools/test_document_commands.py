@@ -24,7 +24,7 @@ ELSEWHERE = {
     ("blackbox",): "tests_host/tools/test_blackbox_command.py",
     ("machine",): "tests_host/tools/test_machine.py",
     ("link",): "tests_host/tools/test_board_command.py",
-    ("wifi", "access"): "tests_host/tools/test_wifi_command.py",
+    ("wifi", "access"): "tests_host/options/network/test_wifi_command.py",
     ("flash", "--uf2"): "tests_host/tools/test_flash_uf2.py",
     ("wifi", "bridge"): "tests_host/tools/test_websocket_line.py",
     ("--dask",): "tests_host/tools/test_check_folder.py",
