@@ -123,7 +123,8 @@ class App:
             protocol = builder.speaker(own, language, config, number, self.board, self.controller, shared, most)
             made = Link(number, config, serial, protocol, self.controller)
             if config["frames"]:
-                made.serial = builder.framed(made, config, self.port)
+                baud = 1_000_000 if config["port"] == "usb" else config["baud"]  # at least
+                made.serial = builder.framed_line()(made, serial, baud, self.port.link_ms, made.note)
             if config["lost"] != "go_on":
                 self.controller.features["host_watch"].watch(number, made.serial if config["frames"] else made)
             self.links.append(made)
@@ -141,8 +142,7 @@ class App:
 
     def _add_link(self, feature, languages, language, shared, most):
         """A link that a feature brings: it speaks as the first one of its language."""
-        index = [link["protocol"] for link in self.board["links"]].index(language)
-        number = len(self.links)
+        index, number = [link["protocol"] for link in self.board["links"]].index(language), len(self.links)
         config = dict(self.board["links"][index], name=self.controller.machine.links[number])
         protocol = languages[index].create(config, number, self.board, self.controller, shared, most)
         self.links.append(Link(number, config, feature.join(number, protocol), protocol, self.controller))

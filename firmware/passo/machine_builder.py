@@ -30,7 +30,6 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
-_USB_BAUD = 1_000_000  # at least
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.arcs")  # fmt: skip
@@ -111,12 +110,6 @@ def framed_line():
         return __import__("passo.protocols.frames", None, None, ("FramedLine",)).FramedLine
     except ImportError as missing:
         raise BoardError("frames are not on this board (%s): flash it anew" % missing)
-
-
-def framed(link, config, port):
-    """The line of a link that speaks frames."""
-    baud = config["baud"] if config["port"] != "usb" else _USB_BAUD
-    return framed_line()(link, link.serial, baud, port.link_ms, link.note)
 
 
 def lines_of(board):
