@@ -64,7 +64,7 @@ class Fuzz:
         self._start()
 
     def _start(self):
-        board = check(BOARD)
+        board = check(dict(BOARD, journal=None))
         for axis in board["axes"]:
             axis["travel_steps"] = axis["travel_steps"] * 2000 // axis["steps_per_m"]
             axis["steps_per_m"] = 2000
@@ -73,7 +73,7 @@ class Fuzz:
         board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 20, "laser": laser, "spin_up_ms": 40, "coolant_ms": 20}
         board["links"] = [dict(board["links"][0], lost="go_on")]  # a `?` amid the noise is no host that watches
         self.port = Port()
-        self.app = App(dict(board, journal=None), self.port)
+        self.app = App(board, self.port)
         self.controller = self.app.controller
         self.controller.machine.homed = True
         self._recover()
