@@ -213,13 +213,12 @@ class Runner:
 
         try:
             board = check(board)
+            plain = dict.fromkeys(("journal", "jobs", "card", "network"))  # what needs flash or a radio, and changes no step
+            board = check(dict(board, links=board["links"][:1], commands="", **plain))
         except BoardError as error:
             raise Failed("{}", str(error))
-        link = dict(board["links"][0])
+        link = board["links"][0]
         link["protocol"] = "grbl"
-        board["links"] = [link]
-        for key in ("journal", "jobs", "network"):  # what needs flash or a radio, and changes no step
-            board[key] = None
         self.board = board
         self._sink = sink
         port = VirtualPort(board, Resting(board), player=BulkPlayer)
