@@ -153,6 +153,7 @@ def test_readme_is_read_in_a_minute():
     assert text.count("\n") <= 120 and len(text.split()) <= 1200
     first = text[: text.index("\n## ")]
     assert "Status: 0.1.0" in first and "No report of a real board yet" in first and "\n| " not in first
+    assert first.index("Status: ") < first.index("\n    make venv && ") < first.index("\n    passo panel --demo --open "), "the first screen has no command"
     assert f"**{address()}**" in text.split("## Get it")[1] and "github.com" not in text
 
 
