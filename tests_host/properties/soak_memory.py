@@ -29,6 +29,7 @@ from passo.config.journal import FileSlots
 PATIENCE = 20_000  # turns
 SHOWN = 100  # times
 LOCKED = b"error:9"
+WIRED = "interlock", "gantry", "inverter", "encoders"  # options that want wires
 LEFT = 62_000  # bytes that are free at the start, a tenth of what is taken, as on a Pico
 
 
@@ -67,10 +68,11 @@ class Board(Port):
 
 class Sender:
     def __init__(self, name, folder):
-        board = check(board_named(name))
-        board.update({key: None for key in ("interlock", "gantry", "inverter")}, encoders=[])  # they want wires
-        board.update(journal={"every_ms": 500, "power": ""}, jobs={"language": "grbl", "folder": folder, "button": "", "start": ""})
-        board["links"] = board["links"][:1]
+        board = board_named(name)
+        board.update({key: None for key in WIRED}, player="timer", journal={"every_ms": 500}, jobs={"language": "grbl", "folder": folder})
+        for item in board["inputs"]:
+            item.pop("filter_us", None)  # of an interlock
+        board = check(board)
         self.port = Board()
         self.app = App(board, self.port, None, FileSlots(folder + "/settings"))
         self.random = Random(len(name))

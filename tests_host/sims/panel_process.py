@@ -9,8 +9,10 @@
 
 import csv
 import json
+import queue
 import re
 import subprocess
+import threading
 import time
 
 import websocket
@@ -53,8 +55,8 @@ class PanelProcess:
         assert self._process.wait(patience(30)) == 0
         self._process.stdout.close()
 
-    def page(self, key=None):
-        return PageClient(self.host, self.key if key is None else key)
+    def page(self, key=None, reads=True):
+        return PageClient(self.host, self.key if key is None else key, reads=reads)
 
     def trace(self):
         """(ticks of 80 ns, x, y, z) in steps, row by row."""
@@ -63,14 +65,27 @@ class PanelProcess:
 
 
 class PageClient:
-    def __init__(self, host, key, origin=None):
+    def __init__(self, host, key, origin=None, reads=True):
+        """`reads`: answers pings whatever the test does meanwhile, as a browser does; else only while a test listens to it. The panel gives
+        up a page that is silent for 8 s."""
         self.socket = websocket.create_connection(f"ws://{host}/ws", origin=origin or f"http://{host}", timeout=patience(LIMIT_S))
         self.hello = json.loads(self.socket.recv())
+        self.socket.settimeout(None if reads else patience(LIMIT_S))
         self._session = Session(key, self.hello["nonce"])
         self.count = 0
         self.state = {}
         self.lease = 0
         self.told = []
+        self._received = queue.SimpleQueue() if reads else None
+        if reads:
+            threading.Thread(target=self._receive, daemon=True).start()
+
+    def _receive(self):
+        try:
+            while True:
+                self._received.put(self.socket.recv())
+        except Exception as error:  # it belongs to who waits for a message
+            self._received.put(error)
 
     def message(self, order):
         """An order with its proof."""
@@ -84,7 +99,11 @@ class PageClient:
         return self._find(lambda message: message.get("id") == number)
 
     def hear(self):
-        message = json.loads(self.socket.recv())
+        received = self._received.get(timeout=patience(LIMIT_S)) if self._received else self.socket.recv()
+        if isinstance(received, Exception):
+            self._received.put(received)
+            raise received
+        message = json.loads(received)
         if message["t"] == "state":
             self.state = message
         else:
