@@ -34,10 +34,9 @@ def _figures(mhz, waiting, flashed):
     yield "lines of 0.2 mm a second, over USB", round(on_a_copy(lambda: gcode.lines_over(machine, "pc", 0.2, 490, GCODE_LINES)))
     laser = waiting(*gcode.fast_board((0.1,), laser=True, clock_mhz=mhz))
     yield "dots of 0.1 mm a second, M4, over USB", round(on_a_copy(lambda: gcode.dots_over(laser, "pc", 0.1, 200, GCODE_LINES)))
-    machine = waiting(*gcode.fast_board((0.2,), clock_mhz=mhz))
-    steps, holds = on_a_copy(lambda: _answers(machine))
-    yield "first step after a command at rest, over USB, ms: median of six", f"{median(steps):.2f}"
-    yield "a feed hold begins to slow at 100 mm/s, over USB, ms: worst of four", f"{max(holds):.1f}"
+    steps, holds = on_a_copy(lambda: _answers(mhz, flashed))
+    yield "first step after a command at rest, over USB, ms: median", f"{median(steps):.2f}"
+    yield "a feed hold begins to slow at 100 mm/s, over USB, ms: worst", f"{max(holds):.1f}"
     took_ms = on_a_copy(lambda: answers(_asked(mhz, flashed), _tiny_lines()))
     yield "`?` in a stream of lines of 0.2 mm over USB, ms: median", f"{median(took_ms):.2f}"
     yield "`?` in a stream of lines of 0.2 mm over USB, ms: p99", f"{_p99(took_ms):.2f}"

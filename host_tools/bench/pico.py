@@ -181,10 +181,10 @@ def _gcode(mhz):
     yield "a feed hold begins to slow at 100 mm/s, over USB, ms", "", f"{max(holds):.1f}", "", ""
 
 
-def _answers(mhz):
+def _answers(mhz, flashed=EmulatedMachine):
     """Try first steps and holds on router_3axis, as flashed but with faster axes, at all phases of the main loop's cycle. Returns two
     lists of milliseconds: from a line to its first step, and from `!` to the first slower step."""
-    machine = EmulatedMachine(lines_of_gcode.fast_board((), clock_mhz=mhz, mm_s=500, mm_s2=300_000)[0], trace=None).boot()
+    machine = flashed(lines_of_gcode.fast_board((), clock_mhz=mhz, mm_s=500, mm_s2=300_000)[0], trace=None).boot()
     machine.pico.console.expect(b"Grbl")
     machine.run_ms(100)
     return lines_of_gcode.first_steps(machine, 30), lines_of_gcode.holds(machine, 40)
