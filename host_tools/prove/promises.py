@@ -33,7 +33,7 @@ PROMISES = {
     "setup_ns": Promise("DIR to STEP, short of the board file's", "ns", 80, advice="drivers may step the wrong way: setup_us of the board file is not kept"),
     "edge_ns": Promise("edges off their words", "ns", 80, advice="steps come late or early: an interrupt of something else, or a player that runs dry", said="80 ns, 0 words late"),
     "late_words": Promise("words late", "", 0, advice="interrupts came too late to make words: nothing but Passo may have interrupts on this board", said="0 words late"),
-    "fastest_khz": Promise("three axes together, edges as their words", "kHz", 480, least=True, advice="the player does not keep up", said="480 kHz, 63 % left with the flash cache"),
+    "fastest_khz": Promise("three axes together, edges as their words", "kHz", 480, least=True, advice="the player does not keep up", said="480 kHz, 62 % left with the flash cache"),
     "stop_us": Promise("halting input to the last step", "µs", 25, easy=10, advice="the emergency input is late: no motor before this is understood", said="halting input to the last step: the first | 25 µs | 10 µs"),
     "halts_off": Promise("halts with a wrong position", "of 20", 0, advice="home again after each stop, and report this", said="100 of 100 positions exact"),
     "bytes_lost": Promise("bytes lost on the link", "of 16384", 0, advice="another cable or USB port; --frames sends damaged lines again", said="0 bytes lost"),
