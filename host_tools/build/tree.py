@@ -249,7 +249,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
     absent += tuple(set(DIGITAL) - set(switching))
     options = options_of(board, firmware)
     wanted = {link["protocol"] for link in board.get("links", [])}
-    spoken = {"", *wanted, *(link["port"] for link in board.get("links", []))}  # "page" is a port
+    spoken = {"", *wanted, *(link.get("port", "") for link in board.get("links", []))}  # "page" is a port
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and path not in absent and option_of(path) in options]
     known = {language_name(path) for path in files} - {None}
     if any(link.get("frames") for link in board.get("links", [])):
