@@ -1,13 +1,24 @@
-"""Names that are told apart by their numbers have one each: kinds of commands and events, errors, notices, fields of rows."""
+"""Names that are told apart by their numbers have one each: kinds of commands and events, errors, notices, fields of rows.
 
+What users know by number means the same for ever: golden/numbers.txt has each error, notice and setting. A new one is a line more:
+
+    python tests_host/rules/test_numbers.py > tests_host/golden/numbers.txt
+"""
+
+import ast
 import re
 from pathlib import Path
 
 import pytest
 
+from host_tools import boards
+from passo.config import setting_numbers
+from passo.config.boardfile import check
+
 pytestmark = pytest.mark.quick
 
 PASSO = Path(__file__).resolve().parents[2] / "firmware" / "passo"
+GOLDEN = PASSO.parents[1] / "tests_host" / "golden" / "numbers.txt"
 CONSTANT = re.compile(r"^([A-Z][A-Z0-9_]*) = const\((-?(?:0x)?[0-9A-Fa-f]+)\)", re.MULTILINE)
 
 
@@ -72,3 +83,62 @@ def test_the_page_of_the_timer_has_its_numbers():
     assert f"within {worst['no']:g} µs of their time; with the flash cache within {worst['yes']:g} µs" in page
     left = [int(percent) for khz, _, _, _, percent in rows if khz == "25"]
     assert f"{100 - max(left)} to {100 - min(left)} % at 25 kHz" in page
+
+
+# --- what users know by number
+
+
+def settings_of(source):
+    """(number, name) of settings that a manifest writes as a table: {41: ("parking", …)}."""
+    for node in ast.walk(ast.parse(source)):
+        for key, value in zip(node.keys, node.values, strict=True) if isinstance(node, ast.Dict) else ():
+            if isinstance(key, ast.Constant) and type(key.value) is int and isinstance(value, ast.Tuple) and isinstance(value.elts[0], ast.Constant):
+                yield key.value, value.elts[0].value
+
+
+def known():
+    """(kind, number, name) of all errors, notices and settings: of core, of each board, and of each option's manifest."""
+    for name, number in CONSTANT.findall((PASSO / "errors.py").read_text(encoding="utf-8")):
+        yield "notice" if name.startswith("NOTICE_") else "error", int(number), name
+    for board in [check(boards.load(name)) for name in boards.names()]:
+        for rules in (setting_numbers.make(board), board["additions"].settings):
+            yield from (("setting", number, rule[0]) for number, rule in rules.items())
+    for path in PASSO.glob("options/*/manifest.py"):
+        yield from (("setting", number, name) for number, name in settings_of(path.read_text(encoding="utf-8")))
+
+
+def golden():
+    """What each number means: {(kind, number): name}."""
+    rows = [line.split() for line in GOLDEN.read_text(encoding="utf-8").splitlines()]
+    return {(kind, int(number)): name for kind, number, name in rows}
+
+
+def changes(found, meanings):
+    """Numbers of `found` that are new, or that mean something else than in `meanings`; and names whose number has changed."""
+    numbers = {(kind, name): number for (kind, number), name in meanings.items()}
+    return sorted({
+        f"{kind} {number} {name}" for kind, number, name in found
+        if meanings.get((kind, number)) != name or numbers.get((kind, name)) != number
+    })  # fmt: skip
+
+
+def test_numbers_that_users_know_never_change():
+    """A setting goes with its option; its number is given to nothing else."""
+    found, meanings = set(known()), golden()
+    assert len(GOLDEN.read_text(encoding="utf-8").splitlines()) == len(meanings) > 200, "a number stands there twice"
+    assert changes(found, meanings) == [], "new lines go into golden/numbers.txt; those that are there stay as they are"
+    gone = {(kind, number) for kind, number in meanings if kind != "setting"} - {(kind, number) for kind, number, _ in found}
+    assert not gone, "an error or a notice that a user may look up is gone"
+
+
+def test_a_changed_number_is_seen():
+    meanings = {("setting", 41): "parking", ("error", 1): "LETTER"}
+    assert changes([("setting", 41, "parking"), ("error", 1, "LETTER")], meanings) == []
+    assert changes([("setting", 42, "parking")], meanings) == ["setting 42 parking"]
+    assert changes([("setting", 41, "beeper")], meanings) == ["setting 41 beeper"]
+    assert changes([("setting", 9, "beeper")], meanings) == ["setting 9 beeper"]
+    assert list(settings_of('rules = {41: ("parking", 0, 1, 0, 1)}')) == [(41, "parking")]
+
+
+if __name__ == "__main__":
+    print("\n".join(f"{kind} {number} {name}" for kind, number, name in sorted(set(known()))))
