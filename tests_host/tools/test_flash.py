@@ -116,12 +116,19 @@ def put(files, name, text="old"):
     (files / name).write_text(text)
 
 
+def put_drives(firmware):
+    """The coil drives that the plotters' board files ask for, by their manifests."""
+    for name in ("drive_unipolar", "drive_pbl3770a", "coil_drives"):
+        put(firmware, f"passo/options/{name}/manifest.py", "x = 1\n")
+
+
 @pytest.fixture
 def small_firmware(tmp_path, monkeypatch):
     """A few modules instead of all: a copy takes its time."""
     firmware = tmp_path / "firmware"
     for name in ("main.py", "passo/__init__.py", "passo/app.py", "passo/motion/line.py", "passo/protocols/plotter/__init__.py"):
         put(firmware, name, "x = 1\n")
+    put_drives(firmware)
     monkeypatch.setattr(flash, "build_tree", partial(flash.build_tree, firmware=firmware))
 
 

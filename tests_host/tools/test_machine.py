@@ -12,7 +12,7 @@ from host_tools.build.frozen import stamp
 from host_tools.cli import flash, machine
 from host_tools.cli.main import app
 from host_tools.failure import Failure
-from test_flash import board, folder, put, wait_for  # noqa: F401  fixtures
+from test_flash import board, folder, put, put_drives, wait_for  # noqa: F401  fixtures
 from test_flash_uf2 import IMAGE
 
 
@@ -22,8 +22,7 @@ def small(tmp_path, monkeypatch):
     for name in ("main.py", "passo/__init__.py", "passo/app.py", "passo/protocols/__init__.py", "passo/protocols/pulses/__init__.py",
                  "passo/protocols/plotter/__init__.py", "passo/protocols/grbl/__init__.py"):  # fmt: skip
         put(firmware, name, "x = 1\n")
-    for name in ("drive_unipolar", "drive_pbl3770a", "coil_drives"):
-        put(firmware, f"passo/options/{name}/manifest.py", "x = 1\n")
+    put_drives(firmware)
     monkeypatch.setattr(machine, "build_tree", partial(machine.build_tree, firmware=firmware))
     monkeypatch.setattr(machine, "_at_rest", lambda port: None)
     return firmware
