@@ -30,6 +30,8 @@ def minute_ticks(command):
 
 class Program(LineBatches):
     heeds = QUEUE_GONE | WORK_GONE
+    _queue_otherwise = None  # an option's method (command, ticks): it queues the motion and returns True, or leaves it; may raise ValueError
+    _steady_mm_min = 0  # an option's: the speed up to which there are no ramps, if $140 has a lower one
 
     def __init__(self, board, machine, queue):
         self._limits_of = None  # the settings' version whose limits the planner knows
@@ -209,7 +211,11 @@ class Program(LineBatches):
         ticks = minute_ticks(command) if command.per_min else 0
         error = 0
         try:
-            self._hand_on(command, ticks)
+            if self._queue_otherwise is None or not self._queue_otherwise(command, ticks):
+                if command.kind == commands.ARC:
+                    self._queue.arc(command, ticks)
+                else:
+                    self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
         except ValueError:
             error = errors.RADIUS if command.kind == commands.ARC else self._too_long(command) or errors.TARGET
         if power > POWER_MOST:
@@ -217,13 +223,6 @@ class Program(LineBatches):
             if error:
                 self.dots[DOTS_HEAD] = power >> DOTS_FIRST
         return error
-
-    def _hand_on(self, command, ticks):
-        """Queue a motion that lasts `ticks`; 0: at its feed. Raises ValueError if the planner cannot."""
-        if command.kind == commands.ARC:
-            self._queue.arc(command, ticks)
-        else:
-            self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
 
     def _lacks(self, dots):
         """True if the queue has no room for these dots yet."""
@@ -259,7 +258,7 @@ class Program(LineBatches):
             [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
             settings.value(table.JUNCTION) * 1000,
-            self._start_speed() * 50 // 3,
+            max(settings.value(table.START), self._steady_mm_min * 1000) * 50 // 3,
             jerk * 1000,
         )
         limits = self._planner.limits(limits)
@@ -268,10 +267,6 @@ class Program(LineBatches):
             shift += 1
         seen = self._queue.seen
         seen[SEEN_FASTEST], seen[SEEN_SHIFT] = limits.fastest >> shift, shift
-
-    def _start_speed(self):
-        """Micrometres a minute up to which there are no ramps."""
-        return self._machine.settings.value(table.START)
 
     # --- probing
 

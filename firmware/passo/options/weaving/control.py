@@ -4,7 +4,6 @@ WEAVE, `value`: a spec (motion.py) or None, holds for the lines and arcs at a fe
 """
 
 from passo import commands, errors
-from passo.config.setting_numbers import START
 from passo.control.feature import ANEW
 from passo.control.program import Program
 from passo.options.weaving import motion as weave
@@ -84,11 +83,11 @@ class Weaving(Program):
                 return False
         return True
 
-    def _hand_on(self, command, ticks):
-        if self._spec is not None and command.feed and not ticks and command.kind in (commands.LINE, commands.ARC):
-            self._queue.follow(self._woven(command), command)
-        else:
-            Program._hand_on(self, command, ticks)
+    def _queue_otherwise(self, command, ticks):
+        if self._spec is None or not command.feed or ticks or command.kind not in (commands.LINE, commands.ARC):
+            return False
+        self._queue.follow(self._woven(command), command)
+        return True
 
     def _woven(self, command):
         """The Woven of a line or an arc. Raises ValueError."""
@@ -98,6 +97,3 @@ class Weaving(Program):
             circle = command.centre, command.clockwise, command.turns - 1, command.over_half
         deltas = list(self._queue.deltas(command.target))
         return weave.Woven(deltas, plane, circle, self._spec, command.feed, command.tool, command.number, self._steps_per_m)
-
-    def _start_speed(self):
-        return max(self._machine.settings.value(START), self._steady_mm_min * 1000)
