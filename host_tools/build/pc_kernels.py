@@ -82,8 +82,8 @@ def firmware_texts():
 
 
 def library(texts=None):
-    """(path of the library, its table) for the texts, {path: text}, by default those of the firmware as it is now; None if nothing compiles
-    here. Raises Failure."""
+    """Compile the kernels of `texts`, {path: text}; default: those of the firmware. Returns (path of the library, its table), or None if this
+    computer has no compiler. Raises Failure if compiling fails."""
     command = compiler()
     if command is None:
         return None

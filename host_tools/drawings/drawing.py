@@ -278,7 +278,7 @@ def _ordered(layers, options, progress):
         before_mm += travel(lines, old)
         old = lines[-1][-1]
         progress(N_("ordering"), done / count)
-        thin = _thinned(followed(lines, _JOIN_MM) if options.keep_order else joined(lines, _JOIN_MM), options.tolerance / 2)
+        thin = _simplify(followed(lines, _JOIN_MM) if options.keep_order else joined(lines, _JOIN_MM), options.tolerance / 2)
         thin = [_repeated(line, options.repeat) for line in thin] if options.repeat > 1 else thin
         if not options.keep_order:
 
@@ -292,8 +292,8 @@ def _ordered(layers, options, progress):
     return ordered, before_mm
 
 
-def _thinned(lines, tolerance):
-    """Lines without the points that lie within `tolerance` of the line through their neighbours."""
+def _simplify(lines, tolerance):
+    """Remove the points that lie within `tolerance` of the line through their neighbours (Douglas and Peucker, by shapely). Returns the lines."""
     long = [number for number, line in enumerate(lines) if len(line) > 2]
     if not long:
         return lines

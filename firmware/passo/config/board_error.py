@@ -103,7 +103,7 @@ def names_of(outputs):
 
 
 def asked_by_value(board):
-    """Names that options have for which a raw board file asks by a value: output_vacuum, drive_unipolar. Values may be anything."""
+    """Names of the options that a raw board file asks for by a value, not by a key: by an output's name or by drive.kind. Values may be of any type."""
     outputs, drive = board.get("outputs"), board.get("drive")
     names = [OF_OUTPUT + name for name in names_of(outputs if isinstance(outputs, (list, tuple)) else ())]
     kind = drive.get("kind") if isinstance(drive, dict) else None

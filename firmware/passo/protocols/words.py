@@ -3,7 +3,7 @@
     words = Words.of(protocol)                          # made when it is asked for first
     words.learn("$F", JOB, understand, told)            # as Grbl.learn()
     words.command("$F=PART")        # a Command; BAD if no line begins so
-    words.told(event)               # the bytes that answer it; None: the event is of no such line
+    words.answer(event)             # the bytes that answer it; None: the event is of no such line
 """
 
 from passo import errors
@@ -16,7 +16,7 @@ class Words:
     def __init__(self):
         self._lines = []  # (how a line begins, understand)
         self._told = {}  # by kind of command
-        self.notices = {}  # functions by number, that say the value
+        self.notices = {}  # by number of a notice: a function that returns its text for a value
 
     @classmethod
     def of(cls, protocol):
@@ -37,7 +37,7 @@ class Words:
             return Command(BAD, value=_LINE, error=found)
         return found[0]
 
-    def told(self, event):
+    def answer(self, event):
         command = event.command
         told = self._told.get(command.kind)
         if not told and (command.kind != BAD or command.value != _LINE):
@@ -47,7 +47,7 @@ class Words:
         said = told(event.value).replace("\r", "") if told and event.value else ""
         return (said + "ok\n").encode()
 
-    def said(self, event):
-        """What a notice says, if it is one of an option: bytes."""
+    def notice(self, event):
+        """The line of a notice, in bytes; empty if no option has taught its number."""
         say = self.notices.get(event.error)
         return ("[MSG:%s]\n" % say(event.value)).encode() if say else b""

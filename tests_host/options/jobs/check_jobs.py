@@ -582,3 +582,9 @@ def check_free_flash():
         assert CardStore("/sd/jobs").free() == 100 * 4096
     finally:
         job_store.os = before
+
+
+def check_only_links_of_such_boards_know_its_notices():
+    machine = make()
+    assert machine.app.links[0].protocol.notices and not type(machine.app.links[0].protocol).notices
+    remove(machine)

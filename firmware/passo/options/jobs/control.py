@@ -29,7 +29,8 @@ class JobLine:
     as it may."""
 
     def __init__(self, protocol, look, damaged):
-        """`protocol`: has `stored`, how its language's answers are counted. `look()` is called when something has been answered, `damaged(error)` if the file is damaged."""
+        """`protocol`: of the link, whose `stored` says how its answers are counted. Calls `look()` at each answer, `damaged(error)` if the file is
+        damaged."""
         self._protocol = protocol
         limits, self._frame, self._units, self._answers = protocol.stored
         self._most, piece = limits  # units that may be unanswered: lines, packets, codes

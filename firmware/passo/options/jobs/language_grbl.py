@@ -22,7 +22,9 @@ _FRAME = (b"", b"")  # what stands before a job, and behind it
 def extend(protocol, board):
     protocol.stored = _LIMITS, _FRAME, _units, _answers
     protocol.raw = b"$F:"
-    protocol.notices[errors.NOTICE_JOB_ENDED] = ended
+    notices = dict(protocol.notices)  # those of this link: the class has none
+    notices[errors.NOTICE_JOB_ENDED] = ended
+    protocol.notices = notices
     teach(protocol)
 
 

@@ -5,7 +5,7 @@ from passo.config.board_error import BoardError, want_input
 HEAP_KB = 4  # of a Pico with stock MicroPython
 RULES = {
     "journal": {
-        "every_ms": (int, 1000, 100, 60_000),  # so old at most is what is written while the machine moves
+        "every_ms": (int, 1000, 100, 60_000),  # a record is written at least as often while the machine moves
         "power": (str, "", 0, 16),  # the input that is active when the power fails; "": none
     },
 }

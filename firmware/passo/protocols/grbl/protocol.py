@@ -50,9 +50,9 @@ _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
 
 class Grbl:
     keeps = True  # see app.py
-    notices = {}  # functions of options, by number, that say the value
-    raw = b"$"  # how a `$` line begins whose letters count as they are
-    stored = None  # of an option whose link reads files: bounds of what is unanswered, frame of a file, units(data), answers(said, before, given)
+    notices = {}  # by number of a notice: a function that returns its text for a value; an option replaces the whole
+    raw = b"$"  # lines that begin with these bytes keep small letters and blanks; an option sets it
+    stored = None  # (limits, frame, units, answers) of an option that feeds a file to this link: options/jobs/language_grbl.py
 
     def __init__(self, axes, offsets, machine, batch, most):
         """`axes`: names; `machine`: the record of its state; `batch`: a batch.Lines of the link; `most`: lines that feed() takes."""

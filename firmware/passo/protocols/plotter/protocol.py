@@ -233,7 +233,7 @@ class Plotter:
     def reply(self, event):
         """The bytes that tell the host of `event`: none where the language has no word for it."""
         command = event.command
-        said = self.words.told(event) if self.words else None
+        said = self.words.answer(event) if self.words else None
         if said is not None:
             return said
         if command.kind == BAD:

@@ -336,7 +336,7 @@ class Pulses:
 
     def reply(self, event):
         command = event.command
-        said = self.words.told(event) if self.words else None
+        said = self.words.answer(event) if self.words else None
         if said is not None:
             return said
         if event.kind == FINISHED:
@@ -390,5 +390,5 @@ class Pulses:
         if event.kind == ALARM:
             return b"alarm:%d\n" % event.error
         if event.kind == NOTICE and self.words:
-            return self.words.said(event)
+            return self.words.notice(event)
         return b"ready\n" if event.kind == RESTARTED else b""
