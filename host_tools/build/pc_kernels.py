@@ -81,29 +81,29 @@ def firmware_texts():
     return {path.relative_to(FIRMWARE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
 
 
-def library(texts=None):
-    """Compile the kernels of `texts`, {path: text}; default: those of the firmware. Returns (path of the library, its table), or None if this
-    computer has no compiler. Raises Failure if compiling fails."""
+def library(texts=None, taken=TAKEN):
+    """Compile the kernels of `texts`, {path: text}, of which Python calls those in `taken`; default: the firmware's. Returns (path of the
+    library, its table), or None if this computer has no compiler. Raises Failure if compiling fails."""
     command = compiler()
     if command is None:
         return None
     texts = texts or firmware_texts()
     makers = [path.read_text(encoding="utf-8") for path in sorted(Path(units.__file__).parent.glob("*.*")) if path.is_file()]
-    state = hashlib.sha256(repr((texts, makers, command, OPTIONS, sys.platform, Path(__file__).read_text(encoding="utf-8"))).encode())
+    state = hashlib.sha256(repr((texts, sorted(taken), makers, command, OPTIONS, sys.platform, Path(__file__).read_text(encoding="utf-8"))).encode())
     kept = modules.CACHE / f"pc-{state.hexdigest()[:24]}{SUFFIX}"
     table = kept.with_suffix(".json")
     if not kept.is_file() or not table.is_file():
-        _make(texts, command, kept, table)
+        _make(texts, taken, command, kept, table)
     return kept, json.loads(table.read_text(encoding="utf-8"))
 
 
-def _make(texts, command, kept, table):
+def _make(texts, taken, command, kept, table):
     program = Program(numbered_only(texts))
     unit = units.Unit(program, list(program.kernels.values()))
     text = unit.pc_text(runtime())
     rows = {
         each.kernel.full: [each.c_name, each.kernel.arguments, each.kernel.returns, each.needs_objects()]
-        for each in unit.called if each.kernel.full in TAKEN
+        for each in unit.called if each.kernel.full in taken
     }
     usual = {each.kernel.full: each.wrapper_name() for each in unit.functions.values() if f"const char {each.wrapper_name()}[" in text}
     kept.parent.mkdir(parents=True, exist_ok=True)
@@ -146,8 +146,8 @@ def kernels_of(module, *names):
 def _kernels_of(choice, module, names):
     plain, found = importlib.import_module(module), None
     if choice != "plain":
-        TAKEN.update(f"{module}.{name}" for name in names)
-        found = library({module.replace(".", "/") + ".py": Path(plain.__file__).read_text(encoding="utf-8")})
+        taken = {f"{module}.{name}" for name in names}
+        found = library({module.replace(".", "/") + ".py": Path(plain.__file__).read_text(encoding="utf-8")}, taken)
     if found is None and choice == "c":
         raise Failure("{}=c: there is no C compiler here", CHOICE)
     if found is None:

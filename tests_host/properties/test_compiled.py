@@ -15,6 +15,7 @@ from host_tools.prove.gcode_jobs import MACHINES, all_jobs
 from host_tools.build import pc_kernels
 from host_tools.build.pc_kernels import Library, library, use_compiled
 from host_tools.build.tree import unix_tree
+from host_tools.drawings import order_viper
 from host_tools.drawings.objects import objects
 from host_tools.failure import Failure
 from host_tools.kernels import module
@@ -126,7 +127,7 @@ def tried(tmp_path, monkeypatch):
     program = Program({"passo/tried.py": TEXT})
     monkeypatch.setattr(pc_kernels, "TAKEN", {"passo.tried.kernel", "passo.tried.usual"})
     monkeypatch.setattr(pc_kernels, "Program", lambda texts: program)
-    pc_kernels._make({}, pc_kernels.compiler(), tmp_path / "k.so", tmp_path / "k.json")
+    pc_kernels._make({}, set(), pc_kernels.compiler(), tmp_path / "k.so", tmp_path / "k.json")
     made = Library(tmp_path / "k.so", pc_kernels.json.loads((tmp_path / "k.json").read_text()))
     space = {"ptr32": lambda numbers: numbers}
     exec(TEXT.replace("@micropython.viper", "").replace("import micropython", ""), space)
@@ -190,6 +191,16 @@ def test_without_a_compiler_kernels_stay_python(monkeypatch):
 def test_each_kernel_that_is_taken_exists():
     texts = {path: (ROOT / "firmware" / path).read_text() for path in {full.rpartition(".")[0].replace(".", "/") + ".py" for full in pc_kernels.TAKEN}}
     assert pc_kernels.TAKEN <= Program(texts).kernels.keys()
+
+
+@pytest.mark.parametrize("first, second", [(("apart",), ("apart", "improve")), (("apart", "improve"), ("apart",))])
+def test_what_others_have_asked_for_before_changes_nothing(in_c, tmp_path, monkeypatch, first, second):
+    monkeypatch.setattr(pc_kernels.modules, "CACHE", tmp_path)
+    pc_kernels._kernels_of.cache_clear()
+    for names in (first, second):
+        made = pc_kernels.kernels_of(order_viper.__name__, *names)
+        assert [name for name in names if getattr(made, name) is getattr(order_viper, name)] == []
+    pc_kernels._kernels_of.cache_clear()
 
 
 @pytest.mark.quick
