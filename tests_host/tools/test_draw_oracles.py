@@ -165,13 +165,13 @@ def test_a_font_that_is_not_installed_is_the_one_that_fontconfig_takes(tmp_path,
         pytest.skip("fontconfig is not installed: apt-get install fontconfig")
     (tmp_path / "fonts.conf").write_text(
         '<?xml version="1.0"?><!DOCTYPE fontconfig SYSTEM "fonts.dtd"><fontconfig><include>' + os.environ["FONTCONFIG_FILE"] + '</include><match target="pattern"><test name="family">'
-        '<string>Never Seen</string></test><edit name="family" mode="prepend" binding="strong"><string>DejaVu Sans Mono</string></edit></match></fontconfig>'
+        '<string>Elsewhere Sans</string></test><edit name="family" mode="prepend" binding="strong"><string>DejaVu Sans Mono</string></edit></match></fontconfig>'
     )
     monkeypatch.setenv("FONTCONFIG_FILE", str(tmp_path / "fonts.conf"))
     path = tmp_path / "a.svg"
-    path.write_text(f'{HEAD}<text x="8" y="60" font-size="30" stroke="none" fill="black" font-family="Never Seen">10mm nap</text></svg>')
+    path.write_text(f'{HEAD}<text x="8" y="60" font-size="30" stroke="none" fill="black" font-family="Elsewhere Sans">10mm nap</text></svg>')
     page = SvgFile(path).outlines(0.02)
-    assert list(page.left_out) == ["the font Never Seen, which is not on this computer (DejaVu Sans Mono is drawn)"]
+    assert list(page.left_out) == ["the font Elsewhere Sans, which is not on this computer (DejaVu Sans Mono is drawn)"]
     assert min(agreement(rsvg_ink(path, tmp_path), page.layers[1], 1.9)) > 0.99
 
 
