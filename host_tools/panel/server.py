@@ -156,6 +156,7 @@ class Server:
         self._files = files or {name: folder + "/" + name for name in os.listdir(folder) if name.split(".")[-1] in _TYPES}
         self._as_they_are = files is not None
         self._offline = {}
+        self._pushed_ms = clock_ms()
         self.app = App()
         self._worker = ThreadPoolExecutor(1)  # what takes a moment, one after the other
         self._maker = ThreadPoolExecutor(1)  # what may take minutes: drawings that become jobs, estimates
@@ -308,6 +309,15 @@ class Server:
             writer.write(bytes(WebSocket._encode_websocket_frame(WebSocket.PING, b"")))
         return True
 
+    def _forgive_silence(self, now_ms):
+        """Count each page's silence anew if the panel itself stood still, and so has asked for no sign of life."""
+        stood_ms = (now_ms - self._pushed_ms) & COUNT_MASK
+        self._pushed_ms = now_ms
+        if stood_ms > _ALIVE_MS:
+            for page in self.pages.pages:
+                reader = page.socket.request.sock[0]
+                reader.heard_ms, reader.asked = now_ms, False
+
     def change(self, api, about):
         """Another machine: the pages that look are told."""
         self.api = self.pages.api = api
@@ -317,6 +327,7 @@ class Server:
     async def push(self, now_ms):
         """State, as often as a page wants it, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
         text = self.pages.next_state(now_ms)
+        self._forgive_silence(now_ms)
         for page in list(self.pages.pages):
             writer = page.socket.request.sock[1]
             transport = getattr(writer, "transport", None)

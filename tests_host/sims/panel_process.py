@@ -11,6 +11,7 @@ import csv
 import json
 import queue
 import re
+import signal
 import subprocess
 import threading
 import time
@@ -54,6 +55,12 @@ class PanelProcess:
         self._process.terminate()
         assert self._process.wait(patience(30)) == 0
         self._process.stdout.close()
+
+    def stand_still(self, seconds):
+        """Stop its process for that long."""
+        self._process.send_signal(signal.SIGSTOP)
+        time.sleep(seconds)
+        self._process.send_signal(signal.SIGCONT)
 
     def page(self, key=None, reads=True):
         return PageClient(self.host, self.key if key is None else key, reads=reads)

@@ -294,3 +294,14 @@ def test_a_page_that_has_gone_is_given_up(tmp_path):
         while time.monotonic() < end:
             honest.hear()
         assert panel.page().order("jobs")["t"] == "jobs" and honest.order("jobs")["t"] == "jobs"
+
+
+@pytest.mark.slow
+def test_a_panel_that_stood_still_gives_no_page_up(tmp_path):
+    """Its computer was asleep or busy, and the pages have not been asked for a sign of life meanwhile."""
+    with PanelProcess(tmp_path) as panel:
+        page = panel.page()
+        assert page.order("jobs")["t"] == "jobs"
+        panel.stand_still(9)
+        time.sleep(1)
+        assert page.order("jobs")["t"] == "jobs"
