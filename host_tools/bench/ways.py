@@ -209,6 +209,7 @@ WAYS = {
     "`!` in motion, to the stand": lambda: _amid_motion(b"!", stands),
     "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.received()),
     "`$H`, to its answer": _homing,
+    "`$110=`, to its answer": lambda: _answer(b"$110=3100\n", b"ok"),
     "a key on the board's own page, to its answer and its first words": _pressed,
     "the same key again": lambda: _pressed(True),
 }

@@ -43,6 +43,7 @@ except MemoryError:  # a board that has too little, or not in one piece: feed() 
     take_lines = None
 
 _SEVERAL = const(2)
+_DOLLAR = const(36)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
 _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
@@ -148,13 +149,13 @@ class Grbl:
 
     @micropython.native
     def _open(self):
-        """True if the batch is open: nothing is unusual, and some lines may be there."""
+        """True if the batch is open: nothing is unusual, and some lines may be there, the first of which is no `$` line."""
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
-            or self._version != self._settings.version or fields[LINES_AT] == fields[LINES_WHOLE]
+            or self._version != self._settings.version or fields[LINES_AT] == fields[LINES_WHOLE] or lines.text[fields[LINES_AT]] == _DOLLAR
         ):  # fmt: skip
             return False
         batch = self.batch
