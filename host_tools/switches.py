@@ -18,7 +18,7 @@ _NUMBERED = {f"p{number}" for number in range(10)}
 def unswitched(board):
     """Names of the outputs that nothing switches."""
     gcode = any(link["protocol"] == "grbl" for link in board["links"])
-    clamped = "clamp" in names_of(board.get("outputs", ()))
+    clamped = "clamp" in names_of(board.get("outputs"), 2)
     return [item["name"] for item in board.get("outputs", ()) if not _is_switched(item, gcode, clamped)]
 
 

@@ -20,11 +20,6 @@ def _input(board, feature):
     return [name for name, _, _, wanted in INPUTS if wanted == feature and name in names]
 
 
-def _numbered(items):
-    """Those inputs or outputs whose names are p0, p1 …"""
-    return [item for item in items if item["name"][0] == "p" and item["name"][1:].isdigit()]
-
-
 def _lost(board, *ways):
     """True if a link asks for one of these when its host is lost."""
     return [link for link in board["links"] if link["lost"] in ways]
@@ -45,10 +40,7 @@ FEATURES = (
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
     ("program", "Program", None),
     ("pauses", "Pauses", lambda board: _input(board, "pauses") or _lost(board, "pause")),
-    ("pendant", "Pendant", lambda board: [item for item in board["inputs"] if item["name"][:4] == "jog_"]),
     ("tools", "Tools", None),
-    ("digital", "DigitalOutputs", lambda board: _numbered(board["outputs"])),
-    ("wait", "Inputs", lambda board: _numbered(board["inputs"])),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),

@@ -4,7 +4,6 @@
 """
 
 from host_tools.build.reference import manifests
-from host_tools.build.tree import digital
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo.config.board_error import asked_by_value
@@ -34,7 +33,6 @@ LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter"
 ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 6}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and what burns them
-DIGITAL_KB = 8  # outputs for M62 to M65
 BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
@@ -77,7 +75,6 @@ def heap_kb(board):
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board.get("network") or {}).get("broker"))
     taken += DOTS_KB * bool(power_room(board)[1]) + KINEMATICS_KB * (board.get("kinematics", "none") != "none")
-    taken += DIGITAL_KB * bool(digital(board))
     return taken + JOB_KB * bool(board.get("jobs")) + FRAMES_KB * any(link["frames"] for link in board["links"])
 
 

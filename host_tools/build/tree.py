@@ -23,7 +23,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from passo import machine_builder
-from passo.config.board_error import OF_OUTPUT, asked_by_value
+from passo.config.board_error import OF_INPUT, OF_OUTPUT, asked_by_value
 from passo.config.boardfile import check
 
 from host_tools import boards
@@ -110,11 +110,7 @@ _STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 408
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
 OPTIONS = Path("passo", "options")  # a folder a key of the board file: only boards with the key have it
-# Only boards with outputs for the programme, M62 to M65, have these.
-DIGITAL = (
-    Path("passo", "ports", "rp2", "switching.py"), Path("passo", "steps", "switching.py"),
-)  # fmt: skip
-OF_LASER = Path("passo", "steps", "dots_viper.py")  # and a laser
+OF_LASER = Path("passo", "steps", "dots_viper.py")  # only boards with a laser have it
 
 
 def module_files(firmware=FIRMWARE):
@@ -153,7 +149,7 @@ def options_of(board, firmware=FIRMWARE):
                 raise Failure("the language {} asks for the option {}, which is not here", language, option)
             asked.append(option)
     for name in asked_by_value(board):
-        if name not in asked and not name.startswith(OF_OUTPUT):  # an output may be one that nothing switches
+        if name not in asked and not name.startswith((OF_OUTPUT, OF_INPUT)):  # these may be some that no option sees to
             raise Failure("the board file asks for the option {}, which is not here", name)
     while asked:
         key = asked.pop()
@@ -233,11 +229,6 @@ def spared_features(board):
     return frozenset(name for name, _, rule in machine_builder.FEATURES if rule and not rule(checked))
 
 
-def digital(board):
-    """The board file's outputs for the programme."""
-    return next(rule for name, _, rule in machine_builder.FEATURES if name == "digital")({"outputs": board.get("outputs", ())})
-
-
 def selected(board, firmware=FIRMWARE, spared=None):
     """The modules that `board` needs, without those of the features `spared`; None: of those that it spares. Raises Failure for a chip or
     a protocol that there is not."""
@@ -245,8 +236,6 @@ def selected(board, firmware=FIRMWARE, spared=None):
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     laser = (board.get("spindle") or {}).get("laser")
     absent = () if laser else (OF_LASER,)
-    switching = DIGITAL if digital(board) else ()
-    absent += tuple(set(DIGITAL) - set(switching))
     options = options_of(board, firmware)
     wanted = {link["protocol"] for link in board.get("links", [])}
     spoken = {"", *wanted, *(link.get("port", "") for link in board.get("links", []))}  # "page" is a port
@@ -266,7 +255,6 @@ def selected(board, firmware=FIRMWARE, spared=None):
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {BROKER, ERROR_TEXTS} if board["network"].get("broker") else set()
-    chosen |= {path for path in switching if path in files}
     spared = spared_features(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))

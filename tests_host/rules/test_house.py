@@ -45,9 +45,9 @@ SEQUENCES = {
     ("passo/options/registers/port_rp2.py", ""): "GPIO_IN",
     ("passo/options/registers/port_rp2.py", "pins"): "GPIO_IN",
     ("passo/options/registers/port_rp2.py", "toggle"): "GPIO_OUT_XOR",
-    ("passo/ports/rp2/switching.py", ""): "a PIO block's INTE",
-    ("passo/ports/rp2/switching.py", "pins"): "GPIO_OUT",
-    ("passo/ports/rp2/switching.py", "toggle"): "GPIO_OUT_XOR",
+    ("passo/options/output_p/port_rp2.py", ""): "a PIO block's INTE",
+    ("passo/options/output_p/port_rp2.py", "pins"): "GPIO_OUT",
+    ("passo/options/output_p/port_rp2.py", "toggle"): "GPIO_OUT_XOR",
     ("passo/ports/rp2/timer_player.py", "pins"): "GPIO_OUT",
     ("passo/ports/rp2/timer_player.py", "toggle"): "GPIO_OUT_XOR",
 }

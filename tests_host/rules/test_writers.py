@@ -16,7 +16,7 @@ WRITERS = {
     # a flag that says "poll again", which nobody but the controller takes back
     "awake": {"blackbox", "changeover", "controller", "encoders", "gantry", "host_watch", "independent", "jobs", "journal", "line_batches", "program", "step_program"},
     # the long command: its feature begins it, and whoever stops the machine ends it
-    "command": {"controller", "drawing", "homing", "jobs", "pauses", "program", "resets", "tools", "wait"},
+    "command": {"controller", "drawing", "homing", "jobs", "pauses", "program", "resets", "tools", "input_p"},
     # motion of a program and jogs: each way of queueing them says so, the controller notices the stand
     "active": {"line_batches", "program"},
     "fresh": {"line_batches", "program"},

@@ -95,8 +95,7 @@ class Machine:
     def __init__(self, world=None, slots=None, radio=None, pages=None, **changes):
         board = check(PLAIN)
         board.update(changes)
-        if "interlock" in changes:
-            board = check(board)  # the port wants it compiled
+        board = check(board)  # the port wants what its options add
         self.world = world or World()
         self.port = VirtualPort(board, self.world, radio=radio)
         if pages:

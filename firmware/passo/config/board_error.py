@@ -5,7 +5,8 @@ import os
 from micropython import const
 
 _DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
-OF_OUTPUT = "output_"  # how the option of an output of a name is called
+OF_OUTPUT = "output_"  # how the option of outputs of a name is called
+OF_INPUT = "input_"  # of inputs
 OF_DRIVE = "drive_"  # and that of a drive.kind
 _LIKE = const(50)  # percent of the pairs of letters in two names
 _LONGEST = const(1000)  # characters of a text
@@ -96,16 +97,24 @@ def _pairs(key):
     return [key[at : at + 2] for at in range(len(key) - 1)]
 
 
-def names_of(outputs):
-    """What each output is, a word: its name, or what follows p0_ … in it. Items may be anything."""
-    names = [item["name"].rpartition("_")[2] for item in outputs if isinstance(item, dict) and isinstance(item.get("name"), str)]
-    return [name for name in names if name.isalpha()]
+def names_of(items, part):
+    """What each output (`part` 2) or input (0) is, once each: the last or the first word of its name, of `p0` the letter. Items may be anything."""
+    found = []
+    for item in items if isinstance(items, (list, tuple)) else ():
+        name = item.get("name") if isinstance(item, dict) else None
+        if isinstance(name, str):
+            word = (name.rpartition("_") if part else name.partition("_"))[part]
+            word = word[:1] if word[1:].isdigit() else word
+            if word.isalpha() and word not in found:
+                found.append(word)
+    return found
 
 
 def asked_by_value(board):
-    """Names of the options that a raw board file asks for by a value, not by a key: by an output's name or by drive.kind. Values may be of any type."""
-    outputs, drive = board.get("outputs"), board.get("drive")
-    names = [OF_OUTPUT + name for name in names_of(outputs if isinstance(outputs, (list, tuple)) else ())]
+    """Names of the options that a raw board file asks for by a value, not by a key: by the name of an output or input, or by drive.kind. Values may
+    be of any type."""
+    drive = board.get("drive")
+    names = [OF_OUTPUT + name for name in names_of(board.get("outputs"), 2)] + [OF_INPUT + name for name in names_of(board.get("inputs"), 0)]
     kind = drive.get("kind") if isinstance(drive, dict) else None
     if isinstance(kind, str) and kind != "step_dir":  # the core's
         names.append(OF_DRIVE + kind)

@@ -207,14 +207,8 @@ class ChipPort:
     catch_up = put_off
 
     def make(self, kind, config):
-        """What few boards have: what create() of an option's port.py makes, by the option's key; "switching": outputs that change with a
-        step, False if the player cannot."""
-        if kind == "switching":
-            return self._switching(config)
+        """What few boards have: what create() of an option's port.py makes, by the option's key."""
         return parts.of_option(kind, "port").create(self, self._inputs, config)
-
-    def _switching(self, switches):
-        return False  # the main loop changes them
 
     def watch_limit(self, name, filter_us=0):
         """Return the watch of an input's pin: its interrupt stops the player once a limit has been active for `filter_us`, and keeps the

@@ -72,7 +72,6 @@ class VirtualPort:
         self._inputs = {entry["name"]: entry.get("active", 1) for entry in inputs}
         self._halting = [entry["name"] for entry in inputs if entry.get("halt", False)]
         self._outputs = {entry["name"]: entry.get("active", 1) for entry in outputs}
-        self._by_pins = {entry.get("pin"): entry["name"] for entry in outputs}
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.veto = self._limits = None
         if "veto" not in getattr(board.get("additions"), "parts", ()) and hasattr(world, "listen") and self._inputs:
@@ -137,10 +136,6 @@ class VirtualPort:
 
     def make(self, kind, config):
         """What few boards have, as ports/chip_port.py does."""
-        if kind == "switching":  # as rp2/port.py
-            if self.veto is None:
-                self._player.mark(config, lambda tick, value: self.world.output(tick, self._by_pins[value >> 1], value & 1))
-            return self.veto is None
         return parts.of_option(kind, "port_virtual").create(self, config)
 
     def tripped(self):

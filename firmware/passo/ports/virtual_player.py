@@ -5,7 +5,8 @@ The world may stop or halt the player from inside that call, as a limit switch w
 """
 
 from passo.records import COUNT_MASK
-from passo.steps.switching import SWITCH_NEVER
+
+_NEVER = -1  # no word
 
 
 class Player:
@@ -121,7 +122,7 @@ class Player:
         tick = self._next
         power = self._ring.power
         marked = power.next(played)
-        switched = self._switch(tick) if self._switches else SWITCH_NEVER
+        switched = self._switch(tick) if self._switches else _NEVER
         while tick < until and played != head:
             word = words[played & mask]
             at = played

@@ -160,15 +160,6 @@ class Port(ChipPort):
 
             self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
 
-    def _switching(self, switches):
-        """From here on the player shows what is asked of `switches`; False: it cannot."""
-        if self.veto is not None or self.bank is not None or hasattr(self._player, "close"):  # which the timer player has
-            return False
-        from passo.ports.rp2.switching import PinSwitches
-
-        PinSwitches(self._player, switches)
-        return True
-
     def _console(self):
         from passo.ports.rp2.console import Console
 

@@ -27,7 +27,7 @@ def steps(bits, cycles, halt):
         wrap_target()
         pull(block)  # the next word; wait for it
         out(pins, bits)  # its levels: pulses rise
-        irq(rel(0))  # it has begun: see switching.py
+        irq(rel(0))  # it has begun: see options/output_p
         out(x, time_bits)  # its ticks
         mov(y, isr)[settle]  # how long pulses last
         label("high")

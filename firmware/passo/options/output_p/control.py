@@ -1,7 +1,7 @@
 """Digital outputs for the programme, M62 to M65: those that the board file names p0 … p9.
 
 M64 and M65 switch at once. M62 and M63 switch with the first step of the next motion, without a stand: as marks in the step stream
-(steps/switching.py), which an RP2040's player shows within 3 µs. If the port has no marks (an ESP32, the timer player, shift registers, an
+(steps.py), which an RP2040's player shows within 3 µs. If the port has no marks (an ESP32, the timer player, shift registers, an
 interlock), the cycle of the main loop does it that finds the motion before it played to its end: up to 15 ms behind that step. G4, a tool's
 time and parking are no motion, as in LinuxCNC. If no motion follows, nothing happens. Whatever drops the queue drops what waits for it; so do homing
 and jogs, whose motions are not the programme's. A line that is refused drops what waits for a motion to come, whichever line asked for it.
@@ -11,9 +11,8 @@ A hold leaves them as they are. The door switches them off until the machine goe
 
 from passo import commands, errors
 from passo.control.feature import ANEW, BY_HAND, HOMING, OFF, QUEUE_GONE, REFUSAL, SAFE, WORK_GONE, Feature
+from passo.options.output_p.steps import SWITCH_MOST, Switches
 from passo.records import COUNT_HALF, COUNT_MASK, KIND_WAIT, QUEUE_SIZE, ROW_KIND, SCRATCH_STRIDE
-from passo.steps.switching import Switches
-from passo.steps.switching import SWITCH_MOST
 
 
 class DigitalOutputs(Feature):
@@ -25,8 +24,10 @@ class DigitalOutputs(Feature):
         self._pins = {item["name"]: (item["pin"], item["active"]) for item in board["outputs"]}
         self._on = {}  # by name, of those that have been switched on
         self._waiting = []  # [count of the block that it comes with, name, on]
-        switches = Switches(*queue.lend(), machine)
-        self._marks = switches if machine.port.make("switching", switches) else None
+        shower = getattr(machine.port, "switching", None)
+        self._marks = Switches(*queue.lend(), machine) if shower else None
+        if shower:
+            shower.show(self._marks)
 
     def handlers(self):
         return {commands.CODE + code: self._switch for code in range(62, 66)}

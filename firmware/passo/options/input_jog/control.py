@@ -13,7 +13,6 @@ from micropython import const
 
 from passo.commands import JOG_CANCEL, JOG_TO, Motion
 from passo.config import setting_numbers as table
-from passo.config.board_error import BoardError
 from passo.control.feature import Feature
 from passo.control.sensor import Sensor
 from passo.errors import LATER
@@ -25,19 +24,13 @@ _AHEAD_MS = const(250)  # twice of it is what braking from the highest speed may
 
 class Pendant(Feature):
     def __init__(self, board, machine, queue):
-        """Raises BoardError for an input that begins with jog_ and is none of a pendant's."""
         Feature.__init__(self, board, machine, queue)
         self._axes = axes = board["axes"]
         self._slow = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
         letters = [axis["name"] for axis in axes]
-        known = ["jog_" + letter + sign for letter in letters for sign in "+-"] + ["jog_fast"]
-        if "grbl" not in [link["protocol"] for link in board["links"]]:
-            raise BoardError("a pendant (inputs jog_…) wants a link that speaks grbl")
         self._buttons = []  # (axis, +1 or −1, Sensor)
         self._fast = None
         for name in [item["name"] for item in board["inputs"] if item["name"][:4] == "jog_"]:
-            if name not in known:
-                raise BoardError("input %s: a pendant's are %s" % (name, ", ".join(known)))
             if name == "jog_fast":
                 self._fast = self._sensor(name)
             else:

@@ -1,7 +1,7 @@
 """Outputs that change with a step, on a chip: the state machine raises its interrupt as each word begins, and while a change lies ahead
 machine code looks which word that is.
 
-Edges come 1.1 µs behind their step (tests_host/pico/test_pico_outputs.py). Costs nothing while no change lies ahead, else that a word.
+Edges come 1.1 µs behind their step (tests_host/options/output_p/test_pico_outputs.py). Costs nothing while no change lies ahead, else that a word.
 """
 # Shared with interrupts: switches, state, own
 
@@ -12,12 +12,12 @@ import uctypes
 from machine import mem32
 from micropython import const
 
+from passo.options.output_p.steps import SWITCH_ASKED, SWITCH_FIELDS, SWITCH_FIRST, SWITCH_MOST, SWITCH_NEVER, SWITCH_SHOWN, SWITCH_VALUE, SWITCH_WORD
 from passo.ports.rp2 import chip, vectors
 from passo.ports.rp2.fields import *
 from passo.ports.rp2.pio_player import _played
 from passo.ports.rp2.registers import *
 from passo.records import COUNT_HALF, COUNT_MASK
-from passo.steps.switching import SWITCH_ASKED, SWITCH_FIELDS, SWITCH_FIRST, SWITCH_MOST, SWITCH_NEVER, SWITCH_SHOWN, SWITCH_VALUE, SWITCH_WORD
 
 _STATE = const(0)  # addresses: the player's state, the changes, the register that turns pins over, the mask of interrupts
 _SWITCHES = const(1)
@@ -26,23 +26,35 @@ _ENABLE = const(3)
 
 
 class PinSwitches:
-    def __init__(self, player, switches):
-        """`player`: a PioPlayer; `switches`: a Switches."""
+    def __init__(self):
+        self._own = None
+
+    def join(self, feeder, player):
+        """`player`: a PioPlayer."""
+        self._player = player
+
+    def show(self, switches):
+        """From here on the player shows what is asked of `switches`."""
+        player = self._player
         state = player._state
         enable = state[PIO_BLOCK] + vectors.IRQ1_INTE
         self._own = array("I", [uctypes.addressof(state), uctypes.addressof(switches.marks), chip.TOGGLE, enable])
         self._entry = vectors.enter(vectors.PIO_IRQ_1, _begun, self._own)
         switches.join(self.tell)
         player.start = switches.start
-        player.close = self.close
 
     @micropython.native
     def tell(self):  # ISR: no allocation
         _listen(self._own)
 
     def close(self):
-        vectors.leave(vectors.PIO_IRQ_1)
-        mem32[self._own[_ENABLE]] = 0
+        if self._own:
+            vectors.leave(vectors.PIO_IRQ_1)
+            mem32[self._own[_ENABLE]] = 0
+
+
+def create(board, port, inputs, outputs):
+    return PinSwitches()
 
 
 @micropython.viper

@@ -1,7 +1,7 @@
 """Outputs that change with the first step of a motion: M62 and M63 as marks in the step stream.
 
     switches = Switches(feeder, player, machine)
-    port.make("switching", switches)            # True: the port shows them
+    port.switching.show(switches)               # a part of the port
     switches.ask(queue.added(), 17 << 1 | 1)    # pin 17 high as the next block begins that moves
     switches.shown()                            # how many have been shown since
 

@@ -1,0 +1,1 @@
+"""Inputs named `jog_…`: a jog pendant."""

@@ -1,0 +1,22 @@
+"""Outputs that change with a step, on the virtual port: its player tells of each change at the tick of its word."""
+
+
+class VirtualSwitches:
+    def __init__(self, board, port, world):
+        self._port = port
+        self._world = world
+        self._names = {entry["pin"]: entry["name"] for entry in board["outputs"]}
+
+    def join(self, feeder, player):
+        self._player = player
+
+    def show(self, switches):
+        """From here on the player shows what is asked of `switches`."""
+        self._player.mark(switches, self._change)
+
+    def _change(self, tick, value):
+        self._world.output(tick, self._names[value >> 1], value & 1)
+
+
+def create(board, port, world):
+    return VirtualSwitches(board, port, world)
