@@ -1,6 +1,7 @@
 """Draws objects of points on a plotter, from their start or where they were interrupted: progress, signals, the board's journal."""
 
 import contextlib
+import functools
 import select
 import signal
 import sys
@@ -31,19 +32,25 @@ class Way(NamedTuple):
 
 
 class Plotted:
-    """A drawing for a plotter. `digest`: of its points; `seconds`: that it takes, about."""
+    """A drawing for a plotter. `seconds`: that it takes, about."""
 
     def __init__(self, machine, plan, said):
         from host_tools.programs import estimate
 
-        self._machine, self._said = machine, said
-        self._objects = plan.objects(said.points)
-        self.digest = plan.digest(said.points)
+        self._machine, self._plan, self._said = machine, plan, said
         times = estimate.Estimate(machine, said.speed)
-        self.seconds = sum(sum(times.object_s(points)) for points in plan.objects(sys.maxsize))
-
+        self.seconds = sum(times.lines_s(part.lines) for part in plan.parts)
         self._changes = plan.changes(said.points) if said.pens != "none" else {}
         self._travel_s_per_mm = times.object_s([(False, round(1000 * plan.steps_per_mm[0]), 0)])[0] / 1000
+
+    @functools.cached_property
+    def _objects(self):
+        return self._plan.objects(self._said.points)
+
+    @property
+    def digest(self):
+        """Of its points."""
+        return self._plan.digest(self._said.points)
 
     def told(self):
         """What else there is to say of it."""

@@ -31,6 +31,7 @@ from host_tools.language import N_, _
 
 _JOIN_MM = 0.05  # lines whose ends are this close are joined
 _JOINING = 0.2  # share of the time that ordering takes
+_PIECE = 1000  # points of a line that are thinned at once: the time of more grows with their square, if the line lies on itself
 _EDGE_MM = 0.1  # a line outside the page by less is moved onto its edge
 
 
@@ -293,14 +294,19 @@ def _ordered(layers, options, progress):
 
 
 def _simplify(lines, tolerance):
-    """Remove the points that lie within `tolerance` of the line through their neighbours (Douglas and Peucker, by shapely). Returns the lines."""
+    """Remove the points that lie within `tolerance` of the line through their neighbours (Douglas and Peucker, by shapely). Returns the lines.
+    Of a long line each _PIECE-th point stays."""
     long = [number for number, line in enumerate(lines) if len(line) > 2]
     if not long:
         return lines
-    points = numpy.concatenate([lines[number] for number in long])
-    owner = numpy.repeat(numpy.arange(len(long)), [len(lines[number]) for number in long])
-    made = shapely.simplify(shapely.linestrings(points.real, points.imag, indices=owner), tolerance)
+    pieces = [lines[number][first : first + _PIECE + 1] for number in long for first in range(0, len(lines[number]) - 1, _PIECE)]
+    ends = numpy.cumsum([-(-(len(lines[number]) - 1) // _PIECE) for number in long])
+    points = numpy.concatenate(pieces)
+    made = shapely.simplify(shapely.linestrings(points.real, points.imag, indices=numpy.repeat(numpy.arange(len(pieces)), list(map(len, pieces)))), tolerance)
     places, owner = shapely.get_coordinates(made, return_index=True)
+    joint = numpy.append(False, owner[1:] != owner[:-1])  # the first point of a piece, which ends the piece before it
+    joint[numpy.searchsorted(owner, numpy.append(0, ends[:-1]))] = False
+    places, owner = places[~joint], numpy.searchsorted(ends, owner[~joint], side="right")
     kept = numpy.split(places[:, 0] + 1j * places[:, 1], numpy.flatnonzero(numpy.diff(owner)) + 1)
     lines = list(lines)
     for number, line in zip(long, kept):

@@ -9,6 +9,8 @@ steps of X.
 
 import math
 
+import numpy
+
 from host_tools import boards
 
 
@@ -32,6 +34,16 @@ class Estimate:
             seconds.append(self._length(to_x - x, to_y - y) * self._step_s + delay)
             pen, x, y = down, to_x, to_y
         return seconds
+
+    def lines_s(self, lines):
+        """Seconds of lines of (x, y) steps, each drawn with the pen down, beginning at 0;0 with the pen up."""
+        if not lines:
+            return 0.0
+        points = numpy.array([(0, 0), *(point for line in lines for point in line)], dtype=float)
+        ways = abs(numpy.diff(points, axis=0))
+        lengths = ways.max(axis=1) if self._half_periods else numpy.hypot(ways[:, 0], ways[:, 1] * self._y_in_x)
+        delays = len(lines) * self._delay_s[True] + (len(lines) - 1) * self._delay_s[False]
+        return float(lengths.sum()) * self._step_s + delays
 
     def _length(self, dx, dy):
         return max(abs(dx), abs(dy)) if self._half_periods else math.hypot(dx, dy * self._y_in_x)

@@ -25,6 +25,8 @@ from host_tools.clients.plotter import PlotterClient
 from host_tools.drawings import contours, drawing
 from host_tools.drawings.drawing import Options
 from host_tools.failure import Failure
+from host_tools.programs import estimate
+from passo.config.boardfile import check as checked
 
 ROOT = Path(__file__).resolve().parents[2]
 BOARD = boards.load("plotter_2014")
@@ -285,6 +287,42 @@ def test_objects_hold_every_line_and_no_more_points_than_asked(tmp_path, most):
     assert all(not points[0][0] for points in objects)
     wanted = [pair for line in plan.lines for pair in zip(line, line[1:])]
     assert [(a[1:], b[1:]) for points in objects for a, b in zip(points, points[1:]) if b[0]] == wanted
+
+
+STEPS = st.lists(st.lists(st.tuples(st.integers(0, 9000), st.integers(0, 9000)), min_size=2, max_size=6), max_size=8)
+
+
+@given(STEPS, st.sampled_from([BOARD, boards.load("plotter_esp32"), boards.load("corexy_plotter")]))
+def test_the_time_of_lines_is_that_of_their_objects(lines, board):
+    times = estimate.Estimate(checked(board))
+    assert times.lines_s(lines) == pytest.approx(sum(sum(times.object_s(points)) for points in drawing._cut(lines, sys.maxsize)))
+
+
+@given(st.lists(st.integers(2, 3500), min_size=1, max_size=6), st.integers(0, 99))
+def test_thin_lines_keep_their_ends_and_their_course(counts, seed):
+    """Pieces of a long line are thinned one by one: none gets lost, and none joins another line."""
+    chance = numpy.random.default_rng(seed)
+    lines = [numpy.cumsum(chance.normal(size=count) + 1j * chance.normal(size=count)) for count in counts]
+    for line, thin in zip(lines, drawing._simplify(lines, 0.5), strict=True):
+        assert thin[0] == line[0] and thin[-1] == line[-1]
+        kept = numpy.flatnonzero(numpy.isin(line, thin))
+        assert (line[kept] == thin).all() and set(range(0, len(line), drawing._PIECE)) <= set(kept.tolist()) | ({0} if len(line) < 3 else set())
+        chords = [(line[a], line[b], line[a : b + 1]) for a, b in zip(kept, kept[1:])]
+        assert all(far_from_chord(a, b, between) <= 0.5 + 1e-9 for a, b, between in chords)
+
+
+def far_from_chord(a, b, places):
+    way = b - a
+    share = numpy.clip(((places - a) * way.conjugate()).real / abs(way) ** 2, 0, 1)
+    return abs(places - a - share * way).max()
+
+
+def test_a_line_that_lies_on_itself_is_thinned_soon():
+    """All its points at once took time by their square."""
+    line = numpy.tile(100 * numpy.exp(2j * numpy.pi * numpy.arange(100) / 100), 5000)
+    begun = time.process_time()
+    (thin,) = drawing._simplify([line], 0.01)
+    assert time.process_time() - begun < 3 and len(thin) > 400_000  # 0.2; at once 12
 
 
 def test_the_digest_tells_drawings_and_places_apart(tmp_path):
