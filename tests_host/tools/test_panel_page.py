@@ -701,6 +701,17 @@ def test_a_clamp_and_a_vacuum_have_their_buttons(tmp_path, driver):
         browser.until(lambda: not pressed("Vac"))
 
 
+def test_beside_a_clamp_a_vacuum_without_a_number_has_no_button(tmp_path, driver):
+    """M10 is the clamp's there."""
+    board = boards.load("router_3axis")
+    board["outputs"] += [{"name": "clamp", "pin": 22}, {"name": "vacuum", "pin": 28}]
+    file = tmp_path / "mine.py"
+    file.write_text(f"BOARD = {board!r}\n")
+    with PanelProcess(tmp_path, "--board", str(file)) as process, Browser(process, driver, query="lang=en&theme=light") as browser:
+        browser.until(lambda: browser.css("[data-work='Clamp']").is_displayed())
+        browser.until(lambda: not browser.css("[data-work='Vac']").is_displayed())
+
+
 # Positions as long as these, and the rows and columns of their table are as before.
 LONG = """
 const cells = [...document.querySelectorAll("#places td[id]")], row = () => document.querySelector("#places tr").offsetHeight, before = row();

@@ -1,4 +1,5 @@
-"""Every control of the page used, in a real browser, and the places that it shows followed on the plant's trace.
+"""Every control of the page used, in a real browser, and the places that it shows followed on the plant's trace. Those of the proof are used by
+test_panel_prove.py, those within the parts of the set-up by test_setup_page.py.
 
 What is used is noted in the page, from its events; at the end nothing of its DOM may be left out. PASSO_SHOTS=FOLDER keeps pictures.
 """
@@ -36,7 +37,7 @@ addEventListener("DOMContentLoaded", () => document.getElementById("places") && 
 }).observe(document.getElementById("places"), { childList: true, subtree: true }));
 """
 LISTED = NAME + """
-const gone = (e) => e.closest("#tabs, #place-form[hidden], [data-can][hidden], section[hidden][id^=card-]:not(#card-key)");
+const gone = (e) => e.closest("#tabs, #card-prove, #place-form[hidden], [data-can][hidden], section[hidden][id^=card-]:not(#card-key)");
 return [...new Set([...document.querySelectorAll(CONTROLS)].filter((e) => !gone(e)).map(nameOf))];
 """
 
@@ -89,6 +90,7 @@ def walk(tmp_path_factory, driver):
     board = boards.load("router_3axis")
     board["jobs"] = {"language": "grbl"}
     board["journal"] = {"every_ms": 1000}
+    board["outputs"] += [{"name": "clamp", "pin": 22}, {"name": "p1_vacuum", "pin": 28}]
     file = folder / "keeping.py"
     file.write_text(f'"""A router that keeps jobs."""\n\nBOARD = {board!r}\n')
     (folder / "square.gcode").write_text(SQUARE)
@@ -293,11 +295,26 @@ def kept_jobs(page, folder):
     page.until(lambda: "SQUARE.GCODE" not in page.find("kept").text)
 
 
+def is_pressed(page, word):
+    return page.css(f"[data-work='{word}']").get_attribute("aria-pressed") == "true"
+
+
+def switch_work(page, word, on):
+    page.tap(f"[data-work='{word}']")
+    page.until(lambda: is_pressed(page, word) is on)
+
+
 def tool(page, folder):
     page.type("rpm", "12000")
     for name, text in (("spindle_ccw", "Spindle: on"), ("spindle_off", "Spindle: off"), ("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: off"),
                        ("flood", "Coolant: on"), ("coolant_off", "Coolant: off"), ("mist", "Mist: on"), ("coolant_off", "Mist: off")):  # fmt: skip
         page.until(lambda: switched(page, name, text))
+    for word in ("Vac", "Clamp"):
+        switch_work(page, word, True)
+    switch_work(page, "Vac", False)
+    page.tap("[data-work='Clamp']")
+    page.answer()
+    page.until(lambda: not is_pressed(page, "Clamp"))
     page.until_state("Ready")
     for button, what, text in (("feed+10", "feed", "110 %"), ("feed-10", "feed", "100 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"),
                                ("rapid50", "rapid", "50 %"), ("rapid100", "rapid", "100 %"), ("spindle+10", "spindle", "110 %"),

@@ -63,17 +63,23 @@ export function showControls(report) {
   }
 }
 
-// The vacuum cleaner and the clamp, of machines that have them: as the status says, "1" on, "0" off, "0P1" under M64 P1.
+// The vacuum cleaner and the clamp, of machines that have them: as the status says, "1" on, "0" off, "0P1" under M64 P1. Beside a clamp M10
+// is the clamp's: a cleaner without a number of its own has no button then.
 const valueOf = (report, word) => ((report.more || []).find(([name]) => name === word) || [])[1];
 function showWork(report) {
   if (report.more === undefined) return;
-  for (const button of document.querySelectorAll("[data-work]")) {
-    const value = valueOf(report, button.dataset.work) || button.dataset.value;  // a long report leaves words out
-    button.hidden = !value;
-    if (value) button.dataset.value = value;
-    pressed(button, Boolean(value) && value[0] === "1");
+  const buttons = [...document.querySelectorAll("[data-work]")];
+  for (const button of buttons) {
+    const value = valueOf(report, button.dataset.work);
+    if (value) button.dataset.value = value;  // a long report leaves words out
+    pressed(button, (button.dataset.value || "")[0] === "1");
   }
-  $("work").hidden = ![...document.querySelectorAll("[data-work]")].some((button) => !button.hidden);
+  const clamped = buttons.some((button) => button.dataset.work === "Clamp" && button.dataset.value);
+  for (const button of buttons) {
+    const { work, value } = button.dataset;
+    button.hidden = !value || (clamped && work === "Vac" && !value.includes("P"));
+  }
+  $("work").hidden = buttons.every((button) => button.hidden);
 }
 
 // order(name, fields), ask(text): letting go of the work is asked for.
