@@ -29,7 +29,7 @@ from host_tools.resources import ROOT
 
 TESTS = ROOT / "tests_host"
 DOCUMENT = ROOT / "docs" / "reference" / "benchmarks.md"
-_FOLDERS = TESTS / "properties", *sorted((TESTS / "options").glob("*/")), TESTS / "sims", ROOT
+_FOLDERS = TESTS / "properties", *sorted((TESTS / "options").glob("*/")), TESTS / "sims", ROOT / "host_tools" / "experiments", ROOT
 CPYTHON = interpreter.python(ROOT / "firmware", *_FOLDERS, ROOT / "host_tools" / "shims")
 MICROPYTHON = interpreter.micropython()
 _TIMEOUT_S = 600

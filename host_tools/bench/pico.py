@@ -29,7 +29,7 @@ def rig(player="pio", axes=3):
     return Rig(router(axes, player=player, inputs=halting.INPUTS))
 
 
-def _lines(hz, axes):
+def constant_lines(hz, axes):
     """Lines at a constant rate, as after a ramp; words at the full rate from rest would be made when they are due."""
     return [(tuple(int(rate * seconds) * (axis < axes) for axis in range(max(axes, 3))), rate)
             for rate, seconds in ((START_HZ, START_S), (hz, LINE_S))]
@@ -49,7 +49,7 @@ def pulses():
 def _pulses(axes, hz):
     machine = rig(axes=max(axes, 3))
     machine.wire().feed(traffic.points(60), BAUD)
-    run = machine.play(_lines(hz, axes), COLLECT)
+    run = machine.play(constant_lines(hz, axes), COLLECT)
     rises = [cycle for cycle, state in machine.step_edges[0] if state == 1]
     late = len(rises) // 4  # the set-up of a direction has been paid back by then
     rate = (len(rises) - 1 - late) / (rises[-1] - rises[late]) * 1e9 / CYCLE_NS
@@ -76,7 +76,7 @@ def timer():
 
 
 def _timer(axes, khz):
-    run = rig("timer").play(_lines(khz * 1000, axes), COLLECT)
+    run = rig("timer").play(constant_lines(khz * 1000, axes), COLLECT)
     first = min(run.lateness)
     late_us = [(cycles - first) / CYCLES_PER_US for cycles in run.lateness]
     overtaken = sum(us >= 1000 / khz for us in late_us)  # the next word's time has come

@@ -37,7 +37,7 @@ _SEND = 'passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 
 # In the order of --help.
 VERBS = (
     "examples", "panel", "site", "agent", "shop", "wiring", "board", "emulate", "draw", "nest", "engrave", "send", "stream", "resume", "keys", "check", "calibrate",
-    "settings", "link", "status", "log", "blackbox", "interlock", "watch", "plot", "film", "ports", "build", "flash", "prove", "compile", "jobs",
+    "settings", "link", "status", "log", "blackbox", "interlock", "watch", "plot", "film", "ports", "build", "flash", "prove", "experiments", "compile", "jobs",
     "machine", "pulses", "torch", "wifi",
 )  # fmt: skip
 

@@ -1,6 +1,6 @@
 """The comparison of 2014 again: integer lines against floating-point lines, on the same five kinds of object.
 
-    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/bench_lines.py < objects.txt
+    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:host_tools/experiments:. micropython tests_host/properties/bench_lines.py < objects.txt
 
 Each line of the input is `name x y x y …`, the corners in steps. For each object it prints its name, points and steps,
 and the best of REPEATS times, in microseconds, to make the step masks of all its lines: with the integer line as it
@@ -15,6 +15,7 @@ from array import array
 
 from passo.motion import line as lines
 from passo.motion import line_viper
+from board_lines import float_line
 from plain import plain
 from passo.motion.line import MAX_RUN, Line
 
@@ -35,29 +36,7 @@ def integer(points):
 
 
 def floating(points):
-    steps = 0
-    for (x0, y0), (x1, y1) in zip(points, points[1:]):
-        if abs(x1 - x0) >= abs(y1 - y0):
-            steps += float_line(x0, y0, x1, y1, 0b01, 0b10)
-        else:
-            steps += float_line(y0, x0, y1, x1, 0b10, 0b01)
-    return steps
-
-
-def float_line(a0, b0, a1, b1, dominant, minor):
-    """Axis a leads: its place times the slope, truncated, is the other axis's place."""
-    if a0 == a1:
-        return 0
-    slope = (b1 - b0) / (a1 - a0)
-    sign = 1 if a1 > a0 else -1
-    before = b0
-    at = 0
-    for a in range(a0, a1, sign):
-        b = int(slope * (a - a0) + b0)
-        OUT[at % MAX_RUN] = dominant | (minor if b != before else 0)
-        before = b
-        at += 1
-    return at
+    return sum(float_line(*begin, *end, OUT) for begin, end in zip(points, points[1:]))
 
 
 def best_us(function, points):

@@ -28,6 +28,7 @@ ELSEWHERE = {
     ("flash", "--uf2"): "tests_host/tools/test_flash_uf2.py",
     ("wifi", "bridge"): "tests_host/tools/test_websocket_line.py",
     ("--dask",): "tests_host/tools/test_check_folder.py",
+    ("experiments", "--on"): "tests_host/pico/test_pico_experiments.py",
     ("agent",): "tests_host/tools/test_agent.py",
     ("shop",): "tests_host/tools/test_shop.py",
 }

@@ -1,0 +1,66 @@
+"""The figures that the documents print, from authors.json: each with its document, page, and table, figure or section.
+
+    author("square better").value       # 3.96, in author("square better").unit
+    author("square better").where()     # 'plotter 2014, p. 76, table 8'
+    place("section 2.7.3")              # the same without a figure: the document tells the test, and no number
+"""
+
+import json
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools.language import N_, _
+
+NAMES = {"plotter": N_("plotter"), "torch": N_("torch"), "pulses": N_("parallel port"), "mill": N_("mill"), "keys": N_("kit")}
+WORDS = (
+    N_("table {}"), N_("figure {}"), N_("section {}"), N_("the sensors of the origin"),
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Place:
+    name: str
+    document: str
+    page: int
+
+    def text(self):
+        """“plotter 2014, p. 76, table 8”."""
+        kind, _space, number = self.name.rpartition(" ")
+        part = _(kind + " {}", number) if kind + " {}" in WORDS else _(self.name)
+        document = data()["documents"][self.document]
+        year = f" {document['year']}" if document["year"] else ""
+        page = _(", p. {}", self.page) if self.page else ""
+        return f"{_(NAMES[self.document])}{year}{page}, {part}"
+
+
+@dataclass(frozen=True)
+class Author:
+    """A figure as a document prints it; `value` None: the document has the test, and no figure."""
+
+    place: Place
+    printed: str = ""
+    value: float | None = None
+    unit: str = ""
+
+
+@lru_cache
+def data():
+    return json.loads((Path(__file__).parent / "authors.json").read_text(encoding="utf-8"))
+
+
+def place(name):
+    found = data()["places"][name]
+    return Place(name, found["document"], found["page"])
+
+
+def author(name):
+    """Raises KeyError for a figure that no document has."""
+    found = data()["figures"][name]
+    printed = found["printed"]
+    return Author(place(found["place"]), printed, found.get("value", None) or float(printed.replace(",", ".")), found["unit"])
+
+
+def without_figure(name):
+    """For a place at which a document tells a test and gives no figure."""
+    return Author(place(name))

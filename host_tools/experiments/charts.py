@@ -1,0 +1,100 @@
+"""Pictures of a report as inline SVG: bars side by side, and points over a line.
+
+    bars(["square", "circle"], {"integer": [1.2, 3.4], "floating point": [1.9, 4.0]}, "ms")
+    dots({"R 20 mm": [(0, 0.1), (90, -0.2)]}, "angle, degrees", "steps")
+"""
+
+from html import escape
+from math import ceil, floor, log10
+
+COLOURS = ("#20639b", "#ed8b00", "#3caea3", "#a23b72", "#6b7a8f")
+WIDTH, HEIGHT = 640, 260
+LEFT, RIGHT, TOP, BOTTOM = 56, 12, 30, 34
+TICKS = 4
+
+
+def bars(names, groups, unit):
+    """`groups`: {label: a value a name}; None is a gap."""
+    values = [value for each in groups.values() for value in each if value is not None]
+    ends = _scale(min([0, *values]), max([0, *values]))
+    parts, wide = [], (WIDTH - LEFT - RIGHT) / len(names)
+    width = min(0.8 * wide / len(groups), 46)
+    for number, (colour, each) in enumerate(zip(COLOURS, groups.values())):
+        for at, value in enumerate(each):
+            if value is not None:
+                x = LEFT + wide * (at + 0.5) + width * (number - len(groups) / 2)
+                parts += _bar(x, width, value, ends, colour)
+    for at, name in enumerate(names):
+        parts.append(_text(LEFT + wide * (at + 0.5), HEIGHT - BOTTOM + 18, name))
+    return _svg(_axis(ends, unit) + parts + _legend(groups))
+
+
+def dots(groups, across, unit):
+    """`groups`: {label: [(x, y), …]}."""
+    points = [point for each in groups.values() for point in each]
+    low, high = min(x for x, _y in points), max(x for x, _y in points)
+    ends = _scale(min(0, *(y for _x, y in points)), max(0, *(y for _x, y in points)))
+    span = high - low or 1
+    parts = []
+    for colour, each in zip(COLOURS, groups.values()):
+        for x, y in each:
+            parts.append(f'<circle cx="{LEFT + (WIDTH - LEFT - RIGHT) * (x - low) / span:.1f}" cy="{_y(y, ends):.1f}" r="1.8" fill="{colour}"/>')
+    for at in range(TICKS + 1):
+        parts.append(_text(LEFT + (WIDTH - LEFT - RIGHT) * at / TICKS, HEIGHT - BOTTOM + 16, _figure(low + span * at / TICKS)))
+    parts.append(_text(WIDTH - RIGHT, HEIGHT - 3, across, "end"))
+    return _svg(_axis(ends, unit) + parts + _legend(groups))
+
+
+def _scale(low, high):
+    """(first, last, step) of an axis around both values: a step of 1, 2 or 5 times a power of ten. Of equal values: one around them."""
+    if high == low:
+        low, high = low - 1, high + 1
+    rough = (high - low) / TICKS
+    power = 10.0 ** floor(log10(rough))
+    step = power * next(each for each in (1, 2, 5, 10) if each * power >= rough * 0.999)
+    return floor(low / step + 1e-9) * step, ceil(high / step - 1e-9) * step, step
+
+
+def _y(value, ends):
+    low, high, _step = ends
+    return HEIGHT - BOTTOM - (HEIGHT - TOP - BOTTOM) * (value - low) / (high - low)
+
+
+def _bar(x, width, value, ends, colour):
+    top, zero = _y(value, ends), _y(0, ends)
+    return [
+        f'<rect x="{x:.1f}" y="{min(top, zero):.1f}" width="{width:.1f}" height="{abs(top - zero):.1f}" rx="1.5" fill="{colour}"/>',
+        _text(x + width / 2, min(top, zero) - 4, _figure(value), size=10),
+    ]
+
+
+def _axis(ends, unit):
+    low, high, step = ends
+    parts = [_text(LEFT, TOP - 14, unit, "end")]
+    for at in range(round((high - low) / step) + 1):
+        y = _y(low + at * step, ends)
+        parts.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="{"#555" if abs(low + at * step) < step / 9 else "#ddd"}"/>')
+        parts.append(_text(LEFT - 6, y + 4, _figure(low + at * step), "end"))
+    return parts
+
+
+def _legend(groups):
+    if len(groups) < 2:
+        return []
+    parts, x = [], LEFT + 30
+    for colour, label in zip(COLOURS, groups):
+        parts += [f'<rect x="{x}" y="{TOP - 26}" width="11" height="11" fill="{colour}"/>', _text(x + 15, TOP - 16, label, "start", 11)]
+        x += 26 + 6 * len(label)
+    return parts
+
+
+def _figure(value):
+    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
+
+
+def _text(x, y, text, anchor="middle", size=12):
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" font-size="{size}">{escape(str(text))}</text>'
+
+
+def _svg(parts):
+    return f'<svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" font-family="sans-serif" fill="#333">{"".join(parts)}</svg>'

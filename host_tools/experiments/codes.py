@@ -1,0 +1,92 @@
+"""Table 3 and section 5.1 of 2009: the byte of the parallel port beside each code, the steps it makes, and the speeds that are shown.
+
+The bytes are made by the firmware's own status, on the PC or on the chip; the speeds are those of a file that is played.
+"""
+
+import re
+
+from host_tools import boards
+from host_tools.experiments.authors import Author, author
+from host_tools.experiments.places import BOARD, VIRTUAL, program
+from host_tools.experiments.row import Outcome, Row
+from host_tools.failure import Failure
+from host_tools.language import _
+from passo.protocols.pulses.protocol import frame
+from passo.protocols.pulses.report import status_from
+
+FILE = "[AABXP(QRMYZ)]"  # table 3 without its speed
+SPEEDS = ("+1000", "speed asked for"), ("$", "fastest speed"), ("@", "default speed")
+MOST_MS = 60_000
+
+
+class Port:
+    """A router of LPTControl: files played, status asked."""
+
+    def __init__(self, place):
+        self.machine = place.machine("lpt_router", trace=None)
+        self.machine.run_ms(100)
+
+    def say(self, *words):
+        machine = self.machine
+        machine.take()
+        machine.send(frame(*words))
+        machine.run_until(lambda: re.search(rb"^(ok|error).*\n", machine.received(), re.MULTILINE), MOST_MS)
+        said = machine.take().decode("latin-1")
+        if "error" in said:
+            raise Failure("{!r} was answered by {!r}", words[0], said.strip())
+
+    def play(self, text):
+        self.say("load", len(text))
+        self.machine.send(b"\n" + text.encode())
+        self.say("end")
+        self.say("run")
+
+    def status(self):
+        """Fields of its status."""
+        machine = self.machine
+        machine.send(frame("?"))
+        machine.run_until(lambda: b">" in machine.received(), MOST_MS)
+        said = machine.take()
+        return status_from(re.findall(rb"<state.*?>", said)[-1].decode())
+
+
+def shown_bytes(place):
+    """The port's byte at each code of FILE, as text in hexadecimal."""
+    config = {key: boards.load("lpt_router")["step_program"][key] for key in ("port_bits", "port_invert")}
+    if place.kind == VIRTUAL:
+        from host_tools.experiments.board_codes import image
+
+        shown = image(FILE, config)
+    else:
+        chip = place.chip("lpt_router")
+        chip.exec(program("board_codes.py"))
+        shown = map(int, chip.exec(f"print(*image({FILE!r}, {config!r}))").split())
+    return [f"{byte:02X}" for byte in shown]
+
+
+def shown_speeds(place):
+    """{code: mm/min that the status shows behind it}, for SPEEDS."""
+    found = {}
+    for code, _name in SPEEDS:
+        port = Port(place)
+        try:
+            port.play(f"[{code} AAAA]")
+            port.machine.run_until(lambda: port.status()["state"] == "idle", MOST_MS)
+            found[code] = float(port.status()["speed"])
+        finally:
+            port.machine.close()
+    return found
+
+
+def run(place):
+    printed = author("bytes of the port")
+    wanted, shown = printed.printed.split(), shown_bytes(place)
+    outcome = Outcome(_("the file of the document, code by code: the byte that the status shows of the port"))
+    for code, byte, ours in zip(FILE, wanted, shown, strict=True):
+        outcome.rows.append(Row(_("code {}", code), Author(printed.place, byte), None, "", ours, ours == byte))
+    if place.kind != BOARD:
+        outcome.how += "; " + _("speeds from the status, of a machine of 12.5 µm a step and 312 µs between pulses: the document does not give those of its own")
+        speeds = shown_speeds(place)
+        for code, name in SPEEDS:
+            outcome.add(_("speed behind {}", code), author(name), speeds[code], "mm/min")
+    return outcome

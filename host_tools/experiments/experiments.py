@@ -1,0 +1,54 @@
+"""The list of experiments, and how one is run.
+
+    for name in EXPERIMENTS: ...
+    run("lines", place)         # an Outcome; Failure if it cannot be measured there
+"""
+
+from dataclasses import dataclass
+from importlib import import_module
+
+from host_tools.experiments.places import BOARD, EMULATED, VIRTUAL
+from host_tools.failure import Failure
+from host_tools.language import N_, _
+
+
+@dataclass(frozen=True)
+class Experiment:
+    title: str
+    document: str
+    kinds: tuple  # of places
+    moves: bool = False  # pins of a board are driven
+
+
+EXPERIMENTS = {
+    "lines": Experiment(N_("Integer lines against floating-point lines, computing alone"), "plotter", (VIRTUAL, EMULATED, BOARD)),
+    "drawing": Experiment(N_("Drawing times at the motors' pace"), "plotter", (VIRTUAL, EMULATED, BOARD)),
+    "arcs": Experiment(N_("Arcs by radius and angle: CORDIC's ends, and the radius on the way"), "mill", (VIRTUAL, EMULATED, BOARD)),
+    "inputs": Experiment(N_("Contactors, faults and outputs, one by one"), "mill", (VIRTUAL, EMULATED)),
+    "codes": Experiment(N_("Pulse codes, and the bytes of the parallel port"), "pulses", (VIRTUAL, EMULATED, BOARD)),
+    "strokes": Experiment(N_("Strokes of 10 to 100 mm, and the wait before them"), "torch", (VIRTUAL, EMULATED)),
+    "rates": Experiment(N_("Pulse rates"), "keys", (VIRTUAL, EMULATED, BOARD), moves=True),
+    "homing": Experiment(N_("Homing, repeated"), "plotter", (VIRTUAL, EMULATED, BOARD), moves=True),
+}
+
+
+def checked(names):
+    """`names`, or all of them. Raises Failure for one that is not there."""
+    for name in names:
+        if name not in EXPERIMENTS:
+            raise Failure("no experiment {}; there are {}", name, ", ".join(EXPERIMENTS))
+    return list(dict.fromkeys(names)) or list(EXPERIMENTS)
+
+
+def refusal(name, place):
+    """Why an experiment is left out at a place, a sentence; "" if it is not."""
+    experiment = EXPERIMENTS[name]
+    if place.kind not in experiment.kinds:
+        return _("it needs a machine that the PC can look into: --on virtual or emulated")
+    if experiment.moves and not place.moves:
+        return _("it moves pins: --moves allows that")
+    return ""
+
+
+def run(name, place):
+    return import_module(f"host_tools.experiments.{name}").run(place)

@@ -1,0 +1,42 @@
+"""A G-code machine of an experiment, virtual or emulated: lines with their answers, and the words of its reports.
+
+    wait_up(machine); ask(machine, b"$X\\n"); words_of(machine)["Fb"]
+"""
+
+import re
+
+from host_tools.clients.grbl_wire import fields_of
+from host_tools.failure import Failure
+
+MOST_MS = 60_000
+REPORTS = 45
+RESET = b"\x18"
+
+
+def wait_up(machine):
+    """Until it says how it is unlocked."""
+    machine.run_until(lambda: b"unlock" in machine.received(), MOST_MS)
+    machine.run_ms(60)
+
+
+def ask(machine, line):
+    """What it says to a line. Raises Failure if it refuses the line."""
+    machine.take()
+    machine.send(line)
+    machine.run_until(lambda: any(end in machine.received() for end in (b"ok\r\n", b"error", b"ALARM")), MOST_MS)
+    said = machine.take()
+    if b"ok" not in said:
+        raise Failure("{!r} was answered by {!r}", line.decode().strip(), said.decode().strip())
+    return said
+
+
+def words_of(machine):
+    """{word: value} of the next whole report: some words stand in each twelfth only, beside Ov."""
+    for _again in range(REPORTS):
+        machine.take()
+        machine.send(b"?")
+        machine.run_until(lambda: b">\r\n" in machine.received(), MOST_MS)
+        fields = fields_of(re.findall(rb"<.*?>", machine.take())[-1].decode())
+        if "Ov" in fields:
+            return fields
+    raise Failure("no whole report in {}", REPORTS)

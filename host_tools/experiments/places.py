@@ -1,0 +1,138 @@
+"""Where experiments are measured: the virtual machine, the emulated Pico, a board on a serial port.
+
+    with place_of("emulated") as place:
+        place.kind                          # "virtual", "emulated" or "board"
+        place.machine("mill_2004")          # a machine with a plant: send, run_until, plant, trace; not of a board
+        place.chip("plotter_2014")          # a connection to its MicroPython (host_tools/prove/connection.py); not of "virtual"
+
+An emulated Pico is loaded once for each board file; `machine` makes one anew. A chip starts in the raw REPL with main.py not run, and its outputs are made
+safe first. Raises Failure with the remedy if there is no UF2, no emulator or no board.
+"""
+
+from host_tools.failure import Failure
+from host_tools.language import N_, _
+from host_tools.prove.row import text
+
+VIRTUAL, EMULATED, BOARD = "virtual", "emulated", "board"
+TITLES = {VIRTUAL: N_("virtual machine"), EMULATED: N_("emulated Pico"), BOARD: N_("board on {}")}
+START_S = 15  # of a board that begins its own work
+SAFE = "from board import BOARD\nfrom passo.ports.safe import outputs, safe\nsafe(outputs(BOARD))"
+
+
+def place_of(name, moves=False):
+    """`name`: virtual, emulated or a serial port; `moves`: pins of a board may be driven."""
+    if name == VIRTUAL:
+        return Virtual()
+    if name == EMULATED:
+        return Emulated()
+    return OnPort(name, moves)
+
+
+class Virtual:
+    kind, moves = VIRTUAL, True
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_error):
+        pass
+
+    def title(self):
+        return _(TITLES[VIRTUAL])
+
+    def machine(self, board, **options):
+        from host_tools.sim.machine import VirtualMachine
+
+        return VirtualMachine(board, **options)
+
+
+class Emulated(Virtual):
+    kind = EMULATED
+
+    def __init__(self):
+        from host_tools.emulator.binary import find_uf2, load_emulator
+
+        load_emulator()
+        find_uf2()  # raises Unavailable before anything is built
+        self._chips = {}
+
+    def title(self):
+        return _(TITLES[EMULATED])
+
+    def machine(self, board, **options):
+        """Started, with its links open."""
+        from host_tools.emulator.machine import EmulatedMachine
+
+        machine = EmulatedMachine(board, **options).boot()
+        machine.run_until(machine.listening, 12_000)
+        return machine
+
+    def chip(self, board):
+        from host_tools.prove.connection import EmulatedBoard
+
+        if board not in self._chips:
+            self._chips[board] = EmulatedBoard(board)
+        return begun(self._chips[board])
+
+
+class OnPort:
+    kind = BOARD
+
+    def __init__(self, port, moves):
+        from host_tools.cli.flash import check_port
+        from host_tools.prove.connection import PortBoard
+
+        check_port(port)
+        self._port = port
+        self.moves = moves
+        self._board = PortBoard(port)
+        self._raw = None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        self._board.__exit__(*(error or (None,)))
+
+    def title(self):
+        return _(TITLES[BOARD], self._port)
+
+    def chip(self, _board):
+        return begun(self._board)
+
+    def connection(self):
+        """The board without a new start."""
+        return self._board
+
+    def raw(self):
+        """The table of the board's own board file. Raises Failure if it has none."""
+        from host_tools.cli.prove import board_file_of
+
+        if self._raw is None:
+            self._raw = board_file_of(self._board)
+        return self._raw
+
+    def client(self):
+        """A client of G-code, of the board at its own work. No chip() from then on."""
+        from host_tools.clients.grbl import GrblClient
+
+        self._board.close()
+        return GrblClient(self._port, timeout_s=START_S)
+
+
+def begun(board):
+    """The interpreter anew, outputs safe, motors off. Raises Failure if there is no Passo on the board."""
+    board.fresh()
+    try:
+        board.exec(SAFE)
+    except Failure as failure:
+        raise Failure("{} has no Passo: {}. passo flash puts one there", board.name, failure) from None
+    return board
+
+
+def program(name):
+    """The text of a program of host_tools/experiments or host_tools/prove for the board."""
+    from pathlib import Path
+
+    own = Path(__file__).parent / name
+    return own.read_text(encoding="utf-8") if own.is_file() else text(name)

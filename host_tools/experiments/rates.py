@@ -1,0 +1,105 @@
+"""Pulse rates: the highest at which every edge lies where its word puts it and no word is late, of PIO and of the timer's interrupt.
+
+The emulated Pico keeps each edge of each pin; a board looks at its own by a spare state machine, as `passo prove` does. The virtual machine has no
+highest rate: it shows the documents' rates instead, by its motors.
+"""
+
+from host_tools.experiments import charts
+from host_tools.experiments.authors import author
+from host_tools.experiments.places import BOARD, VIRTUAL
+from host_tools.experiments.row import Outcome
+from host_tools.failure import Failure
+from host_tools.language import _
+from passo.steps.word import TICKS_PER_S
+
+PIO_KHZ = (10, 50, 100, 200, 400, 480)
+TIMER_KHZ = (10, 25, 50, 80, 120)
+AXES = 3
+KIT_UP_MS, KIT_MS, KIT_STEPS = 3000, 1500, 200
+ON_TIME_NS = 80  # one tick
+TIMER_LATE_US = 5  # an edge of the timer's interrupt
+
+
+def clean(place):
+    """({kHz: whether clean} by PIO, three axes together; the same by the timer, one axis; {} if not looked at)"""
+    if place.kind == BOARD:
+        return clean_on_board(place), {}
+    from host_tools.emulator.copies import on_a_copy
+    from host_tools.emulator.rig import Rig, router
+
+    pio, timer = Rig(router(AXES)), Rig(router(AXES, player="timer"))
+    return (
+        {khz: on_a_copy(lambda: _pio_is_clean(pio, khz)) for khz in PIO_KHZ},
+        {khz: on_a_copy(lambda: _timer_is_clean(timer, khz)) for khz in TIMER_KHZ},
+    )
+
+
+def _pio_is_clean(rig, khz):
+    from host_tools.bench.pico import COLLECT, constant_lines
+    from host_tools.emulator.cycles import CYCLE_NS
+
+    run = rig.play(constant_lines(khz * 1000, AXES), COLLECT)
+    return run.late == 0 and run.off * CYCLE_NS <= ON_TIME_NS
+
+
+def _timer_is_clean(rig, khz):
+    from host_tools.bench.pico import COLLECT, constant_lines
+    from host_tools.emulator.cycles import CYCLES_PER_US
+
+    run = rig.play(constant_lines(khz * 1000, 1), COLLECT)
+    late_us = (max(run.lateness) - min(run.lateness)) / CYCLES_PER_US
+    return run.late == 0 and late_us < min(TIMER_LATE_US, 1000 / khz)
+
+
+def clean_on_board(place):
+    """The board's own pins, by its witness; the motors' current stays off. Raises Failure if it has coils."""
+    from host_tools.prove.pins import FAST, FAST_STEPS, played
+    from host_tools.prove.proof import Proof
+
+    raw = place.raw()
+    if raw["drive"]["kind"] != "step_dir" or raw.get("player", "pio") == "timer":
+        raise Failure("its board file has coils or the timer player: rates are for STEP and DIR by PIO")
+    changes = {"axes": [dict(axis, **FAST) for axis in raw["axes"]], "drive": dict(raw["drive"], pulse_us=1)}
+    proof, found = Proof(place.connection(), raw, True), {}
+    for khz in PIO_KHZ:
+        lines = [([FAST_STEPS] * len(raw["axes"]), FAST_STEPS * TICKS_PER_S // (khz * 1000))]
+        seen, late, _shape, _records = played(proof, changes, lines)
+        found[khz] = seen.same and late == 0 and seen.off_ns <= ON_TIME_NS
+    return found
+
+
+def kit_rate(place):
+    """Steps a second of the kit's first motor at its fastest speed, by its plant."""
+    machine = place.machine("two_motor_kit")
+    try:
+        machine.run_ms(100 if place.kind == VIRTUAL else KIT_UP_MS)
+        machine.send(b"A\x01C")
+        machine.run_ms(KIT_MS)
+        rows = machine.trace.rows()[-KIT_STEPS - 1 :]
+        return KIT_STEPS / (rows[-1][0] - rows[0][0]) * 1e6
+    finally:
+        machine.close()
+
+
+def run(place):
+    outcome = Outcome("")
+    if place.kind != BOARD:
+        outcome.how = _("the kit's motor by its coils")
+        outcome.add(_("kit, speed 1"), author("pause of the kit"), kit_rate(place), _("steps/s"))
+    if place.kind != VIRTUAL:
+        _fastest(place, outcome)
+    return outcome
+
+
+def _fastest(place, outcome):
+    by_pio, by_timer = clean(place)
+    how = _("steps at a constant rate, garbage collected without pause; clean: every edge within {} ns of its word by PIO, within {} µs by the timer, no word late", ON_TIME_NS, TIMER_LATE_US)
+    outcome.how = "; ".join(filter(None, (outcome.how, how)))
+    rows = ((_("PIO, {} axes together: highest clean rate", AXES), by_pio), (_("timer's interrupt, one axis: highest clean rate"), by_timer))
+    for label, found in rows:
+        if found:
+            tried = _("tried: {} kHz", ", ".join(map(str, found)))
+            outcome.add(label, author("pulses of the drawing"), max((khz for khz, right in found.items() if right), default=0), "kHz", tried)
+    names = [_("document, figure 10"), "PIO", _("timer")]
+    highest = [author("pulses of the drawing").value, *(max((khz for khz, right in found.items() if right), default=None) for found in (by_pio, by_timer))]
+    outcome.pictures.append((_("Highest clean rate, kHz"), charts.bars(names, {"kHz": highest}, "kHz")))
