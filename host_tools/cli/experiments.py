@@ -31,8 +31,9 @@ def experiments(
         passo experiments lines drawing --on emulated --out lesson
         passo experiments --on /dev/ttyACM0 --lang pt
     """
+    from host_tools.cli.flash import check_port
     from host_tools.experiments.experiments import EXPERIMENTS, checked
-    from host_tools.experiments.places import place_of
+    from host_tools.experiments.places import EMULATED, VIRTUAL, place_of
     from host_tools.experiments.report import write
 
     if lang is not None:
@@ -44,6 +45,8 @@ def experiments(
         for name, each in EXPERIMENTS.items():
             print(f"{name:<8}  {_(each.title)} ({', '.join(each.kinds)})")
         return
+    if on not in (VIRTUAL, EMULATED):
+        check_port(on)
     with place_of(on, moves) as place:
         place.moves = place.moves or allowed(place, chosen)
         done, failed = measured(chosen, place)

@@ -1,6 +1,5 @@
 """`passo prove`: the board measures itself, and says whether it does what the documents promise."""
 
-import ast
 import os
 import signal
 import sys
@@ -70,7 +69,7 @@ def prove(
 def connected(port, emulated, uf2, named):
     """(connection, the board file's table); `named` False: the table is {} if the board has none. Raises Failure."""
     from host_tools import boards
-    from host_tools.prove.connection import EmulatedBoard, PortBoard, Silent
+    from host_tools.prove.connection import EmulatedBoard, PortBoard, Silent, board_file_of
 
     if emulated:
         raw = boards.load(emulated)
@@ -108,15 +107,6 @@ def proven(board, raw, pins, report, json, picture, lines=False):
     if picture:
         reports.picture(picture, proof.timings)
     return any(row.verdict == WORSE for row in rows)
-
-
-def board_file_of(board):
-    """The table of /board.py. Raises Failure if there is none."""
-    board.fresh()
-    try:
-        return ast.literal_eval(board.exec("from board import BOARD\nprint(repr(BOARD))"))
-    except Failure as failure:
-        raise Failure("there is no board file on {}: {}. passo flash puts one there", board.name, failure) from None
 
 
 def asked(raw):

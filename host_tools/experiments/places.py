@@ -79,10 +79,8 @@ class OnPort:
     kind = BOARD
 
     def __init__(self, port, moves):
-        from host_tools.cli.flash import check_port
         from host_tools.prove.connection import PortBoard
 
-        check_port(port)
         self._port = port
         self.moves = moves
         self._board = PortBoard(port)
@@ -106,7 +104,7 @@ class OnPort:
 
     def raw(self):
         """The table of the board's own board file. Raises Failure if it has none."""
-        from host_tools.cli.prove import board_file_of
+        from host_tools.prove.connection import board_file_of
 
         if self._raw is None:
             self._raw = board_file_of(self._board)

@@ -5,8 +5,10 @@
         board.exec("print(1)")                      # '1\\r\\n'; Failure with the board's last line if it raises
         board.start(code); board.expect(b"ready")   # a program that talks while it runs; board.ended() waits for its end
         board.now_s()                               # the PC's clock; of an emulated board its own outside
+    board_file_of(board)                        # the table of its board file
 """
 
+import ast
 import contextlib
 import io
 import struct
@@ -226,3 +228,12 @@ class PortBoard(Board):
             with contextlib.suppress(OSError):
                 self._wire.serial.write(b"\r\x03\x02\x04")
         self._drop()
+
+
+def board_file_of(board):
+    """The table of /board.py. Raises Failure if there is none."""
+    board.fresh()
+    try:
+        return ast.literal_eval(board.exec("from board import BOARD\nprint(repr(BOARD))"))
+    except Failure as failure:
+        raise Failure("there is no board file on {}: {}. passo flash puts one there", board.name, failure) from None
