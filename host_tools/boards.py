@@ -13,6 +13,7 @@ What is wrong with a file is a Failure; its values are checked by the firmware (
 
 import ast
 import copy
+import importlib
 import json
 import tokenize
 import warnings
@@ -66,6 +67,18 @@ def board_py(name):
         return found.read_bytes()
     head = f"# The whole of {found.name}, which is like {own[LIKE]}: change that file, not this one.\n"
     return (head + text_of(resolve(own, found))).encode()
+
+
+def settings_of(board):
+    """The settings of a board that was checked, its languages' and options' too: {number: (name, decimals, default, least, most)}."""
+    from passo.config import setting_numbers
+
+    found = setting_numbers.make(board)
+    for link in board["links"]:
+        language = importlib.import_module("passo.protocols." + link["protocol"])
+        if hasattr(language, "settings"):
+            language.settings(board, found)
+    return {**found, **getattr(board.get("additions"), "settings", {})}
 
 
 def text_of(board):

@@ -76,6 +76,7 @@ TEXTS = {
     errors.DRIVES_OFF: "the drives have been switched off by hand: switch them on first",
     errors.INTERLOCKED: "the interlock forbids it: the log names the input",
     errors.SPINDLE_TURNS: "the work is not let go while the spindle turns: M5 first",
+    errors.TOOL_ON: "a setting does not change while the tool is on: switch it off first",
     errors.STEPS_MADE_UP: "an encoder missed steps at the end of a move, and they were made up for: the log says how many",
     errors.POSITION_VERIFIED: "after a halt the encoders have told the position: it is known again",
     errors.SQUARED: "a motor of the gantry was behind, and was stepped alone: the log says which, and by how many steps",

@@ -175,6 +175,11 @@ def queue(board, streamed):
     return Queue
 
 
+def more_settings(languages):
+    """What the languages (modules) add to the settings: functions (board, table)."""
+    return [language.settings for language in languages if hasattr(language, "settings")]
+
+
 def guarded(board, languages, settings):
     """Mask of the links that move nothing from the start on, before the machine is homed or unlocked: with homing those of
     a language that is GUARDED."""

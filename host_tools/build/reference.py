@@ -272,6 +272,9 @@ def settings():
     for number in (41, 42, 56, 57, 58, 59, 142):
         name, unit, least, most = rule(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} ([key `parking`](../use/parking.md)) | {unit} | {least:g} … {most:.10g} | – |")
+    for number, languages in ((150, "plotter, torch"), (151, "plotter, torch"), (170, "torch"), (171, "torch"), (180, "plotter"), (181, "pulses"), (182, "pulses")):
+        name, unit, least, most = rule(number, len(board["axes"]))
+        rows.append(f"| `${number}` | {name} (language {languages}) | {unit} | {least:g} … {most:.10g} | – |")
     for number in (341, 342, 343, 344):
         name, unit, least, most = rule(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} ([key `tool_change`](../use/spindle.md#tool-change)) | {unit} | {least:g} … {most:.10g} | – |")

@@ -49,6 +49,9 @@ NAMES = {
     342: ("M6: how far down from the top to probe", "mm", 1, 1000),
     343: ("M6: speed up, to find the edge", "mm/min", 1, 1000),
     344: ("M6: speed down, to touch", "mm/min", 1, 10_000),
+    180: ("drawing: speed at the start, in the board file's unit", "", 1, 1_000_000),
+    181: ("pulses: least time between two, the drivers' interval", "µs", 1, 250_000),
+    182: ("pulses: speed of moves by hand, and until a program says one", "mm/min", 1, 900_000),
     140: ("speed up to which there is no ramp", "mm/min", *_ANY_OR_0),
     141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
 }
@@ -57,6 +60,8 @@ AXIS_NAMES = {
     110: ("highest speed", "mm/min", *_ANY),
     120: ("acceleration", "mm/s²", *_ANY),
     130: ("travel", "mm", *_ANY),
+    150: ("length of a jog", "mm", *_ANY_OR_0),
+    170: ("speed of a jog", "mm/min", *_ANY),
     160: ("backlash, taken up where it turns", "mm", 0, 2),
 }
 

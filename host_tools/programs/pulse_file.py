@@ -42,7 +42,7 @@ class Course:
 
         axes = board["axes"]
         config = board["step_program"]
-        lengths = lengths_of(axes)
+        lengths = lengths_of([axis["steps_per_m"] for axis in axes])
         fastest = min(lengths[1 << axis] for axis in range(len(axes))) // config["interval_us"]
         speed = min(config["default_mm_min"], fastest)
         scale = [axis["steps_per_m"] / 1000 for axis in axes]

@@ -28,7 +28,7 @@ def with_ramps(found, board, accel_mm_s2):
 
     axes = board["axes"][:3]
     config = board["step_program"]
-    lengths = lengths_of(axes)
+    lengths = lengths_of([axis["steps_per_m"] for axis in axes])
     fastest = min(lengths[1 << axis] for axis in range(len(axes))) // config["interval_us"]
     maker = _Maker(board, axes, accel_mm_s2, fastest)
     speed = min(config["default_mm_min"], fastest)

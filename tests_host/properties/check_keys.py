@@ -265,7 +265,7 @@ def check_every_byte():
             command = list(language.feed(key + bytes((n,)), 0))[0]
             assert command.kind == BAD and command.error == errors.NUMBER_RANGE
     for byte in range(256):
-        if bytes((byte,)) not in (b"A", b"B", b"C", b"D", b"E", b"F", b"G", b"H", b"I", b"J", b"?"):
+        if bytes((byte,)) not in (b"A", b"B", b"C", b"D", b"E", b"F", b"G", b"H", b"I", b"J", b"?", b"$"):
             command = list(language.feed(bytes((byte,)), 0))[0]
             assert command.kind == BAD and command.error == errors.UNKNOWN_COMMAND
     assert commands.KIT_STEP_MS == 4 and commands.KIT_SLOWEST == 127

@@ -40,7 +40,7 @@ class CutSlots(MemorySlots):
 
 
 def make(slots, board=BOARD, fastest=1_000_000):
-    return Settings(check(board), Journal(slots), fastest)
+    return Settings(check(board), Journal(slots), steps_s=fastest)
 
 
 def state(settings):

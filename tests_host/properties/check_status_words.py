@@ -37,8 +37,13 @@ def pulses(made):
     return status_from(status(made, PORT))
 
 
+class Scale:
+    settings = None
+    steps_per_m = [1, 1]
+
+
 def torch(made):
-    return dict([(name, str(value)) for name, value in Forms(None, (1, 1), (1, 1), (1, 1))._more(made)])
+    return dict([(name, str(value)) for name, value in Forms(Scale)._more(made)])
 
 
 def check_every_language_with_words_says_them():

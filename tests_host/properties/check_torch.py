@@ -1,6 +1,6 @@
 """The torch manipulator's frames: byte for byte, torn, among noise; and what the machine makes of them."""
 
-from free_machine import FreeMachine
+from free_machine import FreeMachine, Jogs
 from passo import errors
 from passo.commands import (
     ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, REFUSED, RESET, RUN, STATUS, STILL, STOP, UNLOCK, ZERO, Event,
@@ -76,7 +76,7 @@ def check_frames_byte_for_byte():
 
 
 def check_what_each_frame_asks():
-    protocol = Torch((48, 83), (480, 830))
+    protocol = Torch(Jogs((48, 83), (480, 830)))
     kinds = []
     for data in frames():
         found = understood(protocol, data, 0)
@@ -98,7 +98,7 @@ def check_what_each_frame_asks():
 
 def check_move_round_trip(x, x_speed, y, y_speed):
     """Counts are unsigned, speeds signed: the speed's sign is the direction. 0xFF may stand anywhere in the body."""
-    protocol = Torch((1, 1), (1, 1))
+    protocol = Torch(Jogs((1, 1), (1, 1)))
     (command,) = protocol.feed(torch.move(x, x_speed, y, y_speed), 0)
     assert command.when == AT_REST
     for steps, rate, count, speed in zip(command.steps, command.rates, (x, y), (x_speed, y_speed)):
@@ -106,7 +106,7 @@ def check_move_round_trip(x, x_speed, y, y_speed):
 
 
 def check_counts_out_of_reach():
-    protocol = Torch((1, 1), (1, 1))
+    protocol = Torch(Jogs((1, 1), (1, 1)))
     for count in ((1 << 29) - 1, 1 << 29, (1 << 32) - 1):
         assert protocol.feed(torch.move(count, 100, 0, 0), 0)[0].kind == BAD
         assert protocol.feed(torch.configure(count, 1, 1, 1), 0)[0].kind == BAD
@@ -125,7 +125,7 @@ def check_both_lengths_of_configure():
         (torch.frame("CONFIGURE", torch.integers(300, 500, -1)), GAP_MS, (300, 300, 500, 1)),
     ):
         for taken in (ACCEPTED, REFUSED):
-            protocol = Torch((48, 83), (480, 830), GAP_MS)
+            protocol = Torch(Jogs((48, 83), (480, 830)), GAP_MS)
             found = protocol.feed(data[:14], 0)
             assert found == [] and protocol.feed(b"", GAP_MS - 1) == []
             found = protocol.feed(data[14:], GAP_MS - 1) + (protocol.feed(b"", 2 * GAP_MS) if wait_ms else [])
@@ -136,7 +136,7 @@ def check_both_lengths_of_configure():
 
 def check_frames_behind_configure_wait_for_it():
     """A jog right behind a configuration already has its steps."""
-    protocol = Torch((48, 83), (480, 830), GAP_MS)
+    protocol = Torch(Jogs((48, 83), (480, 830)), GAP_MS)
     (asked,) = protocol.feed(torch.configure(7, 8, 9, 10) + torch.frame("JOG_X+"), 0)
     assert protocol.feed(b"", 100) == []
     protocol.reply(Event(ACCEPTED, asked))
@@ -153,7 +153,7 @@ def check_torn_frames(which, value, chunk):
         for start, end in ((0, cut), (cut, len(data))):
             if start and torn_is_whole(data[start:end]):
                 continue
-            protocol = Torch((48, 83), (480, 830), GAP_MS)
+            protocol = Torch(Jogs((48, 83), (480, 830)), GAP_MS)
             found = []
             for at in range(start, end, chunk):
                 found += protocol.feed(data[at : min(at + chunk, end)], 0)
@@ -182,7 +182,7 @@ def torn_is_whole(data):
 
 
 def check_a_torn_frame_is_forgotten_without_a_look_in_between():
-    protocol = Torch((48, 83), (480, 830), GAP_MS)
+    protocol = Torch(Jogs((48, 83), (480, 830)), GAP_MS)
     assert not protocol.feed(torch.move(1, 2, 3, 4)[:9], 0)
     (good,) = protocol.feed(torch.frame("INFO"), 1000)
     assert good.kind == STATUS
@@ -192,13 +192,13 @@ def check_questions_of_other_languages(which):
     """`?` alone, as passo status asks, is no noise: nothing is logged. Behind a frame's beginning it is."""
     for question in QUESTIONS:
         for pieces in ((question,), tuple([question[at : at + 1] for at in range(len(question))])):
-            protocol = Torch((48, 83), (480, 830), GAP_MS)
+            protocol = Torch(Jogs((48, 83), (480, 830)), GAP_MS)
             found = []
             for piece in pieces:
                 found += protocol.feed(piece, 0)
             assert found + protocol.feed(b"", GAP_MS) == []
             assert understood(protocol, frames()[which], GAP_MS) is not None
-        protocol = Torch((48, 83), (480, 830), GAP_MS)
+        protocol = Torch(Jogs((48, 83), (480, 830)), GAP_MS)
         found = protocol.feed(question + b"?", 0) + protocol.feed(b"", GAP_MS)
         assert [command.kind for command in found] == [BAD]
 
@@ -212,7 +212,7 @@ def check_noise(noise, which):
         if torn_is_whole(noise[at : at + 18]):
             noise = noise[:at] + b"\x00" + noise[at + 1 :]
         at += 1
-    protocol = Torch((48, 83), (480, 830), GAP_MS)
+    protocol = Torch(Jogs((48, 83), (480, 830)), GAP_MS)
     found = protocol.feed(noise, 0) + protocol.feed(b"", GAP_MS)
     assert [command.kind for command in found] == ([BAD] if noise and bytes(noise) not in QUESTIONS else [])
     data = frames()[which]
@@ -223,8 +223,8 @@ def check_noise(noise, which):
 def check_in_any_pieces(cuts):
     """However a stream of good frames is cut up, without silences, it asks for the same."""
     data = b"".join([frame for frame in frames() if frame[0] != 0x99])
-    whole = [command.kind for command in understood(Torch((48, 83), (480, 830)), data, 0)]
-    protocol = Torch((48, 83), (480, 830))
+    whole = [command.kind for command in understood(Torch(Jogs((48, 83), (480, 830))), data, 0)]
+    protocol = Torch(Jogs((48, 83), (480, 830)))
     found = []
     before = 0
     for cut in sorted(cuts) + [len(data)]:

@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 from host_tools import boards
-from passo.config import setting_numbers
 from passo.config.boardfile import check
 
 pytestmark = pytest.mark.quick
@@ -101,8 +100,7 @@ def known():
     for name, number in CONSTANT.findall((PASSO / "errors.py").read_text(encoding="utf-8")):
         yield "notice" if name.startswith("NOTICE_") else "error", int(number), name
     for board in [check(boards.load(name)) for name in boards.names()]:
-        for rules in (setting_numbers.make(board), board["additions"].settings):
-            yield from (("setting", number, rule[0]) for number, rule in rules.items())
+        yield from (("setting", number, rule[0]) for number, rule in boards.settings_of(board).items())
     for path in PASSO.glob("options/*/manifest.py"):
         yield from (("setting", number, name) for number, name in settings_of(path.read_text(encoding="utf-8")))
 

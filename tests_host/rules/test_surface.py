@@ -33,13 +33,12 @@ def verbs():
 
 
 def settings():
-    from passo.config import setting_numbers
     from passo.config.boardfile import check
 
     from host_tools import boards
 
     for name in boards.names():
-        for number, rule in setting_numbers.make(check(boards.load(name))).items():
+        for number, rule in boards.settings_of(check(boards.load(name))).items():
             yield f"setting ${number} {rule[0]}"
 
 

@@ -71,6 +71,21 @@ class Axes(Nothing):
         self.outputs.append((tick, name, level))
 
 
+class Jogs:
+    """Settings with the jogs that no host has configured."""
+
+    version = 0
+
+    def __init__(self, steps, steps_s):
+        self._steps, self._steps_s = steps, steps_s
+
+    def jog_steps(self, axis):
+        return self._steps[axis]
+
+    def jog_steps_s(self, axis):
+        return self._steps_s[axis]
+
+
 class FreeMachine:
     def __init__(self, kind="step_dir", **changes):
         data = check(board(kind, **changes))

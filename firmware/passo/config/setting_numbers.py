@@ -34,6 +34,11 @@ ACCELERATION = const(120)
 TRAVEL = const(130)
 START = const(140)  # Passo's own, and the next
 JERK = const(141)
+JOG = const(150)  # languages that jog by steps have these, see their settings()
+JOG_SPEED = const(170)
+DRAWING_SPEED = const(180)
+INTERVAL = const(181)
+PROGRAM_SPEED = const(182)
 
 
 def _active(items, names):

@@ -22,7 +22,7 @@ from micropython import const
 from passo import errors
 from passo.config.setting_numbers import (
     DIRECTION_INVERT, ENABLE_INVERT, HOMING, HOMING_DEBOUNCE, HOMING_DIRECTION, HOMING_LOCATE, HOMING_PULL_OFF,
-    HOMING_SEEK, IDLE_DELAY, JERK, LASER, LIMIT_INVERT, PROBE_INVERT, PULSE_US, SOFT_LIMITS, SPEED, STEPS,
+    HOMING_SEEK, IDLE_DELAY, JERK, JOG, JOG_SPEED, LASER, LIMIT_INVERT, PROBE_INVERT, PULSE_US, SOFT_LIMITS, SPEED, STEPS,
     STEP_INVERT, TRAVEL,
 )  # fmt: skip
 
@@ -34,9 +34,10 @@ _VERSION = "2:"
 
 
 class Settings:
-    def __init__(self, board, journal, steps_s=1_000_000, writing=None):
-        """`board`: a checked board, which follows the settings from now on. `steps_s`: as limit_steps(). `writing`: called
-        with True before something is written, and with False after it."""
+    def __init__(self, board, journal, more=(), writing=None, steps_s=1_000_000):
+        """`board`: a checked board, which follows the settings from now on. `more`: functions (board, table) that add what the
+        board's languages have. `writing`: called with True before something is written, and with False after it. `steps_s`: as
+        limit_steps()."""
         self._writing = writing
         self._board = board
         self._journal = journal
@@ -47,6 +48,8 @@ class Settings:
         from passo.config.setting_numbers import make  # the app forgets it again
 
         self._table = make(board)
+        for add in more:
+            add(board, self._table)
         additions = board.get("additions")
         self._one_belt = additions and additions.motion and 160 not in additions.settings
         if additions:
@@ -90,6 +93,17 @@ class Settings:
         """Decimals of a setting, 0 or 3; None if there is no such setting."""
         rule = self._table.get(number)
         return rule[1] if rule else None
+
+    def reset(self, number):
+        """As the board file has it, whatever the bounds. 0, or why not: there is none, or it does not go with another value."""
+        error = self._refusal(number, self._table[number][2]) if number in self._table else errors.STATEMENT
+        if error in (errors.STATEMENT, errors.STEP_RATE, errors.LIMITS_NEED_HOMING):
+            return error
+        self._changed.pop(number, None)
+        if number - STEPS in (0, 1) and self._one_belt:
+            self._changed.pop(STEPS + 1 - (number - STEPS), None)
+        self._touch()
+        return 0
 
     def change(self, number, value):
         """0, or why not. The change is not saved yet."""
@@ -251,6 +265,30 @@ class Settings:
             homing["debounce_ms"] = self.value(HOMING_DEBOUNCE)
 
     # --- what the machine asks
+
+    def jog_steps(self, axis):
+        """Steps of one jog of an axis: the board file's, unless they or its steps/mm have been changed."""
+        if JOG + axis in self._changed or JOG + axis in self._table and STEPS + axis in self._changed:
+            um = self.value(JOG + axis)
+            return max((um * self.value(STEPS + axis) + 500_000) // 1_000_000, 1 if um else 0)
+        return self._board["axes"][axis]["jog_steps"] or self._board["jog"]["steps"]
+
+    def jog_steps_s(self, axis):
+        """Steps a second of a jog of an axis, likewise."""
+        if JOG_SPEED + axis in self._changed or JOG_SPEED + axis in self._table and STEPS + axis in self._changed:
+            return max((self.value(JOG_SPEED + axis) * self.value(STEPS + axis) + 30_000_000) // 60_000_000, 1)
+        return self._board["axes"][axis]["jog_steps_s"] or self._board["speed"]["default"]
+
+    def keep_jogs(self, steps, steps_s):
+        """Keep what a host has set of the first axes, as millimetres; what is out of bounds counts until the power goes."""
+        for axis in range(len(steps)):
+            steps_per_m = self.value(STEPS + axis)
+            for number, value in (
+                (JOG + axis, (steps[axis] * 1_000_000 + steps_per_m // 2) // steps_per_m),
+                (JOG_SPEED + axis, (steps_s[axis] * 60_000_000 + steps_per_m // 2) // steps_per_m),
+            ):
+                if number in self._table and value != self.value(number):
+                    self.change(number, value)
 
     def homing(self, axis):
         """(seek and locate speed in steps/s, pull-off in steps) of an axis: the board file's, where unchanged."""

@@ -40,6 +40,7 @@ class Controller:
             commands.HELLO: machine.accepted,
             commands.HOME: self._home,  # but for a machine with the feature
             commands.STOP: self._stop,
+            commands.SETTING: self._setting,
         })  # fmt: skip
         machine.join(features)
         self._looks = overriding(features, "look")  # here, and not at each cycle: to fetch a method takes memory
@@ -109,10 +110,10 @@ class Controller:
         return result
 
     def _may(self, command):
-        """True if a link that does not command may say this: it has started a stored job, or asks for the journal."""
+        """True if a link that does not command may say this: it has started a stored job, or asks for the journal or a setting."""
         if command.link.number == self.machine.lender and command.kind in _OF_LENDER:
             return True
-        return command.kind == commands.JOURNAL and command.target is None
+        return command.kind == commands.JOURNAL and command.target is None or command.kind == commands.SETTING and command.value is None and not command.tool
 
     # --- batches: by the same rules as commands
 
@@ -215,6 +216,25 @@ class Controller:
 
     def _home(self, command):
         return errors.NO_HOMING
+
+    def _setting(self, command):
+        """Tell a setting, (number, value, decimals), or the numbers of all; change it first, if that is asked for."""
+        machine = self.machine
+        number, value = command.target, command.value
+        if number is None:
+            return machine.accepted(command, machine.settings.numbers)
+        places = machine.settings.places(number)
+        if places is None:
+            return errors.STATEMENT
+        if value is not None or command.tool:
+            if value is not None and not places:
+                if value % 1000:
+                    return errors.NOT_INTEGER
+                value //= 1000
+            error = machine.change_setting(number, value)
+            if error:
+                return error
+        return machine.accepted(command, (number, machine.settings.value(number), places))
 
     def _stop(self, command):
         machine = self.machine

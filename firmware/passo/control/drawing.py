@@ -4,6 +4,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.batch import POINT_BYTES, POINTS
+from passo.config import setting_numbers as table
 from passo.control.counted_job import CountedJob
 from passo.control.feature import HOMING, WORK_GONE, Feature
 from passo.control.point_buffer import PointBuffer
@@ -20,13 +21,17 @@ class Drawing(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._board = board
-        self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
+        self._steps_per_m = machine.steps_per_m
         self.points = PointBuffer(board["store_points"])
-        self.speed = board["speed"]["default"]
+        self._speed = 0  # as the host has set it; 0: as the settings have it
         self.drawn = 0  # points of the object drawn so far
         self._travel_of = self._travel = None  # the settings' version that the farthest x and y are of
         self._taken = 0  # points taken from the buffer for this object
         self._job = machine.job = CountedJob()
+
+    @property
+    def speed(self):
+        return self._speed or self._machine.settings.value(table.DRAWING_SPEED)
 
     def handlers(self):
         return {
@@ -57,7 +62,7 @@ class Drawing(Feature):
             return errors.SPEED_RANGE
         if self._machine.state != "idle":
             return self._machine.unready() or LATER
-        self.speed = command.value
+        self._speed = command.value
         return self._machine.accepted(command)
 
     def _point(self, command):
@@ -140,13 +145,12 @@ class Drawing(Feature):
         if machine.drawing or machine.command is not None or machine.occupied():
             return errors.BUSY
         queue = self._queue
-        jog = self._board["jog"]
-        steps = jog["steps"]
         if machine.jogging:
             ahead = self._ticks([to - at for to, at in zip(queue.target, queue.position())])  # jogs make one line, nearly
-            if ahead > jog["ahead_ms"] * TICKS_PER_MS:
+            if ahead > self._board["jog"]["ahead_ms"] * TICKS_PER_MS:
                 return LATER
-        target = [queue.target[axis] + steps * command.target[axis] for axis in range(len(command.target))]
+        steps = machine.settings.jog_steps
+        target = [queue.target[axis] + steps(axis) * command.target[axis] for axis in range(len(command.target))]
         for axis in range(len(target)):  # back from outside the travel is allowed: before homing the machine may be anywhere
             low, high = queue.reach(axis)
             at = queue.target[axis]

@@ -291,6 +291,20 @@ class MachineState:
         if self.job:
             self.job.kept = False
 
+    def change_setting(self, number, value):
+        """Change a setting, None: to the board file's value, and keep it. Only at a stand, the tool off. 0, or why not. Behind a change of
+        steps/mm nobody knows where the motors are; offsets stay as they are in millimetres."""
+        if self.state not in ("idle", "alarm") or not self.queue.still():
+            return errors.BUSY
+        if self.queue.lit():
+            return errors.TOOL_ON
+        settings = self.settings
+        before, scale = settings.snapshot(), self.steps_per_m[:]
+        error = (settings.reset(number) if value is None else settings.change(number, value)) or settings.save(before)
+        if not error and scale != self.steps_per_m:
+            self.lose_position()
+        return error
+
     def shut_down(self, also=0):
         """Stop at once, forget all work, outputs safe, no current. The position is no longer known."""
         self._make_safe(also)

@@ -9,7 +9,7 @@
 from passo import errors
 from passo.commands import ACCEPTED, BAD, FINISHED, Command
 
-_LINE = "$"  # the `value` of BAD
+LINE = "$"  # the `value` of BAD
 
 
 class Words:
@@ -34,13 +34,13 @@ class Words:
             if line.startswith(start):
                 found = understand(None, line[len(start) :])
         if isinstance(found, int):
-            return Command(BAD, value=_LINE, error=found)
+            return Command(BAD, value=LINE, error=found)
         return found[0]
 
     def answer(self, event):
         command = event.command
         told = self._told.get(command.kind)
-        if not told and (command.kind != BAD or command.value != _LINE):
+        if not told and (command.kind != BAD or command.value != LINE):
             return None
         if event.kind != ACCEPTED and event.kind != FINISHED:
             return b"error:%d\n" % event.error

@@ -2,7 +2,7 @@
 
 import hashlib
 
-from free_machine import FreeMachine
+from free_machine import FreeMachine, Jogs
 from passo import errors
 from passo.commands import BAD, CONNECT, HAND_OVER, RUN, STATUS, STILL, STOP, ZERO
 from passo.ports.virtual import MemoryLine
@@ -359,10 +359,18 @@ def forms_admit(minutes):
     return protocol.passo(protocol.ADMIT_OF, minutes)
 
 
+class Standing:
+    """A machine that stands, with jogs of a step."""
+
+    def __init__(self):
+        self.settings = Jogs((1, 1), (1, 1))
+        self.steps_per_m = [1, 1]
+
+
 def check_forms_of_noise(noise, which, flags):
     """A body that is no form asks for nothing but an error, whatever its path."""
     path = forms.PATHS[which]
-    found = forms.Forms(None, (1, 1), (1, 1), (1, 1)).feed(bytes((1, flags)) + path + b" " + noise, 0)
+    found = forms.Forms(Standing()).feed(bytes((1, flags)) + path + b" " + noise, 0)
     free = path in (b"/HALT", b"/INFO")
     if path in (b"/COMMAND", b"/CONFIG") or not flags & REQUEST_PROVEN and not free:
         assert [command.kind for command in found] == [BAD]
@@ -380,7 +388,7 @@ def check_whole(value):
 
 def check_fields():
     """Every field once, and no other."""
-    made = forms.Forms(None, (1, 1), (1, 1), (1, 1))
+    made = forms.Forms(Standing())
 
     def kinds(path, body):
         return [command.kind for command in made.feed(bytes((1, REQUEST_PROVEN)) + path + b" " + body, 0)]

@@ -255,6 +255,8 @@ class Independent(Feature):
         machine = self._machine
         if machine.state not in _STANDING or not self._queue.still():
             return errors.BUSY
+        if command.value:
+            machine.settings.keep_jogs(*command.value)
         return machine.accepted(command)
 
     def _zero(self, command):

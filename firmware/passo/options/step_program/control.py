@@ -15,7 +15,6 @@ from passo.control.counted_job import CountedJob
 from passo.control.feature import QUEUE_GONE, WORK_GONE
 from passo.options.step_program.control_orders import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, StepProgramOrders
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
-from passo.steps.word import us_to_ticks
 
 _GATHER = const(512)  # units that a stream sets out with, so that the board's pauses for breath do not show
 
@@ -25,7 +24,6 @@ class StepProgramPlayer(StepProgramOrders):
 
     def __init__(self, board, machine, queue):
         StepProgramOrders.__init__(self, board, machine, queue)
-        self._least_ticks = us_to_ticks(board["step_program"]["interval_us"])
         self._drives = False  # as the program or the operator left them
         self._without = None  # where a walk began that no motor has current for
         machine.job = CountedJob()

@@ -17,6 +17,7 @@ from passo.options.step_program import motion as marks
 from passo.options.step_program.motion import StepProgram
 from passo.options.step_program.motion_walker import StepProgramWalker
 from passo.records import COUNT_MASK, ENDLESS
+from passo.steps.word import us_to_ticks
 
 MOST_PASSES = const(100)
 _MANUAL_CELLS = const(256)
@@ -40,14 +41,14 @@ _KINDS = {
 }
 
 
-def lengths_of(axes):
-    """For each mask of `axes` (of the board file) how far a step of them goes, nm × 60."""
-    lengths = array("i", [0] * (1 << len(axes)))
+def lengths_of(steps_per_m):
+    """For each mask of axes how far a step of them goes, nm × 60."""
+    lengths = array("i", [0] * (1 << len(steps_per_m)))
     for mask in range(1, len(lengths)):
         total = 0
-        for axis in range(len(axes)):
+        for axis in range(len(steps_per_m)):
             if mask >> axis & 1:
-                total += (60_000_000_000 * 1024 // axes[axis]["steps_per_m"]) ** 2
+                total += (60_000_000_000 * 1024 // steps_per_m[axis]) ** 2
         lengths[mask] = (isqrt(total) + 512) >> 10
     return lengths
 
@@ -60,9 +61,8 @@ class StepProgramOrders(Feature):
         config = board["step_program"]
         axes = len(board["axes"])
         self._dry_run = config["dry_run"]
-        self._lengths = lengths = lengths_of(board["axes"])
-        self.fastest = min([lengths[1 << axis] for axis in range(axes)]) // config["interval_us"] or 1
-        self._default = min(config["default_mm_min"], self.fastest)
+        self._lengths = lengths = array("i", [0] * (1 << axes))
+        self._take_settings()
         tool_ticks = array("i", [queue.tool_ticks(False), queue.tool_ticks(True)])
         self.program = StepProgram(axes, config["cells"])
         self._walker = StepProgramWalker(self.program, lengths, tool_ticks)
@@ -72,6 +72,24 @@ class StepProgramOrders(Feature):
         self._command = None  # to be told when the program's end, or its start, is reached
         self._barred = False  # the operator wants no current: no move by hand switches the drives on
         self._reset()
+
+    def _take_settings(self):
+        settings = self._machine.settings
+        self._settings_of = settings.version
+        for mask, length in enumerate(lengths_of(settings.steps_per_m)):
+            self._lengths[mask] = length
+        interval_us = settings.value(table.INTERVAL)
+        self._least_ticks = us_to_ticks(interval_us)
+        self.fastest = min([self._lengths[1 << axis] for axis in range(len(settings.steps_per_m))]) // interval_us or 1
+        self._default = min(settings.value(table.PROGRAM_SPEED), self.fastest)
+
+    def _follow_settings(self):
+        """What is stored has speeds in it: once steps/mm, interval or speed have changed, which they do at a stand, it is forgotten."""
+        if self._settings_of != self._machine.settings.version:
+            before = self._lengths[:], self._least_ticks, self._default
+            self._take_settings()
+            if before != (self._lengths, self._least_ticks, self._default):
+                self._reset()
 
     def _reset(self, ring=False):
         self.program.clear(self._default, ring)
@@ -110,6 +128,7 @@ class StepProgramOrders(Feature):
             return refusal
         if machine.state != "idle" or not self._queue.still():
             return errors.BUSY
+        self._follow_settings()
         job = machine.job
         job.counting = job.announced  # else it is not the program that the journal knows
         job.announced = False
@@ -212,6 +231,7 @@ class StepProgramOrders(Feature):
     def _do(self, command):
         """STEP_PROGRAM."""
         verb = command.value
+        self._follow_settings()
         if self._mode == IDLE and not self._queue.still():
             return errors.BUSY
         if verb == commands.STEPS_PACE:

@@ -15,7 +15,7 @@ class Weaving(Program):
     heeds = Program.heeds | ANEW
 
     def __init__(self, board, machine, queue):
-        self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
+        self._steps_per_m = machine.steps_per_m
         self._spec = None  # None: lines and arcs are none
         self._steady_mm_min = board["weaving"]["steady_mm_min"]
         Program.__init__(self, board, machine, queue)

@@ -213,5 +213,4 @@ class System:
         error = words.scan(b"X" + text.encode())
         if error or words.count or words.have != 1 << X:
             return errors.NUMBER
-        before = self._settings.snapshot()
-        return self._settings.change(int(key), words.fixed(X, places)) or self._settings.save(before) or answer("")
+        return self._machine.change_setting(int(key), words.fixed(X, places)) or answer("")

@@ -1,4 +1,4 @@
-"""The two-motor kit's language: a byte is a task, two are a speed; the board answers nothing but `?`, which the kit's own programs never say.
+"""The two-motor kit's language: a byte is a task, two are a speed; the board answers nothing but `?` and `$`, which the kit's own programs never say.
 
     keys = Keys(turning, axes)
     for command in keys.feed(serial.read(), now_ms): …
@@ -6,6 +6,7 @@
     A n, B n    speed of motor 1, motor 2: a step every n × 4 ms, n = 1 … 127
     C D I       motor 1, motor 2, both on           G H     reverse motor 1, motor 2
     E F J       motor 1, motor 2, both off, their coils without current
+    $…          a line about settings, as setting_lines.py and typed_words.py have it: digits and signs that are no task
     ?           answered by `?` and a byte: the number of what was refused last since it was asked, 0: nothing, or of the alarm
 
 At the start both are off, turn clockwise (the axis's positive direction) when they are switched on, and have speed 1.
@@ -17,6 +18,8 @@ from micropython import const
 
 from passo import errors
 from passo.commands import BAD, FOREVER, KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS, LIVE, REST, STATUS, Command, Run
+from passo.protocols.setting_lines import teach
+from passo.protocols.typed_words import TypedWords
 from passo.records import COUNT_MASK
 
 _PATIENCE_MS = const(2000)
@@ -36,6 +39,8 @@ class Keys:
         self._axes = axes
         self._speed = [1] * KIT_MOTORS
         self._negative = [False] * KIT_MOTORS
+        self.words = TypedWords()
+        teach(self.words)
         self._waiting = None  # the motor whose speed comes next
         self._since_ms = 0
 
@@ -43,6 +48,9 @@ class Keys:
         """Commands, each to be carried out before the next is asked for."""
         if self._waiting is not None and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
             self._waiting = None
+            yield Command(BAD, error=errors.GARBLED)
+        if self.words.begun() and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
+            self.words.forget()
             yield Command(BAD, error=errors.GARBLED)
         for byte in data:
             command = self._take(byte, now_ms)
@@ -55,6 +63,10 @@ class Keys:
             motor = self._waiting
             self._waiting = None
             return self._set_speed(motor, byte)
+        if self.words.fits(byte):
+            self._since_ms = now_ms
+            return self.words.take(byte)
+        self.words.forget()
         if byte in SPEED:
             self._waiting = SPEED[byte]
             self._since_ms = now_ms
@@ -102,6 +114,9 @@ class Keys:
 
     def reply(self, event):
         """The kit's own tasks have no answers."""
+        said = self.words.answer(event)
+        if said is not None:
+            return said
         return bytes((WHY, event.value["error"])) if event.command.kind == STATUS else b""
 
     def push(self, event):

@@ -3,11 +3,22 @@
 from passo.batch import Points
 from passo.protocols import extended
 from passo.protocols.plotter.protocol import Plotter
+from passo.protocols.plotter.words import PacketWords
+from passo.protocols.setting_lines import add_jogs, teach
 
 NEEDS = ("drawing",)
+
+
+def settings(board, table):
+    """Add to the settings: one jog of each axis in mm, and the speed at the start in the board file's unit."""
+    add_jogs(board["axes"], board, table)
+    speed = board["speed"]
+    table[180] = "drawing_speed", 0, speed["default"], speed["min"], speed["max"]
 
 
 def create(link, number, board, controller, shared, most):
     sign = 1 if board["jog"]["up"][1] == "+" else -1
     jog_up = (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0)
-    return extended(Plotter(link["idle_gap_ms"], jog_up, Points(number)), board, "plotter")
+    plotter = Plotter(link["idle_gap_ms"], jog_up, Points(number))
+    teach(PacketWords.of(plotter))
+    return extended(plotter, board, "plotter")

@@ -1,5 +1,6 @@
 """The torch manipulator's language on a link: frames, or its HTTP table if the link's port is "http"."""
 
+from passo.protocols.setting_lines import add_jogs
 from passo.protocols.torch.protocol import Torch
 
 NEEDS = ("changeover",)
@@ -10,12 +11,19 @@ def check(board):
     return None if len(board["axes"]) > 1 else "torch wants two axes"
 
 
-def create(link, number, board, controller, shared, most):
+def settings(board, table):
+    """Add to the settings: one jog of each axis in mm, and its speed in mm/min."""
     axes = board["axes"][:2]
-    steps = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
-    speeds = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
+    add_jogs(axes, board, table)
+    for number, axis in enumerate(axes):
+        steps_per_m = axis["steps_per_m"]
+        speed = ((axis["jog_steps_s"] or board["speed"]["default"]) * 60_000_000 + steps_per_m // 2) // steps_per_m
+        table[170 + number] = axis["name"] + "_jog_speed", 3, speed, 1, 999_999_999
+
+
+def create(link, number, board, controller, shared, most):
     if link["port"] == "http":
         from passo.protocols.torch.forms import Forms  # here: few boards have a radio
 
-        return Forms(controller.machine, [axis["steps_per_m"] for axis in axes], steps, speeds)
-    return Torch(steps, speeds, link["idle_gap_ms"], link["tell_end"])
+        return Forms(controller.machine)
+    return Torch(controller.machine.settings, link["idle_gap_ms"], link["tell_end"])

@@ -59,11 +59,10 @@ class Forms(Torch):
     FREE = _FREE
     PAGE = "torch.html"
 
-    def __init__(self, machine, steps_per_m, jog_steps, jog_speeds):
-        """`machine`: the machine's state; `steps_per_m` of X and Y, which INFO tells; the others as Torch's."""
-        Torch.__init__(self, jog_steps, jog_speeds)
+    def __init__(self, machine):
+        """`machine`: the machine's state."""
+        Torch.__init__(self, machine.settings)
         self._machine = machine
-        self._steps_per_m = steps_per_m
         self._ended = False  # the last move or jog has come to its end
         self._open = []  # (command, number, JSON, path, fields) of requests without an answer
 
@@ -136,7 +135,7 @@ class Forms(Torch):
         if command.kind == STOP or command.kind == RUN and event.kind == ACCEPTED:
             self._ended = False
         if command.kind == STILL and event.kind == ACCEPTED:
-            self._jogs, self._speeds = command.value
+            self._configured(*command.value)
         told = [("code", self._code(path)), ("state", self._state()), ("error", event.error)]
         if event.kind != REFUSED:
             if command.kind == STATUS or command.kind == STOP:
@@ -153,7 +152,7 @@ class Forms(Torch):
         return [("x", made[0]), ("y", made[1]), ("px", position[0]), ("py", position[1])]
 
     def _more(self, report):
-        x, y = self._steps_per_m
+        x, y = self._machine.steps_per_m[:2]
         told = [("last", report["error"]), ("ours", 1 if report["ours"] else 0), ("spmx", x), ("spmy", y)]
         return told + [(word, report[key]) for key, word in STATUS_WORDS if report.get(key) is not None]
 

@@ -1,6 +1,6 @@
 """The torch manipulator's language of 2020: frames `code body 0xFF`, integers of four bytes, high byte first.
 
-    torch = Torch((48, 83), (480, 830))
+    torch = Torch(settings)
     for command in torch.feed(serial.read(), now_ms): …
     serial.write(torch.reply(event))
 
@@ -11,8 +11,9 @@ without a gap, as one jog, but asks for no more than the board file's jog.ahead_
 machine moves and is no such jog, stop or question is dropped: `dropped` counts it, and the event log has the reason.
 
 WEAVE, `66 shape along way` and nine integers, is a seam (weave(), options/weaving/motion.py), refused unless the board file has `weaving`.
-PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, and a jog's code for so
-many whole jogs as one. What the frames'
+PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, a jog's code for so
+many whole jogs as one, and LINE, a character of a line about settings (setting_lines.py, typed_words.py). Its answer comes in frames
+`77 24 count text 0xFF` of up to 13 bytes of text. What the frames'
 cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
 between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
 """
@@ -27,7 +28,9 @@ from passo.commands import (
     ACCEPTED, ADMIT, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, SEAM, STATUS, STILL,
     STOP, UNLOCK, ZERO, Command, Motion, Run,
 )  # fmt: skip
+from passo.protocols.setting_lines import teach
 from passo.protocols.torch.frames import END, Cutter
+from passo.protocols.typed_words import TypedWords
 
 CODES = {
     "MOVE": 0xFE,
@@ -63,8 +66,11 @@ STATUS_OF = const(0x3F)  # what the frame PASSO asks for: `?`
 UNLOCK_OF = const(0x75)  # leave an alarm: `u`
 LOG_OF = const(0x6C)  # the event log: its newest entry but `value` of them: `l`
 ADMIT_OF = const(0x68)  # for `value` minutes who sends no key may move it over the network: `h`
+LINE_OF = const(0x24)  # `value` is the next character of a line about settings: `$`
 LINK_OF = const(0x74)  # link `value` commands from now on, 0: this one: `t`
 _CHECK = const(0x55)
+_TEXT = const(13)  # bytes of text in an answer
+_AXES = const(2)
 STATES = ("idle", "run", "home", "jog", "alarm", "hold", "door", "check", "sleep")
 _MASK = 0xFFFFFFFF
 
@@ -129,10 +135,21 @@ def log_bytes(entries, back):
     return frame("PASSO", bytes((LOG_OF, number, max(at, 0))) + integers(ms) + name + bytes(8 - len(name)))
 
 
+def text_bytes(text):
+    """The frames of a text that answers a line."""
+    frames = b""
+    for at in range(0, len(text), _TEXT):
+        part = text[at : at + _TEXT]
+        frames += frame("PASSO", bytes((LINE_OF, len(part))) + part + bytes(_TEXT - len(part)))
+    return frames
+
+
 def answer_from(data):
-    """(name, fields) of a whole answer: STOP and INFO have x and y, PASSO what status_bytes says."""
+    """(name, fields) of a whole answer: STOP and INFO have x and y, PASSO what status_bytes says, TEXT a piece of what answers a line."""
     names = {code: name for name, code in CODES.items()}
     name = names[data[0]]
+    if name == "PASSO" and data[1] == LINE_OF:
+        return "TEXT", {"text": bytes(data[3 : 3 + data[2]]).decode()}
     if name == "PASSO" and data[1] == LOG_OF:
         ms = struct.unpack_from(">I", data, 4)[0]
         return "LOG", {"number": data[2], "older": data[3], "ms": ms, "who": bytes(data[8:16]).decode().rstrip("\0")}
@@ -175,12 +192,15 @@ def answer_cutter(gap_ms=200):
 class Torch:
     binary = True  # 00 is a byte like others
 
-    def __init__(self, jog_steps, jog_speeds, gap_ms=5, tell_end=False):
-        """`jog_steps`, `jog_speeds` (steps/s): of X and Y, until a host configures them; `gap_ms`: the silence that ends
+    def __init__(self, settings, gap_ms=5, tell_end=False):
+        """`settings`: of the machine: they have the jogs, which a host may configure; `gap_ms`: the silence that ends
         a torn frame; `tell_end`: say FINISHED when a move has ended."""
         self.dropped = 0  # frames refused and bytes that were no frame, since the start
-        self._jogs = tuple(jog_steps)
-        self._speeds = tuple([abs(speed) for speed in jog_speeds])
+        self.words = TypedWords()
+        teach(self.words)
+        self._settings = settings
+        self._version = -1  # of the settings that the jogs are of
+        self._jogs = self._speeds = ()  # steps and steps/s of X and Y
         self._tell_end = tell_end
         self._cutter = Cutter(_LENGTHS, gap_ms, _SHORTER, _MOVING)
         self._error = 0  # the last number in the log that no STATUS has told
@@ -236,7 +256,14 @@ class Torch:
         steps = (x if x_speed > 0 else -x) if x else None, (y if y_speed > 0 else -y) if y else None
         return Run(steps, ((abs(x_speed), 1000), (abs(y_speed), 1000)), AT_REST)
 
+    def _take_settings(self):
+        if self._version != self._settings.version:
+            self._version = self._settings.version
+            self._jogs = tuple([self._settings.jog_steps(axis) for axis in range(_AXES)])
+            self._speeds = tuple([self._settings.jog_steps_s(axis) for axis in range(_AXES)])
+
     def _jog(self, axis, sign, times=1):
+        self._take_settings()
         steps = [None, None]
         steps[axis] = sign * self._jogs[axis] * times or None
         if self._jogs[axis] * times >= FOREVER:
@@ -262,6 +289,8 @@ class Torch:
             return Command(RESET if value else UNLOCK)
         if what == LINK_OF:
             return Command(HAND_OVER, value=value)
+        if what == LINE_OF:
+            return self.words.take(value) if self.words.fits(value) else Command(BAD, error=errors.GARBLED)
         if what == ADMIT_OF:
             return Command(ADMIT, value=value)
         if what == LOG_OF:
@@ -280,7 +309,10 @@ class Torch:
         if command is self._asked:
             self._asked = None
             if event.kind == ACCEPTED:
-                self._jogs, self._speeds = command.value
+                self._configured(*command.value)
+        said = self.words.answer(event)
+        if said is not None:
+            return text_bytes(said)
         if event.kind == FINISHED:
             return self._ended(command, event.value)
         if event.kind == ACCEPTED and command.kind == STATUS and command.value == LOG_OF:
@@ -289,6 +321,11 @@ class Torch:
         if event.kind == ACCEPTED and command.kind == STATUS:
             return self._told(command.value == _PASSO, event.value)
         return b""
+
+    def _configured(self, jogs, speeds):
+        """They count to the step, whatever the settings have kept of them."""
+        self._jogs, self._speeds = jogs, speeds
+        self._version = self._settings.version
 
     def _told(self, all, report):
         error = report["error"] or self._error
