@@ -49,8 +49,8 @@ def _wordless(language):
     return Failure("--protocol {}: it has no word for the status and the log; ask on a link that speaks {}", language, ", ".join(BAUD))
 
 
-def spoken(port, baud):
-    """Find the language of a link. `?` moves nothing in any, and no log has it: grbl and pulses answer with their status.
+def spoken(port, baud, known=BAUD):
+    """Find the language of a link, one of `known`. `?` moves nothing in any, and no log has it: grbl and pulses answer with their status.
     A board of keys says why it refused the last key: two bytes, and nothing else may be sent there, for each byte may be a key.
     If nothing answers, five bytes more make a plotter's packet STATUS of it; a torch takes no notice of either, and is asked last.
     A link that a killed program left in frames does not answer in plain text: end that session, then ask again.
@@ -70,6 +70,8 @@ def spoken(port, baud):
 
     said = _with(open_port(port, baud), question)
     if said[:1] == _STATUS[:1] and len(said) == _WHY_LENGTH:
+        if "keys" in known:
+            return "keys"
         raise _wordless("keys")
     if not said and _is_torch(port, baud):
         return "torch"

@@ -1,4 +1,4 @@
-"""`passo settings`: shows a controller's settings, saves them to a file and restores them.
+"""`passo settings`: shows a board's settings, changes them, saves them to a file and restores them.
 
 The first line of a back-up is its version. A back-up without one that has Passo's own settings comes from the first firmware;
 its masks ($2 to $6 and $23) said what differs from the board file. A back-up with neither comes from grbl, whose masks mean
@@ -7,11 +7,11 @@ the same as Passo's since version 2.
 
 import re
 from pathlib import Path
-from typing import Optional
+from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli.options import Baud, Port
+from host_tools.cli.options import AnyBaud, Port
 from host_tools.clients.grbl import Refused
 from host_tools.failure import Failure, reason
 from host_tools.language import _, count_text
@@ -19,45 +19,54 @@ from host_tools.language import _, count_text
 VERSION = 2
 _HEADER = "; passo settings, version "
 _OWN = ("$140=", "$141=")  # Passo's, not grbl's
+_ACTIONS = ("show", "backup", "restore")
+_STEPS = 100  # steps/mm of x; those of other axes follow
+_MOST_AXES = 4
 _KEPT_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
 
 
 def settings(
-    action: str = typer.Argument("show", help="show, backup or restore."),
-    file: Optional[Path] = typer.Argument(None, help="The file of backup and restore."),
+    what: Annotated[Optional[list[str]], typer.Argument(metavar="WHAT", help="show, backup FILE, restore FILE, NAME, or NAME=VALUE …")] = None,
     port: Port = None,
-    baud: Baud = 115200,
-):
-    """Show a controller's settings with names, units and bounds, save them to a file, or restore them.
+    baud: AnyBaud = None,
+    protocol: Annotated[Optional[str], typer.Option(help="Language of the link of --port: grbl, torch, pulses, plotter or keys. Default: found by asking.")] = None,
+):  # fmt: skip
+    """Show a board's settings with names, units and bounds, change them, save them to a file, or restore them.
 
-    A back-up holds the $ settings, the work offsets, the tool table and the start-up lines, as they are sent. The output of grbl's $$ can be
-    restored as well; back-ups of older firmware are converted.
+    Every language's board has them, and keeps them without power. NAME is a name or a number: x_steps_mm, 100, '$100'; NAME= takes the board
+    file's value again. A setting changes only while the machine stands, the tool off. New steps/mm make the position unknown: home again.
+
+    A back-up holds the $ settings, and of a grbl link the work offsets, the tool table and the start-up lines, as they are sent. The output of
+    grbl's $$ can be restored as well; back-ups of older firmware are converted.
 
     Examples:
 
         passo settings
+        passo settings x_steps_mm=49.218 --port /dev/ttyUSB0
+        passo settings x_steps_mm --protocol keys --port /dev/ttyUSB0
         passo settings backup router.txt --port /dev/ttyACM0
         passo settings restore router.txt
     """
-    from host_tools.cli import ports
-    from host_tools.clients.grbl import GrblClient
-    from host_tools.clients.setting_names import table
-
-    if action not in ("show", "backup", "restore"):
-        raise Failure("show, backup or restore, not {!r}", action)
-    if action != "show" and file is None:
-        raise Failure("passo settings {} FILE: the file is missing", action)
+    what = what or ["show"]
+    action, *rest = what
+    if action not in _ACTIONS:
+        _change(what, port, baud, protocol)
+        return
+    if action == "show" and rest or action != "show" and len(rest) != 1:
+        raise Failure("passo settings {} FILE: the file is missing", action) if not rest else Failure("one file, not {}", " ".join(rest))
+    file = Path(rest[0]) if rest else None
     wanted, version = read(file) if action == "restore" else ([], VERSION)
-    with GrblClient(port or ports.only(), baud) as client:
-        client.be_sure_it_stands()
+    with _board(port, baud, protocol) as board:
         if action == "restore":
-            changed = restore(client, meant(client, wanted, version))
+            changed = restore(board, meant(board, wanted, version) if board.of_lines else wanted)
             print(_("{} of {} were different and are restored", len(changed), count_text(len(wanted), "line")))
             return
-        lines = backup(client)
-        if action == "backup" and masks(client) is not None:
+        lines = backup(board)
+        if action == "backup" and (not board.of_lines or masks(board) is not None):
             lines.insert(0, f"{_HEADER}{VERSION}")
     if action == "show":
+        from host_tools.clients.setting_names import table
+
         print("\n".join(table(lines)))
         return
     try:
@@ -65,6 +74,38 @@ def settings(
     except OSError as error:
         raise Failure("cannot write {}: {}", file, reason(error)) from error
     print(f"{file}: {count_text(len(lines), 'line')}")
+
+
+def _board(port, baud, protocol):
+    """The settings of the board at a port; its language is found by asking, a board that does not say is a grbl controller's."""
+    from host_tools.cli import ports
+    from host_tools.cli.log import spoken
+    from host_tools.clients import settings as clients
+
+    if protocol not in (None, *clients.BAUD):
+        raise Failure("--protocol {}: known are {}", protocol, ", ".join(clients.BAUD))
+    port = port or ports.only()
+    language = protocol or spoken(port, baud or clients.BAUD["grbl"], clients.BAUD)
+    return clients.connect(language or "grbl", port, baud)
+
+
+def _change(words, port, baud, protocol):
+    """Tell and set single settings, `NAME` and `NAME=VALUE`. All names are looked up before the first is sent."""
+    from host_tools.clients.setting_names import table
+    from host_tools.clients.settings import number_of
+
+    asked = [(number_of(name), equals, value) for name, equals, value in (word.partition("=") for word in words)]
+    with _board(port, baud, protocol) as board:
+        lines = []
+        scale = False
+        for number, equals, value in asked:
+            before = board.get(number)
+            after = board.set(number, value) if equals else before
+            scale = scale or number // 10 == _STEPS // 10 and float(after) != float(before)
+            lines.append(f"${number}={after}")
+            print(table(lines[-1:], _MOST_AXES)[0] + (_("   (before: {})", before) if equals else ""))
+    if scale:
+        print(_("the position is unknown now: home the machine, or set its origin, before it works"))
 
 
 def backup(client):

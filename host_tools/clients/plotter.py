@@ -129,7 +129,7 @@ class PlotterClient:
         raise LinkError("{} was asked for again {} times: the line is too noisy", name, ATTEMPTS)
 
     def ask(self, line, timeout_s=None):
-        """Send a line about stored jobs or the journal, `$F` or `$JR`; returns the lines before its ok. Raises Refused of
+        """Send a line about settings, stored jobs or the journal, `$100`, `$F` or `$JR`; returns the lines before its ok. Raises Refused of
         refusal.py, also if the controller has no such lines."""
         text = line.encode() + b"\n"
         text += b" \n"[: -len(text) % WORDS_BYTES]

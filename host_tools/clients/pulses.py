@@ -20,6 +20,7 @@ from passo.protocols.pulses.report import status_from
 POLL_S = 0.1
 TIMEOUT_S = 5.0
 HOME_S = 600.0
+_TOLD = ("[", "$")  # how lines begin that answer one about settings, jobs or the journal
 _ENDS = ("stopped", "ready")  # everything has been dropped, or the board began anew
 
 
@@ -76,15 +77,15 @@ class PulsesClient(Client):
         return self._answer(lambda line: line == "ok", " ".join(map(str, words)))
 
     def ask(self, line, timeout_s=TIMEOUT_S):
-        """A line about stored jobs or the journal, `$F` or `$JR`: the lines before its ok. Raises Refused. An error with a line and
+        """A line about settings, stored jobs or the journal, `$100`, `$F` or `$JR`: the lines before its ok. Raises Refused. An error with a line and
         column is of codes that came before."""
         kept, self.said = self.said, []
         self.send(frame(line))
         answer = self._answer(lambda heard: heard == "ok", line, timeout_s, None, False)
         if answer != "ok":
             raise Refused("{}: {}", line, explain(answer), number=int(answer[6:]))
-        told = [heard for heard in self.said if heard.startswith("[")]
-        self.said = kept + [heard for heard in self.said if not heard.startswith("[")]
+        told = [heard for heard in self.said if heard.startswith(_TOLD)]
+        self.said = kept + [heard for heard in self.said if not heard.startswith(_TOLD)]
         return told
 
     def home(self):

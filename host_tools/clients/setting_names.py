@@ -101,9 +101,9 @@ def describe(line, axes):
     return name, unit, f"{least:g} … {most:.10g}"
 
 
-def table(lines):
-    """The lines of a back-up with their meanings beside them, aligned."""
-    axes = sum(1 for line in lines if re.match(r"\$10\d=", line))
+def table(lines, axes=0):
+    """The lines of a back-up with their meanings beside them, aligned; `axes`: how many the machine has, 0: as the lines say."""
+    axes = axes or sum(1 for line in lines if re.match(r"\$10\d=", line))
     rows = [(line, *describe(line, axes)) for line in lines]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     return ["  ".join((*(text.ljust(width) for text, width in zip(row, widths)), row[3])).rstrip() for row in rows]

@@ -11,13 +11,17 @@ only the steps made.
 
 import time
 
+from host_tools.clients import refusal
 from host_tools.clients.client import Client
+from host_tools.clients.refusal import answered, complete
 from host_tools.clients.torch_wire import Answers
 from host_tools.clients.serial_port import LinkError
 from host_tools.clients.wire import open_port
 from host_tools.failure import Failure
 from host_tools.language import error_text
+from passo import errors
 from passo.protocols.torch import protocol as torch
+from passo.protocols.typed_words import line_of
 
 POLL_S = 0.1
 _PASSO_S = 0.5  # a board that does not answer a status question by then is not Passo
@@ -100,6 +104,20 @@ class TorchClient(Client):
                 entries.insert(0, (fields["ms"], fields["number"], fields["who"]))
             if not fields["older"]:
                 return entries
+
+    def ask(self, line):
+        """Send a line about settings, `$100`; returns the lines before its ok. Raises Refused of refusal.py, also if the board has no such lines."""
+        if self.status() is None:
+            raise refusal.Refused("{}: this board is none of Passo, or does not answer", self.port)
+        text = ""
+        fields = self._ask(b"".join(torch.passo(torch.LINE_OF, byte) for byte in line_of(line)), "TEXT", self.timeout_s)
+        while fields is not None:
+            text += fields["text"]
+            if complete(text):
+                return answered(line, text)
+            fields = self._listen("TEXT", self.timeout_s)
+        self.status()  # which clears the error of what was not understood
+        raise refusal.Refused("{}: the board's firmware is older than its settings' lines: flash it anew", line, number=errors.STATEMENT)
 
     # --- commands
 

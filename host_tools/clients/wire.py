@@ -107,7 +107,7 @@ class Wire:
                 if not self._buffer:
                     return told
             lines = bytes(self._buffer).split(b"\n")
-            if self._buffer and self._buffer[:1] not in (b"[", b"o", b"e"):
+            if self._buffer and self._buffer[:1] not in (b"[", b"$", b"o", b"e"):
                 return self._take(1)
             if len(lines) > 1 and (lines[-2] == b"ok" or lines[-2].startswith(b"error:")):
                 data = bytes(self._buffer)

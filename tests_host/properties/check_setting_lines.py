@@ -31,7 +31,7 @@ def check_every_board_tells_its_settings():
     for name in OWN:
         board = SettingBoard(name)
         numbers, ok = board.say("$")
-        assert ok == "ok" and numbers == ",".join([str(number) for number in board.settings.numbers])
+        assert ok == "ok" and numbers == "[$:%s]" % ",".join([str(number) for number in board.settings.numbers])
         for number in board.settings.numbers:
             told = "$%d=%s" % (number, decimal(board.settings.value(number), board.settings.places(number)))
             assert board.say("$%d" % number) == [told, "ok"], (name, number)

@@ -2,7 +2,7 @@
 
     teach(words)            # `words`: a protocols.words.Words
 
-    $               0,1,2,3 …       the numbers that there are
+    $               [$:0,1,2,3 …]   the numbers that there are
     $100            $100=48.000
     $100=48.5       $100=48.500     set and kept; refused as any setting is
     $100=           $100=48.000     as the board file has it
@@ -57,7 +57,7 @@ def told(value):
     """The line that tells a setting, or which there are."""
     if isinstance(value, tuple):
         return "$%d=%s\n" % (value[0], decimal(value[1], value[2]))
-    return ",".join([str(number) for number in value]) + "\n"
+    return "[$:%s]\n" % ",".join([str(number) for number in value])
 
 
 def add_jogs(axes, board, table):

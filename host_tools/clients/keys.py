@@ -1,0 +1,34 @@
+"""A client of the two-motor kit's board for what is no key: lines about its settings.
+
+    with KeysClient("/dev/ttyUSB0") as client:
+        client.ask("$100")                  # ["$100=1.111"]
+"""
+
+import time
+
+from host_tools.clients.client import Client
+from host_tools.clients.refusal import answered, complete
+from host_tools.clients.serial_port import LinkError
+from host_tools.clients.wire import open_port
+from passo.protocols.typed_words import line_of
+
+_ANSWER_S = 3.0
+
+
+class KeysClient(Client):
+    def __init__(self, port, baud=9600, log=None):
+        super().__init__(port, open_port(port, baud), log)
+        self._serial.timeout = 0.02
+
+    def ask(self, line):
+        """Send a line about settings; returns the lines before its ok. Raises Refused, and LinkError if nothing answers: a kit of the
+        document takes no notice of such a line."""
+        self._read()
+        self._write(line_of(line))
+        text = ""
+        deadline = time.monotonic() + _ANSWER_S
+        while not complete(text):
+            if time.monotonic() > deadline:
+                raise LinkError("{}: no answer to {}; is it a board of Passo, and its speed?", self.port, line)
+            text += self._read().decode("ascii", "replace")
+        return answered(line, text)

@@ -1,0 +1,114 @@
+"""The settings of a running board, whatever its link speaks.
+
+    with connect("torch", "/dev/ttyUSB0") as board:
+        board.numbers()             # [0, 1, 2 …]
+        board.get(100)              # "48.000"
+        board.set(100, "48.5")      # "48.500", as the board has kept it. Raises Refused
+
+    number_of("x_steps_mm")         # 100; also of "100" and "$100"
+"""
+
+from functools import cache
+
+from host_tools import boards
+from host_tools.clients.grbl import GrblClient
+from host_tools.clients.keys import KeysClient
+from host_tools.clients.plotter import PlotterClient
+from host_tools.clients.pulses import PulsesClient
+from host_tools.clients.torch import TorchClient
+from host_tools.failure import Failure
+from passo.config.boardfile import check
+
+CLIENTS = {"torch": TorchClient, "plotter": PlotterClient, "pulses": PulsesClient, "keys": KeysClient}
+BAUD = {"torch": 115_200, "plotter": 57_600, "pulses": 115_200, "keys": 9600, "grbl": 115_200}
+_BOARDS = ("router_4axis", "torch_manipulator", "plotter_2014", "lpt_router")  # which have all names but those of rare keys
+
+
+@cache
+def names():
+    """{name: number} of the settings."""
+    return {rule[0]: number for name in _BOARDS for number, rule in boards.settings_of(check(boards.load(name))).items()}
+
+
+def number_of(text):
+    """The number of a setting given by name or number. Raises Failure."""
+    digits = text[1:] if text[:1] == "$" else text
+    if digits.isascii() and digits.isdigit():
+        return int(digits)
+    if text not in names():
+        raise Failure("there is no setting {}; known are {}", text, ", ".join(sorted(names(), key=names().get)))
+    return names()[text]
+
+
+def connect(language, port, baud=None):
+    """The settings of the board at a link that speaks `language`. Raises Failure."""
+    if language == "grbl":
+        return _Lines(GrblClient(port, baud or BAUD["grbl"]))
+    return _Asked(CLIENTS[language](port, baud or BAUD[language]))
+
+
+class _Asked:
+    of_lines = False  # G-code's: masks, offsets, start-up lines
+
+    def __init__(self, client):
+        self.client = client
+
+    def __enter__(self):
+        self.client.__enter__()
+        return self
+
+    def __exit__(self, *_):
+        self.client.__exit__()
+
+    def numbers(self):
+        (told,) = self.client.ask("$")
+        return [int(number) for number in told[3:-1].split(",")]
+
+    def get(self, number):
+        return self._value(f"${number}")
+
+    def set(self, number, value):
+        """`value`: a number as text; "": as the board file has it. Returns what the board has kept."""
+        return self._value(f"${number}={value}")
+
+    def _value(self, line):
+        (told,) = self.client.ask(line)
+        return told.partition("=")[2]
+
+    def command(self, line):
+        """As a grbl client's, for back-ups: of lines that this language has not, none are told. Raises Refused."""
+        if line == "$$":
+            return [f"${number}={self.get(number)}" for number in self.numbers()]
+        return self.client.ask(line) if line.startswith("$") and "=" in line else []
+
+
+class _Lines(_Asked):
+    """grbl, which tells all at once."""
+
+    of_lines = True
+
+    def __enter__(self):
+        self.client.__enter__()
+        self.client.be_sure_it_stands()
+        return self
+
+    def _all(self):
+        return dict(line[1:].split("=", 1) for line in self.client.command("$$") if line.startswith("$"))
+
+    def numbers(self):
+        return [int(number) for number in self._all()]
+
+    def get(self, number):
+        found = self._all()
+        if str(number) not in found:
+            raise Failure("this board has no setting ${}", number)
+        return found[str(number)]
+
+    def set(self, number, value):
+        if not value:
+            raise Failure("grbl's lines have no word for the board file's value of one setting; $RST=$ is for all of them")
+        self.client.command(f"${number}={value}")
+        return self.get(number)
+
+    def command(self, line):
+        return self.client.command(line)
