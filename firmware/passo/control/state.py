@@ -11,6 +11,7 @@ what FACE there names, and write nothing.
 """
 
 import micropython
+from micropython import const
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
@@ -20,6 +21,8 @@ from passo.control.inputs import Inputs
 from passo.control.log import Log
 from passo.errors import LATER
 from passo.records import SEEN_LINE
+
+_LEAST_FREE, _FIRST_OF_AXES = const(10), const(100)  # between them are settings of reports, limits and the tool: it may be on
 
 
 class MachineState:
@@ -292,11 +295,11 @@ class MachineState:
             self.job.kept = False
 
     def change_setting(self, number, value):
-        """Change a setting, None: to the board file's value, and keep it. Only at a stand, the tool off. 0, or why not. Behind a change of
+        """Change a setting, None: to the board file's value, and keep it. Only at a stand, the tool off if it is one of pins or axes. 0, or why not. Behind a change of
         steps/mm nobody knows where the motors are; offsets stay as they are in millimetres."""
         if self.state not in ("idle", "alarm") or not self.queue.still():
             return errors.BUSY
-        if self.queue.lit():
+        if self.queue.lit() and not _LEAST_FREE <= number < _FIRST_OF_AXES:
             return errors.TOOL_ON
         settings = self.settings
         before, scale = settings.snapshot(), self.steps_per_m[:]
