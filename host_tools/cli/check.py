@@ -91,7 +91,7 @@ def check(
 def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=None):
     """Check one program, and say what it would do. Raises Failure."""
     from host_tools import boards
-    from host_tools.programs import compiler, flat
+    from host_tools.programs import compiler, feeds, flat
     from host_tools.sim.job import VirtualJob
 
     if out:
@@ -104,6 +104,8 @@ def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=Non
     compiler.tell(program)
     for line in summary(job):
         print(line)
+    if slow := feeds.slow_feeds(program.rows(), job.seconds):
+        print(slow)
     if out:
         picture(out, job, file.name)
         print(out)

@@ -34,6 +34,7 @@ _FLAT = {  # paints, by svg_paint's kinds
     "context": N_("paint of a <use> or marker around (context-fill, context-stroke)"),
 }  # fmt: skip
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)")
+_ANIMATIONS = frozenset("animate animateColor animateMotion animateTransform set".split())
 _DEEPEST = 100  # of elements in elements, <use> and clip paths included
 _DEEPEST_CLIP = 10  # of clip paths, each of which takes long
 _MOST_USES = 30_000  # of <use>, clip paths and the shapes in a <use>: those that lead to each other multiply; 3 s
@@ -60,14 +61,16 @@ class SvgFile:
         self._by_id = {}
         self._parents = {child: parent for parent in self._root.iter() for child in parent}
         sheets = []
-        self._count = 0
+        self._count = self._animations = 0
         for element in self._root.iter():
             self._by_id.setdefault(element.get("id"), element)
             tag = local_name(element.tag)
             self._count += tag in SHAPES or tag == "text"
+            self._animations += tag in _ANIMATIONS
             if tag == "style" and element.get("type", "").strip().lower() in ("", "text/css"):
                 sheets.append(("".join(element.itertext()), element.get("media", "")))
         self._sheet = svg_style.Sheet(sheets, self._root)
+        self._animations += self._sheet.animations
         self._shapes = Shapes()
         with told(self._path, self._root):
             self.size_px = page_size(self._root, self._sheet.style(self._root, {}))
@@ -89,6 +92,8 @@ class SvgFile:
         self._shapes.begin(self._page, deviation_px, fills, unseen)
         if self._sheet.unknown:
             self._page.left_out[N_("style rule that cannot be read")] += len(self._sheet.unknown)
+        if self._animations:
+            self._page.left_out[N_("animation (drawn as without it)")] += self._animations
         width, height = self.size_px
         if width <= 0 or height <= 0:
             return self._page

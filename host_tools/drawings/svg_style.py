@@ -38,7 +38,7 @@ _STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
 _SHORTHANDS = {
     "marker": ("marker-start", "marker-mid", "marker-end"), "-webkit-transform": ("transform",), "-webkit-transform-origin": ("transform-origin",), "offset": ("offset-path",),
 }  # fmt: skip
-_SILENT = frozenset("charset namespace font-face keyframes -webkit-keyframes page".split())  # nothing to draw by
+_SILENT = frozenset("charset namespace font-face page".split())  # nothing to draw by
 _QUERY = re.compile(r"(?:(?:(not)|only)\s+)?(\w[\w-]*)?(?:\s*and\s*)?(\(.*\))?$", re.S)
 _ZERO = re.compile(r"[-+]?0*\.?0*(?:[eE]\d+)?\s*[a-z%]*$")
 _SHARE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*%?\s*$")
@@ -104,6 +104,7 @@ class Sheet:
     def __init__(self, texts, root):
         self._rules = []  # (selector, order, body)
         self.unknown = []
+        self.animations = 0
         self._of = {}  # id of an element: [(specificity, order, body)]
         for text in texts:
             text, media = (text, "") if isinstance(text, str) else text
@@ -138,6 +139,8 @@ class Sheet:
             elif rule.type == "at-rule" and rule.lower_at_keyword == "media" and rule.content is not None:
                 if self._taken(tinycss2.serialize(rule.prelude)):
                     self._add(tinycss2.parse_rule_list(rule.content, skip_comments=True, skip_whitespace=True))
+            elif rule.type == "at-rule" and rule.lower_at_keyword in ("keyframes", "-webkit-keyframes"):
+                self.animations += 1
             elif rule.type == "error" or rule.type == "at-rule" and rule.lower_at_keyword not in _SILENT:
                 self.unknown.append(getattr(rule, "at_keyword", None) or rule.message)
 

@@ -134,6 +134,13 @@ PAGES = {
     "white": '<rect width="200" height="120" fill="#fff" stroke="none"/>', "of per cent": '<rect width="100%" height="100%" style="fill:white;stroke:none"/>',
     "a path": '<path d="M0 120H200V0H0Z" fill="rgb(255,255,255)" stroke="none"/>', "a polygon of graphviz": '<g transform="translate(4 116)"><polygon fill="white" stroke="transparent" points="-4,4 -4,-116 196,-116 196,4"/></g>',
     "a white edge": '<rect width="200" height="120" fill="#fff" stroke="#fff"/>', "a px larger": '<rect x="-1" y="-1" width="202" height="122" fill="#ffffff" stroke="none"/>',
+    "far larger": '<rect x="-900" y="-900" width="3000" height="2000" fill="white" stroke="none"/>', "a circle around": '<circle cx="100" cy="60" r="500" fill="white" stroke="none"/>',
+    "round twice": '<path d="M0 0h200v120h-200z M0 0h200v120h-200z" fill="white" stroke="none"/>', "of mm": '<rect width="60mm" height="40mm" fill="hsl(0,0%,100%)" stroke="none"/>',
+    "of a sheet": '<style>.k{fill:rgb(100%,100%,100%);stroke:none}</style><g><rect class="k" width="200" height="120"/></g>', "an edge of no width": '<rect width="200" height="120" fill="white" stroke-width="0"/>',
+    "behind a clip path": '<clipPath id="c"><rect width="200" height="120"/></clipPath><g clip-path="url(#c)"><rect width="200" height="120" fill="white" stroke="none"/></g>',
+    "of an svg inside": '<svg width="200" height="120" viewBox="0 0 20 12"><rect width="100%" height="100%" fill="white" stroke="none"/></svg>',
+    "of a symbol": '<symbol id="s" viewBox="0 0 10 6" overflow="visible"><rect width="10" height="6" fill="#fff" stroke="none"/></symbol><use href="#s"/>',
+    "round corners of a px": '<rect width="200" height="120" rx="1" fill="white" stroke="none"/>',
     "by currentColor": '<g color="white"><rect width="200" height="120" fill="currentColor" stroke="none"/></g>', "by a use": '<defs><rect id="r" width="200" height="120"/></defs><use href="#r" fill="#fff" stroke="none"/>',
 }  # fmt: skip
 
@@ -203,6 +210,25 @@ def test_what_browsers_draw_otherwise_than_librsvg(tmp_path, name):
 ])  # fmt: skip
 def test_css_that_is_not_drawn_is_named(tmp_path, body, name):
     assert page_of(tmp_path, body)[0].left_out == {name: 1}
+
+
+@pytest.mark.parametrize("animation", [
+    '<set attributeName="stroke-opacity" to="1"/>', '<animate attributeName="stroke-opacity" to="1" dur="1s"/>', '<animateTransform attributeName="transform" type="rotate" to="90" dur="1s"/>',
+    '<animateMotion path="M0 0h9" dur="1s"/>', "<style>@keyframes k{to{stroke-opacity:1}} path{animation:k 1s}</style>",
+])  # fmt: skip
+@pytest.mark.parametrize("around", ['<rect width="9" height="9" stroke-opacity="0">{}</rect>', '<g display="none">{}<path d="M1 1h9"/></g>', '<path id="p" d="M0 9h9" stroke="none"/>{}'])
+def test_animations_are_named(tmp_path, animation, around):
+    """Also of what shows by them alone: all is drawn as without them."""
+    page, lines = page_of(tmp_path, around.format(animation))
+    assert page.left_out == {"animation (drawn as without it)": 1} and len(lines) == 1
+    plan = drawing.load(tmp_path / "a.svg", boards.load("plotter_2014"))
+    assert any("animation (drawn as without it)" in note for note in plan.notes)
+
+
+def test_several_white_pages_are_left_out_and_what_lies_between_is_drawn(tmp_path):
+    white = '<rect width="200" height="120" fill="#fff" stroke="none"/>'
+    page, lines = page_of(tmp_path, f'{white}<path d="M9 9h9"/>{white}')
+    assert page.backgrounds == 2 and page.covered == 1 and len(lines) == 2
 
 
 def test_a_drawing_of_nothing_visible_says_how_to_draw_it(tmp_path):
