@@ -11,6 +11,7 @@ COLOURS = ("#20639b", "#ed8b00", "#3caea3", "#a23b72", "#6b7a8f")
 WIDTH, HEIGHT = 640, 260
 LEFT, RIGHT, TOP, BOTTOM = 56, 12, 30, 34
 TICKS = 4
+NARROW = 30  # a bar whose figure is written smaller
 
 
 def bars(names, groups, unit):
@@ -64,7 +65,7 @@ def _bar(x, width, value, ends, colour):
     top, zero = _y(value, ends), _y(0, ends)
     return [
         f'<rect x="{x:.1f}" y="{min(top, zero):.1f}" width="{width:.1f}" height="{abs(top - zero):.1f}" rx="1.5" fill="{colour}"/>',
-        _text(x + width / 2, min(top, zero) - 4, _figure(value), size=10),
+        _text(x + width / 2, min(top, zero) - 4, _figure(value), size=10 if width > NARROW else 8),
     ]
 
 

@@ -50,6 +50,11 @@ class Port:
         return status_from(re.findall(rb"<state.*?>", said)[-1].decode())
 
 
+def left_out(raw):
+    """Why a board of this board file makes no bytes; "" if it does."""
+    return "" if any(link["protocol"] == "pulses" for link in raw["links"]) else _("its firmware does not speak pulses")
+
+
 def shown_bytes(place):
     """The port's byte at each code of FILE, as text in hexadecimal."""
     config = {key: boards.load("lpt_router")["step_program"][key] for key in ("port_bits", "port_invert")}

@@ -47,8 +47,14 @@ def refusal(name, place):
         return _("it needs a machine that the PC can look into: --on virtual or emulated")
     if experiment.moves and not place.moves:
         return _("it moves pins: --moves allows that")
+    if place.kind == BOARD and hasattr(module(name), "left_out"):
+        return module(name).left_out(place.raw())
     return ""
 
 
+def module(name):
+    return import_module(f"host_tools.experiments.{name}")
+
+
 def run(name, place):
-    return import_module(f"host_tools.experiments.{name}").run(place)
+    return module(name).run(place)

@@ -53,11 +53,18 @@ def home(place, runs):
     return found
 
 
+def left_out(raw):
+    """Why a board of this board file does not say how well it homes; "" if it does."""
+    first = raw["links"][0]
+    if first["protocol"] != "grbl" or first["port"] != "usb" or not raw.get("homing"):
+        return _("its board file has no homing in G-code over USB: passo send ORIGIN homes a plotter")
+    if not raw["homing"].get("latch"):
+        return _("its board file counts no homing: give homing the key latch, True, and flash it")
+    return ""
+
+
 def home_board(place, runs):
     """[(sensor, runs, range, standard deviation)] in steps, as the board itself counts them. Raises Failure."""
-    first = place.raw()["links"][0]
-    if first["protocol"] != "grbl" or first["port"] != "usb" or not place.raw().get("homing"):
-        raise Failure("its board file has no homing in G-code over USB: passo send ORIGIN homes a plotter")
     with place.client() as client:
         client.connect()
         said = client.command(f"$HR={runs}", HOMED_S)

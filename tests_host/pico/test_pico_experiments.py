@@ -11,9 +11,11 @@ from typer.testing import CliRunner
 from host_tools.cli.main import app
 from host_tools.emulator.copies import on_a_copy
 from host_tools.experiments import arcs, codes, drawing, inputs, lines, rates, strokes
-from host_tools.experiments.places import Emulated
+from host_tools.experiments.places import Emulated, Virtual
 from host_tools.prove import connection
 from host_tools.prove.connection import EmulatedBoard
+
+PC = Virtual()
 
 pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, pytest.mark.xdist_group("experiments")]
 
@@ -27,16 +29,10 @@ def place(uf2):  # noqa: F811
 def test_lines_on_the_chip(place, show):
     """The chip makes the same steps as the PC, and its software floats cost more than integers."""
     times, mhz = lines.measure(place)
-    here = {name: row[1::2] for name, row in lines.measure(lines_on_pc())[0].items()}
+    here = {name: row[1::2] for name, row in lines.measure(PC)[0].items()}
     assert mhz == 125 and {name: row[1::2] for name, row in times.items()} == here
     assert all(float_us > integer_us for integer_us, _steps, float_us, _others in times.values())
-    show("integer and floating-point lines on the chip", {name: f"{row[0]} and {row[2]} µs" for name, row in times.items()})
-
-
-def lines_on_pc():
-    from host_tools.experiments.places import Virtual
-
-    return Virtual()
+    show("integer and floating-point lines on the chip", ", ".join(f"{name} {row[0]} and {row[2]} µs" for name, row in times.items()))
 
 
 def test_drawing_at_the_motors_pace(place):
@@ -52,9 +48,9 @@ def test_drawing_at_the_motors_pace(place):
 def test_the_chip_agrees_with_the_pc(place):
     ends = arcs.random_ends()[:40]
     document, firmware = arcs.end_errors(place, ends)
-    assert firmware == arcs.end_errors(lines_on_pc(), ends)[1]
+    assert firmware == arcs.end_errors(PC, ends)[1]
     assert max(document) < 48_000 * 2**-14 + 1.5, "floats of 32 bits"
-    assert codes.shown_bytes(place) == codes.shown_bytes(lines_on_pc())
+    assert codes.shown_bytes(place) == codes.shown_bytes(PC)
 
 
 def test_inputs_and_outputs_of_the_mill(place):
@@ -77,7 +73,7 @@ def test_rates(place, monkeypatch):
 
 @lru_cache
 def _board():
-    return EmulatedBoard("router_3axis")
+    return EmulatedBoard("lpt_router")
 
 
 @pytest.mark.parametrize("moves", [False, True])
@@ -92,7 +88,7 @@ def test_a_board_on_a_port(uf2, tmp_path, moves):  # noqa: F811
             edges = [made.pico.edges(pin) for pin in (2, 3, 4)]
             words = ["experiments", "lines", "codes", "rates", "--on", str(link), "--out", str(tmp_path / "out"), *["--moves"] * moves]
             result = CliRunner().invoke(app, words)
-            enable = made.pico.pads.state(14)
+            enable = made.pico.pads.state(9)
         if result.exception and not isinstance(result.exception, SystemExit):
             raise result.exception
         return result.exit_code, result.output, sum(map(len, edges)), enable

@@ -14,11 +14,13 @@ from statistics import fmean
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from running_router import Running
 from tiers import examples
 from typer.testing import CliRunner
 
-from host_tools import language
+from host_tools import boards, language
 from host_tools.cli.main import app
+from host_tools.clients.grbl import GrblClient
 from host_tools.experiments import arcs, authors, board_lines, charts, codes, drawing, homing, inputs, lines, rates, report, strokes
 from host_tools.experiments.board_cordic import document_end, firmware_end
 from host_tools.experiments.experiments import EXPERIMENTS, refusal
@@ -198,6 +200,36 @@ def test_homing_ends_on_the_same_step():
     assert len(ends) == 4 and set(ends) == {(0, 0)}
 
 
+class OnRouter:
+    """A board at the other end of a port, which speaks G-code."""
+
+    kind, moves = BOARD, True
+
+    def __init__(self, port, **homing):
+        self._port = port
+        board = boards.load("router_3axis")
+        self._raw = {**board, "homing": {**board["homing"], **homing}}
+
+    def raw(self):
+        return self._raw
+
+    def client(self):
+        return GrblClient(self._port, timeout_s=15)
+
+
+def test_a_board_says_how_well_it_homes():
+    with Running("fast", homing={**boards.load("router_3axis")["homing"], "latch": True}) as router:
+        rows = homing.home_board(OnRouter(router.line.name, latch=True), 3)
+    assert {row[0] for row in rows} == {"x", "y", "z"} and all(count == 3 and wide == 0 for _axis, count, wide, _sigma in rows)
+    assert not homing.left_out(OnRouter("", latch=True).raw()) and "latch" in homing.left_out(OnRouter("", latch=False).raw())
+
+
+def test_a_board_measures_what_its_board_file_can():
+    found = {name: {of.__name__.rpartition(".")[2] for of in (codes, rates, homing) if not of.left_out(boards.load(name))} for name in boards.names()}
+    assert found["lpt_router"] == {"codes", "rates"} and found["router_3axis"] == {"rates"}
+    assert found["plotter_2014"] == found["two_motor_kit"] == set()
+
+
 # --- the report
 
 
@@ -255,13 +287,11 @@ def test_what_is_refused_is_told(monkeypatch, tmp_path, words, told):
 
 
 def test_a_board_moves_only_if_that_is_allowed():
-    class Place:
-        kind, moves = BOARD, False
-
-    held = {name for name in EXPERIMENTS if refusal(name, Place)}
-    assert held == {"inputs", "strokes", "rates", "homing"}
-    Place.moves = True
-    assert {name for name in EXPERIMENTS if refusal(name, Place)} == {"inputs", "strokes"}
+    place = OnRouter("", latch=True)
+    place.moves = False
+    assert {name for name in EXPERIMENTS if refusal(name, place)} == {"inputs", "strokes", "rates", "homing", "codes"}
+    place.moves = True
+    assert {name for name in EXPERIMENTS if refusal(name, place)} == {"inputs", "strokes", "codes"}, "a router speaks no pulses"
 
 
 def test_one_that_fails_leaves_the_others(monkeypatch, tmp_path):
