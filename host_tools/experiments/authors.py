@@ -13,9 +13,8 @@ from pathlib import Path
 from host_tools.language import N_, _
 
 NAMES = {"plotter": N_("plotter"), "torch": N_("torch"), "pulses": N_("parallel port"), "mill": N_("mill"), "keys": N_("kit")}
-WORDS = (
-    N_("table {}"), N_("figure {}"), N_("section {}"), N_("the sensors of the origin"),
-)  # fmt: skip
+PARTS = {"table": N_("table {}"), "figure": N_("figure {}"), "section": N_("section {}")}
+ORIGIN = N_("the sensors of the origin")
 
 
 @dataclass(frozen=True)
@@ -27,7 +26,7 @@ class Place:
     def text(self):
         """“plotter 2014, p. 76, table 8”."""
         kind, _space, number = self.name.rpartition(" ")
-        part = _(kind + " {}", number) if kind + " {}" in WORDS else _(self.name)
+        part = _(PARTS[kind], number) if kind in PARTS else _(self.name)
         document = data()["documents"][self.document]
         year = f" {document['year']}" if document["year"] else ""
         page = _(", p. {}", self.page) if self.page else ""
@@ -57,8 +56,8 @@ def place(name):
 def author(name):
     """Raises KeyError for a figure that no document has."""
     found = data()["figures"][name]
-    printed = found["printed"]
-    return Author(place(found["place"]), printed, found.get("value", None) or float(printed.replace(",", ".")), found["unit"])
+    value = found["value"] if "value" in found else float(found["printed"].replace(",", "."))
+    return Author(place(found["place"]), found["printed"], value, found["unit"])
 
 
 def without_figure(name):

@@ -7,10 +7,12 @@
 from html import escape
 from math import ceil, floor, log10
 
+from host_tools.experiments.row import figure
+
 COLOURS = ("#20639b", "#ed8b00", "#3caea3", "#a23b72", "#6b7a8f")
 WIDTH, HEIGHT = 640, 260
 LEFT, RIGHT, TOP, BOTTOM = 56, 12, 30, 34
-TICKS = 4
+TICKS, DIGITS = 4, 3
 NARROW = 30  # a bar whose figure is written smaller
 
 
@@ -41,7 +43,7 @@ def dots(groups, across, unit):
         for x, y in each:
             parts.append(f'<circle cx="{LEFT + (WIDTH - LEFT - RIGHT) * (x - low) / span:.1f}" cy="{_y(y, ends):.1f}" r="1.8" fill="{colour}"/>')
     for at in range(TICKS + 1):
-        parts.append(_text(LEFT + (WIDTH - LEFT - RIGHT) * at / TICKS, HEIGHT - BOTTOM + 16, _figure(low + span * at / TICKS)))
+        parts.append(_text(LEFT + (WIDTH - LEFT - RIGHT) * at / TICKS, HEIGHT - BOTTOM + 16, figure(low + span * at / TICKS, DIGITS)))
     parts.append(_text(WIDTH - RIGHT, HEIGHT - 3, across, "end"))
     return _svg(_axis(ends, unit) + parts + _legend(groups))
 
@@ -65,7 +67,7 @@ def _bar(x, width, value, ends, colour):
     top, zero = _y(value, ends), _y(0, ends)
     return [
         f'<rect x="{x:.1f}" y="{min(top, zero):.1f}" width="{width:.1f}" height="{abs(top - zero):.1f}" rx="1.5" fill="{colour}"/>',
-        _text(x + width / 2, min(top, zero) - 4, _figure(value), size=10 if width > NARROW else 8),
+        _text(x + width / 2, min(top, zero) - 4, figure(value, DIGITS), size=10 if width > NARROW else 8),
     ]
 
 
@@ -75,7 +77,7 @@ def _axis(ends, unit):
     for at in range(round((high - low) / step) + 1):
         y = _y(low + at * step, ends)
         parts.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="{"#555" if abs(low + at * step) < step / 9 else "#ddd"}"/>')
-        parts.append(_text(LEFT - 6, y + 4, _figure(low + at * step), "end"))
+        parts.append(_text(LEFT - 6, y + 4, figure(low + at * step, DIGITS), "end"))
     return parts
 
 
@@ -87,10 +89,6 @@ def _legend(groups):
         parts += [f'<rect x="{x}" y="{TOP - 26}" width="11" height="11" fill="{colour}"/>', _text(x + 15, TOP - 16, label, "start", 11)]
         x += 26 + 6 * len(label)
     return parts
-
-
-def _figure(value):
-    return f"{value:.0f}" if abs(value) >= 100 else f"{value:.3g}"
 
 
 def _text(x, y, text, anchor="middle", size=12):

@@ -11,11 +11,13 @@ from host_tools.experiments.places import BOARD, VIRTUAL, program
 from host_tools.experiments.row import Outcome, Row
 from host_tools.failure import Failure
 from host_tools.language import _
-from passo.protocols.pulses.protocol import frame
+from passo.protocols.pulses.protocol import ACK, frame
 from passo.protocols.pulses.report import status_from
 
 FILE = "[AABXP(QRMYZ)]"  # table 3 without its speed
 SPEEDS = ("+1000", "speed asked for"), ("$", "fastest speed"), ("@", "default speed")
+STRAIGHT, DIAGONAL = "A", "G"  # X+, and X+Y+
+PERIODS, SIDE_CM = 100, 10
 MOST_MS = 60_000
 
 
@@ -23,15 +25,15 @@ class Port:
     """A router of LPTControl: files played, status asked."""
 
     def __init__(self, place):
-        self.machine = place.machine("lpt_router", trace=None)
+        self.machine = place.machine("lpt_router")
         self.machine.run_ms(100)
 
     def say(self, *words):
         machine = self.machine
         machine.take()
         machine.send(frame(*words))
-        machine.run_until(lambda: re.search(rb"^(ok|error).*\n", machine.received(), re.MULTILINE), MOST_MS)
-        said = machine.take().decode("latin-1")
+        machine.run_until(lambda: re.search(rb"^(ok|error).*\n", machine.received().replace(ACK, b""), re.MULTILINE), MOST_MS)
+        said = machine.take().replace(ACK, b"").decode("latin-1")
         if "error" in said:
             raise Failure("{!r} was answered by {!r}", words[0], said.strip())
 
@@ -83,6 +85,18 @@ def shown_speeds(place):
     return found
 
 
+def period_us(place, code):
+    """Microseconds from one step of a code to the next, at the default speed, by the motors: the first interval has the direction's set-up in it."""
+    port = Port(place)
+    try:
+        port.play(f"[{code * (PERIODS + 2)}]")
+        port.machine.run_until(lambda: port.status()["state"] == "idle", MOST_MS)
+        rows = port.machine.trace.rows()[-PERIODS - 1 :]
+        return (rows[-1][0] - rows[0][0]) / PERIODS
+    finally:
+        port.machine.close()
+
+
 def run(place):
     printed = author("bytes of the port")
     wanted, shown = printed.printed.split(), shown_bytes(place)
@@ -94,4 +108,6 @@ def run(place):
         speeds = shown_speeds(place)
         for code, name in SPEEDS:
             outcome.add(_("speed behind {}", code), author(name), speeds[code], "mm/min")
+        label = _("diagonal of a triangle with two sides of 10 cm, by the time that its steps take at the same speed")
+        outcome.add(label, author("diagonal"), SIDE_CM * period_us(place, DIAGONAL) / period_us(place, STRAIGHT), "cm")
     return outcome

@@ -10,9 +10,9 @@ from statistics import pstdev
 
 from host_tools import boards
 from host_tools.experiments import charts
-from host_tools.experiments.authors import without_figure
+from host_tools.experiments.authors import ORIGIN, without_figure
 from host_tools.experiments.places import BOARD, EMULATED, VIRTUAL
-from host_tools.experiments.row import Outcome
+from host_tools.experiments.row import Outcome, figure
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo.protocols.plotter.host import COMMANDS, packet
@@ -75,14 +75,14 @@ def run(place):
     if place.kind == BOARD:
         outcome = Outcome(_("$HR={}: the board's own sensors and counts", RUNS[BOARD]))
         for axis, count, wide, sigma in home_board(place, RUNS[BOARD]):
-            outcome.add(_("{}, {} times: range", axis, count), without_figure("the sensors of the origin"), wide, _("steps"), _("standard deviation {}", sigma))
+            outcome.add(_("{}, {} times: range", axis, count), without_figure(ORIGIN), wide, _("steps"), _("standard deviation {}", figure(sigma)))
         return outcome
     ends = home(place, RUNS[place.kind])
     outcome = Outcome(_("{} times, moved by hand in between, sensors that bounce for up to {} ms; where the carriage stands", len(ends), BOUNCE_MS))
     for axis, name in enumerate("XY"):
         each = [end[axis] for end in ends]
-        told = _("standard deviation {}", f"{pstdev(each):.2f}")
-        outcome.add(_("{}, {} times: range", name, len(each)), without_figure("the sensors of the origin"), max(each) - min(each), _("steps"), told)
+        told = _("standard deviation {}", figure(pstdev(each)))
+        outcome.add(_("{}, {} times: range", name, len(each)), without_figure(ORIGIN), max(each) - min(each), _("steps"), told)
     groups = {name: [(at + 1, end[axis]) for at, end in enumerate(ends)] for axis, name in enumerate("XY")}
-    outcome.pictures.append((_("Where each homing ended, steps"), charts.dots(groups, _("homing"), _("steps"))))
+    outcome.pictures.append((_("Where each homing ended, steps"), charts.dots(groups, _("which homing"), _("steps"))))
     return outcome

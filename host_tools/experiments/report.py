@@ -9,6 +9,7 @@ from html import escape
 
 from host_tools.experiments.authors import NAMES, data
 from host_tools.experiments.experiments import EXPERIMENTS
+from host_tools.experiments.row import figure
 from host_tools.language import _, chosen
 from host_tools.resources import version
 
@@ -27,22 +28,14 @@ footer { margin-top: 9mm; border-top: 1px solid #ccc; padding-top: 2mm; font-siz
 """
 
 
-def figure(value):
-    """Four digits, in the language's notation."""
-    if value is None:
-        return ""
-    text = f"{value:.0f}" if value == round(value) else f"{value:.4g}" if 0.001 <= abs(value) < 10_000 else "0" if abs(value) < 1e-9 else f"{value:.2g}" if abs(value) < 1 else f"{value:.0f}"
-    return text.replace(".", ",") if chosen() == "pt" else text
-
-
 def printed(author):
     """A document's figure as it prints it, and what it makes if that is another unit."""
     if not author.printed:
         return _("no figure")
     plain = author.printed.replace(",", "").replace(".", "").isdigit()
     if plain or author.value is None:
-        return f"{author.printed} {author.unit}".strip()
-    return author.printed if author.printed[0].isdigit() and author.unit == "s" else _("{}: {} {}", author.printed, figure(author.value), author.unit)
+        return f"{author.printed} {_(author.unit) if author.unit else ''}".strip()
+    return author.printed if author.unit == "s" else _("{}: {} {}", author.printed, figure(author.value), _(author.unit))
 
 
 def ours(row):

@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field
 
 from host_tools.experiments.authors import Author
+from host_tools.language import chosen
+
+NOTHING = 1e-9  # of a distance: what floats leave
 
 
 @dataclass
@@ -23,6 +26,17 @@ class Outcome:
 
     def add(self, *values, **named):
         self.rows.append(Row(*values, **named))
+
+
+def figure(value, digits=4):
+    """A number with so many digits, in the notation of the language; "" of None."""
+    if value is None:
+        return ""
+    if value == round(value) or abs(value) >= 10 ** (digits - 1):
+        text = f"{value:.0f}"
+    else:
+        text = "0" if abs(value) < NOTHING else f"{value:.{digits}g}"
+    return text.replace(".", ",") if chosen() == "pt" else text
 
 
 def better(float_time, integer_time):

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from host_tools.experiments import charts
 from host_tools.experiments.authors import author
 from host_tools.experiments.places import VIRTUAL
-from host_tools.experiments.row import Outcome
+from host_tools.experiments.row import Outcome, figure
 from host_tools.language import _
 from passo.protocols.torch import protocol as torch
 
@@ -66,7 +66,7 @@ def run(place):
     strokes = draw(place)
     outcome = Outcome(_("the motors' steps, counted and divided by the document's 48 and 83 steps/mm; on paper measure with a calliper, and give the lengths to passo calibrate"))
     for each in strokes:
-        told = _("at {} mm/min", f"{60 * each.mm_s:.1f}")
+        told = _("at {} mm/min", figure(60 * each.mm_s))
         outcome.add(_("{}, {} mm asked for", each.axis.upper(), each.length), author(f"{each.axis} {each.length}"), each.made, "mm", told)
     if place.kind != VIRTUAL:  # which computes in no time
         outcome.add(_("from a move's last byte to its first step, at most"), author("click to motion"), max(each.wait_s for each in strokes), "s")

@@ -186,6 +186,12 @@ def test_the_bytes_are_those_of_table_3(monkeypatch, tmp_path):
     assert passo("codes", "--out", tmp_path).exit_code == 1, "a byte that differs is told by the exit status"
 
 
+def test_a_diagonal_is_as_fast_as_a_side():
+    """By Pythagoras, in whole microseconds: 12.5 µm at 1200 mm/min are 625 of them."""
+    assert codes.period_us(VIRTUAL, codes.STRAIGHT) == pytest.approx(625)
+    assert codes.period_us(VIRTUAL, codes.DIAGONAL) == pytest.approx(round(625 * 2**0.5))
+
+
 def test_strokes_are_as_long_as_asked_for():
     for each in strokes.draw(VIRTUAL):
         assert each.made == each.length and each.mm_s == pytest.approx(strokes.MM_S, rel=1e-3)
