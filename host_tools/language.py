@@ -6,7 +6,8 @@
     raise Failure("no file {}", path)           # likewise (failure.py), looked up when it is shown
 
 The words of numbered errors and of settings are the page's (firmware/passo/web/page/pt.json), those of the command its own
-(pt.json beside this file): help, failures, and what is printed for people; pt_boards.json has what is wrong with board files.
+(pt.json beside this file): help, failures, and what is printed for people; pt_boards.json has what is wrong with board files. Options have
+theirs in words.py (options.py).
 What programs read is in no language: the port that a board prints, CSV, G-code. `passo --lang` chooses; without it LANGUAGE,
 LC_ALL, LC_MESSAGES and LANG do, as for any program.
 """
@@ -26,11 +27,11 @@ _chosen = None
 class Catalogue(gettext.NullTranslations):
     """Words from JSON files; what they lack is said in English."""
 
-    def __init__(self, *files):
+    def __init__(self, words, *files):
         import json
 
         super().__init__()
-        self.words = {}
+        self.words = dict(words)
         for file in files:
             self.words.update(json.loads(file.read_text(encoding="utf-8")))
 
@@ -44,7 +45,9 @@ def catalogue(language):
     if language == "en":
         return gettext.NullTranslations()
     own = (HOST_TOOLS / f"{language}{part}.json" for part in ("", "_boards"))
-    return Catalogue(FIRMWARE / "passo" / "web" / "page" / f"{language}.json", *own)
+    from host_tools import options  # here: only who wants its words waits for them
+
+    return Catalogue(options.portuguese(), FIRMWARE / "passo" / "web" / "page" / f"{language}.json", *own)
 
 
 def choose(language):
@@ -155,7 +158,7 @@ def board_file_error(text):
 @lru_cache(maxsize=None)
 def _sentences(language):
     """Those of board files, with `{}` where the firmware has its values: what has most words of its own comes first."""
-    known = [] if language == "en" else Catalogue(HOST_TOOLS / f"{language}_boards.json").words
+    known = [] if language == "en" else Catalogue({}, HOST_TOOLS / f"{language}_boards.json").words
     return sorted(known, key=lambda sentence: len(sentence.replace("{}", "")), reverse=True)
 
 

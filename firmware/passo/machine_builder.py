@@ -3,21 +3,18 @@
 A board forgets this module when that is done: it has better uses for the memory.
 """
 
-from passo.commands import INPUTS
-from passo.config.board_error import BoardError
+from passo.config.board_error import BoardError, folders, inputs_of, nearest
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
 from passo.memory import forget
 from passo.motion.planner import Planner
 from passo.steps import ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
-PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
-
 
 def _input(board, feature):
     """True if there is an input that wants this feature."""
     names = [item["name"] for item in board["inputs"]]
-    return [name for name, _, _, wanted in INPUTS if wanted == feature and name in names]
+    return [name for name, _, _, wanted in inputs_of(board) if wanted == feature and name in names]
 
 
 def _lost(board, *ways):
@@ -79,12 +76,11 @@ def languages(board):
     modules = []
     for link in board["links"]:
         name = link["protocol"]
-        if name not in PROTOCOLS:
-            raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
         try:
             language = __import__("passo.protocols." + name, None, None, ("create",))
-        except ImportError as missing:
-            raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
+            language.NEEDS  # which what languages share has not
+        except (AttributeError, ImportError) as missing:
+            raise BoardError("link %s: unknown protocol %r%s (%s); if that is one, flash the board anew" % (link["name"], name, nearest(name, folders("passo.protocols")), missing))
         check = getattr(language, "check", None)
         why = check(board) if check else None
         if why:

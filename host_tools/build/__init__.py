@@ -1,1 +1,1 @@
-"""Makes files from the firmware's sources: a board's file system, package.json, the tables of docs/."""
+"""Makes files from the firmware's sources: a board's file system, the tables of docs/."""

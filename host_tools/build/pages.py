@@ -8,6 +8,7 @@ import gzip
 import json
 import re
 
+from host_tools import options
 from host_tools.clients import setting_names
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE
@@ -97,12 +98,17 @@ def texts_of(board):
     return texts
 
 
+def page_words():
+    """The page's catalogue, with the words of options' settings."""
+    of_settings = {name for name, *_ in (*options.settings().values(), *options.axis_settings().values())}
+    return json.loads((PAGES / "pt.json").read_text(encoding="utf-8")) | {text: said for text, said in options.portuguese().items() if text in of_settings}
+
+
 def _words(board, modules, page):
     """The catalogue without the words of scripts that the board has not."""
     gone = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.js") if path.name not in names_of(board))
     here = "".join(modules.values()) + page + json.dumps([error_list(), setting_names.rules(_AXES)])
-    words = json.loads((PAGES / "pt.json").read_text(encoding="utf-8"))
-    kept = {text: word for text, word in words.items() if f'_("{text}"' not in gone or text in here}
+    kept = {text: word for text, word in page_words().items() if f'_("{text}"' not in gone or text in here}
     return "{\n" + ",\n".join(f"{json.dumps(text, ensure_ascii=False)}: {json.dumps(word, ensure_ascii=False)}" for text, word in kept.items()) + "\n}\n"
 
 

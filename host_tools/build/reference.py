@@ -9,6 +9,7 @@ while a page is not current.
 import re
 from importlib import import_module
 
+from host_tools import options
 from host_tools.build import tree
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, ROOT
@@ -70,16 +71,10 @@ def words():
     from host_tools.build.board_keys import MEANINGS, SECTIONS
 
     sections, meanings = dict(SECTIONS), dict(MEANINGS)
-    for own in own_words():
-        sections.update(own.SECTIONS)
-        meanings.update(own.MEANINGS)
+    for own in options.words().values():
+        sections.update(getattr(own, "SECTIONS", {}))
+        meanings.update(getattr(own, "MEANINGS", {}))
     return sections, meanings
-
-
-def own_words():
-    """words.py of each option that has one."""
-    folders = [folder for folder in sorted((FIRMWARE / tree.OPTIONS).iterdir()) if (folder / tree.WORDS).is_file()]
-    return [import_module(f"passo.options.{folder.name}.words") for folder in folders]
 
 
 def manifests():
@@ -255,7 +250,6 @@ def _active(item):
 def settings():
     """A row a setting, with its value on the example board; it has not those of rare keys."""
     from passo.config import boardfile, setting_numbers
-    from passo.options.backlash.manifest import MOST_UM
 
     from host_tools import boards
     from host_tools.clients.setting_names import rule
@@ -266,18 +260,14 @@ def settings():
         name, unit, least, most = rule(number, len(board["axes"]))
         value = default / 10**places
         rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")
-    for number in range(160, 160 + len(board["axes"])):
-        name, unit, least, most = rule(number, len(board["axes"]))
-        rows.append(f"| `${number}` | {name} ([key `backlash`](../use/backlash.md)) | {unit} | {least:g} … {MOST_UM / 1000:g} | – |")
-    for number in (41, 42, 56, 57, 58, 59, 142):
-        name, unit, least, most = rule(number, len(board["axes"]))
-        rows.append(f"| `${number}` | {name} ([key `parking`](../use/parking.md)) | {unit} | {least:g} … {most:.10g} | – |")
     for number, languages in ((150, "plotter, torch"), (151, "plotter, torch"), (170, "torch"), (171, "torch"), (180, "plotter"), (181, "pulses"), (182, "pulses")):
         name, unit, least, most = rule(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} (language {languages}) | {unit} | {least:g} … {most:.10g} | – |")
-    for number in (341, 342, 343, 344):
-        name, unit, least, most = rule(number, len(board["axes"]))
-        rows.append(f"| `${number}` | {name} ([key `tool_change`](../use/spindle.md#tool-change)) | {unit} | {least:g} … {most:.10g} | – |")
+    for option, own in options.words().items():
+        numbers = [*getattr(own, "SETTINGS", {}), *(first + axis for first in getattr(own, "AXIS_SETTINGS", {}) for axis in range(len(board["axes"])))]
+        for number in numbers:
+            name, unit, least, most = rule(number, len(board["axes"]))
+            rows.append(f"| `${number}` | {name} ([key `{option}`]({own.PAGE})) | {unit} | {least:g} … {most:.10g} | – |")
     return rows
 
 

@@ -5,14 +5,13 @@ from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import N_, _, error_text
 from passo import errors
-from passo.commands import STATUS_WORDS
 
 _REPORTS = 40  # of grbl, until one has said what each says only now and then
 _PINS = {
     "P": N_("probe"), "D": N_("door"), "H": N_("hold"), "R": N_("reset"), "S": N_("resume"), "N": N_("presence"),
     "n": N_("nobody at the machine"),
 }  # fmt: skip
-_MORE = {"Dr": N_("drivers"), "In": N_("input of M66"), "RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs"), "Nh": N_("not homed"), "Vac": N_("vacuum cleaner"), "Clamp": N_("clamp"), "Fb": N_("inputs that forbid")}
+_MORE = {"RPM": N_("spindle, turns a minute"), "Gl": N_("glitches of inputs"), "Nh": N_("not homed")}
 _ELSEWHERE = ("SD", "En", "Al")  # words of a status that have rows of their own
 _ACCESSORIES = {"S": N_("spindle clockwise"), "C": N_("spindle counter-clockwise"), "F": N_("flood"), "M": N_("mist")}
 
@@ -92,8 +91,10 @@ def _job(client, fields):
 
 def grbl_rows(fields, encoders, log):
     """[(name, text)] of the fields of status reports, the lines of $ENC and those of $LOG."""
-    from host_tools.clients.grbl_wire import WORDS_OF_FEW
+    from host_tools import options
+    from host_tools.clients.grbl_wire import FIELDS
 
+    names = {**_MORE, **options.status()}
     rows = [(N_("state"), _state(fields, log))]
     offset = _numbers(fields.get("WCO", ""))
     for name, key, other, sign in ((N_("machine"), "MPos", "WPos", 1), (N_("work"), "WPos", "MPos", -1)):
@@ -109,7 +110,7 @@ def grbl_rows(fields, encoders, log):
         rows.append((N_("overrides"), _("feed {} %, rapids {} %, spindle {} %", *fields["Ov"].split(","))))
     active = [_(_PINS[letter]) if letter in _PINS else _("limit {}", letter) for letter in fields.get("Pn", "")]
     rows.append((N_("active"), ", ".join(active) or _("no input")))
-    rows += [(_(_MORE[word]) if word in _MORE else word, _text(word, fields)) for word in dict.fromkeys((*WORDS_OF_FEW, *(word for _, word in STATUS_WORDS))) if word in fields and word not in _ELSEWHERE]
+    rows += [(_(names.get(word, word)), _text(word, fields)) for word in fields if word not in FIELDS + _ELSEWHERE]
     for line in encoders:
         motor, count, error, most = line[5:-1].split(",")
         rows.append((_("encoder {}", motor), _("{} counts, {} steps off, {} at most", count, error, most)))

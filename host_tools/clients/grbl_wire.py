@@ -16,7 +16,8 @@ from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.gcode.words import longest
 from passo.protocols.grbl.lines import real_time
 
-WORDS_OF_FEW = ("Dr", "In", "Vac", "Clamp", "Fb")  # rows that features of few machines append to STATUS_WORDS on their board
+# Of each grbl's reports; what else is there is a word of commands.STATUS_WORDS, or of an option.
+FIELDS = ("state", "MPos", "WPos", "WCO", "FS", "F", "Ov", "A", "Pn", "Ln", "Bf")
 PAGE = const(0)
 GUEST = const(1)
 RX_ROOM = const(128)  # bytes of lines under way: what every grbl has room for

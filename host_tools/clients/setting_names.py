@@ -9,12 +9,13 @@ step rate of the board's player.
 
 import re
 
+from host_tools import options
 from host_tools.language import _
 
 _AXES = "xyza"
 _ANY = (0.001, 999_999.999)
 _ANY_OR_0 = (0, 999_999.999)
-# number: (name, unit, least, most); most None: a bit for each axis.
+# number: (name, unit, least, most); most None: a bit for each axis. Options add theirs.
 NAMES = {
     0: ("length of a step pulse", "µs", 3, 100),
     1: ("idle time until motors are released; 255: never", "ms", 0, 255),
@@ -38,22 +39,12 @@ NAMES = {
     30: ("spindle: highest speed", "rpm", *_ANY),
     31: ("spindle: lowest speed", "rpm", *_ANY_OR_0),
     32: ("laser mode", "", 0, 1),
-    41: ("parking while the door is open", "", 0, 1),
-    42: ("parking: axis, 0 is X", "", 0, 2),
-    56: ("parking: how far the tool is pulled out", "mm", 0, 500),
-    57: ("parking: speed out of the work and back", "mm/min", 0.001, 100_000),
-    58: ("parking: target, machine coordinate", "mm", -2000, 2000),
-    59: ("parking: speed to the target and back", "mm/min", 0.001, 100_000),
-    142: ("parking at a program's end", "", 0, 1),
-    341: ("M6: 0 pause, 1 touch plate, 2 and 3 sensor, 4 nothing", "", 0, 4),
-    342: ("M6: how far down from the top to probe", "mm", 1, 1000),
-    343: ("M6: speed up, to find the edge", "mm/min", 1, 1000),
-    344: ("M6: speed down, to touch", "mm/min", 1, 10_000),
     180: ("drawing: speed at the start, in the board file's unit", "", 1, 1_000_000),
     181: ("pulses: least time between two, the drivers' interval", "µs", 1, 250_000),
     182: ("pulses: speed of moves by hand, and until a program says one", "mm/min", 1, 900_000),
     140: ("speed up to which there is no ramp", "mm/min", *_ANY_OR_0),
     141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
+    **options.settings(),
 }
 AXIS_NAMES = {
     100: ("steps per millimetre", "steps/mm", 0.001, 100_000),
@@ -63,6 +54,7 @@ AXIS_NAMES = {
     150: ("length of a jog", "mm", *_ANY_OR_0),
     170: ("speed of a jog", "mm/min", *_ANY),
     160: ("backlash, taken up where it turns", "mm", 0, 2),
+    **options.axis_settings(),
 }
 
 

@@ -5,7 +5,7 @@
 It streams jobs, and lets a guest speak on the same wire.
 """
 
-from host_tools.clients.grbl_wire import GUEST, LOST, PAGE, RX_ROOM, WORDS_OF_FEW, Wire, dwell_ms, fields_of
+from host_tools.clients.grbl_wire import FIELDS, GUEST, LOST, PAGE, RX_ROOM, Wire, dwell_ms, fields_of
 from host_tools.page.cabled import cabled
 from host_tools.page.guest import Guest
 from host_tools.page.job import Job
@@ -155,8 +155,7 @@ class GrblMachine(_Cabled):
             state["ov"] = [int(part) for part in fields["Ov"].split(",")]
             state["on"] = fields.get("A", "")
             state["stored"] = fields.get("SD", "")
-            words = list(WORDS_OF_FEW) + [word for _, word in commands.STATUS_WORDS if word not in WORDS_OF_FEW]
-            state["more"] = [[word, fields[word]] for word in words if word in fields]
+            state["more"] = [[word, fields[word]] for word in fields if word not in FIELDS]
         if self.jog.active:
             self.jog.report(self.position)
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking

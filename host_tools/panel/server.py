@@ -18,7 +18,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from ipaddress import ip_address
 
-from host_tools.build.pages import error_list
+from host_tools.build.pages import error_list, page_words
 from host_tools.page.later import Later
 from host_tools.page.pages import PanelPages
 from host_tools.site import offline
@@ -225,6 +225,8 @@ class Server:
         path = self._files.get(name)
         if path is None:
             return None
+        if name == "pt.json" and not self._as_they_are:
+            return json.dumps(page_words(), ensure_ascii=False).encode()
         with open(path, "rb") as file:
             data = file.read()
         return offline.page(data.decode()).encode() if name == "index.html" and not self._as_they_are else data

@@ -107,7 +107,7 @@ def page(text):
 def build(out, files):
     """Write the site to the folder `out`, which is emptied first. `files`: package(). Returns the bytes written."""
     from host_tools.clients import setting_names
-    from host_tools.build.pages import error_list
+    from host_tools.build.pages import error_list, page_words
 
     if out.exists() and not (out / "firmware.json").is_file() and any(out.iterdir()):
         raise Failure("{} is not empty, and holds no site of Passo: name another folder", out)
@@ -124,8 +124,7 @@ def build(out, files):
         if path.suffix in (".js", ".css"):
             shutil.copyfile(path, out / path.name)
     (out / "index.html").write_text(page((PAGE / "index.html").read_text(encoding="utf-8")), encoding="utf-8")
-    words = [json.loads((folder / "pt.json").read_text(encoding="utf-8")) for folder in (PAGE, OWN)]
-    _write(out, "pt.json", words[0] | words[1])
+    _write(out, "pt.json", page_words() | json.loads((OWN / "pt.json").read_text(encoding="utf-8")))
     _write(out, "site.json", machines)
     _write(out, "errors.json", error_list())
     served = {path.name: path.read_bytes() for path in out.iterdir() if path.name not in offline.NAMES}

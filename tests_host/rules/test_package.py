@@ -1,7 +1,6 @@
-"""What is declared is what is there: package.json's modules of a board, pyproject.toml's dependencies."""
+"""What is declared is what is there: packages and dependencies."""
 
 import ast
-import json
 import re
 import sys
 import tomllib
@@ -10,27 +9,12 @@ from importlib.metadata import packages_distributions
 import pytest
 from parsed import parse
 
-from host_tools.build import package_list
 from host_tools.resources import ROOT
 
 pytestmark = pytest.mark.quick
 
 OWN = {"passo", "host_tools", "boards", "micropython"}
 ON_THE_BOARD = {"board", "machine", "passo_image", "rp2", "uctypes", "vfs"}  # of what host_tools/prove has a board run
-
-
-def test_package_list():
-    listed = json.loads(package_list.PACKAGE.read_text(encoding="utf-8"))
-    assert listed == package_list.package(), "write it anew: python -m host_tools.build.package_list"
-
-
-def test_the_file_is_as_written():
-    assert json.loads(package_list.text()) == package_list.package()
-
-
-def test_every_listed_file_is_there():
-    for _, source in json.loads(package_list.PACKAGE.read_text(encoding="utf-8"))["urls"]:
-        assert (ROOT / source).is_file(), source
 
 
 def imported(folder):

@@ -6,14 +6,9 @@ from pathlib import Path
 import pytest
 from passo.commands import INPUTS, STATUS_WORDS
 from passo.machine_builder import FEATURES
-from passo.options.drivers import control as drives
-from passo.options.input_p import control as input_p
-from passo.options.interlock.control import WORD as FORBIDS
-from passo.options.output_clamp.control import WORD as CLAMP
-from passo.options.output_vacuum.control import WORD as VACUUM
 
+from host_tools import options
 from host_tools.cli import status
-from host_tools.clients.grbl_wire import WORDS_OF_FEW
 
 pytestmark = pytest.mark.quick
 
@@ -40,7 +35,13 @@ def test_inputs_are_in_the_docs_and_have_their_feature():
 
 
 def test_words_of_a_status_have_names_for_people_or_are_shown_as_they_are():
-    words = {word for _, word in (*STATUS_WORDS, drives._WORD, input_p._WORD, VACUUM, CLAMP, FORBIDS)}  # the last five only on boards that ask for them
+    words = {word for _, word in STATUS_WORDS} | set(options.status())
     text = re.search(r"^const MORE = {(.*)}", (PAGE / "panel.js").read_text(encoding="utf-8"), re.MULTILINE).group(1)
     assert set(re.findall(r"(\w+): \"", text)) | set(status._MORE) | set(status._ELSEWHERE) <= words, "a name without its row"
-    assert set(WORDS_OF_FEW) == words - {word for _, word in STATUS_WORDS if word not in WORDS_OF_FEW}
+
+
+def test_an_option_says_what_its_words_mean():
+    """Those that its features append to STATUS_WORDS, as `WORD = (key in the report, word)`."""
+    folder = ROOT / "firmware" / "passo" / "options"
+    found = {word for path in folder.glob("*/control*.py") for word in re.findall(r'^_?WORD = \("\w+", "(\w+)"\)', path.read_text(encoding="utf-8"), re.MULTILINE)}
+    assert len(found) > 3 and found == set(options.status())

@@ -6,13 +6,14 @@ from html.parser import HTMLParser
 
 import pytest
 
+from host_tools.build.pages import page_words
 from host_tools.clients import setting_names
 from host_tools.panel.panel import FOLDER
 from passo import error_texts
 
 pytestmark = pytest.mark.quick
 
-CATALOGUE = json.loads((FOLDER / "pt.json").read_text(encoding="utf-8"))
+CATALOGUE = page_words()
 MODULES = sorted(path.name for path in FOLDER.glob("*.js") if path.name != "torch.js")  # that one has words of its own
 TABLES = ("SIGNALS", "ELSEWHERE", "MORE", "STATES", "OVERRIDES", "BITS", "HOW")  # whose texts are shown by way of _()
 WHOLE_TABLES = ("LACKS",)  # all of whose values are

@@ -4,6 +4,8 @@ import os
 
 from micropython import const
 
+from passo.commands import INPUTS
+
 _DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
 OF_OUTPUT = "output_"  # how the option of outputs of a name is called
 OF_INPUT = "input_"  # of inputs
@@ -27,6 +29,7 @@ class Additions:
         self.features = {}  # (module, class) by the name of a feature, see machine_builder.rows()
         self.watchers = []  # names of those features that look at what others have done: they stand behind all
         self.file_links = []  # (feature, language) of a link that a feature brings, whose bytes come from a file: the feature has join(number, protocol)
+        self.named_inputs = ()  # rows as commands.INPUTS has them, behind those
         self.settings = {}  # rules by number
         self.value = None  # Settings.value, once there are settings
         self.languages = []  # names of modules whose extend(protocol, board) adds to a protocol of the language that ends their name
@@ -52,6 +55,11 @@ class Additions:
             self.extensions[language] = self.extensions.get(language, ()) + (__import__(name, None, None, ("extend",)),)
 
 
+def inputs_of(board):
+    """Rows of the inputs whose names mean something: commands.INPUTS, and those of the board's options."""
+    return INPUTS + tuple(getattr(board.get("additions"), "named_inputs", ()))
+
+
 def want_input(board, who, name):
     """Raise BoardError if the board has no input `name`. `who`: the board-file key that refers to it."""
     if name not in [item["name"] for item in board["inputs"]]:
@@ -70,9 +78,9 @@ def check_shape(value, depth=_DEPTH):
         check_shape(each, depth - 1)
 
 
-def options():
-    """Keys of the options that are here, as far as their folders can be listed: not in a UF2."""
-    path = __import__("passo.options", None, None, ("__path__",)).__path__
+def folders(package):
+    """Names of the folders of a package, as far as they can be listed: not in a UF2."""
+    path = __import__(package, None, None, ("__path__",)).__path__
     try:
         return [name for name in os.listdir(path if isinstance(path, str) else path[0]) if "." not in name and name[0] != "_"]
     except OSError:
@@ -134,7 +142,7 @@ def own_rules(board, rules):
                 module = __import__("passo.options.%s.manifest" % key, None, None, ("RULES",))
             except ImportError:
                 if key.startswith(OF_DRIVE) and key not in board:
-                    known = ["step_dir"] + [name[len(OF_DRIVE) :] for name in options() if name.startswith(OF_DRIVE)]
+                    known = ["step_dir"] + [name[len(OF_DRIVE) :] for name in folders("passo.options") if name.startswith(OF_DRIVE)]
                     raise BoardError("%s: %r is none of %s" % ("drive.kind", key[len(OF_DRIVE) :], ", ".join(known)))
                 continue
             rules.update(module.RULES)

@@ -6,7 +6,7 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.config.board_error import Additions, BoardError, check_shape, nearest, options, own_rules, rewritten, want_input
+from passo.config.board_error import Additions, BoardError, check_shape, folders, nearest, own_rules, rewritten, want_input
 from passo.config.chip_pins import PIN, check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
@@ -178,7 +178,7 @@ def _section(where, data, rules):
     _want_dict(where, data)
     for key in data:
         if key not in rules:
-            known = sorted(set(rules) | set(options() if where is _WHOLE else ()))
+            known = sorted(set(rules) | set(folders("passo.options") if where is _WHOLE else ()))
             raise BoardError("%s: unknown key %r%s; known are %s" % (where, key, nearest(key, known), ", ".join(known)))
     prefix = "" if where is _WHOLE else where + "."
     return {key: _value(prefix + key, data, key, rule) for key, rule in rules.items()}

@@ -1,6 +1,6 @@
-"""The letters of the inputs that are active, as a status report has them: XYZ limits, then those of commands.INPUTS."""
+"""The letters of the inputs that are active, as a status report has them: XYZ limits, then those of commands.INPUTS and of options."""
 
-from passo.commands import INPUTS
+from passo.config.board_error import inputs_of
 from passo.control.feature import Feature
 
 
@@ -10,7 +10,7 @@ class Pins(Feature):
         names = [item["name"] for item in board["inputs"]]
         self._inputs = machine.inputs
         self._settings = machine.settings
-        self._shown = self._inputs.limits + [(letter, name) for name, letter, _, _ in INPUTS if letter and name in names]
+        self._shown = self._inputs.limits + [(letter, name) for name, letter, _, _ in inputs_of(board) if letter and name in names]
         self._levels = self._settings_of = None  # that the text is of
         self._text = ""
 

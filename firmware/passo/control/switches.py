@@ -5,6 +5,7 @@ A limit whose pin has an interrupt stops the player there; what is looked at her
 
 from passo import commands, errors
 from passo.config import setting_numbers as table
+from passo.config.board_error import inputs_of
 from passo.control.feature import Feature
 from passo.control.sensor import Sensor
 
@@ -21,7 +22,7 @@ class Switches(Feature):
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
         self._limits = [(name, self._sensor(name)) for _, name in inputs.limits if name in inputs.names]
-        self._buttons = [(name, kind, self._sensor(name)) for name, _, kind, _ in commands.INPUTS if kind and name in names]
+        self._buttons = [(name, kind, self._sensor(name)) for name, _, kind, _ in inputs_of(board) if kind and name in names]
         self._watches = self._watch(board, machine.port)
         self._armed = None  # True, False: the interrupts of limits are; None: some may be other
         self._turn()

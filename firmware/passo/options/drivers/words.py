@@ -23,3 +23,7 @@ MEANINGS = {
     "drivers.motors.stall": "Its axis homes by stall, on the driver's DIAG pin: half the SG_RESULT below which the motor has stalled. 0: it does not. See [drivers](../use/drivers.md#homing-by-stall).",
     "drivers.motors.stall_ma": "Current meanwhile. 0: `current_ma`.",
 }
+STATUS = {"Dr": "drivers"}
+PORTUGUESE = {
+    "drivers": "drivers",
+}

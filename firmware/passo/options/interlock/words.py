@@ -17,3 +17,7 @@ MEANINGS = {
     "interlock.unasked_ms": "Outputs that a row switches on though the board does not ask go on once inputs and machine have been at "
     "rest for this time; 0: never. Never the tool.",
 }
+STATUS = {"Fb": "inputs that forbid"}
+PORTUGUESE = {
+    "inputs that forbid": "entradas que proíbem",
+}

@@ -14,3 +14,22 @@ MEANINGS = {
     "parking.pull_out_mm_min": "Speed of that, and of the way back into the work, mm/min, `$57`.",
     "parking.at_end": "True: M2 and M30 go up to the target, too, `$142`.",
 }
+PAGE = "../use/parking.md"
+SETTINGS = {
+    41: ("parking while the door is open", "", 0, 1),
+    42: ("parking: axis, 0 is X", "", 0, 2),
+    56: ("parking: how far the tool is pulled out", "mm", 0, 500),
+    57: ("parking: speed out of the work and back", "mm/min", 0.001, 100_000),
+    58: ("parking: target, machine coordinate", "mm", -2000, 2000),
+    59: ("parking: speed to the target and back", "mm/min", 0.001, 100_000),
+    142: ("parking at a program's end", "", 0, 1),
+}
+PORTUGUESE = {
+    "parking while the door is open": "estacionamento enquanto a porta está aberta",
+    "parking: axis, 0 is X": "estacionamento: eixo, 0 é X",
+    "parking: how far the tool is pulled out": "estacionamento: quanto a ferramenta sai da peça",
+    "parking: speed out of the work and back": "estacionamento: velocidade ao sair da peça e ao voltar",
+    "parking: target, machine coordinate": "estacionamento: alvo, coordenada de máquina",
+    "parking: speed to the target and back": "estacionamento: velocidade até o alvo e de volta",
+    "parking at a program's end": "estacionamento no fim do programa",
+}

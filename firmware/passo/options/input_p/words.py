@@ -1,0 +1,6 @@
+"""What M66 says to people. No board has this file."""
+
+STATUS = {"In": "input of M66"}
+PORTUGUESE = {
+    "input of M66": "entrada do M66",
+}

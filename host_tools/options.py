@@ -1,0 +1,46 @@
+"""What options say of themselves to people: `words.py` in their folders, which no board has.
+
+    settings()      # {58: ("parking: target, machine coordinate", "mm", -2000, 2000), …}
+    status()        # {"Vac": "vacuum cleaner", …}
+
+A words.py may have SECTIONS and MEANINGS of keys for docs/reference/board-file.md; SETTINGS by number, AXIS_SETTINGS by the number of the first axis, and PAGE, where
+docs say more of them; STATUS, the words that it adds to status reports, each with a name for people; PORTUGUESE of all of these but SECTIONS and
+MEANINGS.
+"""
+
+from functools import lru_cache
+from importlib import import_module
+
+from host_tools.resources import FIRMWARE
+
+_FOLDER = FIRMWARE / "passo" / "options"
+
+
+@lru_cache(maxsize=1)
+def words():
+    """{option: its words.py} of the options that have one."""
+    return {path.parent.name: import_module(f"passo.options.{path.parent.name}.words") for path in sorted(_FOLDER.glob("*/words.py"))}
+
+
+def _all(name):
+    return {key: value for own in words().values() for key, value in getattr(own, name, {}).items()}
+
+
+def settings():
+    """{number: (name, unit, least, most)} of the settings that options add."""
+    return _all("SETTINGS")
+
+
+def axis_settings():
+    """The same of those that each axis has, by the number of the first one's."""
+    return _all("AXIS_SETTINGS")
+
+
+def status():
+    """{word of a status report: its name}."""
+    return _all("STATUS")
+
+
+def portuguese():
+    """{text: the same in Portuguese}."""
+    return _all("PORTUGUESE")
