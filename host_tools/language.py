@@ -157,8 +157,12 @@ def board_file_error(text):
 
 @lru_cache(maxsize=None)
 def _sentences(language):
-    """Those of board files, with `{}` where the firmware has its values: what has most words of its own comes first."""
-    known = [] if language == "en" else Catalogue({}, HOST_TOOLS / f"{language}_boards.json").words
+    """Those of board files and options, with `{}` where the firmware has its values: what has most words of its own comes first."""
+    if language == "en":
+        return []
+    from host_tools import options
+
+    known = Catalogue(options.portuguese(), HOST_TOOLS / f"{language}_boards.json").words
     return sorted(known, key=lambda sentence: len(sentence.replace("{}", "")), reverse=True)
 
 

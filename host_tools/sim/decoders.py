@@ -9,6 +9,7 @@ positions in 32nds of an electrical turn: an eighth of a full step is one, a ful
 """
 
 import math
+from importlib import import_module
 
 TICKS_PER_US = 12.5
 RELEASED = -1
@@ -119,6 +120,19 @@ class Unipolar(Coils):
         super().__init__(mode, shift, inverted, report, table)
 
 
+class TableCoils(Coils):
+    """Coils of any other drive: which pattern is which phase its own table says, so only jumps and strange patterns are found."""
+
+    def __init__(self, drive, mode, shift, inverted, report):
+        """`drive`: the module of options/drive_KIND."""
+        table = [ILLEGAL] * (1 << len(drive.PINS))
+        table[getattr(drive, "OFF", 0)] = RELEASED
+        stride, first = MODES[mode]
+        for phase, pattern in enumerate(drive.MODES[mode]):
+            table[pattern] = (first + phase * stride) % TURN
+        super().__init__(mode, shift, inverted, report, table)
+
+
 class Pbl3770a(Coils):
     """Two PBL3770A, pins PH I0 I1 of coil A and then of coil B, lowest bit first; PH high is positive. The rotor follows to where
     the sum of both currents points.
@@ -144,3 +158,13 @@ class Pbl3770a(Coils):
     def decode(self, tick, levels, changed):
         self.current = self._currents[(levels >> self._shift) & self._mask ^ self._inverted]
         return super().decode(tick, levels, changed)
+
+
+_OF_2014 = {"unipolar": Unipolar, "pbl3770a": Pbl3770a}
+
+
+def coils(kind, mode, axis, bit, report):
+    """The decoder of an axis's motor. `bit`: {name of a pin: its number}."""
+    drive = import_module(f"passo.options.drive_{kind}.drive")
+    shift = bit[f"{axis}_{drive.PINS[0]}"]
+    return _OF_2014[kind](mode, shift, 0, report) if kind in _OF_2014 else TableCoils(drive, mode, shift, 0, report)

@@ -30,7 +30,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
 import random
 
 from host_tools.sim.belt import Belt
-from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
+from host_tools.sim.decoders import StepDir, coils
 from host_tools.sim.input_faults import InputFaults, Moments
 from host_tools.sim.parts import MARGIN_MM, NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle, hard_ends, pull_off_of
 from host_tools.sim.slipping import Slipping
@@ -196,10 +196,8 @@ class Plant:
                 polarity = inverted | (1 << direction if axis.get("reversed") else 0)
                 times = drive.get("pulse_us", 2), drive.get("setup_us", 5)
                 decoder = StepDir(step, direction, polarity, *times, self.report)
-            elif kind == "unipolar":
-                decoder = Unipolar(mode, bit[name + "_s1"], 0, self.report)
             else:
-                decoder = Pbl3770a(mode, bit[name + "_ph_a"], 0, self.report)
+                decoder = coils(kind, mode, name, bit, self.report)
             self._decoders.append(decoder)
         if self._gantry:
             self._attach_second(bit, inverted)

@@ -128,7 +128,7 @@ def test_files_exist(page):
     text = page.read_text(encoding="utf-8")
     named = {span for span in spans(text) if re.fullmatch(r"[\w./]+/[\w.]+\.(py|md|toml|png|json|csv|txt)", span)}
     roots = ROOT, ROOT / "firmware" / "passo", ROOT / "firmware", page.parent
-    made = re.compile(r"out/|build/|boards/mine|passo/files.txt|passo/stamp.txt|.*(wheel(/__init__)?|lamp)\.py$")  # what commands write, and what a reader writes
+    made = re.compile(r"out/|build/|boards/mine|passo/files.txt|passo/stamp.txt|.*/(wheel|output_lamp|beeper|service|input_runout|drive_l298)/\w+\.\w+$")  # what commands write, and what a reader writes
     missing = [name for name in named if not made.match(name) and not any((root / name).exists() for root in roots)]
     assert not missing
 

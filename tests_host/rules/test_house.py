@@ -429,7 +429,7 @@ def misplaced(paths):
 def test_tests_lie_where_they_are_found():
     tests = ROOT / "tests_host"
     report(misplaced([path.relative_to(tests) for path in tests.rglob("*.py")]))
-    keys = {path.name for path in (ROOT / "firmware" / "passo" / "options").iterdir() if path.is_dir()}
+    keys = {path.name for room in ("options", "protocols") for path in (ROOT / "firmware" / "passo" / room).iterdir() if path.is_dir()}
     assert {path.name for path in folders.OF_OPTIONS} <= keys and len(folders.OF_OPTIONS) > 5
     assert len(misplaced([Path("pico/a.py"), Path("sims/a.py"), Path("sims/check_b.py"), Path("properties/check_c.py"), Path("options/backlash/check_d.py")])) == 3
 

@@ -1,6 +1,7 @@
 """Names that are told apart by their numbers have one each: kinds of commands and events, errors, notices, fields of rows.
 
-What users know by number means the same for ever: golden/numbers.txt has each error, notice and setting. A new one is a line more:
+What users know by number means the same for ever: golden/numbers.txt has each error, notice and setting, numbers.txt of an option's tests its own.
+A new one of core is a line more:
 
     python tests_host/rules/test_numbers.py > tests_host/golden/numbers.txt
 """
@@ -105,10 +106,15 @@ def known():
         yield from (("setting", number, name) for number, name in settings_of(path.read_text(encoding="utf-8")))
 
 
+def rows():
+    """[kind, number, name] of golden/numbers.txt, and of numbers.txt of options."""
+    files = [GOLDEN, *sorted(GOLDEN.parents[1].glob("options/*/numbers.txt"))]
+    return [line.split() for path in files for line in path.read_text(encoding="utf-8").splitlines()]
+
+
 def golden():
     """What each number means: {(kind, number): name}."""
-    rows = [line.split() for line in GOLDEN.read_text(encoding="utf-8").splitlines()]
-    return {(kind, int(number)): name for kind, number, name in rows}
+    return {(kind, int(number)): name for kind, number, name in rows()}
 
 
 def changes(found, meanings):
@@ -123,7 +129,7 @@ def changes(found, meanings):
 def test_numbers_that_users_know_never_change():
     """A setting goes with its option; its number is given to nothing else."""
     found, meanings = set(known()), golden()
-    assert len(GOLDEN.read_text(encoding="utf-8").splitlines()) == len(meanings) > 200, "a number stands there twice"
+    assert len(rows()) == len(meanings) > 200, "a number stands there twice"
     assert changes(found, meanings) == [], "new lines go into golden/numbers.txt; those that are there stay as they are"
     gone = {(kind, number) for kind, number in meanings if kind != "setting"} - {(kind, number) for kind, number, _ in found}
     assert not gone, "an error or a notice that a user may look up is gone"
