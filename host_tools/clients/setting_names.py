@@ -53,7 +53,6 @@ AXIS_NAMES = {
     130: ("travel", "mm", *_ANY),
     150: ("length of a jog", "mm", *_ANY_OR_0),
     170: ("speed of a jog", "mm/min", *_ANY),
-    160: ("backlash, taken up where it turns", "mm", 0, 2),
     **options.axis_settings(),
 }
 
