@@ -10,10 +10,11 @@ MEANINGS.
 
 from functools import lru_cache
 from importlib import import_module
+from pathlib import Path
 
-from host_tools.resources import FIRMWARE
+import passo.options
 
-_FOLDER = FIRMWARE / "passo" / "options"
+_FOLDER = Path(passo.options.__file__).parent
 
 
 @lru_cache(maxsize=1)
