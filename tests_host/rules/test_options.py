@@ -24,13 +24,16 @@ OPTIONS = sorted(manifests())
 _RUN = os.environ.get("PYTEST_XDIST_TESTRUNUID") or str(time.time())  # the same for all workers
 SEED = os.environ.get("PASSO_LOT") or str(zlib.crc32(_RUN.encode()) & 0xFFFF)
 LOT = random.Random(SEED).sample(OPTIONS, 2)
-# Says of each board: the files of its build, or why its board file is refused.
+# Imports what a PC can; then says of each board: the files of its build, or why its board file is refused.
 _ALL_BOARDS = """
-import json, sys
+import importlib, json, sys
 from pathlib import Path
 from host_tools import boards, interpreter
 from host_tools.build import tree
 from host_tools.failure import Failure
+for path in tree.module_files(Path(sys.argv[1])):
+    if path.parts[1] != "ports" and not path.stem.startswith("port"):
+        importlib.import_module(".".join(path.with_suffix("").parts))
 found = {}
 for name in boards.names():
     try:
@@ -88,6 +91,25 @@ def test_an_option_can_be_deleted(option, whole, tmp_path):
             assert isinstance(left[name], str) and any(text in left[name] for text in said), (name, SEED)
         else:
             assert left[name] == whole[name], (name, SEED)
+
+
+LANGUAGES = sorted(path.parent.name for path in (FIRMWARE / "passo" / "protocols").glob("*/__init__.py") if "NEEDS =" in path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("language", sorted(set(LANGUAGES) - {"grbl"}))  # whose files the PC's engine is made of
+def test_a_language_can_be_deleted(language, whole, tmp_path):
+    firmware = tmp_path / "firmware"
+    shutil.copytree(FIRMWARE, firmware, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.rmtree(firmware / "passo" / "protocols" / language)
+    for path in [*firmware.glob(f"passo/options/*/language_{language}.py"), *firmware.glob(f"passo/protocols/page/{language}.py")]:
+        path.unlink()  # what options and the page add to it
+    left = builds(firmware, tmp_path)
+    for name in boards.names():
+        if language in [link["protocol"] for link in boards.load(name)["links"]]:
+            assert isinstance(left[name], str) and language in left[name], name
+        else:
+            assert left[name] == whole[name], name
 
 
 ADDED = sorted(vars(Additions()))  # and those that it had as keys of the board
