@@ -65,7 +65,6 @@ INPUTS = (
     ("hold", "H", HOLD, "pauses"),
     ("reset", "R", RESET, "resets"),
     ("resume", "S", RESUME, "pauses"),
-    ("job", "", JOB, ""),  # `jobs` of the board file asks for its feature
 )
 
 # What only some machines have to say in a status: its key in the report, to which a feature's report() puts a value, or None; the word

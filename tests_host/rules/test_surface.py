@@ -62,9 +62,14 @@ def codes():
 
 
 def statuses():
-    from passo.commands import INPUTS, STATUS_WORDS
+    from passo.commands import STATUS_WORDS
+    from passo.config.board_error import inputs_of
+    from passo.config.boardfile import check
 
-    return [f"status {row[1]}" for row in STATUS_WORDS] + [f"input {row[0]} {row[1]}" for row in INPUTS]
+    from host_tools import boards
+
+    rows = {row for name in boards.names() for row in inputs_of(check(boards.load(name)))}
+    return [f"status {row[1]}" for row in STATUS_WORDS] + [f"input {row[0]} {row[1]}" for row in rows]
 
 
 PAGES = ("firmware/passo/protocols/page", "firmware/passo/options/jobs", "firmware/passo/web", "host_tools/page", "host_tools/panel")

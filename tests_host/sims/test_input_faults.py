@@ -73,11 +73,11 @@ def test_an_input_that_bounces_is_counted_and_stops_nothing():
 @pytest.mark.parametrize("name", [name for name in boards.names() if boards.load(name).get("inputs")])
 def test_each_input_is_told_by_name(name):
     """Pressed at rest, it is in a report, in the log, or a command's: no input of a shipped board is silent."""
-    from passo.commands import INPUTS
+    from passo.config.board_error import inputs_of
     from passo.config.boardfile import check
 
     board = check(boards.load(name))
-    named = {row[0] for row in INPUTS} | set((board["homing"] or {"sensors": {}})["sensors"].values())
+    named = {row[0] for row in inputs_of(board)} | set((board["homing"] or {"sensors": {}})["sensors"].values())
     named |= {motor["sensor"] for motor in getattr(board.get("additions"), "more_motors", ())}
     for item in board["inputs"]:
         told = item["name"] in named | set(BY_COMMAND) or item["halt"] or re.fullmatch(r"limit_[xyza]|p\d|jog_[xyza][+-]", item["name"])

@@ -57,7 +57,8 @@ class Additions:
 
 def inputs_of(board):
     """Rows of the inputs whose names mean something: commands.INPUTS, and those of the board's options."""
-    return INPUTS + tuple(getattr(board.get("additions"), "named_inputs", ()))
+    own = getattr(board.get("additions"), "named_inputs", ())
+    return INPUTS + own if own else INPUTS
 
 
 def want_input(board, who, name):

@@ -1,5 +1,6 @@
 """The key `jobs`: programs kept on the board, and run without a PC. Only loaded if the board file has it."""
 
+from passo.commands import JOB
 from passo.config.board_error import BoardError, want_input
 from passo.options.jobs.config_names import LINK, LONGEST_NAME, name_fits
 
@@ -27,6 +28,7 @@ def check(board):
             raise BoardError("jobs.%s: capitals, digits, '.', '_' and '-', not %r" % (key, config[key]))
     if config["button"]:
         want_input(board, "jobs.button", "job")
+    additions.named_inputs += (("job", "", JOB, ""),)  # a button
     if "jobs" not in additions.features:
         additions.features["jobs"] = "passo.options.jobs.control", "Jobs"
     additions.file_links.append(("jobs", config["language"]))
