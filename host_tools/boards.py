@@ -48,20 +48,24 @@ def path(name):
 def load(name):
     """The BOARD dict of a board given by name or path, as it stands there. Raises Failure with what was wrong with the file."""
     found = path(name)
-    board = table(_text(found), found)
+    return checked(table(read(found), found), name)
+
+
+def checked(board, name):
+    """`board`, a dict, which the firmware takes. Raises Failure with what is wrong with it; `name` says which file."""
     try:
         check(copy.deepcopy(board))
     except BoardError as error:
         raise Failure("board {}: {}", name, reason(error)) from error
     except (TypeError, ValueError) as error:
-        raise Failure("board file {} cannot be read: {}", found, error) from error
+        raise Failure("board file {} cannot be read: {}", name, error) from error
     return board
 
 
 def board_py(name):
     """The bytes of board.py for a board given by name or path. Raises Failure."""
     found = path(name)
-    text = _text(found)
+    text = read(found)
     own = _own_table(text, found)
     if LIKE not in own:
         return found.read_bytes()
@@ -83,15 +87,16 @@ def settings_of(board):
 
 def text_of(board):
     """The text of a board file that has these values."""
-    return f"BOARD = {_lines(board, 0)}\n"
+    return f"BOARD = {text_of_value(board, 0)}\n"
 
 
 def like(base):
     """Names of the project's boards that say "like": `base`."""
-    return [name for name in names() if _own_table(_text(path(name)), path(name)).get(LIKE) == base]
+    return [name for name in names() if _own_table(read(path(name)), path(name)).get(LIKE) == base]
 
 
-def _text(found):
+def read(found):
+    """The text of a board file. Raises Failure."""
     try:
         with tokenize.open(found) as file:
             return file.read()
@@ -115,7 +120,7 @@ def resolve(board, found):
         raise Failure("board file {}: like: unknown board {!r}; known are {}", found, base, ", ".join(names()))
     if not isinstance(board.get("name"), str):
         raise Failure("board file {}: name: missing; that of {} is another machine's", found, base)
-    under = _own_table(_text(path(base)), path(base))
+    under = _own_table(read(path(base)), path(base))
     if LIKE in under:
         raise Failure("board file {}: like: {} is itself like {}; say what differs from that one", found, base, under[LIKE])
     try:
@@ -159,15 +164,15 @@ def _has_names(value):
     return isinstance(value, list) and bool(value) and all(isinstance(item, dict) and isinstance(item.get("name"), str) for item in value)
 
 
-def _lines(value, indent):
-    """The text of a value: what does not fit on a line of 120 characters has a line an item."""
+def text_of_value(value, indent):
+    """The text of a value that stands so many columns in: what does not fit on a line of 120 characters has a line an item."""
     text, inner = _line(value), " " * (indent + 4)
     if len(text) + indent <= 120 and indent or not value or not isinstance(value, (dict, list)):
         return text
     if isinstance(value, dict):
-        items = "".join(f"{inner}{_line(key)}: {_lines(item, indent + 4)},\n" for key, item in value.items())
+        items = "".join(f"{inner}{_line(key)}: {text_of_value(item, indent + 4)},\n" for key, item in value.items())
         return "{\n" + items + " " * indent + "}"
-    return "[\n" + "".join(f"{inner}{_lines(item, indent + 4)},\n" for item in value) + " " * indent + "]"
+    return "[\n" + "".join(f"{inner}{text_of_value(item, indent + 4)},\n" for item in value) + " " * indent + "]"
 
 
 def _line(value):

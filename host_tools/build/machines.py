@@ -4,7 +4,10 @@
     machines/NAME/modules.txt   `path digest` of each file of the firmware that it needs
     machines/NAME/settings.0 .1 its saved settings, while another machine is chosen
     machines/files/DIGEST       a file of firmware that a machine wants, while another of that path is in place
-    machines/chosen             the name of the one whose board file is /board.py
+    machines/chosen             the name of the one whose board file is /board.py, and that of the one that was chosen before it
+
+NAME_old is what NAME was before its board file was last changed; both start with the settings of then. `before` is what ran before any machine
+was chosen.
 
 `passo machine` sends this text with a call behind it. What is printed is for it: `chip …`, `chosen …`, `machine NAME: state`, `wants DIGEST`.
 """
@@ -14,6 +17,7 @@ import os
 
 FOLDER = "machines"
 SETTINGS = ("settings.0", "settings.1")
+OLD = "_old"
 FILES = FOLDER + "/files"
 
 
@@ -42,8 +46,9 @@ def digest(path, target=None):
 
 
 def chosen():
-    path = FOLDER + "/chosen"
-    return text_of(path).strip() if there(path) else ""
+    """The names of the chosen machine and of the one before it; "" for what there is not."""
+    path = [path for path in (FOLDER + "/chosen", FOLDER + "/new") if there(path)]
+    return (text_of(path[0]).split("\n") + ["", ""])[:2] if path else ["", ""]
 
 
 def stored():
@@ -101,7 +106,7 @@ def tell():
     if there("board.py"):
         exec(text_of("board.py"), names)
         print("chip", names["BOARD"]["chip"])
-    print("chosen", chosen())
+    print("chosen", running())
     for name in stored():
         print("machine %s: %s" % (name, state_of(name) or "ready"))
 
@@ -120,7 +125,7 @@ def running():
         for name in stored():
             if digest(FOLDER + "/" + name + "/board.py", "board.py") == board:
                 return name
-    return chosen() or "before"
+    return chosen()[0] or "before"
 
 
 def duplicate(source, target):
@@ -132,10 +137,11 @@ def duplicate(source, target):
             made.write(part)
 
 
-def note(name):
-    with open(FOLDER + "/chosen.new", "w") as file:
-        file.write(name)
-    move(FOLDER + "/chosen.new", FOLDER + "/chosen")
+def note(name, last):
+    """Which machine is chosen, and which was before."""
+    with open(FOLDER + "/new", "w") as made:
+        made.write(name + "\n" + last)
+    move(FOLDER + "/new", FOLDER + "/chosen")
 
 
 def make_folder(path):
@@ -155,6 +161,61 @@ def put(path, sum):
     os.rename(FILES + "/" + sum, path)
 
 
+def files_of(folder):
+    """The paths of all files in a folder and those below it."""
+    for name in sorted(os.listdir(folder)):
+        path = folder + "/" + name
+        if os.stat(path)[0] & 0x4000:
+            for each in files_of(path):
+                yield each
+        else:
+            yield path
+
+
+def keep_before():
+    """Store what runs now, which is no machine that was added, as the machine `before`."""
+    make_folder(FOLDER + "/before/modules.txt")
+    with open(FOLDER + "/before/new", "w") as file:
+        for path in [path for path in ("main.py", "stamp.txt") if there(path)] + list(files_of("passo") if there("passo") else ()):
+            if path not in in_place:
+                in_place[path] = digest(path)
+            file.write("%s %s\n" % (path, in_place[path]))
+    duplicate("board.py", FOLDER + "/before/board.py")
+    move(FOLDER + "/before/new", FOLDER + "/before/modules.txt")
+
+
+def retire(name, sum):
+    """Keep a machine as NAME_old, if a board file of another digest is about to take its place."""
+    folder = FOLDER + "/" + name
+    if there(folder + "/modules.txt") and digest(folder + "/board.py", "board.py") != sum:
+        make_folder(folder + OLD + "/board.py")
+        for file in ("board.py", "modules.txt"):
+            duplicate(folder + "/" + file, folder + OLD + "/" + file)
+
+
+def remove(name):
+    """Forget a stored machine, and its settings."""
+    if name not in stored():
+        raise ValueError("there is no machine " + name)
+    if name == running():
+        raise ValueError("machine " + name + " is the chosen one: choose another first")
+    folder = FOLDER + "/" + name
+    for file in ["modules.txt"] + [file for file in os.listdir(folder) if file != "modules.txt"]:
+        os.remove(folder + "/" + file)
+    os.rmdir(folder)
+
+
+def back():
+    """Choose the machine that was chosen before the one that is. A `choose` amid which the power failed is gone on with instead."""
+    name = chosen()[1]
+    if not there("board.py") and there("board.new"):
+        going = digest("board.new", "board.py")
+        name = [each for each in stored() if digest(FOLDER + "/" + each + "/board.py", "board.py") == going][0]
+    if not name:
+        raise ValueError("no machine was chosen before this one")
+    choose(name)
+
+
 def choose(name):
     """The machine `name` from the next start on. Firmware and settings of the one before are kept. While files are moved there is no
     board.py, so that a board whose power fails amid it moves nothing; the same call then goes on."""
@@ -164,8 +225,11 @@ def choose(name):
     if wrong:
         raise ValueError("machine " + name + ": " + wrong)
     old = running()
-    if old != chosen():
-        note(old)
+    now, last = chosen()
+    if old != now:
+        note(old, last)
+    if old == "before" and there("board.py"):
+        keep_before()
     duplicate(FOLDER + "/" + name + "/board.py", "board.new")
     if there("board.py"):
         os.remove("board.py")
@@ -175,8 +239,11 @@ def choose(name):
         for file in SETTINGS:
             target = FOLDER + "/" + old + "/" + file
             make_folder(target)
-            move(file, target)
-        note(name)
+            if old == name + OLD and there(file):
+                duplicate(file, target)
+            else:
+                move(file, target)
+        note(name, old)
     for file in SETTINGS:
         move(FOLDER + "/" + name + "/" + file, file)
     move("board.new", "board.py")

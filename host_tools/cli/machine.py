@@ -21,20 +21,24 @@ from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
 
 app = typer.Typer(
-    help="""Store the board files of several machines on a board, and choose one.
+    help="""Write board files, store several on a board, choose the one that it is, and go back.
 
-    Each has its own saved settings and firmware; files that are alike are stored once. They want the same chip.
+    Each machine has its own saved settings and firmware; files that are alike are stored once. They want the same chip.
 
     Examples:
 
-        passo machine add lpt_router --port /dev/ttyACM0
-        passo machine list --port /dev/ttyACM0
-        passo machine choose lpt_router --port /dev/ttyACM0
+        passo machine new mine --like lpt_router axes.x.travel_steps=24000
+        passo machine set mine.py step_program.interval_us=250
+        passo machine add mine.py --port /dev/ttyACM0
+        passo machine choose mine --port /dev/ttyACM0
+        passo machine back --port /dev/ttyACM0
     """,
     no_args_is_help=True,
 )
 Port = Annotated[str, typer.Option(help="Serial port of the board (passo ports).")]
-_TAKEN = ("before", "chosen", "files")  # names in the folder of machines that machines.py gives itself
+Pairs = Annotated[list[str], typer.Argument(metavar="KEY=VALUE...", help="Values as in a board file; a KEY is a path: axes.x.steps_per_m. None removes.")]
+_TAKEN = ("before", "chosen", "files", "new")  # names in the folder of machines that machines.py gives itself
+_OLD = "_old"  # what machines.py adds to the name of a machine whose board file another has replaced
 _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
 
@@ -90,14 +94,19 @@ def add(
             print(line)
 
 
+def check_name(name):
+    """Raise Failure if a machine cannot have this name."""
+    if not re.fullmatch(r"\w{1,32}", name) or name in _TAKEN or name.endswith(_OLD):
+        raise Failure("{!r} is no name for a machine: letters, digits and _, none of {}, and no {} at its end", name, ", ".join(_TAKEN), _OLD)
+
+
 def store(board, port, call, out=None):
     """Store a machine, and what is missing of its firmware; then `call` of machines.py, and a restart. `out`: folder of the build.
     Returns the lines that the call prints. Raises Failure."""
     from host_tools import boards
 
     name = Path(board).stem
-    if not re.fullmatch(r"\w{1,32}", name) or name in _TAKEN:
-        raise Failure("{!r} is no name for a machine: letters, digits and _, not before, chosen or files", name)
+    check_name(name)
     chip = boards.load(board).get("chip")
     told = _run(port, "tell()")
     there = next((line[5:] for line in told if line.startswith("chip ")), None)
@@ -107,7 +116,8 @@ def store(board, port, call, out=None):
         raise Failure("this board is an {}, and {} is for an {}", there, name, chip)
     files = _firmware(board, port, out or default_out(board))
     text = "".join(f"{path} {digest}\n" for path, digest in files)
-    wanted = {line.split()[1] for line in _run(port, f"want({text!r})") if line.startswith("wants ")}
+    data = boards.board_py(board)
+    wanted = {line.split()[1] for line in _run(port, f"retire({name!r}, {_digest('board.py', data)!r})\nwant({text!r})") if line.startswith("wants ")}
     with tempfile.TemporaryDirectory() as folder:
         machines = Path(folder) / "machines"
         (machines / "files").mkdir(parents=True)
@@ -118,7 +128,7 @@ def store(board, port, call, out=None):
             copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
         stored = machines / name
         stored.mkdir()
-        (stored / "board.py").write_bytes(boards.board_py(board))
+        (stored / "board.py").write_bytes(data)
         (stored / "modules.txt").write_text(text, encoding="ascii")
         copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
     return _run(port, "tidy()\n" + call, "+", "reset")
@@ -167,11 +177,114 @@ def choose(
 
     Example: passo machine choose lpt_router --port /dev/ttyACM0
     """
-    if not re.fullmatch(r"\w{1,32}", name):
-        raise Failure("{!r} is no name of a machine", name)
+    _check_stored_name(name)
     _at_rest(port)
     _run(port, f"choose({name!r})", "+", "reset")
     print(_("{} is chosen, and the board starts with it", name))
+
+
+@app.command()
+def back(port: Port):
+    """Choose the machine that was chosen before, and start the board anew with it: for a change that does not start, or is wrong.
+
+    A machine whose board file was replaced is kept as NAME_old, with its settings of then; what ran before any was chosen as before.
+
+    Example: passo machine back --port /dev/ttyACM0
+    """
+    _at_rest(port)
+    lines = _run(port, "back()", "+", "reset")
+    print(_("{} is chosen, and the board starts with it", next(line[7:] for line in lines if line.startswith("chosen "))))
+
+
+@app.command()
+def remove(
+    name: Annotated[str, typer.Argument(help="One of passo machine list, but the chosen one.")],
+    port: Port,
+):
+    """Remove a stored machine and its settings from the board. Its board file on this computer stays.
+
+    Example: passo machine remove mine_old --port /dev/ttyACM0
+    """
+    _check_stored_name(name)
+    _at_rest(port)
+    _run(port, f"remove({name!r})\ntidy()", "+", "reset")
+    print(_("{} is removed", name))
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(help="Name of the machine, and of its file NAME.py in this folder.")],
+    like: Annotated[str, typer.Option(help="The board of boards/ that it is like.")],
+    pairs: Pairs = (),
+):
+    """Write the board file of a machine that is like one of boards/, with what differs. Nothing is written if the firmware would refuse it.
+
+    Examples:
+
+        passo machine new mine --like lpt_router
+        passo machine new mine --like lpt_router step_program.interval_us=250 axes.z=None
+    """
+    check_name(name)
+    file = Path(f"{name}.py")
+    if file.exists():
+        raise Failure("{} exists: passo machine set changes it", file)
+    text = f'"""{name}: like {like}, but for what stands here."""\n\nBOARD = {{\n    "name": "{name}",\n    "like": "{like}",\n}}\n'
+    _write(file, _edited(file, text, pairs))
+
+
+@app.command("set")
+def set_(
+    file: Annotated[Path, typer.Argument(help="A board file of your own.")],
+    pairs: Pairs,
+    port: Annotated[str | None, typer.Option(help="Store it on this board, too, and start the board with it.")] = None,
+):
+    """Change values of a board file; comments and order stay. FILE.old is what it was. Nothing is written if the firmware would refuse it.
+
+    Examples:
+
+        passo machine set mine.py axes.x.steps_per_m=81250 axes.x.invert=True
+        passo machine set mine.py inputs.stop.active=0 outputs.fan=None
+        passo machine set mine.py step_program.interval_us=250 --port /dev/ttyACM0
+    """
+    from host_tools import boards
+
+    if str(file) in boards.names() or file.resolve().parent == boards.BOARDS.resolve():
+        raise Failure("{0} is one of Passo's own: passo machine new NAME --like {0}", file.stem)
+    if file.suffix != ".py" or not file.is_file():
+        raise Failure("{} is no board file here: passo machine new NAME --like BOARD writes one", file)
+    text = boards.read(file)
+    changed = _edited(file, text, pairs)
+    if port is not None:
+        check_name(file.stem)
+        _at_rest(port)
+    file.with_name(file.name + ".old").write_text(text, encoding="utf-8")
+    _write(file, changed)
+    if port is not None:
+        become(str(file), port)
+        print(_("{0} starts with it; passo machine back --port {0} returns to what it was", port))
+
+
+def _edited(file, text, pairs):
+    """The text of a board file with KEY=VALUE changed, which the firmware takes. Raises Failure."""
+    from host_tools import board_edit, boards
+
+    boards.table(text, file)
+    text = board_edit.set_values(text, dict(board_edit.parse(pair) for pair in pairs))
+    boards.checked(boards.table(text, file), file)
+    return text
+
+
+def _write(file, text):
+    """Write a file whole, or leave it as it was."""
+    made = file.with_name(file.name + ".new")
+    made.write_text(text, encoding="utf-8")
+    made.replace(file)
+    print(_("{} is written", file))
+
+
+def _check_stored_name(name):
+    if not re.fullmatch(rf"\w{{1,32}}({_OLD})?", name):
+        raise Failure("{!r} is no name of a machine", name)
 
 
 def _at_rest(port):

@@ -1,6 +1,7 @@
 """`passo machine` on a board that stands behind a pty: stored, chosen, with the settings of each."""
 
 import os
+import shutil
 from functools import partial
 from types import SimpleNamespace
 
@@ -52,13 +53,59 @@ def test_two_machines_on_a_board(folder, board, small):  # noqa: F811
     assert wait_for(files / ".reset") and '"name": "lpt_router"' in (files / "board.py").read_text()
     assert not (files / "settings.0").exists()
     assert (files / "machines/before/settings.0").read_text() == "of the plotter"
-    assert passo("list", *where).startswith("* lpt_router")
+    assert [line.split()[:2] for line in passo("list", *where).splitlines()] == [["before", "ready"], ["*", "lpt_router"], ["plotter_2014", "ready"]]
     put(files, "settings.1", "of the router")
     passo("choose", "plotter_2014", *where)
     assert not (files / "settings.1").exists() and '"name": "plotter_2014"' in (files / "board.py").read_text()
     passo("choose", "lpt_router", *where)
     passo("choose", "lpt_router", *where)
     assert (files / "settings.1").read_text() == "of the router"
+
+
+def test_what_was_before_comes_back(folder, board, small):  # noqa: F811
+    """What was flashed, and a machine whose board file was changed, each with its settings."""
+    port, files = board
+    where = ("--port", port)
+    flashed = 'BOARD = {"chip": "rp2040", "name": "flashed"}'
+    put(files, "board.py", flashed)
+    put(files, "main.py", "flashed")
+    put(files, "settings.0", "of then")
+    own = folder / "mine.py"
+    own.write_text('BOARD = {"name": "mine", "like": "lpt_router"}  # mine\n')
+    assert "no machine was chosen before" in passo("back", *where)
+    passo("add", str(own), *where)
+    passo("choose", "mine", *where)
+    assert "before is chosen" in passo("back", *where)
+    assert (files / "board.py").read_text() == flashed and (files / "main.py").read_text() == "flashed" and (files / "settings.0").read_text() == "of then"
+    assert "mine is chosen" in passo("back", *where)
+    assert "is the chosen one" in passo("remove", "mine", *where)
+    assert passo("remove", "before", *where) == "before is removed\n"
+    put(files, "settings.0", "calibrated")
+    said = passo("set", str(own), "step_program.interval_us=250", *where)
+    assert said.endswith(f"passo machine back --port {port} returns to what it was\n")
+    assert "250" in (files / "board.py").read_text() and (files / "settings.0").read_text() == "calibrated"
+    assert own.with_name("mine.py.old").read_text() == 'BOARD = {"name": "mine", "like": "lpt_router"}  # mine\n' and own.read_text().endswith("# mine\n")
+    put(files, "settings.0", "newer")
+    assert "mine_old is chosen" in passo("back", *where)
+    assert "250" not in (files / "board.py").read_text() and (files / "settings.0").read_text() == "calibrated"
+    passo("choose", "mine", *where)
+    assert "250" in (files / "board.py").read_text() and (files / "settings.0").read_text() == "newer"
+
+
+def test_board_files_are_written_and_changed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert passo("new", "mine", "--like", "lpt_router", "step_program.interval_us=250") == "mine.py is written\n"
+    made = boards.load("mine.py")
+    assert made["name"] == "mine" and made["step_program"] == {**boards.load("lpt_router")["step_program"], "interval_us": 250}
+    assert passo("set", "mine.py", "axes.x.steps_per_m=81250", "idle_release_ms=9000") == "mine.py is written\n"
+    assert boards.load("mine.py")["axes"][0]["steps_per_m"] == 81250 and boards.load("mine.py")["axes"][1] == made["axes"][1]
+    assert "81250" not in (tmp_path / "mine.py.old").read_text()
+    text = (tmp_path / "mine.py").read_bytes()
+    for words, wrong in ((("set", "mine.py", "step_program.interval_us=0"), "interval_us"), (("set", "mine.py", "axis.x=3"), "axis"), (("set", "mine.py", "speed"), "is not KEY=VALUE"),
+                         (("set", "lpt_router", "a=3"), "one of Passo's own"), (("set", str(boards.path("lpt_router")), "a=3"), "one of Passo's own"), (("set", "none.py", "a=3"), "is no board file here"),
+                         (("new", "mine", "--like", "lpt_router"), "exists"), (("new", "other", "--like", "nothing"), "unknown board 'nothing'")):  # fmt: skip
+        assert wrong in passo(*words), words
+    assert (tmp_path / "mine.py").read_bytes() == text and sorted(path.name for path in tmp_path.iterdir()) == ["mine.py", "mine.py.old"]
 
 
 def test_with_passos_uf2_only_board_files_are_stored(folder, board, monkeypatch):  # noqa: F811
@@ -86,7 +133,8 @@ def test_what_is_not_chosen(folder, board, small):  # noqa: F811
     assert "there is no machine plotter" in passo("choose", "plotter", *where)
     assert "is no name" in passo("choose", "../x", *where)
     assert "is an rp2040" in passo("add", "mks_dlc32", *where)
-    assert "not before, chosen or files" in passo("add", "boards/files.py", *where)
+    for name in ("files", "chosen", "mine_old", "a" * 33):
+        assert "is no name for a machine" in passo("add", f"boards/{name}.py", *where)
     next((files / "machines/files").iterdir()).unlink()
     assert "1 files of its firmware are missing or of another version" in passo("list", *where)
     said = passo("choose", "lpt_router", *where)
@@ -183,6 +231,28 @@ def test_no_cut_of_the_power_makes_a_mixture(tmp_path):
     assert count > 8
 
 
+def test_no_cut_of_the_power_loses_what_was_before(tmp_path):
+    """Amid each step of the first `choose` of a board that was only flashed, and of the way back."""
+    for calls in (["choose('y')"], ["choose('y')", "back()"]):
+        done, count = False, 0
+        while not done:
+            board = of_two_machines(tmp_path / f"{len(calls)}{count}")
+            shutil.rmtree(board.folder / "machines/x")
+            for call in calls[:-1]:
+                board.run(call)
+            try:
+                board.run(calls[-1], count)
+                done = True
+            except Cut:
+                assert board.whole() in (None, "x" if len(calls) == 1 else "y")
+                board.run(calls[-1])
+            assert board.whole() == ("y" if len(calls) == 1 else "x")
+            board.run("back()")
+            assert board.whole() == ("x" if len(calls) == 1 else "y")
+            count += 1
+        assert count > 10
+
+
 def test_what_a_board_asks_for(tmp_path):
     board = of_two_machines(tmp_path)
     known = (tmp_path / "machines/y/modules.txt").read_text()
@@ -218,7 +288,7 @@ def test_what_becomes_another_machine_and_what_fails(folder, board, small):  # n
     (files / ".reset").unlink()
     machine.become("lpt_router", port)
     assert wait_for(files / ".reset") and '"name": "lpt_router"' in (files / "board.py").read_text()
-    assert (files / "machines/chosen").read_text() == "lpt_router" and not list(folder.glob("build"))
+    assert (files / "machines/chosen").read_text() == "lpt_router\nbefore" and not list(folder.glob("build"))
 
 
 def test_a_pc_without_mpremote(folder, monkeypatch):  # noqa: F811
