@@ -12,8 +12,8 @@ from ezdxf.entities import Hatch, Insert, MPolygon, Polyline, Spline
 
 _FRAME = 16  # of a vertex: a control point of the frame
 _SAME = 1e-9  # knots nearer than this, of the whole span, are one
-_MOST = 30_000  # entities of blocks, as often as they are inserted: some 3 s
-_LETTERS, _VERTICES = 1, 20  # that take as long as an entity
+_MOST = 25_000  # entities of blocks, as often as they are inserted: some 3 s
+_LETTERS, _VERTICES = 1, 10  # that take as long as an entity
 
 
 class TooMany(ValueError):

@@ -1,6 +1,6 @@
 """Shapes of an SVG file as polylines: arrays of complex numbers x + iy.
 
-    segments, whole = path_segments("M0 0C1 1 2 2 3 0")
+    segments, whole = svg_path.read("M0 0C1 1 2 2 3 0")
     lines = flattened(segments, 0.1)        # chords at most 0.1 from their curves
     lines = placed(lines, compose(parent, matrix("rotate(30)")))
 
@@ -27,6 +27,7 @@ _STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
 _FARTHEST_PX = 1e7  # 2.6 km: what lies beyond is a mistake in the file
 _LARGEST = 1e15  # of numbers in units of the file's own: KiCad's are nanometres
 _MOST_REACH_PX = 1e10  # of a shape that a matrix takes back to the page: a curve of it has 300 000 chords at most
+_MOST_KEPT = 100  # chords of a curve whose weights are kept: 300 kB in all
 _MOST_DASHES = 20_000  # of one line: more are a mistake in the file
 
 
@@ -53,9 +54,10 @@ def reached(size):
 
 def on_page(lines):
     """The same lines, in px of the page. Raises TooFar."""
-    for line in lines:
-        for places in (line.real, line.imag) if len(line) else ():
-            bounded(float(places[numpy.argmax(abs(places))]))
+    if lines:
+        every = numpy.concatenate(lines)
+        for places in (every.real, every.imag) if len(every) else ():
+            bounded(float(places[abs(places).argmax()]))
     return lines
 
 
@@ -89,7 +91,10 @@ def up_to_a_mistake(text):
 
 def numbers(text):
     """Raises TooFar."""
-    return [finite(float(each)) for each in _NUMBER.findall(text or "")]
+    found = list(map(float, _NUMBER.findall(text or "")))
+    if found:
+        finite(max(found, key=abs))
+    return found
 
 
 # --- matrices
@@ -264,76 +269,51 @@ def _data(*parts):
     return " ".join(part if isinstance(part, str) else repr(part) for part in parts)
 
 
-def path_segments(data):
-    """svgelements' segments of a path up to its first mistake, and True if there is none."""
-    path = _path_type()()
-    try:
-        path.parse(data)
-    except (ValueError, IndexError, TypeError, AttributeError):
-        return list(path), False
-    return list(path), True
-
-
-@lru_cache(maxsize=1)
-def _path_type():
-    """svgelements' Path, but S goes on from C and S only, T from Q and T only; behind others the control point is the current point."""
-    import svgelements
-
-    class Path(svgelements.Path):
-        _kind = svgelements.CubicBezier
-
-        def smooth_cubic(self, *points, **options):
-            self._kind = svgelements.CubicBezier
-            return super().smooth_cubic(*points, **options)
-
-        def smooth_quad(self, *points, **options):
-            self._kind = svgelements.QuadraticBezier
-            return super().smooth_quad(*points, **options)
-
-        @property
-        def smooth_point(self):
-            follows = len(self) and isinstance(self[-1], self._kind)
-            return super().smooth_point if follows else self.current_point
-
-    return Path
-
-
 def flattened(segments, deviation):
     """Polylines of a path's segments, one a subpath, no chord further than `deviation` from its curve. A subpath without
     length is its position twice; a move that nothing follows is nothing."""
-    import svgelements
-
     lines, line = [], []
 
     def finish():
         if len(line) > 1:
             array = numpy.array(line)
-            moved = numpy.append(True, array[1:] != array[:-1])
-            lines.append(array[moved] if moved.sum() > 1 else array[:2])
+            moved = array[1:] != array[:-1]
+            lines.append(array if moved.all() else array[numpy.append(True, moved)] if moved.any() else array[:2])
 
-    for segment in segments:
-        end = complex(segment.end) if segment.end is not None else None
-        if end is None:
-            continue
-        if isinstance(segment, svgelements.Move):
+    for kind, *points in segments:
+        if kind == "M":
             finish()
-            line = [end]
-            continue
-        if not line:
-            line = [complex(segment.start)]
-        if isinstance(segment, svgelements.CubicBezier):
-            line += cubic(line[-1], complex(segment.control1), complex(segment.control2), end, deviation)
-        elif isinstance(segment, svgelements.QuadraticBezier):
-            line += quadratic(line[-1], complex(segment.control), end, deviation)
-        elif isinstance(segment, svgelements.Arc):
-            line += _arc(segment, end, deviation)
+            line = points
+        elif kind == "L":
+            line += points[0]
+        elif kind == "C":
+            line += cubic(line[-1], *points, deviation)
+        elif kind == "Q":
+            line += quadratic(line[-1], *points, deviation)
+        elif kind == "A":
+            line += _arc(*points, deviation)
         else:
-            line.append(end)
-            if isinstance(segment, svgelements.Close):
-                finish()
-                line = [end]
+            line += points
+            finish()
+            line = points
     finish()
     return lines
+
+
+def _inner(count, *points):
+    """Positions between the ends of a Bézier curve of these control points, where its `count` chords meet."""
+    weights = _kept_weights if count <= _MOST_KEPT else _weights
+    return (weights(count, len(points)) @ numpy.array(points)).tolist()
+
+
+def _weights(count, size):
+    """What each of `size` control points counts for at those positions."""
+    t = numpy.linspace(0, 1, count + 1)[1:-1, None]
+    s = 1 - t
+    return numpy.hstack((s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t) if size == 4 else (s * s, 2 * s * t, t * t))
+
+
+_kept_weights = lru_cache(maxsize=None)(_weights)
 
 
 def cubic(a, b, c, d, deviation):
@@ -343,9 +323,7 @@ def cubic(a, b, c, d, deviation):
     count = max(1, math.ceil(math.sqrt(0.75 * bend / deviation)))
     if count == 1:
         return [d]
-    t = numpy.linspace(0, 1, count + 1)[1:-1]
-    s = 1 - t
-    return [*(s * s * s * a + 3 * s * s * t * b + 3 * s * t * t * c + t * t * t * d), d]
+    return [*_inner(count, a, b, c, d), d]
 
 
 def quadratic(a, b, c, deviation):
@@ -353,9 +331,7 @@ def quadratic(a, b, c, deviation):
     count = max(1, math.ceil(math.sqrt(abs(a - 2 * b + c) / deviation / 4)))
     if count == 1:
         return [c]
-    t = numpy.linspace(0, 1, count + 1)[1:-1]
-    s = 1 - t
-    return [*(s * s * a + 2 * s * t * b + t * t * c), c]
+    return [*_inner(count, a, b, c), c]
 
 
 def _arc(segment, end, deviation):

@@ -9,7 +9,7 @@ import math
 
 import numpy
 
-from host_tools.drawings import svg_area, svg_geometry, svg_style
+from host_tools.drawings import svg_area, svg_geometry, svg_path, svg_style
 from host_tools.drawings.page import Ink
 from host_tools.language import N_
 
@@ -97,7 +97,7 @@ class Shapes:
             data = context.style.get("d") if tag == "path" else self._basic(tag, element, context)
             data = None if data == "none" else data
             reach = max(map(abs, svg_geometry.numbers(data)), default=0.0)
-            segments, whole = svg_geometry.path_segments(data) if data else ([], True)
+            segments, whole = svg_path.read(data) if data else ([], True)
             if tag in ("polyline", "polygon"):
                 whole = svg_geometry.up_to_a_mistake(element.get("points"))[1]
             self._segments[key] = segments, whole, reach

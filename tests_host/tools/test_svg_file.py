@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from host_tools import boards
-from host_tools.drawings import drawing, svg_area, svg_file, svg_geometry
+from host_tools.drawings import drawing, svg_area, svg_file, svg_geometry, svg_path
 from host_tools.drawings.svg_file import SvgFile
 from host_tools.failure import Failure
 
@@ -427,7 +427,7 @@ def test_chords_keep_their_distance_from_curves(places, deviation):
     cubic = (1 - t) ** 3 * p + 3 * (1 - t) ** 2 * t * q + 3 * (1 - t) * t**2 * r + t**3 * s
     quadratic = (1 - t) ** 2 * p + 2 * (1 - t) * t * q + t**2 * r
     for data, curve in ((f"M{a}C{b} {c} {d}", cubic), (f"M{a}Q{b} {c}", quadratic)):
-        segments, whole = svg_geometry.path_segments(data)
+        segments, whole = svg_path.read(data)
         (line,) = svg_geometry.flattened(segments, deviation)
         assert whole
         assert max(min(distance(place, *pair) for pair in zip(line, line[1:])) for place in curve) <= deviation + 1e-9
