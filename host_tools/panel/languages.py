@@ -66,7 +66,7 @@ def _pulses(board, write, tell, about):
 
     machine = PulsesMachine(write, tell, board)
     about["bits"] = board["step_program"]["port_bits"]
-    lengths = lengths_of(board["axes"])
+    lengths = lengths_of([axis["steps_per_m"] for axis in board["axes"]])
     about["fastest"] = min(lengths[1 << axis] for axis in range(len(board["axes"]))) // board["step_program"]["interval_us"]
     return Spoken(machine, machine.teach, lambda path: path.read_bytes(), about)
 
