@@ -151,6 +151,7 @@ class PlotterClient:
         *told, answer = said.decode("ascii", "replace").splitlines()
         if answer != "ok":
             number = int(answer[6:] or 0) if answer[:6] == "error:" else None
+            self.status()  # clears the error, else the next packet would seem to be refused
             raise refusal.Refused("{}: {}", line, refusal.explain(answer), number=number)
         return told
 
