@@ -68,20 +68,28 @@ def allowed(place, names):
 
 def measured(names, place):
     """([(name, Outcome or why not)], whether one failed or was wrong)"""
+    from host_tools.emulator.copies import CopyFailed
     from host_tools.experiments.experiments import refusal, run
 
     done, failed = [], False
     for number, name in enumerate(names, 1):
-        why = refusal(name, place)
-        print(f"{number}/{len(names)} {name}{': ' + why if why else ''}", file=sys.stderr, flush=True)
-        if why:
-            done.append((name, why))
-            continue
+        tell(f"{number}/{len(names)} {name}")
         try:
-            outcome = run(name, place)
-            failed = failed or any(row.agrees is False for row in outcome.rows)
-        except (Failure, TimeoutError) as error:
-            outcome, failed = error.told() if isinstance(error, Failure) else str(error), True
-            print(f"{name}: {outcome}", file=sys.stderr, flush=True)
+            outcome = refusal(name, place)
+            if outcome:
+                tell(f"{name}: {outcome}")
+            else:
+                outcome = run(name, place)
+                failed = failed or any(row.agrees is False for row in outcome.rows)
+        except (Failure, OSError, CopyFailed) as error:
+            outcome, failed = error.told() if isinstance(error, Failure) else str(error).strip().splitlines()[-1], True
+            tell(f"{name}: {outcome}")
+        except KeyboardInterrupt:
+            return [*done, (name, _("interrupted"))], True
         done.append((name, outcome))
     return done, failed
+
+
+def tell(text):
+    """For somebody who waits."""
+    print(text, file=sys.stderr, flush=True)

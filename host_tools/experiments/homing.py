@@ -6,6 +6,7 @@ Machines with a plant are moved by hand between the runs. A board homes itself b
 import copy
 import random
 import re
+from contextlib import suppress
 from statistics import pstdev
 
 from host_tools import boards
@@ -67,7 +68,12 @@ def home_board(place, runs):
     """[(sensor, runs, range, standard deviation)] in steps, as the board itself counts them. Raises Failure."""
     with place.client() as client:
         client.connect()
-        said = client.command(f"$HR={runs}", HOMED_S)
+        try:
+            said = client.command(f"$HR={runs}", HOMED_S)
+        except BaseException:  # Ctrl-C, too: the machine would home on
+            with suppress(Failure):
+                client.reset()
+            raise
     return [(axis, int(count), int(wide), float(sigma)) for axis, count, wide, sigma in ROW.findall("\n".join(said))]
 
 

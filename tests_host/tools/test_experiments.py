@@ -209,7 +209,7 @@ def test_homing_ends_on_the_same_step():
 class OnRouter:
     """A board at the other end of a port, which speaks G-code."""
 
-    kind, moves = BOARD, True
+    kind, moves, clients = BOARD, True, GrblClient
 
     def __init__(self, port, **homing):
         self._port = port
@@ -220,7 +220,7 @@ class OnRouter:
         return self._raw
 
     def client(self):
-        return GrblClient(self._port, timeout_s=15)
+        return self.clients(self._port, timeout_s=15)
 
 
 def test_a_board_says_how_well_it_homes():
@@ -228,6 +228,26 @@ def test_a_board_says_how_well_it_homes():
         rows = homing.home_board(OnRouter(router.line.name, latch=True), 3)
     assert {row[0] for row in rows} == {"x", "y", "z"} and all(count == 3 and wide == 0 for _axis, count, wide, _sigma in rows)
     assert not homing.left_out(OnRouter("", latch=True).raw()) and "latch" in homing.left_out(OnRouter("", latch=False).raw())
+
+
+class Interrupted(GrblClient):
+    """Ctrl-C is pressed once the machine homes."""
+
+    def command(self, line, timeout_s=None):
+        if line.startswith("$HR"):
+            self._say(line.encode())
+            while self.ask_status()["state"] != "Home":
+                pass
+            raise KeyboardInterrupt
+        return super().command(line, timeout_s)
+
+
+def test_homing_that_is_interrupted_ends(monkeypatch):
+    monkeypatch.setattr(OnRouter, "clients", Interrupted)
+    with Running("real", homing={**boards.load("router_3axis")["homing"], "latch": True}) as router:
+        with pytest.raises(KeyboardInterrupt):
+            homing.home_board(OnRouter(router.line.name, latch=True), 3)
+        router.until(lambda: router.app.controller.state == "alarm")
 
 
 def test_a_board_measures_what_its_board_file_can():
@@ -298,6 +318,16 @@ def test_a_board_moves_only_if_that_is_allowed():
     assert {name for name in EXPERIMENTS if refusal(name, place)} == {"inputs", "strokes", "rates", "homing", "codes"}
     place.moves = True
     assert {name for name in EXPERIMENTS if refusal(name, place)} == {"inputs", "strokes", "codes"}, "a router speaks no pulses"
+
+
+def test_ctrl_c_keeps_what_was_measured(monkeypatch, tmp_path):
+    def interrupt(_place):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(rates, "run", interrupt)
+    assert passo("codes", "rates", "homing", "--out", tmp_path).exit_code == 1
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "code [" in text and "Not measured: interrupted." in text and "Homing" not in text
 
 
 def test_one_that_fails_leaves_the_others(monkeypatch, tmp_path):
