@@ -50,6 +50,7 @@ class Lpt:
             board["journal"] = {"every_ms": 100}
         board = check(board)
         board["step_program"].update(config)
+        board = check(board)  # its settings follow
         self.board = board
         self.world = World((0, 0, 0))
         self.world.switches.update({"stop": 0, "job": 1})

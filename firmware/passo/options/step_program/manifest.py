@@ -35,4 +35,9 @@ def check(board):
     bits = config["port_bits"].replace("-", "")
     if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
         raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
+    rules = {
+        181: ("interval_us", 0, config["interval_us"], 1, 250_000),
+        182: ("program_speed", 0, config["default_mm_min"], 1, 900_000),
+    }
+    board["additions"].settings.update(rules)
     board["additions"].features["step_program"] = "passo.options.step_program.control", "StepProgramPlayer"

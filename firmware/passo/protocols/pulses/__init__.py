@@ -15,13 +15,10 @@ def check(board):
 
 
 def settings(board, table):
-    """Add to the settings: the drivers' interval, and the speed of moves by hand and of programs that say none."""
+    """A step program wants more steps/mm than other machines do; its own settings are the option's."""
     for number in range(len(board["axes"])):
         name, places, default, _, most = table[100 + number]
         table[100 + number] = name, places, default, _LEAST_STEPS_M, most
-    config = board["step_program"]
-    table[181] = ("interval_us", 0, config["interval_us"], 1, 250_000)
-    table[182] = ("program_speed", 0, config["default_mm_min"], 1, 900_000)
 
 
 def create(link, number, board, controller, shared, most):
