@@ -2,15 +2,19 @@
 
     wire = TorchWire(write, machine)        # machine.answered(event), machine.report(dict)
 
-Nothing is answered: what is said is taken for done. The board counts what it drops, and its reports say why.
+Nothing but a setting is answered: what is said is taken for done. The board counts what it drops, and its reports say why.
 """
 
 import struct
 
-from passo import commands
-from passo.commands import ACCEPTED, Event
+from host_tools.clients.refusal import complete
+from passo import commands, errors
+from passo.commands import ACCEPTED, REFUSED, Event
+from passo.protocols.setting_lines import decimal
 from passo.protocols.torch import protocol as torch
+from passo.protocols.typed_words import line_of
 
+_OVERTAKEN = 5  # reports
 _JOGS = {(0, 1): "JOG_X+", (0, -1): "JOG_X-", (1, 1): "JOG_Y+", (1, -1): "JOG_Y-"}
 _FRAMES = {commands.STOP: torch.frame("STOP"), commands.ZERO: torch.frame("ORIGIN"), commands.HAND_OVER: torch.passo(torch.LINK_OF, 0),
            commands.RESET: torch.passo(torch.UNLOCK_OF, 1), commands.UNLOCK: torch.passo(torch.UNLOCK_OF, 0)}  # fmt: skip
@@ -66,11 +70,21 @@ class TorchWire:
         self._write = write
         self._machine = machine
         self._answers = Answers()
+        self._line = None  # the command of a line that is not answered
+        self._text = ""  # of its answer so far
+        self._reports = 0  # since it was said
 
     def takes(self, command):
         return True
 
     def order(self, command):
+        if command.kind == commands.SETTING:
+            self._drop_line()
+            self._line = command
+            self._reports = 0
+            line = line_of(f"${command.target}={decimal(command.value, 3)}")
+            self._write(b"".join(torch.passo(torch.LINE_OF, byte) for byte in line))
+            return
         self._write(frame_of(command))
         self._machine.answered(Event(ACCEPTED, command))
 
@@ -78,7 +92,25 @@ class TorchWire:
         self._write(torch.passo(torch.STATUS_OF))
 
     def drop(self):
-        """Nothing waits for an answer."""
+        """Nothing but a line about a setting waits for an answer."""
+        self._drop_line()
+
+    def _drop_line(self, error=errors.NO_ANSWER):
+        line, self._line, self._text = self._line, None, ""
+        if line:
+            self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error))
+
+    def _late_line(self):
+        """A board answers in order: what several reports have overtaken, it does not know."""
+        self._reports += 1
+        if self._line and self._reports > _OVERTAKEN:
+            self._drop_line()
+
+    def _hear_line(self, text):
+        self._text += text
+        if complete(self._text):
+            last = self._text.splitlines()[-1]
+            self._drop_line(0 if last == "ok" else int(last[6:]))
 
     silent = drop
 
@@ -90,4 +122,7 @@ class TorchWire:
                 fields = told[1]
                 fields["position"] = [fields["x"], fields["y"]]
                 self._machine.report(fields)
+                self._late_line()
+            elif told[0] == "TEXT":
+                self._hear_line(told[1]["text"])
             told = self._answers.next()

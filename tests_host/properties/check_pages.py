@@ -46,7 +46,7 @@ def what_it_can(language):
     """What a page of the board may ask for is what one of the PC may, but for what only a PC has, and only a board."""
     of_pc, of_board = [set(ready(served, language)[1].hello["can"]) for served in (OnCable, OnBoard)]
     assert of_pc - of_board <= {"jobs", "teach", "single"}, of_pc - of_board
-    assert of_board - of_pc == {"command"}, of_board - of_pc
+    assert of_board - of_pc == ({"command"} if language == "grbl" else {"command", "settings"}), of_board - of_pc
     travels = [ready(served, language)[1].hello["travel"] for served in (OnCable, OnBoard)]
     assert travels[0] == travels[1] or language == "grbl" and travels[0] is None, travels  # by cable the settings say it
 
@@ -213,6 +213,60 @@ def a_jog_ends_with_its_page(language):
         stood = desk.place()
         desk.run_ms(500)
         assert desk.place() == stood, served
+
+
+def of_settings(desk, *numbers):
+    settings = desk.app.controller.machine.settings
+    return [settings.value(number) for number in numbers]
+
+
+def settings_of_the_board(language):
+    """Told to all, set by the page that commands and has proven its key, refused by number; steps/mm count for the page at once."""
+    desk, page = ready(OnBoard, language)
+    told = page.order("settings")["settings"]
+    assert float(told["100"]) * 1000 == of_settings(desk, 100)[0] and "110" in told
+    assert page.order("set", False, number=100, value=33.5)["error"] == errors.NO_SESSION
+    assert page.order("set", number=999, value=1)["error"] == errors.STATEMENT
+    before = of_settings(desk, 100)
+    assert page.order("set", number=100, value=0)["error"] == errors.SETTING_RANGE and of_settings(desk, 100) == before
+    assert page.order("set", number=100, value=33.5)["error"] == 0 and of_settings(desk, 100) == [33_500]
+    desk.run_ms(300)
+    told = [each for each in page.told if each["t"] == "settings"][-1]["settings"]
+    assert float(told["100"]) == 33.5
+    if language == "keys":
+        return
+    at = desk.place()
+    order, fields = moves(language)
+    assert page.order(order, **fields)["error"] == 0
+    desk.run_ms(1500)
+    assert abs(abs(desk.place()[0] - at[0]) - 5 * 33.5) <= 1, (at, desk.place())
+
+
+def preferences_of_a_torch(served):
+    """Steps/mm, jogs and speeds in one order: the board has kept them, in millimetres; refused steps/mm change nothing of it."""
+    desk, page = ready(served, "torch")
+    assert page.order("configure", jogx=2, jogy=0.5, xv=300, yv=450, sx=50)["error"] == 0
+    desk.run_ms(500)
+    assert of_settings(desk, 100, 101, 150, 151, 170, 171) == [50_000, 83_000, 2000, 506, 300_000, 449_639]  # 42 steps, 622 steps/s
+    told = page.order("preferences")
+    assert told["scale"] == [50, 83] and told["jog"] == [2, 0.506], told
+    page.order("configure", jogx=3, jogy=3, xv=300, yv=450, sy=99_999)
+    desk.run_ms(500)
+    assert of_settings(desk, 100, 101, 150) == [50_000, 83_000, 2000]
+    page.order("configure", jogx=3, jogy=3, xv=300, yv=450)
+    desk.run_ms(500)
+    assert of_settings(desk, 150, 151) == [3000, 3000]
+
+
+def check_settings_of_the_board():
+    for language in MACHINES:
+        if language != "grbl":
+            settings_of_the_board(language)
+
+
+def check_preferences_of_a_torch():
+    for served in BOTH:
+        preferences_of_a_torch(served)
 
 
 def check_what_it_can():

@@ -179,7 +179,7 @@ def test_the_torch(tmp_path, driver):
         browser.until(lambda: place() == [15, 10])
         browser.until_state("Ready")
         for yes in (False, True):
-            field(browser, "preferences-form", jogx=2)
+            field(browser, "preferences-form", jogx=2, sx=48)
             send(browser, "preferences-form")
             browser.answer(yes)
         browser.until(lambda: browser.text("message") == "")

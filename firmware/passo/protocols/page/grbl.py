@@ -156,6 +156,12 @@ class GrblPage(PageMachine):
             return 0
         return max(0, self._dwell - (self._now_ms - self._dwelt_ms) % 0x20000000)
 
+    def _follow_settings(self, settings):
+        """See _take_settings()."""
+
+    def told_settings(self):
+        return self.settings
+
     def _take_settings(self):
         self._version = self._settings.version
         self.scale = [resolution / 1000 for resolution in self._record.steps_per_m]

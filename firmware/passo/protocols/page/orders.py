@@ -189,7 +189,7 @@ class Orders:
     # --- settings and log
 
     def _settings(self, order):
-        return {"t": "settings", "axes": self.machine.axes, "settings": self.machine.settings}
+        return {"t": "settings", "axes": self.machine.axes, "settings": self.machine.told_settings()}
 
     def _set(self, order):
         which = number(order, "number", 0, 999)

@@ -16,6 +16,7 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.jog import Jog, Limits
 from passo.protocols.page.lease import Lease, since
+from passo.protocols.setting_lines import decimal, thousandths
 
 _MOST_LOG = const(100)
 _HUGE = 1e9  # mm/s²: no ramps
@@ -50,6 +51,10 @@ class PageMachine:
         self.travel = travel_of(board) if board and board["homing"] else None
         self.can = self.can + self.tells
         self._record = record
+        self._board = board
+        self._settings_of = record.settings.version if record.settings else 0  # that scale and travel are of
+        if record.settings and "settings" not in self.can:
+            self.can = self.can + ("settings",)
         self._number = number
         self._tell = tell
         self.lease = Lease()
@@ -144,6 +149,10 @@ class PageMachine:
     def report(self, report):
         """The machine's report, a dict: what is shown is so from now on."""
         state = self.state
+        settings = self._record.settings
+        if settings and self._settings_of != settings.version:
+            self._settings_of = settings.version
+            self._follow_settings(settings)
         state["state"] = self._name(report["state"])
         if "job" in report:
             state["stored"] = report["job"] or ""
@@ -152,6 +161,17 @@ class PageMachine:
 
     def _show(self, report):
         """What only this machine has."""
+
+    def _follow_settings(self, settings):
+        """The settings have changed: so have steps/mm, and all pages are told."""
+        self.scale = [resolution / 1000 for resolution in self._record.steps_per_m[: len(self.scale)]]
+        self.travel = travel_of(self._board) if self.travel else None
+        self._tell({"t": "settings", "axes": self.axes, "settings": self.told_settings()})
+
+    def told_settings(self):
+        """{number: value as text}; made when it is asked for, to save memory."""
+        settings = self._record.settings
+        return {number: decimal(settings.value(number), settings.places(number)) for number in settings.numbers} if settings else {}
 
     def _show_position(self, steps):
         """A report of a machine that tells no speed: its position in mm, and the speed since the one before."""
@@ -266,7 +286,14 @@ class PageMachine:
         """The language has no word for it."""
         return errors.UNKNOWN_COMMAND
 
-    zero = go = step = override = output = set = line = play = run = _wordless
+    zero = go = step = override = output = line = play = run = _wordless
+
+    def set(self, number, text):
+        """Set and keep a setting, of a board's own page."""
+        if not self._record.settings:
+            return errors.UNKNOWN_COMMAND
+        value = thousandths(text)
+        return errors.NUMBER if value is None else self.still() or self.do(Command(commands.SETTING, number, value))
 
     def _steps_by(self, way):
         """The way {axis: mm} in steps."""

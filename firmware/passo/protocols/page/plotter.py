@@ -34,10 +34,17 @@ class PlotterPage(PageMachine):
     def __init__(self, record, number, board, tell, language):
         PageMachine.__init__(self, record, number, board, tell)
         self._jogs = jogs_of(board)
-        self._travel = [min(axis["travel_steps"], MOST_PLACE) for axis in board["axes"]]
+        self._take_travel()
         self._steps = None
         self._way = None
         self.orders = {"pace": self._pace}
+
+    def _take_travel(self):
+        self._travel = [min(axis["travel_steps"], MOST_PLACE) for axis in self._board["axes"]]
+
+    def _follow_settings(self, settings):
+        PageMachine._follow_settings(self, settings)
+        self._take_travel()
 
     def _show(self, report):
         self._steps = list(report["position"][:2])

@@ -16,6 +16,8 @@ from passo.protocols.page.orders import Wrong, number, positions, text
 
 REPEAT_MS = const(40)  # between two jogs of one that is held
 _MOST_JOG_MM = 100.0
+_MOST_SCALE = 100_000.0
+_STEPS = const(100)  # steps/mm of x, of the settings
 _MOST_UM_S = const(1_000_000)
 _SHAPES = ("zigzag", "triangle", "trapezoid", "sine")  # from 1 on
 
@@ -91,12 +93,22 @@ class TorchPage(PageMachine):
         axes = board["axes"][:2]
         self._jogs = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
         self._speeds = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
+        if record.settings:
+            self._take_jogs(record.settings)
         self._steps = None
         self._way = None  # the jog that is held: axis and sign
         self._repeated_ms = 0
         self._dropped = 0
         self.orders = {"move": self._move, "configure": self._configure, "origin": self._origin, "weave": self._weave, "preferences": self._told}
         self.scale = self.scale[:2]
+
+    def _take_jogs(self, settings):
+        self._jogs = [settings.jog_steps(axis) for axis in range(2)]
+        self._speeds = [settings.jog_steps_s(axis) for axis in range(2)]
+
+    def _follow_settings(self, settings):
+        PageMachine._follow_settings(self, settings)
+        self._take_jogs(settings)
 
     def _show(self, report):
         self._steps = list(report["position"][:2])
@@ -154,15 +166,28 @@ class TorchPage(PageMachine):
         return self.refusal() or self.still() or self._run(steps, speeds, AT_REST)
 
     def _configure(self, order):
-        found = preferences_of(order, self.scale)
+        scale = [number(order, "s" + "xy"[axis], 0.001, _MOST_SCALE, self.scale[axis]) for axis in range(2)]
+        found = preferences_of(order, scale)
+        error = self.refusal() or self.still()
+        if error:
+            return error
+        said = [Command(commands.SETTING, _STEPS + axis, round(1000 * scale[axis])) for axis in range(2) if scale[axis] != self.scale[axis]]
+        self._keep(said + [Command(commands.STILL, value=found)], scale, found)
+        return 0
 
-        def stands(error):
+    def _keep(self, said, scale, found):
+        """Say the commands one by one, as long as none is refused; then all of it counts."""
+
+        def answered(error):
             if error:
                 self.finished(error)
+            elif said[1:]:
+                self._keep(said[1:], scale, found)
             else:
+                self.scale = scale
                 self._jogs, self._speeds = found
 
-        return self.refusal() or self.still() or self.do(Command(commands.STILL, value=found), stands)
+        self.do(said[0], answered)
 
     def _told(self, order):
         """The preferences as this page knows them."""

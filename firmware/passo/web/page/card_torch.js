@@ -4,7 +4,7 @@ import { grey } from "./controls.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
-const PREFERENCES = ["jogx", "jogy", "xv", "yv"];
+const PREFERENCES = ["jogx", "jogy", "xv", "yv", "sx", "sy"];
 
 // The numbers of a form's fields that are filled in.
 const numbers = (form, names) => Object.fromEntries(names.filter((name) => form.elements[name].value !== "").map((name) => [name, Number(form.elements[name].value)]));
@@ -25,19 +25,18 @@ export class Torch {
       page.order("weave", { shape: shape.value, to: { x, y }, along: along.checked, ...arc, ...seam });
     });
     this.form("preferences-form", async (form) => {
-      if (await page.ask(_("Save these preferences?")) && !(await page.order("configure", numbers(form, PREFERENCES))).error) this.tell();
+      if (await page.ask(_("Save these preferences? They take the place of those that the board keeps.")) && !(await page.order("configure", numbers(form, PREFERENCES))).error) this.tell();
     });
   }
 
   form(name, action) { $(name).onsubmit = (event) => { event.preventDefault(); action(event.target); }; }
 
-  // The preferences as the panel knows them.
+  // The preferences as the board keeps them.
   async tell() {
     const told = await this.page.order("preferences");
     if (told.error) { this.asked = false; return; }
     const fields = $("preferences-form").elements;
-    PREFERENCES.forEach((name, n) => { fields[name].value = [...told.jog, ...told.speed][n]; });
-    $("scale").textContent = `X ${told.scale[0]}, Y ${told.scale[1]}`;
+    PREFERENCES.forEach((name, n) => { fields[name].value = [...told.jog, ...told.speed, ...told.scale][n]; });
   }
 
   show(report, why) {

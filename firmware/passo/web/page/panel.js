@@ -55,7 +55,7 @@ const cards = new Cards({ order, ask, picture, say, upload: (file) => (cards.can
 let language = "";
 let setup = null;  // once it has been loaded
 let prove = null;  // likewise
-const list = new Settings({ order, ask, say, axes: () => axes, turns: () => turns, rules: () => rules, lines: () => loadSetup().then((made) => made.lines) });
+const list = new Settings({ order, ask, say, axes: () => axes, turns: () => turns, rules: () => rules, lines: () => (cards.can("line") ? loadSetup().then((made) => made.lines) : null) });
 const tabs = new Tabs(() => { picture.draw(); if (language === "grbl" && !$("pane-setup").hidden) loadSetup(); });
 const typed = new Typed(order, errorText);
 const own = new OwnButtons(order, ask, atRest, stops);

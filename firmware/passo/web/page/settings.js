@@ -15,7 +15,7 @@ function sense(number, most, value, axes) {
 }
 
 export class Settings {
-  // page: { order(name, fields), ask(text), say(text), axes(), turns(): those that count degrees, rules(), lines(): what asks the board line by line, a promise }
+  // page: { order(name, fields), ask(text), say(text), axes(), turns(): those that count degrees, rules(), lines(): what asks the board line by line, a promise; null: only settings are ordered }
   constructor(page) {
     this.page = page;
     this.values = {};
@@ -85,9 +85,10 @@ export class Settings {
   // Lines that give the board back what it has now, as `passo settings backup` writes them; null: it did not answer.
   async lines() {
     const lines = await this.page.lines();
+    const found = Object.keys(this.values).map(Number).sort((a, b) => a - b).map((number) => `$${number}=${this.values[number]}`);
+    if (!lines) return found;
     const starts = await lines.say("$N"), places = await lines.say("$#");
     if (starts.error || places.error) return null;
-    const found = Object.keys(this.values).map(Number).sort((a, b) => a - b).map((number) => `$${number}=${this.values[number]}`);
     found.push(...starts.said.filter((text) => text.slice(0, 2) === "$N"));
     for (const text of places.said) {
       const [name, value] = text.slice(1, -1).split(":");
@@ -108,6 +109,13 @@ export class Settings {
     return null;
   }
 
+  // Have one line of a back-up carried out.
+  set(lines, line) {
+    if (lines) return lines.say(line);
+    const [, number, value] = /^\$(\d+)=([-.\d]+)$/.exec(line) || [];
+    return number ? this.page.order("set", { number: Number(number), value: Number(value) }) : { error: 3 };
+  }
+
   // Send what differs; what is refused is sent again behind the others, as long as that helps.
   async restore(text) {
     const [head, ...rest] = text.replace(/\r/g, "").split("\n").map((line) => line.trim()).filter(Boolean);
@@ -120,11 +128,11 @@ export class Settings {
     if (!left.length) return this.page.say(_("Nothing differs from the back-up."));
     if (!(await this.page.ask(_("{count} lines differ. Restore them? {lines}", { count: left.length, lines: left.slice(0, 6).join("  ") + (left.length > 6 ? " …" : "") })))) return null;
     const lines = await this.page.lines(), count = left.length;
-    if (left.some((line) => line.startsWith("G10"))) await lines.say(Number(this.values[13]) ? "G20" : "G21");
+    if (lines && left.some((line) => line.startsWith("G10"))) await lines.say(Number(this.values[13]) ? "G20" : "G21");
     for (let before = left.length + 1; left.length && left.length < before;) {
       before = left.length;
       const refused = [];
-      for (const line of left) if ((await lines.say(line)).error) refused.push(line);
+      for (const line of left) if ((await this.set(lines, line)).error) refused.push(line);
       left = refused;
     }
     await this.page.order("settings");
