@@ -4,7 +4,7 @@ import hashlib
 
 from free_machine import FreeMachine, Jogs
 from passo import errors
-from passo.commands import BAD, CONNECT, HAND_OVER, RUN, STATUS, STILL, STOP, ZERO
+from passo.commands import BAD, CONNECT, HAND_OVER, RUN, SETTING, STATUS, STILL, STOP, ZERO
 from passo.ports.virtual import MemoryLine
 from passo.protocols.torch import forms
 from passo.records import REQUEST_PROVEN
@@ -17,7 +17,7 @@ CASES = {
     "check_in_any_pieces": (("cuts", "list", 12, ("at", 0, 400)),),
     "check_noise": (("noise", "bytes", 300), ("at", 0, 120)),
     "check_answers_in_any_pieces": (("most", 1, 700), ("size", 0, 1500)),
-    "check_forms_of_noise": (("noise", "bytes", 60), ("which", 0, 10), ("flags", 0, 3)),
+    "check_forms_of_noise": (("noise", "bytes", 60), ("which", 0, 11), ("flags", 0, 3)),
     "check_signed_noise": (("noise", "bytes", 200),),
     "check_signed_lines": (("count", 1, 1 << 20), ("times", 0, 8)),
     "check_whole": (("value", -(1 << 33), 1 << 33),),
@@ -372,7 +372,7 @@ def check_forms_of_noise(noise, which, flags):
     path = forms.PATHS[which]
     found = forms.Forms(Standing()).feed(bytes((1, flags)) + path + b" " + noise, 0)
     free = path in (b"/HALT", b"/INFO")
-    if path in (b"/COMMAND", b"/CONFIG") or not flags & REQUEST_PROVEN and not free:
+    if path in (b"/COMMAND", b"/CONFIG", b"/SETTING") or not flags & REQUEST_PROVEN and not free:
         assert [command.kind for command in found] == [BAD]
     else:
         kinds = {b"/ON": [HAND_OVER, CONNECT], b"/OFF": [CONNECT], b"/HALT": [STOP], b"/INFO": [STATUS], b"/ORIGIN": [ZERO]}
@@ -393,6 +393,9 @@ def check_fields():
     def kinds(path, body):
         return [command.kind for command in made.feed(bytes((1, REQUEST_PROVEN)) + path + b" " + body, 0)]
 
+    assert kinds(b"/SETTING", b"number=100&value=48.5") == kinds(b"/SETTING", b"value=&number=100") == [SETTING]
+    for body in (b"number=100", b"number=100&value=x", b"number=x&value=1", b"number=&value=1", b"number=1=1&value=1", BODY):
+        assert kinds(b"/SETTING", body) == [BAD], body
     assert kinds(b"/COMMAND", BODY) == [RUN] and kinds(b"/CONFIG", b"yv=1&xv=1&jogx=2&jogy=3") == [STILL]
     for body in (b"", b"x=1", BODY + b"&z=1", BODY + b"&x=1", BODY.replace(b"x=100", b"x=-100", 1), BODY.replace(b"yv", b"yw"),
                  b"x=4294967296&y=1&xv=1&yv=1", b"x=1&y=1&xv=2147483648&yv=1", b"x=1&y=1&xv=1&yv=1&", b"x=1;y=1;xv=1;yv=1"):  # fmt: skip

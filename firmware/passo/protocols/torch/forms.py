@@ -6,13 +6,14 @@ A request is a byte that the answer begins with, a byte of flags (REQUEST_PROVEN
 Each request becomes the frame of the same name, so that both links do the same. `code` is the frame's code, `state` what the
 machine does: stopped, running, finished, alarm … COMMAND and CONFIG repeat their numbers. INFO and HALT tell `x` and `y`, the
 signed steps since the last move or jog as the frames do, and `px` and `py`, the position in steps from the origin. What is refused
-moves nothing: `error` is its number. ON takes the command too if nothing moves, because the program of 2020 has no word for that.
+moves nothing: `error` is its number. SETTING is Passo's own: it sets one and keeps it. ON takes the command too if nothing moves, because the program of 2020 has no word for that.
 """
 
 from micropython import const
 
 from passo import errors
-from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, RUN, STATUS, STATUS_WORDS, STILL, STOP, Command
+from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, RUN, SETTING, STATUS, STATUS_WORDS, STILL, STOP, Command
+from passo.protocols.setting_lines import decimal
 from passo.protocols.torch.protocol import CODES, Torch, configure, frame, move
 from passo.records import REQUEST_JSON, REQUEST_PROVEN
 
@@ -24,7 +25,8 @@ _NAMES = {
 }  # fmt: skip
 _FIELDS = {b"/COMMAND": ("x", "xv", "y", "yv"), b"/CONFIG": ("jogx", "jogy", "xv", "yv")}
 _FRAMES = {b"/COMMAND": ("MOVE", move), b"/CONFIG": ("CONFIGURE", configure)}
-PATHS = tuple(_NAMES) + tuple(_FIELDS)
+_SETTING = b"/SETTING"  # Passo's own: number=100&value=48.5; value= is the board file's
+PATHS = tuple(_NAMES) + tuple(_FIELDS) + (_SETTING,)
 _UNSIGNED = ("x", "y", "jogx", "jogy")
 _HALF = 0x80000000
 _OPEN = const(8)
@@ -84,6 +86,8 @@ class Forms(Torch):
             return (Command(BAD, error=errors.UNKNOWN_COMMAND),)
         if not flags & REQUEST_PROVEN and path not in _FREE:
             return (Command(BAD, error=errors.NOT_ADMITTED),)
+        if path == _SETTING:
+            return (self._setting(body),)
         if path in _FIELDS:
             frame_bytes = self._framed(path, body)
             if frame_bytes is None:
@@ -93,6 +97,16 @@ class Forms(Torch):
         command = self._command(frame_bytes)
         self._asked = None  # the server hands over one request at a time
         return (Command(HAND_OVER), command) if path == b"/ON" else (command,)
+
+    def _setting(self, body):
+        """The Command that sets and keeps a setting."""
+        try:
+            found = form(body.decode()) if len(body) <= _MOST_BODY else None
+        except ValueError:
+            found = None
+        if found is None or set(found) != {"number", "value"}:
+            return Command(BAD, error=errors.GARBLED)
+        return self.words.command("$%s=%s" % (found["number"], found["value"]))
 
     def _framed(self, path, body):
         """The frame of a request with fields; None if one is missing, too many or out of its range."""
@@ -138,6 +152,9 @@ class Forms(Torch):
             self._configured(*command.value)
         told = [("code", self._code(path)), ("state", self._state()), ("error", event.error)]
         if event.kind != REFUSED:
+            if command.kind == SETTING:
+                number, value, places = event.value
+                told += [("number", number), ("value", decimal(value, places))]
             if command.kind == STATUS or command.kind == STOP:
                 told += self._places(event.value)
             if command.kind == STATUS:
