@@ -5,6 +5,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import AnyBaud
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 
@@ -27,9 +28,10 @@ def calibrate(
     ] = None,
     reading: Annotated[float, typer.Option(min=0.0001, max=10, help="What one reading is uncertain by, in mm.")] = 0.02,
     port: Annotated[
-        Optional[str], typer.Option(help="A machine that speaks G-code: its steps/mm were used, --write goes there.")
+        Optional[str], typer.Option(help="The machine, whatever it speaks: its steps/mm were used, --write goes there.")
     ] = None,
-    baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
+    baud: AnyBaud = None,
+    protocol: Annotated[Optional[str], typer.Option(help="Language of the link of --port: grbl, torch, pulses, plotter or keys. Default: found by asking.")] = None,
     write: Annotated[bool, typer.Option("--write", help="Set $100…, and $160… if it takes up backlash, of the machine at --port to what is right.")] = False,
     anyway: Annotated[bool, typer.Option("--anyway", help="Write although the mechanics are at fault, or nothing is known.")] = False,
     pattern: Annotated[
@@ -51,6 +53,7 @@ def calibrate(
         passo calibrate table.txt --pattern strokes_x.gcode --lengths 20,50,100,200
         passo calibrate table.txt --pattern strokes.txt --board plotter_2014
         passo calibrate table.txt --port /dev/ttyACM0 --write
+        passo calibrate table.txt --port /dev/ttyUSB0 --protocol torch --write
     """
     from host_tools.programs import calibration
 
@@ -58,11 +61,12 @@ def calibrate(
         _write_pattern(calibration, table, pattern, lengths, strokes, feed, board)
         return
     if write and not port:
-        raise Failure("--write wants the --port of a machine that speaks G-code; of others, change steps_per_m in the board file")
+        raise Failure("--write wants the --port of the machine")
     if sum(source is not None for source in (board, steps_per_mm, port)) != 1:
         raise Failure("which steps/mm were used? Give one of --board, --steps-per-mm and --port")
     rows = calibration.read(table)
-    used, taken = _machine(port, baud) if port else (_given(steps_per_mm), {}) if steps_per_mm else _of_board(board)
+    link = port and (port, baud, protocol)
+    used, taken = _machine(*link) if link else (_given(steps_per_mm), {}) if steps_per_mm else _of_board(board)
     fits = _fits(rows, used, reading)
     for fit in fits:
         print("\n".join(told(fit, used[fit.axis])))
@@ -71,7 +75,7 @@ def calibrate(
     for square in calibration.squareness(diagonals, {fit.axis: fit.scale for fit in fits}, reading):
         print(told_square(square))
     if write:
-        _write(fits, taken, port, baud, anyway)
+        _write(fits, taken, link, anyway)
 
 
 def proposed(fit, taken):
@@ -194,22 +198,21 @@ def _of_board(name):
     return scales, {axis: board["backlash"].get(axis, 0) / 1000 for axis in names if board.get("backlash")}
 
 
-def _machine(port, baud):
+def _machine(port, baud, protocol):
     """The same of a machine."""
-    from host_tools.clients.grbl import GrblClient
+    from host_tools.cli.settings import board_at
 
-    with GrblClient(port, baud) as client:
-        client.connect()
-        values = dict(line.split("=") for line in client.command("$$") if line.startswith("$"))
+    with board_at(port, baud, protocol) as board:
+        values = dict(line[1:].split("=") for line in board.command("$$"))
     found = []
     for first in (100, 160):
-        found.append({axis: float(values[f"${first + number}"]) for number, axis in enumerate(_AXES) if f"${first + number}" in values})
+        found.append({axis: float(values[f"{first + number}"]) for number, axis in enumerate(_AXES) if f"{first + number}" in values})
     return found
 
 
-def _write(fits, taken, port, baud, anyway):
+def _write(fits, taken, link, anyway):
     """Set the steps/mm that are known to be wrong, and the backlash that is known. Raises Failure, before anything is written, if a fit does not allow it."""
-    from host_tools.clients.grbl import GrblClient
+    from host_tools.cli.settings import board_at
 
     doubtful = [fit.axis.upper() for fit in fits if fit.verdict in ("mechanics", "unknown")]
     if doubtful and not anyway:
@@ -222,10 +225,9 @@ def _write(fits, taken, port, baud, anyway):
     if not lines:
         print(_("nothing to write: the steps/mm are right"))
         return
-    with GrblClient(port, baud) as client:
-        client.connect()
+    with board_at(*link) as board:
         for line in lines:
-            client.command(line)
+            board.command(line)
             print(_("written: {}", line))
     print(_("home the machine again before it cuts: its millimetres have changed"))
 

@@ -56,7 +56,7 @@ def settings(
         raise Failure("passo settings {} FILE: the file is missing", action) if not rest else Failure("one file, not {}", " ".join(rest))
     file = Path(rest[0]) if rest else None
     wanted, version = read(file) if action == "restore" else ([], VERSION)
-    with _board(port, baud, protocol) as board:
+    with board_at(port, baud, protocol) as board:
         if action == "restore":
             changed = restore(board, meant(board, wanted, version) if board.of_lines else wanted)
             print(_("{} of {} were different and are restored", len(changed), count_text(len(wanted), "line")))
@@ -76,7 +76,7 @@ def settings(
     print(f"{file}: {count_text(len(lines), 'line')}")
 
 
-def _board(port, baud, protocol):
+def board_at(port, baud, protocol):
     """The settings of the board at a port; its language is found by asking, a board that does not say is a grbl controller's."""
     from host_tools.cli import ports
     from host_tools.cli.log import spoken
@@ -95,7 +95,7 @@ def _change(words, port, baud, protocol):
     from host_tools.clients.settings import number_of
 
     asked = [(number_of(name), equals, value) for name, equals, value in (word.partition("=") for word in words)]
-    with _board(port, baud, protocol) as board:
+    with board_at(port, baud, protocol) as board:
         lines = []
         scale = False
         for number, equals, value in asked:

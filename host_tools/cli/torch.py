@@ -1,5 +1,6 @@
 """`passo torch`: the welding-torch manipulator from a terminal, in millimetres."""
 
+import math
 import sys
 from typing import Annotated, Optional
 
@@ -12,7 +13,8 @@ from host_tools.language import _, error_text
 app = typer.Typer(
     help="""Drive the torch manipulator: each axis at its own speed to its own target.
 
-    Lengths are millimetres and speeds mm/min, by the steps/mm of the board file; with --steps they are steps and steps/s.
+    Lengths are millimetres and speeds mm/min, by the steps/mm that the board has kept; by those of the board file, if it is none of Passo. With
+    --steps they are steps and steps/s.
 
     Examples:
 
@@ -28,17 +30,19 @@ Steps = Annotated[bool, typer.Option("--steps", help="Numbers are steps and step
 Wait = Annotated[bool, typer.Option("--wait/--no-wait", help="Show the position until the machine stands.")]
 Speed = Annotated[float, typer.Option(min=0.001, help="Of both axes.")]
 AxisSpeed = Annotated[Optional[float], typer.Option(min=0.001, help="Of this axis alone.")]
+_WINDOW = (100, 101, 150, 151, 170, 171)  # settings that the document's window had
 DEFAULT_SPEED = 600.0  # mm/min: the 60 cm/min of the document's measurements
 
 
 class Units:
     """Converts numbers of the command line to steps."""
 
-    def __init__(self, board, steps):
+    def __init__(self, board, steps, client):
+        """`board`: the board file's name; `client`: of the board, whose own steps/mm count if it tells them."""
         from host_tools import boards
 
         self.steps = steps
-        self.per_mm = (1.0, 1.0) if steps else boards.steps_per_mm(boards.load(board))
+        self.per_mm = (1.0, 1.0) if steps else _kept(client, (100, 101)) or boards.steps_per_mm(boards.load(board))
 
     def count(self, axis, length):
         return round(length * self.per_mm[axis])
@@ -52,6 +56,18 @@ class Units:
         if self.steps:
             return _("X {} Y {} steps", x, y)
         return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
+
+
+def _kept(client, numbers):
+    """The values of settings of the running board, or None if it has no lines about them."""
+    from host_tools.clients.refusal import Refused
+
+    if client.status() is None:
+        return None
+    try:
+        return tuple(float(client.ask(f"${number}")[0].partition("=")[2]) for number in numbers)
+    except Refused:
+        return None  # an older firmware
 
 
 def _client(port, baud, log):
@@ -115,9 +131,9 @@ def move(
         passo torch move 20 -7.5 --speed 300 --y-speed 120
         passo torch move 480 830 --steps --x-speed 480 --y-speed 830
     """
-    units = Units(board, steps)
-    speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
     with _client(port, baud, log) as client:
+        units = Units(board, steps, client)
+        speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
         _move(client, units, (x, y), speeds, wait)
 
 
@@ -142,10 +158,11 @@ def strokes(
 
     if axis not in ("x", "y"):
         raise Failure("strokes are drawn along x or y, not {!r}", axis)
-    wanted, units, at = lengths_of(lengths), Units(board, False), (0.0, 0.0)
-    speeds = units.speed(0, None, speed), units.speed(1, None, speed)
+    wanted, at = lengths_of(lengths), (0.0, 0.0)
     live = sys.stdin.isatty()
     with _client(port, baud, log) as client:
+        units = Units(board, False, client)
+        speeds = units.speed(0, None, speed), units.speed(1, None, speed)
         for length, x, y in [*square_waves(axis, wanted, strokes_), (None, 0.0, 0.0)]:
             if length is not None:
                 print(_("strokes of {:g} mm", length))
@@ -169,9 +186,9 @@ def goto(
 
         passo torch goto 0 0
     """
-    units = Units(board, steps)
-    speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
     with _client(port, baud, log) as client:
+        units = Units(board, steps, client)
+        speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
         status = client.status()
         if status is None:
             raise Failure("this board does not say where it is; use move")
@@ -196,8 +213,8 @@ def jog(
     """
     if direction.lower() not in JOGS:
         raise Failure("jog {} or {}, not {!r}", ", ".join(JOGS[:3]), JOGS[3], direction)
-    units = Units(board, steps)
     with _client(port, baud, log) as client:
+        units = Units(board, steps, client)
         client.jog(direction.upper(), times)
         _finish(client, units, wait)
 
@@ -216,8 +233,8 @@ def info(
     """
     import time
 
-    units = Units(board, steps)
     with _client(port, baud, log) as client:
+        units = Units(board, steps, client)
         try:
             while True:
                 made = client.counts()
@@ -245,9 +262,9 @@ def halt(
 
         passo torch halt
     """
-    units = Units(board, steps)
     with _client(port, baud, log) as client:
-        print(_("stopped after {}", units.text(*client.counts("STOP"))))
+        made = client.counts("STOP")
+        print(_("stopped after {}", Units(board, steps, client).text(*made)))
 
 
 @app.command(context_settings=_NUMBERS)
@@ -277,16 +294,17 @@ def weave(
 
     if shape not in NAMES[1:]:
         raise Failure("{!r} is no shape; {}", shape, ", ".join(NAMES[1:]))
-    units = Units(board, False)
     try:
         places = [float(part) for part in (centre or "0,0").split(",")]
-        to_x, to_y = (units.count(axis, place) for axis, place in enumerate(places))
-    except (ValueError, OverflowError, IndexError):
-        raise Failure("--centre wants two numbers, as in 0,20, not {!r}", centre) from None
+    except ValueError:
+        places = []
+    if len(places) != len("xy") or not all(map(math.isfinite, places)):
+        raise Failure("--centre wants two numbers, as in 0,20, not {!r}", centre)
     spec = NAMES.index(shape), round(amplitude * 1000), round(pitch * 1000), left, right, 1 if along else 0
-    data = torch.weave(spec, units.count(0, x), units.count(1, y), max(round(speed * 1000 / 60), 1), (to_x, to_y), clockwise)
     with _client(port, baud, log) as client:
-        client.order(data)
+        units = Units(board, False, client)
+        to = [units.count(axis, place) for axis, place in enumerate(places)]
+        client.order(torch.weave(spec, units.count(0, x), units.count(1, y), max(round(speed * 1000 / 60), 1), tuple(to), clockwise))
         _finish(client, units, wait)
 
 
@@ -304,26 +322,59 @@ def origin(port: Port = None, baud: Baud = 115200, log: Log = None):
 
 @app.command()
 def config(
-    x_jog: Annotated[float, typer.Argument(min=0, help="Length of a jog of X.")],
-    y_jog: Annotated[float, typer.Argument(min=0, help="Length of a jog of Y.")],
+    x_jog: Annotated[Optional[float], typer.Argument(min=0, help="Length of a jog of X.")] = None,
+    y_jog: Annotated[Optional[float], typer.Argument(min=0, help="Length of a jog of Y.")] = None,
     speed: Speed = DEFAULT_SPEED, x_speed: AxisSpeed = None, y_speed: AxisSpeed = None, steps: Steps = False,
+    scale: Annotated[Optional[str], typer.Option("--steps-per-mm", metavar="X,Y", help="Set the board's steps/mm first.")] = None,
     board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
 ):  # fmt: skip
-    """Set length and speed of a jog, until the board is switched off.
+    """Show or set steps/mm, length and speed of a jog. The board keeps them, also without power.
+
+    They are settings of the board like any other: `passo settings` has all of them, with their bounds. New steps/mm make the position unknown:
+    set the origin again.
 
     Examples:
 
+        passo torch config
+        passo torch config --steps-per-mm 49.218,81
         passo torch config 1 1 --speed 600
         passo torch config 48 83 --steps --x-speed 480 --y-speed 830
     """
     from passo.protocols.torch import protocol as torch
 
-    units = Units(board, steps)
-    jogs = units.count(0, x_jog), units.count(1, y_jog)
-    speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
+    if (x_jog is None) != (y_jog is None):
+        raise Failure("config wants the jogs of both axes, or of none")
     with _client(port, baud, log) as client:
+        for number, value in zip((100, 101), _pair(scale)):
+            client.ask(f"${number}={value:.3f}")
+        if x_jog is None:
+            _show_kept(client)
+            return
+        units = Units(board, steps, client)
+        jogs = units.count(0, x_jog), units.count(1, y_jog)
+        speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
         client.order(torch.configure(*jogs, *speeds))
     print(_("jogs of {} and {} steps at {} and {} steps/s", *jogs, *speeds))
+
+
+def _pair(text):
+    """The two numbers of --steps-per-mm; none if it is not given. Raises Failure."""
+    try:
+        found = [float(part) for part in text.split(",")] if text else []
+    except ValueError:
+        found = [0.0]
+    if found and (len(found) != len("xy") or not all(0 < value <= 100_000 for value in found)):
+        raise Failure("--steps-per-mm wants two numbers above 0, as in 49.218,81, not {!r}", text)
+    return found
+
+
+def _show_kept(client):
+    from host_tools.clients.setting_names import table
+
+    kept = _kept(client, _WINDOW)
+    if kept is None:
+        raise Failure("this board has no such word")
+    print("\n".join(table([f"${number}={value:.3f}" for number, value in zip(_WINDOW, kept)])))
 
 
 @app.command()

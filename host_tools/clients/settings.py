@@ -111,4 +111,4 @@ class _Lines(_Asked):
         return self.get(number)
 
     def command(self, line):
-        return self.client.command(line)
+        return [told for told in self.client.command(line) if line != "$$" or told.startswith("$")]

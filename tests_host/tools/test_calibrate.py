@@ -24,7 +24,7 @@ DOCUMENT = ROOT / "examples" / "torch_2020.txt"
 
 def run(table, **options):
     given = {
-        "board": None, "steps_per_mm": None, "reading": 0.02, "port": None, "baud": 115200, "write": False, "anyway": False,
+        "board": None, "steps_per_mm": None, "reading": 0.02, "port": None, "baud": None, "protocol": None, "write": False, "anyway": False,
         "pattern": None, "lengths": "10,20,50,100", "strokes": 10, "feed": 600.0,
     }  # fmt: skip
     command.calibrate(table, **{**given, **options})

@@ -1,0 +1,75 @@
+"""`passo settings` and `passo calibrate --write` at a board of every language: set, the power off and on: kept."""
+
+import pytest
+from test_board_command import Board
+from typer.testing import CliRunner
+
+from host_tools.cli.main import app
+from host_tools.clients.settings import names, number_of
+from host_tools.failure import Failure
+
+BOARDS = {"torch": "torch_manipulator", "plotter": "plotter_2014", "pulses": "lpt_router", "keys": "two_motor_kit", "grbl": "router_3axis"}
+TABLE = "".join(f"x {length} {0.97 * length:.3f} 0.02 10\n" for length in (10, 20, 50, 100))
+
+
+def passo(*words):
+    """(0 or the failure's text, what was printed)"""
+    result = CliRunner().invoke(app, [str(word) for word in words])
+    if isinstance(result.exception, Failure):
+        return str(result.exception), result.output
+    assert result.exception is None, result.exception
+    return result.exit_code, result.output
+
+
+def test_names_and_numbers():
+    assert number_of("x_steps_mm") == number_of("100") == number_of("$100") == 100 and number_of("interval_us") == 181
+    assert len(set(names().values())) == len(names()) > 40
+    with pytest.raises(Failure, match="there is no setting x_speed; known are"):
+        number_of("x_speed")
+
+
+@pytest.mark.parametrize("language", BOARDS)
+def test_set_off_and_on_again(tmp_path, language):
+    """The language of the link is found by asking; a back-up gives the values before back; what is refused says why."""
+    on = ("--board", BOARDS[language], "--flash", tmp_path / "kept", "--time", "fast")
+    with Board(*on) as board:
+        where = ("--port", board.port)
+        assert passo("settings", "backup", tmp_path / "before.txt", *where)[0] == 0
+        status, said = passo("settings", "x_steps_mm=49.5", "130", *where)
+        assert status == 0 and said.startswith("$100=49.500  x: steps per millimetre") and "position is unknown now" in said
+        failure, _ = passo("settings", "x_steps_mm=-3", *where)
+        assert failure.startswith("$100=-3") and "error 4, " in failure
+        assert board.end()[0] == 0
+    with Board(*on) as board:
+        where = ("--port", board.port)
+        assert passo("settings", "100", *where, "--protocol", language)[1].startswith("$100=49.500 ")
+        assert passo("settings", *where)[1].count("$100=49.500") == 1
+        assert passo("settings", "restore", tmp_path / "before.txt", *where)[1].startswith("1 of ")
+        table = tmp_path / "table.txt"
+        table.write_text(TABLE)
+        used = float(passo("settings", "x_steps_mm", *where)[1].split()[0].partition("=")[2])
+        status, said = passo("calibrate", table, *where, "--write")
+        assert status == 0 and f"written: $100={used / 0.97:.3f}" in said, said
+        assert passo("settings", "x_steps_mm", *where)[1].startswith(f"$100={used / 0.97:.3f}")
+        assert board.end()[0] == 0
+
+
+def test_the_torch_calibrates_itself(tmp_path):
+    """The document's chapter 4: it draws the waves, the lengths are measured, steps/mm set; then a millimetre is one."""
+    trace = tmp_path / "trace.csv"
+    with Board("--board", "torch_manipulator", "--trace", trace, "--time", "fast") as board:
+        where = ("--port", board.port)
+        assert passo("torch", "connect", *where)[0] == 0
+        assert passo("torch", "strokes", "x", "--lengths", "10,20", "--strokes", "2", *where)[0] == 0
+        assert passo("torch", "config", *where)[1].startswith("$100=48.000")
+        (tmp_path / "table.txt").write_text(TABLE)
+        assert passo("calibrate", tmp_path / "table.txt", *where, "--write")[0] == 0
+        assert passo("torch", "config", *where)[1].startswith(f"$100={48 / 0.97:.3f}")
+        assert passo("torch", "origin", *where)[0] == 0
+        assert passo("torch", "move", "97", "0", *where)[1].startswith("idle  X 96.999 ")  # whole steps
+        assert passo("torch", "config", "--steps-per-mm", "50,83", *where)[1].startswith("$100=50.000")
+        assert passo("torch", "config", "2", "3", *where)[1] == "jogs of 100 and 249 steps at 500 and 830 steps/s\n"
+        assert passo("torch", "config", "--steps-per-mm", "50", *where)[0].startswith("--steps-per-mm wants two numbers")
+        assert board.end()[0] == 0
+    lines = trace.read_text().splitlines()
+    assert int(lines[-1].split(",")[1]) == round(97 * 48 / 0.97)
