@@ -17,7 +17,7 @@ from passo.protocols.page.orders import Wrong, number, positions, text
 REPEAT_MS = const(40)  # between two jogs of one that is held
 _MOST_JOG_MM = 100.0
 _MOST_SCALE = 100_000.0
-_STEPS = const(100)  # steps/mm of x, of the settings
+_X_SCALE = const(100)  # steps/mm of x, of the settings
 _MOST_UM_S = const(1_000_000)
 _SHAPES = ("zigzag", "triangle", "trapezoid", "sine")  # from 1 on
 
@@ -171,7 +171,7 @@ class TorchPage(PageMachine):
         error = self.refusal() or self.still()
         if error:
             return error
-        said = [Command(commands.SETTING, _STEPS + axis, round(1000 * scale[axis])) for axis in range(2) if scale[axis] != self.scale[axis]]
+        said = [Command(commands.SETTING, _X_SCALE + axis, round(1000 * scale[axis])) for axis in range(2) if scale[axis] != self.scale[axis]]
         self._keep(said + [Command(commands.STILL, value=found)], scale, found)
         return 0
 
