@@ -25,7 +25,7 @@ export class Torch {
       page.order("weave", { shape: shape.value, to: { x, y }, along: along.checked, ...arc, ...seam });
     });
     this.form("preferences-form", async (form) => {
-      if (await page.ask(_("Save these preferences? They take the place of those that the board keeps.")) && !(await page.order("configure", numbers(form, PREFERENCES))).error) this.tell();
+      if (await page.ask(_("Save these preferences in place of those that the board keeps?")) && !(await page.order("configure", numbers(form, PREFERENCES))).error) this.tell();
     });
   }
 

@@ -130,7 +130,7 @@ export const sentences = () => [
   ["#weave-form input", _("A number of the seam: way, speed, width, pitch or waits")],
   ["#weave-form select", _("How the torch goes from side to side")],
   ["#weave-form button", _("Welds the seam from here, woven")],
-  ["#preferences-form input", _("A default, or steps/mm: the board keeps it, also without power")],
+  ["#preferences-form input", _("The board keeps it without power")],
   ["#preferences-form button", _("Asks, then the board keeps these")],
   ["[data-motor='0 on']", _("Both motors turn")],
   ["[data-motor='0 off']", _("Both motors stop, their coils without current")],
