@@ -109,6 +109,9 @@ def test_a_halt_of_the_timer_player_cuts_no_pulse_short(timer_rig, by):  # noqa:
         timer_rig.pico.run(after_us)
         timer_rig.pico.drive(pin, level)
         timer_rig.pico.run(1000)
+        for _ in range(30):  # the script's own call may have to collect garbage first
+            if by == "main loop" and b"\x04\x04" not in timer_rig.pico.console.text:
+                timer_rig.pico.run(1000)
         assert all(log[-1][1] == 0 for log in timer_rig.step_edges), "no pulse is left on"
         return [(fall - rise) / CYCLES_PER_US for log in timer_rig.step_edges for (rise, high), (fall, _) in zip(log, log[1:]) if high]
 
