@@ -45,15 +45,17 @@ class Guard:
         self._session = Session(key, nonce) if key else None
         self._own = own
         self._admitted = None
-        self._free = ()
+        self._free = self._keyed = ()
         self._count = 0  # of the last proof
         self._wrong = 0
         self._since_ms = 0
 
-    def admit(self, admitted, free):
-        """`admitted()`: True while who sends no proof is admitted; None: never. `free`: paths that want no proof."""
+    def admit(self, admitted, free, keyed=()):
+        """`admitted()`: True while who sends no proof is admitted; None: never. `free`: paths that want no proof; `keyed`: those that
+        always want one, because no program of 2020 knows them."""
         self._admitted = admitted
         self._free = free
+        self._keyed = keyed
 
     def wrong(self, connection, browser=False):
         return 0 if known(connection.host, connection.origin, self._names, browser) else 403
@@ -63,7 +65,7 @@ class Guard:
 
     def proven(self, connection, now_ms):
         if not connection.proof:
-            return self._admitted is not None and self._own(connection.peer) and self._admitted()
+            return self._admitted is not None and connection.path not in self._keyed and self._own(connection.peer) and self._admitted()
         if self._session is None:
             return False
         if self._wrong >= WRONG:

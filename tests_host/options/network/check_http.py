@@ -194,6 +194,8 @@ def check_admission():
     assert made.proven(request(), 0)
     assert not made.proven(request(peer="192.168.1.2"), 0)
     assert not made.proven(request(b"1." + b"0" * 64), 0)
+    made.admit(lambda: True, (b"/HALT",), (request().path,))
+    assert not made.proven(request(), 0), "a path of Passo's own"
     assert not guard(admitted=lambda: False).proven(request(), 0)
     assert not guard().proven(request(), 0)
 

@@ -150,7 +150,7 @@ def test_a_stop_that_overtakes_an_order():
 class Proven:
     """A guard that takes everybody for proven, but for STOP."""
 
-    def admit(self, admitted, free):
+    def admit(self, *_):
         pass
 
     def wrong(self, connection, browser):
@@ -171,7 +171,7 @@ def test_orders_that_wait_are_refused_by_a_stop(tmp_path):
     listener.bind(("127.0.0.1", 0))
     listener.listen(9)
     server = Server(listener, Folder(str(tmp_path) + "/"), Proven(), lambda: 0, False)
-    language = SimpleNamespace(POSTS=(b"/COMMAND", b"/HALT"), GETS=(b"/INFO",), FREE=(), PAGE="torch.html")
+    language = SimpleNamespace(POSTS=(b"/COMMAND", b"/HALT"), GETS=(b"/INFO",), FREE=(), KEYED=(), PAGE="torch.html")
     server.join(SimpleNamespace(protocol=language), None)
     wires = []
     for line in (b"POST /COMMAND", b"GET /INFO", b"POST /COMMAND", b"POST /HALT"):

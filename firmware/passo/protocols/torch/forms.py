@@ -59,6 +59,7 @@ class Forms(Torch):
     POSTS = tuple([path for path in PATHS if path != b"/INFO"])
     GETS = (b"/INFO",)  # what a page is told, too
     FREE = _FREE
+    KEYED = (_SETTING,)
     PAGE = "torch.html"
 
     def __init__(self, machine):
