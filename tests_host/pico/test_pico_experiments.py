@@ -30,7 +30,8 @@ def test_lines_on_the_chip(place, show):
     """The chip makes the same steps as the PC, and its software floats cost more than integers."""
     times, mhz = lines.measure(place)
     here = {name: row[1::2] for name, row in lines.measure(PC)[0].items()}
-    assert mhz == 125 and {name: row[1::2] for name, row in times.items()} == here
+    assert mhz in (125, 200), "as the chip starts, or as main.py has set it before it was interrupted"
+    assert {name: row[1::2] for name, row in times.items()} == here
     assert all(float_us > integer_us for integer_us, _steps, float_us, _others in times.values())
     show("integer and floating-point lines on the chip", ", ".join(f"{name} {row[0]} and {row[2]} µs" for name, row in times.items()))
 
