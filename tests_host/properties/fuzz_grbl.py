@@ -184,14 +184,15 @@ class Fuzz:
             before = controller.queue.target[:], self.port.stepping, controller.machine.alarm
             self.lines += 1
             answers, last = self._turn(line + b"\n")
-            turns = 0
+            turns = held = 0
             while not answers and turns < PATIENCE:
                 turns += 1
-                if controller.state in ("hold", "door") and turns % 5 == 0:
+                held = held + 1 if controller.state in ("hold", "door") else 0
+                if held % 5 == 4:
                     self.port.incoming += b"~"
                 answers, last = self._turn()
             if not answers:
-                assert controller.state in ("run", "home", "jog"), (line, controller.state)
+                assert held < 5 or controller.state in ("run", "home", "jog"), (line, controller.state, held)
                 return self._recover()
             if last != b"ok":
                 self.refused += 1
@@ -231,8 +232,11 @@ class Fuzz:
             answered += self._turn(bytes(piece))[0]
             if answered >= count:
                 break
-        self._settle()
-        answered += self.late + self._turn()[0]
+        before = -1
+        while before != answered:  # a slow move, and what waits behind it
+            before = answered
+            self._settle()
+            answered += self.late + self._turn()[0]
         if answered != count:
             assert answered < count and self.controller.state != "idle", (answered, count, bytes(data))
             self._recover()
