@@ -55,7 +55,7 @@ class Started:
         self.said += bytes(console.take()).decode()
 
 
-@pytest.mark.parametrize("board, free", [("router_3axis", 70_000), ("plotter_2014", 121_000)])
+@pytest.mark.parametrize("board, free", [("router_3axis", 70_000), ("plotter_2014", 119_000)])
 def test_room_and_time(uf2, board, free, show):
     started = Started(board, uf2=uf2)
     assert "code in flash: " in started.said and "build %s" % firmware_files(board)["stamp.txt"].decode().strip() in started.said
