@@ -3,7 +3,7 @@
 A board forgets this module when that is done: it has better uses for the memory.
 """
 
-from passo.config.board_error import BoardError, folders, inputs_of, nearest
+from passo.config.board_error import BoardError, folders, inputs_of
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
 from passo.memory import forget
 from passo.motion.planner import Planner
@@ -77,10 +77,11 @@ def languages(board):
     for link in board["links"]:
         name = link["protocol"]
         try:
-            language = __import__("passo.protocols." + name, None, None, ("create",))
+            language = _package(name)
             language.NEEDS  # which what languages share has not
         except (AttributeError, ImportError) as missing:
-            raise BoardError("link %s: unknown protocol %r%s (%s); if that is one, flash the board anew" % (link["name"], name, nearest(name, folders("passo.protocols")), missing))
+            known = ", ".join([each for each in sorted(folders("passo.protocols")) if hasattr(_package(each), "NEEDS")])
+            raise BoardError("link %s: unknown protocol %r (%s); known are %s: for another one flash the board anew" % (link["name"], name, missing, known))
         check = getattr(language, "check", None)
         why = check(board) if check else None
         if why:
@@ -90,6 +91,10 @@ def languages(board):
     if additions:
         additions.load_languages()
     return modules
+
+
+def _package(name):
+    return __import__("passo.protocols." + name, None, None, ("create",))
 
 
 def framed_line():

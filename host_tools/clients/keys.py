@@ -7,7 +7,8 @@
 import time
 
 from host_tools.clients.client import Client
-from host_tools.clients.refusal import answered, complete
+from host_tools.clients.answers import complete
+from host_tools.clients.refusal import answered
 from host_tools.clients.serial_port import LinkError
 from host_tools.clients.wire import open_port
 from passo.protocols.typed_words import line_of

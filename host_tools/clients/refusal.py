@@ -24,11 +24,6 @@ def explain(answer, line=b""):
     return _("error {}, {}", number, meaning(int(number), line)) if number else answer
 
 
-def complete(text):
-    """True if the text that answers a line ends in its `ok` or `error:N`."""
-    return bool(re.search(r"(^|\n)(ok|error:\d+)\n$", text))
-
-
 def answered(line, text):
     """The lines before the ok of an answer. Raises Refused."""
     *told, last = text.splitlines()

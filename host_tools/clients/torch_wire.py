@@ -7,7 +7,7 @@ Nothing but a setting is answered: what is said is taken for done. The board cou
 
 import struct
 
-from host_tools.clients.refusal import complete
+from host_tools.clients.answers import complete
 from passo import commands, errors
 from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.setting_lines import decimal

@@ -9,7 +9,6 @@ positions in 32nds of an electrical turn: an eighth of a full step is one, a ful
 """
 
 import math
-from importlib import import_module
 
 TICKS_PER_US = 12.5
 RELEASED = -1
@@ -165,6 +164,6 @@ _OF_2014 = {"unipolar": Unipolar, "pbl3770a": Pbl3770a}
 
 def coils(kind, mode, axis, bit, report):
     """The decoder of an axis's motor. `bit`: {name of a pin: its number}."""
-    drive = import_module(f"passo.options.drive_{kind}.drive")
+    drive = __import__(f"passo.options.drive_{kind}.drive", None, None, ("drive",))  # MicroPython, in a tab, has no importlib
     shift = bit[f"{axis}_{drive.PINS[0]}"]
     return _OF_2014[kind](mode, shift, 0, report) if kind in _OF_2014 else TableCoils(drive, mode, shift, 0, report)

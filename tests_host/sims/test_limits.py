@@ -53,7 +53,8 @@ def test_from_the_switch_to_the_last_step(name, speed, wait_us, turned):
     """Of no speed more than the filter's time and one pulse; the tool is off, the alarm is grbl's."""
     made = machine()
     if turned:  # at rest the switches are active then: no news until one closes
-        send(made, b"$5=0\n" if "$5=1" in send(made, b"$$\n") else b"$5=1\n")
+        other = b"$5=0\n" if "$5=1" in send(made, b"$$\n") else b"$5=1\n"
+        assert "error" not in send(made, b"M5\n" + other + b"M3 S1000\n")
         for axis in "xyz":
             turn(made, "limit_" + axis)
         made.run_ms(100)

