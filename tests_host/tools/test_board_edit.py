@@ -79,6 +79,8 @@ def test_values_are_those_of_the_dict_and_comments_stay(data):
             parent = next(each for each in parent if each["name"] == key) if isinstance(parent, list) else parent[key]
         if more and not isinstance(parent, dict):
             more = []
+        if len(more) == 2 and not isinstance(parent.get(more[0], {}), dict):
+            more = more[:1]  # a plain value has nothing within
         named = isinstance(parent, dict) and "name" in parent and not more
         value = data.draw(VALUES if more or not named else st.just({"name": path[-1], "pin": 7}))
         edited = board_edit.set_values(text, {".".join((*path, *more)): value})

@@ -72,7 +72,7 @@ def test_without_the_extras_the_command_works():
 ])  # fmt: skip
 def test_what_is_missing_is_named(words, package, extra, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "a.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0L9 9"/></svg>')
+    (tmp_path / "a.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0A9 9 0 0 1 9 9"/></svg>')
     (tmp_path / "a.csv").write_text("t_us,x,y,z,a,tool\n0.000,0,0,0,0,0\n10.000,1,0,0,0,1000\n")
     (tmp_path / "a.gcode").write_text("G1X1F600\n")
     done = passo(*words, without=[package])
