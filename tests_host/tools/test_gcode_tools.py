@@ -338,19 +338,19 @@ def test_settings_round_trip(board, tmp_path, capsys):
         client.command("$X")
         for line in ("$110=1234.5", "$N0=G54", "G10L2P2X1Y-2.5", "$13=0"):
             client.command(line)
-    settings.settings("backup", file, board.line.name, 115200)
+    settings.settings(["backup", str(file)], board.line.name, 115200)
     with GrblClient(board.line.name) as client:
         client.command("$RST=*")
-    settings.settings("restore", file, board.line.name, 115200)
+    settings.settings(["restore", str(file)], board.line.name, 115200)
     assert "3 of" in capsys.readouterr().out
-    settings.settings("show", None, board.line.name, 115200)
+    settings.settings(["show"], board.line.name, 115200)
     said = capsys.readouterr().out
     assert "x: highest speed" in said and "mm/min" in said and "0.001 … 999999.999" in said
     assert "$110=1234.500" in said and "$N0=G54" in said and "G10L2P2X1.000Y-2.500Z0.000" in said
 
 
 def backup(board, file):
-    settings.settings("backup", file, board.line.name, 115200)
+    settings.settings(["backup", str(file)], board.line.name, 115200)
     return file.read_text().splitlines()
 
 
@@ -363,12 +363,12 @@ def test_backups_of_older_firmware_are_converted(board, tmp_path, capsys):
     old = ["$1=255", "$2=1", "$3=0", "$4=0", "$5=0", "$6=1", "$23=1", "$110=4000.000"]
     for own, wanted in ((["$140=0.000"], ["$2=1", "$3=7", "$5=1", "$6=1", "$23=2"]), ([], ["$2=1", "$3=0", "$5=0", "$6=1", "$23=1"])):
         file.write_text("\n".join(old + own) + "\n")
-        settings.settings("restore", file, board.line.name, 115200)
+        settings.settings(["restore", str(file)], board.line.name, 115200)
         assert {"$1=255", "$110=4000.000", *wanted} < set(backup(board, file))
-        settings.settings("restore", file, board.line.name, 115200)
+        settings.settings(["restore", str(file)], board.line.name, 115200)
         assert "0 of" in capsys.readouterr().out
     file.write_text("; passo settings, version 2\n" + "\n".join(masks + ["$140=0.000"]) + "\n")
-    settings.settings("restore", file, board.line.name, 115200)
+    settings.settings(["restore", str(file)], board.line.name, 115200)
     assert set(masks) < set(backup(board, file))
 
 
@@ -401,17 +401,17 @@ def test_settings_refuses(tmp_path):
     file = tmp_path / "kept.txt"
     file.write_text("$110=1\nhello\n")
     with pytest.raises(Failure, match="line 2"):
-        settings.settings("restore", file, "x", 115200)
+        settings.settings(["restore", str(file)], "x", 115200)
     file.write_text("; passo settings, version 3\n$110=1\n")
     with pytest.raises(Failure, match="later passo"):
-        settings.settings("restore", file, "x", 115200)
+        settings.settings(["restore", str(file)], "x", 115200)
     file.write_text("\n")
     with pytest.raises(Failure, match="no settings"):
-        settings.settings("restore", file, "x", 115200)
+        settings.settings(["restore", str(file)], "x", 115200)
     with pytest.raises(Failure, match="FILE"):
-        settings.settings("backup", None, "x", 115200)
-    with pytest.raises(Failure, match="show, backup or restore"):
-        settings.settings("erase", None, "x", 115200)
+        settings.settings(["backup"], "x", 115200)
+    with pytest.raises(Failure, match="there is no setting erase"):
+        settings.settings(["erase"], "x", 115200)
 
 
 def test_what_the_system_refuses_is_one_line(board, job, monkeypatch, capsys):

@@ -27,7 +27,7 @@ WORDS = {
     "examples": [()],
     "panel": [("--demo", "--http", "0")], "site": [("--help",)], "agent": [("--emulated", "m=plotter_2014", "--broker", "127.0.0.1:1")], "shop": [("--broker", "127.0.0.1:1", "--http", "0")],
     "wiring": [("router_3axis",)], "board": [("--time", "fast")], "emulate": [("--help",)], "draw": [("part.svg", "--dry-run")],
-    "nest": [("part.svg", "part.svg")], "engrave": [("--help",)], "send": [(*NO_PORT, "END")], "stream": [("part.nc", *NO_PORT)], "resume": [("part.nc", *NO_PORT)],
+    "nest": [("part.svg", "part.svg")], "engrave": [("--help",)], "experiments": [("arcs", "--out", "experiments")], "send": [(*NO_PORT, "END")], "stream": [("part.nc", *NO_PORT)], "resume": [("part.nc", *NO_PORT)],
     "keys": [NO_PORT], "check": [("part.nc",), ("programs", "--workers", "2")], "calibrate": [("--help",)], "settings": [("show", *NO_PORT)],
     "link": [("2", "--protocol", "grbl", *NO_PORT)], "status": [NO_PORT], "log": [NO_PORT], "blackbox": [NO_PORT], "interlock": [("mill_2004",)], "watch": [NO_PORT],
     "plot": [("--help",)], "film": [("--help",)], "ports": [()], "build": [("--board", "two_motor_kit", "--out", "made")],
