@@ -71,7 +71,9 @@ class LaserPlayer(PioPlayer):
         """The power is `level`, 0 … 1000, at once. While words play that is for start() to see to, so that what D has been
         told before does not show again."""
         state = self._state
-        if state[PIO_HELD] or state[PIO_PLAYING] != 1 or self._ring.head == self.played():
+        told = (self._laser[_MARK] - self._power.marks[POWER_TAIL]) & COUNT_MASK  # marks that D has, and nobody has taken up yet
+        coming = level and 0 < told < COUNT_HALF
+        if state[PIO_HELD] or state[PIO_PLAYING] != 1 or self._ring.head == self.played() and not coming:
             _show(state, self._laser, level * self._laser[_FULL] // 1000, 0)
 
     @micropython.native
