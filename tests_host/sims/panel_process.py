@@ -29,6 +29,7 @@ LIMIT_S = 60  # for anything that ends by itself
 class PanelProcess:
     def __init__(self, folder, *options):
         self.folder = folder
+        self._pages = []
         self.trace_file = folder / "trace.csv"
         self.jobs = folder / "jobs"
         demo = [] if "--port" in options else ["--demo", "--trace", str(self.trace_file)]
@@ -63,7 +64,14 @@ class PanelProcess:
         self._process.send_signal(signal.SIGCONT)
 
     def page(self, key=None, reads=True):
-        return PageClient(self.host, self.key if key is None else key, reads=reads)
+        made = PageClient(self.host, self.key if key is None else key, reads=reads)
+        self._pages.append(made)
+        return made
+
+    def leave_pages(self):
+        """Close the pages that page() has opened: the panel takes eight, and one more the place of one that has proven nothing."""
+        while self._pages:
+            self._pages.pop().socket.close()
 
     def trace(self):
         """(ticks of 80 ns, x, y, z) in steps, row by row."""

@@ -27,6 +27,12 @@ def router(tmp_path_factory):
         yield process
 
 
+@pytest.fixture(autouse=True)
+def left_pages(router):
+    yield
+    router.leave_pages()
+
+
 @pytest.fixture
 def page(router, driver):
     """page(language, size): the router's page, on a screen of that size."""
@@ -258,6 +264,7 @@ def test_the_tool_goes_around_a_job(page, router, tmp_path):
 def test_a_stop_of_another_page_ends_what_goes_step_by_step(page, router, tmp_path):
     """It comes while the machine stands between two moves: of a button of one's own, and around a job."""
     other = router.page()
+    other.order("jobs")  # a page that has proven the key keeps its place
     with page() as browser:
         at_rest(browser)
         browser.click("zero-all")
