@@ -3,7 +3,7 @@
 import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
-from host_tools.clients.refusal import complete
+from host_tools.clients.answers import complete
 from passo.protocols.torch import protocol as torch
 from passo.protocols.typed_words import line_of
 
