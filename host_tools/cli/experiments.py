@@ -49,7 +49,7 @@ def experiments(
         check_port(on)
     with place_of(on, moves) as place:
         place.moves = place.moves or allowed(place, chosen)
-        done, failed = measured(chosen, place)
+        done, failed = measure(chosen, place)
     html, table = write(out, done, place.title())
     print(_("written: {} and {}", html, table))
     if failed:
@@ -66,7 +66,7 @@ def allowed(place, names):
     return typer.confirm(_("The board will drive its STEP and DIR pins, and home. Is the machine clear, and the emergency stop at hand? Then y"))
 
 
-def measured(names, place):
+def measure(names, place):
     """([(name, Outcome or why not)], whether one failed or was wrong)"""
     from host_tools.emulator.copies import CopyFailed
     from host_tools.experiments.experiments import refusal, run

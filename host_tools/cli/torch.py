@@ -42,7 +42,7 @@ class Units:
         from host_tools import boards
 
         self.steps = steps
-        self.per_mm = (1.0, 1.0) if steps else _kept(client, (100, 101)) or boards.steps_per_mm(boards.load(board))
+        self.per_mm = (1.0, 1.0) if steps else _read_settings(client, (100, 101)) or boards.steps_per_mm(boards.load(board))
 
     def count(self, axis, length):
         return round(length * self.per_mm[axis])
@@ -58,7 +58,7 @@ class Units:
         return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
 
 
-def _kept(client, numbers):
+def _read_settings(client, numbers):
     """The values of settings of the running board, or None if it has no lines about them."""
     from host_tools.clients.refusal import Refused
 
@@ -348,7 +348,7 @@ def config(
         for number, value in zip((100, 101), _pair(scale)):
             client.ask(f"${number}={value:.3f}")
         if x_jog is None:
-            _show_kept(client)
+            _show_settings(client)
             return
         units = Units(board, steps, client)
         jogs = units.count(0, x_jog), units.count(1, y_jog)
@@ -368,10 +368,10 @@ def _pair(text):
     return found
 
 
-def _show_kept(client):
+def _show_settings(client):
     from host_tools.clients.setting_names import table
 
-    kept = _kept(client, _WINDOW)
+    kept = _read_settings(client, _WINDOW)
     if kept is None:
         raise Failure("this board has no such word")
     print("\n".join(table([f"${number}={value:.3f}" for number, value in zip(_WINDOW, kept)])))

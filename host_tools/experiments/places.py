@@ -74,7 +74,7 @@ class Emulated(Virtual):
         if board not in self._chips:
             self._chips[board] = EmulatedBoard(board)
             self._chips[board].wait_s(COMPILED_S)
-        return begun(self._chips[board])
+        return start(self._chips[board])
 
 
 class OnPort:
@@ -98,7 +98,7 @@ class OnPort:
         return _(TITLES[BOARD], self._port)
 
     def chip(self, _board):
-        return begun(self._board)
+        return start(self._board)
 
     def connection(self):
         """The board without a new start."""
@@ -120,7 +120,7 @@ class OnPort:
         return GrblClient(self._port, timeout_s=START_S)
 
 
-def begun(board):
+def start(board):
     """The interpreter anew, outputs safe, motors off. Raises Failure if there is no Passo on the board."""
     board.fresh()
     try:
