@@ -1,6 +1,6 @@
 """bCNC's sender without its window, told what to do in lines of Python on stdin: `sender`, `CNC` and `run(FILE)` are known.
 
-Each line is answered by a line that begins with "= ": its value's repr, or the error. What bCNC prints goes to stderr.
+Each line is answered by a line that begins with "= ": its value's repr, or the error. bCNC's own prints go to stderr.
 """
 
 import builtins
@@ -52,7 +52,7 @@ def ended():
 
 
 def shown():
-    """What has come into the window's terminal since the last time."""
+    """Return the lines that came into the window's terminal since the last call."""
     lines = []
     while not sender.log.empty():
         lines.append(sender.log.get_nowait()[1])

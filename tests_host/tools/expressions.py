@@ -1,4 +1,4 @@
-"""Kernels of one expression each, made at random, and what Python says that they give: for tests of the translator on every target.
+"""Make kernels of one random expression each, and compute their values in Python: for tests of the translator on every target.
 
     kernels_text()                      # a module of viper functions: one for each operator, and expressions at random
     expected([(1, 2, 3)])               # what they give for a, b, c: in 32 bits, as docs/inside/kernels.md defines it
@@ -28,7 +28,9 @@ def wrapped(value):
 
 
 def python_of(sign, a, b):
-    """What the operator gives: as Python has it, in 32 bits; by 0 there is 0, and a shift by a number below 0 is one by many."""
+    """Return the operator's value as Python computes it, wrapped to 32 bits. Division by 0 gives 0; a shift by a number below 0 or above 31 counts as one
+    by 32.
+    """
     if sign in ("//", "%") and b == 0:
         return 0
     if sign in ("<<", ">>"):
@@ -37,7 +39,7 @@ def python_of(sign, a, b):
 
 
 def _value(node, names):
-    """What a node of an expression gives; 1 or 0 if it is a condition."""
+    """Return the value of a node of an expression; a condition gives 1 or 0."""
     if isinstance(node, ast.Constant):
         return wrapped(int(node.value))
     if isinstance(node, ast.Name):
@@ -112,7 +114,7 @@ def kernels_text():
 
 
 def expected(triples):
-    """array of what Python gives: for each triple, each expression."""
+    """Return an array of Python's values: for each triple, one of each expression."""
     parsed = [ast.parse(each, mode="eval").body for each in expressions()]
     return array("i", [_value(node, dict(zip(NAMES, triple))) for triple in triples for node in parsed])
 
@@ -142,11 +144,11 @@ def module_for(march):
 
 
 def target_code(unit, triples):
-    """What to run on a target that has kernels_tried.mpy: it prints what checksums() gives."""
+    """Return the code for a target that has kernels_tried.mpy: it prints the lines of checksums()."""
     name = next(unit.python_name(each.kernel) for each in unit.called if each.kernel.name == "all_of")
     return TARGET.format(all_of=name, triples=[tuple(each) for each in triples], count=len(expressions()))
 
 
 def checksums(triples):
-    """What the target prints."""
+    """Return the lines that the target has to print."""
     return "".join(f"{crc32(expected([triple]))}\n" for triple in triples)

@@ -30,7 +30,7 @@ def outline(draw):
 
 
 class Case:
-    """`text`: the program, `num`: the same for NUM; `part`: what is milled (outside) or the hole in it (inside), as a polygon."""
+    """`text`: the program; `num`: the same for NUM; `part`: the milled part (outside) or the hole in it (inside), as a polygon."""
 
     def __init__(self, draw, kind):
         self.kind = kind

@@ -7,5 +7,5 @@ import os
 
 
 def patience(seconds):
-    """Twice as long, as CI's machine may be slow, and more by what others want of the processors."""
+    """Return twice the seconds, as CI's machine may be slow, times the load per processor, if that is above 1."""
     return seconds * 2 * max(1, os.getloadavg()[0] / os.cpu_count())

@@ -1,4 +1,4 @@
-"""Reads plain G-code as a machine would, for tests of what compilers make: shares nothing with them.
+"""Read plain G-code as a machine would, for tests of the compilers' output. Shares no code with them.
 
     for event in events(["G1 X5 F100", "M8"]): …
 """
@@ -11,9 +11,9 @@ _PLANES = {17: "XYZ", 18: "ZXY", 19: "YZX"}
 
 
 def events(lines, start=(None, None, None)):
-    """What the lines do, in order: ("rapid", place), ("feed", F, place), ("arc", F, clockwise, plane, place, centre, turns) and
-    ("word", text). A place is (x, y, z), where it stood at the
-    `start` if nothing has been said; the centre is that of the plane."""
+    """Return the actions of the lines in order: ("rapid", place), ("feed", F, place), ("arc", F, clockwise, plane, place, centre, turns) and ("word",
+    text). A place is (x, y, z), by default the one in `start`; the centre is in the plane of the arc.
+    """
     place = dict(zip("XYZ", start))
     motion, plane, feed = 0, 17, None
     found = []

@@ -52,14 +52,16 @@ def chords(begin, end, centre, plane, clockwise, turns=1):
 
 
 def minutes(begin, end, feed, turning):
-    """What a line takes: `feed`, mm/min, counts for X, Y and Z; `turning`, degrees/min, if A alone moves by more than rounding. None: no feed."""
+    """Return the minutes that a line takes: `feed`, mm/min, counts for X, Y and Z; `turning`, degrees/min, counts if only A moves by more than rounding.
+    None: no feed.
+    """
     length, angle = np.linalg.norm(end[:3] - begin[:3]), abs(end[3] - begin[3])
     far, fast = (length, feed) if length > 0.01 else (angle, turning)
     return far / fast if fast else None
 
 
 class _Canon:
-    """What rs274 prints, carried out."""
+    """Carry out the calls that rs274 prints."""
 
     def __init__(self):
         self.scale, self.plane = np.ones(4), (0, 1, 2)
@@ -121,7 +123,7 @@ def of_linuxcnc(program, table=None, skip=False, cwd=None):
     words = [RS274, *(["-t", str(table)] if table else []), *(["-b"] if skip else []), "-g", str(program)]
     try:
         folder = cwd or program.parent
-        own = {**os.environ, "HOME": str(folder)}  # where it keeps its table of tools: two at once spoil each other's
+        own = {**os.environ, "HOME": str(folder)}  # rs274 keeps its table of tools there: two at once spoil each other's
         found = subprocess.run(words, capture_output=True, timeout=60, cwd=folder, env=own, stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired:
         return None
@@ -179,7 +181,7 @@ def _flat(path):
 
 
 def differs(path, other, within=WITHIN_MM):
-    """What differs between two paths, as text; "" if nothing does."""
+    """Return the difference between two paths as text; "" if they are equal."""
     (one, gone, rapid), (two, went, fast) = _flat(path), _flat(other)
     if abs(gone[-1] - went[-1]) > within + 2e-4 * gone[-1]:
         return f"lengths {gone[-1]:.3f} and {went[-1]:.3f}"

@@ -1,4 +1,4 @@
-"""Ways to say something in SVG, each by a small file: what is inside <svg>, 200 × 120 px, lines black, areas unfilled."""
+"""Ways to write the same thing in SVG, each as a small file: the text inside <svg>, 200 × 120 px, lines black, areas unfilled."""
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="200" height="120" fill="none" stroke="black">'
 CONSTRUCTS = {
@@ -158,7 +158,7 @@ OTHER_THAN_CHROMIUM = {
     "text baseline-shift": "Chromium raises by half the letter's own height, Inkscape and librsvg by 0.4 of the size around",
     "nonzero star": "an area that overlaps itself: the pen draws its line, Chromium the ink of the area",
 }
-# What librsvg 2.54 does not know, or does otherwise than browsers.
+# Constructs that librsvg 2.54 does not know, or draws otherwise than browsers.
 OTHER_THAN_LIBRSVG = frozenset((
     "class beats attribute,css units in geometry,rotate property axis z,rotate property vector,scale property percent,scale one number,"
     "translate percent fill-box,translate percent view-box,turn unit,translate3d,rotateZ,transform-origin center view-box,"

@@ -1,4 +1,4 @@
-"""`passo agent`: what it tells of a machine, and to a real broker."""
+"""`passo agent`: the topics it publishes about a machine, and its work with a real broker."""
 
 import json
 import os
@@ -66,7 +66,7 @@ class Silent:
         return said
 
     def restart(self):
-        """Power is cut and comes again: what it was asked is not answered."""
+        """Cut the power and restore it: questions asked before stay unanswered."""
         self._changed(0, False)
         self.dead, self.said = False, b""
         self._changed(0, True)
@@ -115,7 +115,7 @@ class NoLog(Late):
 
 
 def agent_of(kind):
-    """(a board of an agent without a broker, its port), and what runs it until something is so."""
+    """Return (a board of an agent without a broker, its port, a function that runs the board until a condition holds)."""
     from host_tools import boards
     from host_tools.shop.agent import _Board
 
@@ -333,7 +333,7 @@ def test_a_report_with_a_wrong_byte_is_left_out():
     assert machine.state["m"] == [1.0, 2.0, 0.0] and machine.state["state"] == "Run"
 
 
-# --- what is told
+# --- the topics
 
 
 def test_all_topics_of_a_machine_at_rest():
@@ -448,7 +448,7 @@ def free_port():
 
 
 class Shop:
-    """Mosquitto, and what it has been told: `told`, the newest of each topic; `heard`, all of it."""
+    """Mosquitto and the messages a client received from it: `told`, the newest of each topic; `heard`, all in their order."""
 
     def __init__(self, folder):
         self.port = free_port()
@@ -524,7 +524,7 @@ def test_two_boards_a_killed_agent_and_a_broker_that_begins_anew(shop):
     shop.until(lambda: shop.told.get("passo/a/state") == "alarm" and shop.told.get("passo/b/state") == "idle" and "passo/a/alarm" in shop.told and "passo/b/place" in shop.told)
     assert shop.told["passo/a/alarm"] and json.loads(shop.told["passo/b/place"]) == [0, 0]
     assert LOST not in [text for _topic, text, _kept in shop.heard]
-    # The broker forgets all: it is told again.
+    # The broker forgets all topics: the agent publishes them again.
     shop.broker.kill()
     shop.broker.wait()
     shop.told.clear()
@@ -584,7 +584,7 @@ def test_a_stop_for_all_and_one_that_was_kept(shop, tmp_path):
         print(f"from the message to the alarm on another link: {1000 * (time.monotonic() - begun):.0f} ms")
         assert client.alarm == 3
     shop.until(lambda: shop.told["passo/a/state"] == "alarm")
-    shop.until(lambda: json.loads(shop.told["passo/a/counters"])["stops"])  # counters are told apart from the state
+    shop.until(lambda: json.loads(shop.told["passo/a/counters"])["stops"])  # the agent publishes counters apart from the state
     assert json.loads(shop.told["passo/a/counters"])["stops"] == 1
 
 
@@ -596,7 +596,7 @@ DASHBOARD = json.loads((Path(__file__).parents[2] / "docs" / "use" / "grafana-pa
 
 
 def scraped():
-    """What a telling with a history has to say to Prometheus, as text."""
+    """Return Prometheus' text of a Telling with a history."""
     from prometheus_client import CollectorRegistry
     from prometheus_client.openmetrics.exposition import generate_latest
 

@@ -1,4 +1,4 @@
-"""What `bench` makes of two measurements of the same part."""
+"""How `bench` compares two measurements of the same part."""
 
 import re
 

@@ -121,7 +121,7 @@ def test_tcp():
 
 
 def until_drawn(trace, count):
-    """Until a trace, which is written while it is made, has so many rows."""
+    """Wait until a trace, which the board writes as it moves, has `count` rows."""
     deadline = time.monotonic() + LIMIT_S
     while not trace.exists() or len(trace.read_text().splitlines()) < count:
         assert time.monotonic() < deadline
@@ -204,7 +204,9 @@ def test_two_links(tmp_path):
 
 
 def test_who_takes_a_tcp_connection_is_told_that_there_was_another():
-    """The plotter's language of 2014 has no word for who loses it, but the next STATUS tells the number; {log} of pulses tells whose it was."""
+    """The plotter's language of 2014 has no message for the host that loses the link, but the next STATUS has the number of the error; {log} of the pulse
+    language says which link it was.
+    """
     with Board("--board", "plotter_2014", "--tcp", 0) as board, PlotterClient(board.port) as first:
         assert first.status()["error"] == 0
         with socket.create_connection(("127.0.0.1", int(board.port.rpartition(":")[2]))) as second:
@@ -300,7 +302,7 @@ def test_the_command_is_handed_over_from_both_links(tmp_path):
     ("torch_manipulator", "torch", torch.move(5, 480, 5, 480)), ("lpt_router", "pulses", b"{jump}"),
 ])  # fmt: skip
 def test_the_log_of_other_languages(board, protocol, refused):
-    """With and without being told what the link speaks; asking for the log moves nothing."""
+    """With --protocol and without; asking for the log moves nothing."""
     with Board("--board", board) as board:
         with serial.Serial(board.port, timeout=0.2) as client:
             client.write(refused)

@@ -85,7 +85,7 @@ def test_values_are_those_of_the_dict_and_comments_stay(data):
         value = data.draw(VALUES if more or not named else st.just({"name": path[-1], "pin": 7}))
         edited = board_edit.set_values(text, {".".join((*path, *more)): value})
         assert own_values(edited) == changed(board, (*path, *more), value)
-        if not isinstance(parent, (dict, list)):  # of what is replaced as a whole, comments go
+        if not isinstance(parent, (dict, list)):  # comments inside a dict or list that is replaced as a whole are lost
             assert comments(edited) == comments(text)
         text = edited
 

@@ -20,7 +20,7 @@ KEY = "ABCDEFGHJKLMNPQR"
 
 
 class Served:
-    """`passo board` with a page, and what the attacks want to know of it."""
+    """`passo board` with a page, and the members that the attacks read."""
 
     lacking = ("run", "job_text", "job_about", "machine", "teach", "recover")  # orders of `passo panel` only
 
@@ -118,7 +118,7 @@ def test_stop_needs_no_key(tmp_path):
 
 @pytest.mark.parametrize("name", ["router_3axis", "router_4axis", "torch_manipulator", "plotter_2014", "lpt_router", "two_motor_kit"])
 def test_each_language(tmp_path, name):
-    """The same page before each machine: it takes the command, and what it asks for is done."""
+    """Each machine has the same page: it takes control, and its orders are carried out."""
     with Served(tmp_path, name) as served:
         page = served.page()
         page.until(lambda state: state["link"])
@@ -145,7 +145,7 @@ UPLOADS = (("plotter_2014", "square.txt", SQUARE, "SQUARE.TXT", "odd.txt", "CIRC
 @pytest.mark.parametrize("name, file, text, kept, wrong, wrong_text", UPLOADS)
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page")
 def test_a_job_is_uploaded_to_the_board(tmp_path, name, file, text, kept, wrong, wrong_text):
-    """Packed by the browser, kept in the board's flash, run from there; what is no job is named."""
+    """The browser packs the job, the board's flash keeps it, and the board runs it; a file that is no job gets an error with its name."""
     language = boards.load(name)["links"][0]["protocol"]
     with Served(tmp_path, name, jobs={"language": language}) as served, Browser(served) as browser:
         browser.click("take")
@@ -173,7 +173,7 @@ def test_a_job_is_uploaded_to_the_board(tmp_path, name, file, text, kept, wrong,
 
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page")
 def test_in_a_browser(tmp_path):
-    """What a board leaves out is hidden, and the rest works."""
+    """The page hides the parts that a board leaves out, and the rest works."""
     with Served(tmp_path) as served, Browser(served) as browser:
         assert not browser.find("card-teach").is_displayed() and not browser.find("jobs").is_displayed()
         assert browser.find("hold").is_displayed()

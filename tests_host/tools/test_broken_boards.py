@@ -1,6 +1,6 @@
 """Board files with a mistake in them: every value of every shipped file in turn, replaced by others of wrong types and shapes, or taken away;
 and the sections of the others put into it.
-What is refused is refused by BoardError, with a sentence."""
+Each refusal is a BoardError with a sentence."""
 
 import contextlib
 import copy
@@ -50,7 +50,7 @@ def places(value, path=()):
 
 
 def broken(board, path, value):
-    """The board with another value at the path; what lies beside the path is the board's own."""
+    """Return the board with another value at the path; all beside the path stays."""
     if not path:
         return value
     key, *rest = path
@@ -71,7 +71,7 @@ def mutants(board):
         if path:
             yield path, GONE
     tried = set()
-    for name in NAMES:  # and what other boards have, each of it once
+    for name in NAMES:  # and each different section of other boards, once
         for key, value in project.load(name).items():
             if repr((key, value)) in tried:
                 continue

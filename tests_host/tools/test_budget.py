@@ -1,4 +1,4 @@
-"""What `passo build` says of a board's pins and PIO state machines."""
+"""The report of `passo build` on a board's pins and PIO state machines."""
 
 import pytest
 import typer

@@ -1,4 +1,4 @@
-"""`passo build`: what goes to a board and what does not."""
+"""`passo build`: which files go to a board and which do not."""
 
 import ast
 import json
@@ -265,7 +265,7 @@ def machine_code(path):
 
 @pytest.mark.parametrize("name", ["plotter_2014", "router_3axis", "plotter_esp32"])
 def test_no_machine_code_is_compiled_on_the_board(tmp_path, name):
-    """Whatever the board's interpreter makes of viper: what is sent as source has none, and nothing is made there."""
+    """The files sent as source hold no viper code, whatever the board's interpreter could compile."""
     tree.build_tree(name, tmp_path)
     sent = [path for path in tmp_path.rglob("*") if path.is_file()]
     sources = [path for path in sent if path.suffix not in (".mpy", ".txt")]
@@ -329,7 +329,7 @@ def test_the_page_of_a_board_is_small(tmp_path):
 
 
 def test_what_wants_the_uf2_is_refused_before_it_is_flashed(tmp_path):
-    """With what it takes, what there is, and what to do instead."""
+    """The message has the memory that it takes, the memory there is, and the cure."""
     for name, fits in (("router_3axis", False), ("router_esp32", True), ("torch_pico_w", True)):
         board = {**boards.load(name), "network": {"host": "passo"}}
         page = {"name": "page", "port": "page", "protocol": board["links"][0]["protocol"]}

@@ -1,4 +1,4 @@
-"""What `passo check` says of a job, from arrays of words, beside a look at each edge of the pins; and its memory."""
+"""The report of `passo check` on a job, computed from arrays of words, beside a look at each edge of the pins; and its memory."""
 
 import platform
 import subprocess
@@ -266,7 +266,7 @@ def test_many_errors_are_counted_and_few_are_kept(monkeypatch):
 
 
 def test_a_path_that_is_too_long_is_thinned_and_stays_true():
-    """Ends of strokes stay; what is left are places of the whole path; room does not grow."""
+    """Ends of strokes stay; all points kept are places of the whole path; the array does not grow."""
     from passo.config.boardfile import check as checked
     from passo.machine_builder import make_drive
 
@@ -326,7 +326,7 @@ def test_strokes_that_are_too_many_are_joined(monkeypatch):
 
 
 def test_check_as_stream_will_meet_the_machine(tmp_path, capsys):
-    """With the machine's own travel, offsets and place: what goes well at one place of the work piece is refused at another."""
+    """The check uses the machine's own travel, offsets and place: a job that fits at one place of the workpiece is refused at another."""
     file = tmp_path / "job.gcode"
     file.write_bytes(b"G21G90\nG1X100F5000\nX0\n")
     with Running("fast") as running:

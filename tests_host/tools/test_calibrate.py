@@ -116,7 +116,7 @@ def test_chances(chi2, freedom, chance):
 
 @pytest.mark.parametrize("lean", [-0.5, -0.02, 0.0, 0.3])
 def test_squareness(lean):
-    """Y leans by so many degrees towards X+; sides of the wrong length do not matter once they are known."""
+    """Y leans by `lean` degrees towards X+; sides of the wrong length do not matter once their scales are known."""
     wide, high = 300 * 1.02, 200 * 0.97
     up = high * math.sin(math.radians(lean)), high * math.cos(math.radians(lean))
     plus, minus = math.hypot(wide + up[0], up[1]), math.hypot(up[0] - wide, up[1])
@@ -248,7 +248,7 @@ def lengths(backlash, offset=0.0, both=True):
 
 
 def test_backlash_is_proposed_as_a_setting_of_a_machine_that_takes_it_up(tmp_path, capsys):
-    """On top of what is taken up already, 40 µm of this board; none of what cannot be told from chance."""
+    """The proposal is the play found plus the 40 µm that this board compensates already; play within the readings' noise gives no proposal."""
     table = tmp_path / "table.txt"
     for play, offset, both, said in (
         (0.1, 0.3, True, "$160=0.1"), (-0.03, 0.3, True, "$160=0.01"), (0.1, 0.0, False, "if the readings have no offset"), (2.5, 0.0, True, "more than can be taken up"),

@@ -41,7 +41,7 @@ def test_streamed_as_they_are(name, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", ALL)
 def test_the_board_goes_where_the_listing_goes(name, tmp_path):
-    """What the firmware makes of the cycles, and what the compiler does: the same lowest and highest places, and the same way."""
+    """The firmware's cycles and the compiler's lines go to the same lowest and highest places, by the same path."""
     path = tmp_path / "part.nc"
     path.write_text("".join(row for row in ALL[name].splitlines(True) if "G53" not in row and "G43" not in row and "G49" not in row))
     plain, made = VirtualJob("router_3axis"), VirtualJob("router_3axis")

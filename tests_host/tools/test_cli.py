@@ -1,4 +1,4 @@
-"""The `passo` command itself: what it says alone, its version, what it says where a part of it is not installed."""
+"""The `passo` command itself: its text without arguments, its version, its message if a package that it needs is not installed."""
 
 import re
 import subprocess
@@ -11,7 +11,7 @@ from host_tools.cli import main as cli
 
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys({names!r})); sys.argv = {words!r}; from host_tools.cli.main import main; main()"
 
-A_BASH = "bash", "-c", '"$0" "$@"; exit $?'  # which stays the parent of what it runs
+A_BASH = "bash", "-c", '"$0" "$@"; exit $?'  # Bash stays the parent of the command that it runs
 
 
 def passo(*words, without=(), shell=(), **more):

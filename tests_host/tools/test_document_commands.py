@@ -1,7 +1,7 @@
 """Every command that a document shows in a block, run by the installed `passo` in the order of its page, at a virtual board that speaks what is asked.
 
 Guides and README have tests of their own (test_install.py). A command that interrupts is killed amid its work, and one that serves is
-ended by Ctrl-C. What only a chip or another PC answers is in ELSEWHERE, with the test that runs it.
+ended by Ctrl-C. Commands that only a chip or another PC answers are in ELSEWHERE, with the test that runs them.
 """
 
 import re
@@ -40,11 +40,11 @@ NO_PORT = ("--port", "--dry-run", "--packets", "-o", "--pattern", "--card", "--h
 
 
 def strokes(length):
-    """A drawing of so many strokes of this length, in mm, that the board cannot store them all."""
+    """Return a drawing of 1500 strokes of this length, in mm: more than a board stores."""
     return SVG.replace("M5 5 L35 5", "M5 5 " + "".join(f"L{5 + row / 50:.2f} {5 + length * (row % 2)} " for row in range(1500)))
 
 
-# What jobs.md interrupts runs at the machine's pace: more points than a board stores, in a minute.
+# The job that jobs.md interrupts runs at the machine's pace: more points than a board stores, for a minute.
 LONG = {"jobs.md": ("examples/map.svg", 1)}
 ZERO = ("$H", "G53 G0 X100 Y100 Z-60", "G10 L20 P1 X0 Y0 Z0")  # of a router: at the workpiece
 REFUSED = {"send --port /tmp/plotter LINE 5000 10 STATUS": "error 104", "torch move 1 1 --port /tmp/torch": "error 117",
@@ -66,16 +66,16 @@ def language(words):
         return "plotter_2014"
     return "router_3axis"
 class Reader:
-    """Whoever follows a page: a folder of files, and virtual boards, of which one at a time is on."""
+    """A reader who follows a page: a folder of files, and virtual boards, of which one at a time is on."""
 
     def __init__(self, passo, page, folder):  # noqa: F811
         self._passo, self._page, self._folder = passo, page, folder
-        self._running = {}  # what serves: its words
+        self._running = {}  # the processes that serve: their words
         self.link = folder / "port"
         self._on = self._flash = None
 
     def command(self, words):
-        """Run it: (exit status, what it said). What serves goes on."""
+        """Run it: (exit status, what it said). A command that serves goes on."""
         refused = REFUSED.get(" ".join(words))
         words = [str(self.link) if word.startswith(("/tmp/", "/dev/tty")) else str(self._folder) if word.startswith("/media/") else word for word in words]
         if words[0] == "plot":
@@ -139,7 +139,7 @@ class Reader:
             board["links"] = [{**link, "frames": True} for link in board["links"]]
         own = self._folder / f"own_{name}.py"
         own.write_text(f'"""A board with a journal and jobs."""\n\nBOARD = {board!r}\n')
-        pace = "real" if self._page == "jobs.md" else "fast"  # what is to be interrupted takes its time
+        pace = "real" if self._page == "jobs.md" else "fast"  # a job that is to be interrupted takes its real time
         self._flash = self._folder / f"flash_{name}"
         self._serve(["board", "--board", str(own), "--link", str(self.link), "--flash", str(self._flash), "--time", pace])
         self._on = name

@@ -180,7 +180,7 @@ def names_something(page):
 
 @pytest.mark.parametrize("name", CONSTRUCTS)
 def test_constructs_beside_chromium(tmp_path, constructs, name):
-    """The same lines, or a word of `passo draw`, or the reason in the table; what the table has differs."""
+    """The same lines, or a word of `passo draw`, or the reason in the table; a construct in the table differs."""
     lines, page = lines_of(draw_construct(tmp_path, name))
     shares = agreement(edges(constructs[name]), lines, 1.7)
     if name in OTHER_THAN_CHROMIUM:

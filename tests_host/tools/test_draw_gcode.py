@@ -1,4 +1,4 @@
-"""`passo draw` by G-code: what a laser, a router and a tool on M3 and M5 do at their pins, files, sending, going on."""
+"""`passo draw` by G-code: the pins of a laser, a router and a tool on M3 and M5; files, sending, going on."""
 
 import collections
 import itertools
@@ -211,7 +211,7 @@ def pens_page(tmp_path):
 
 
 def rows_of(running, first, end):
-    """{y in whole mm: steps} of what a tool below Z0, or a lit laser, drew from one step to another."""
+    """Return {y in whole mm: number of steps} that a tool below Z0, or a lit laser, drew from one step to another."""
     world = running.world
     _, zero_y, zero_z = (place - position for place, position in zip(world.place, running.position()))
     rows = zip(world.path[first:], world.path[first + 1 : end], world.burnt[first + 1 : end])
@@ -232,7 +232,7 @@ def test_broken_off_behind_and_at_a_pens_change(tmp_path, monkeypatch, capsys, c
     drawn = [collections.Counter() for _ in PENS]
 
     def run(ends, pen, *more):
-        """(what was said, the pens asked for). `ends(panel, pen)`: whether to break off; `pen`: that the machine has."""
+        """Return (the text shown, the pens asked for). `ends(panel, pen)`: whether to break off; `pen`: that the machine has."""
         asked = []
 
         def cycle(panel):

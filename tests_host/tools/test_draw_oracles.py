@@ -139,7 +139,7 @@ def test_the_edge_of_an_area_is_closed(tmp_path, shape, ends):
         assert abs(numpy.array(box_of([[first]])) - [*(ink.min(0)), *(ink.max(0))]).max() < 0.5
 
 
-# What rsvg-convert 2.54 does not do.
+# Constructs that rsvg-convert 2.54 does not draw.
 BROWSER = ("blanks between texts on two paths", "blanks before a place", "a line as around", "accents turn with their letters",
            "sizes by name", "weights from those around", "text on a path of two parts", "css transform", "css transform about an origin", "text on a curve", "text on a line in the middle", "turned letters", "long text", "words apart, capitals",
            "a first dx moves all letters", "lines of text hang, stand and are centred", "letters moved one by one keep close", "a font of no weight",
@@ -219,7 +219,7 @@ def test_what_is_drawn_in_part_is_named(tmp_path, text, name):
 
 
 def test_an_area_whose_stroke_its_clip_path_takes_away_keeps_its_edge(tmp_path):
-    """Nothing was left of it, and nothing was said."""
+    """An edge that vanishes without a note would be a loss."""
     text = '<clipPath id="c"><rect x="60" y="30" width="60" height="60"/></clipPath><g clip-path="url(#c)"><rect x="9" y="9" width="180" height="100" fill="black"/></g>'
     page, (line,) = named(tmp_path, text)
     assert box_of([[line]]) == pytest.approx((60, 30, 120, 90), abs=0.05) and line[0] == line[-1] and not page.left_out
@@ -246,7 +246,7 @@ def test_curves_go_on_as_others_have_them(tmp_path, name):
     assert min(agreement(rsvg_ink(tmp_path / "a.svg", tmp_path), lines, 0.9)) == 1.0
 
 
-CLIPS = {  # as in resvg's tests masking/clipPath: what is left of an area has an edge all around
+CLIPS = {  # as in resvg's tests masking/clipPath: the part of an area within its clip has an edge all around
     "an area larger than its clip path": '<clipPath id="c"><path d="M60 10 100 110 10 40h110L30 110z"/></clipPath><rect width="200" height="120" stroke="none" fill="black" clip-path="url(#c)"/>',
     "an area that its clip path cuts": '<clipPath id="c"><circle cx="60" cy="60" r="40"/></clipPath><path d="M20 20h100v60h-100zM50 40v20h20v-20z" fill-rule="evenodd" stroke="none" fill="black" clip-path="url(#c)"/>',
     "a clip path in a clip path": '<clipPath id="b"><rect x="30" y="30" width="60" height="60"/></clipPath><clipPath id="c"><circle cx="60" cy="60" r="40"/></clipPath><g clip-path="url(#b)"><g clip-path="url(#c)"><rect width="200" height="120" stroke="none" fill="black"/></g></g>',

@@ -1,4 +1,4 @@
-"""`passo engrave`: pictures to rows, rows to G-code, and what the virtual laser burns of them."""
+"""`passo engrave`: pictures to rows, rows to G-code, and the lines that the virtual laser burns."""
 
 import re
 import subprocess
@@ -287,7 +287,7 @@ def test_a_big_picture_is_read_small_or_refused(tmp_path, monkeypatch):
 
 
 def test_a_picture_of_400_million_pixels_is_refused_by_its_size(tmp_path):
-    """Pillow has a bound of its own, at which it was said to be a picture, for passo engrave."""
+    """Pillow refuses pictures above a bound of its own; the message must still be the one about pixels."""
     Image.new("1", (20_000, 20_000)).save(tmp_path / "a.png")
     done = run(tmp_path / "a.png", "--width", "20")
     assert done.exit_code == 1 and "has 20000 × 20000 pixels: at most 20000000" in said(done), said(done)

@@ -1,4 +1,4 @@
-"""`passo experiments`: the authors' figures, what is measured beside them, the report, and what is refused.
+"""`passo experiments`: the authors' figures, the figures measured beside them, the report, and its refusals.
 
 PASSO_DOCUMENTS names a folder with the documents as text files: then each figure is looked for there, as printed.
 """

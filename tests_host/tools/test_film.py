@@ -1,4 +1,4 @@
-"""`passo film` and `passo watch`: films by their frames, the live view by what it shows of a running machine."""
+"""`passo film` and `passo watch`: films by their frames, the live view by its text for a running machine."""
 
 import io
 

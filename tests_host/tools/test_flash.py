@@ -1,4 +1,4 @@
-"""`passo flash`: what it would run, and a whole flash of a board that stands behind a pty."""
+"""`passo flash`: the commands it would run, and a whole flash of a board behind a pty."""
 
 import io
 import json

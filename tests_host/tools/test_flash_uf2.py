@@ -1,4 +1,4 @@
-"""`passo flash` and UF2s: what the board has decides what goes over, and another UF2 keeps the board's files."""
+"""`passo flash` and UF2s: the board's own build decides which files go over, and another UF2 keeps the board's files."""
 
 import re
 import struct
@@ -159,7 +159,7 @@ def new_uf2(tmp_path):
 
 
 def test_another_uf2_keeps_the_files(folder, with_uf2, drive, new_uf2):
-    """The file system begins elsewhere as the board tells it: what is on it is read and put back."""
+    """The file system begins at another address, which the board reports: flash reads the files and puts them back."""
     port, files = with_uf2
     for name, text in KEPT.items():
         put(files, name, text)

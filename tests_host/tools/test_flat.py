@@ -1,4 +1,4 @@
-"""Programs with Z on machines of two axes: what is left out, what lifts the pen, what is refused."""
+"""Programs with Z on machines of two axes: which words go, which lift the pen, which are refused."""
 
 import pytest
 
@@ -28,7 +28,7 @@ def test_the_tool_stays_on_as_z_rises(text, line):
 
 
 def test_z_is_left_out():
-    """What wants an axis word keeps Z0, with which nothing moves: G28 without a word would move X and Y."""
+    """Words that want an axis keep Z0, with which nothing moves: G28 without a word would move X and Y."""
     assert flat("G21G90 G0Z5 G0X1Y2Z3 M3S5 G1Z-1F90 X5Z-2 M5 G0Z9 G91G28Z0 G92Z1 $G") == "G21G90 G0Z0 G0X1Y2 M3S5 G1Z0F90 X5 M5 G0Z0 G91G28Z0 G92Z0 $G"
     assert flat("M3S5 G1X1Z0F90 Z0 M5Z4") == "M3S5 G1X1F90 Z0 M5Z0"
 

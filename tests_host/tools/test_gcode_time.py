@@ -77,7 +77,7 @@ def clock_of(seconds, pace, per_line=5):
 
 @given(st.lists(st.floats(0.01, 100), min_size=1, max_size=60), st.floats(0.5, 2))
 def test_what_is_left_is_right_from_the_start_and_exact_at_the_end(seconds, pace):
-    """From the first moment within the error of what was thought, whatever the lines are like."""
+    """From the first moment the error is within that of the estimate, for lines of any lengths."""
     remaining = Remaining(seconds)
     shares = []
     for index, gone, left in clock_of(seconds, pace):
@@ -90,7 +90,7 @@ def test_what_is_left_is_right_from_the_start_and_exact_at_the_end(seconds, pace
 
 @given(st.lists(st.floats(0.01, 100), min_size=1, max_size=60))
 def test_one_long_line_does_not_fool_it(seconds):
-    """Where the thought was right, so is what is left, at any moment of any line."""
+    """If the estimate was right, the time left is right, too, at any moment of any line."""
     remaining = Remaining(seconds)
     for index, gone, left in clock_of(seconds, 1.0):
         assert remaining.at(index, gone) == pytest.approx(left, abs=1e-3 + 1e-6 * sum(seconds))

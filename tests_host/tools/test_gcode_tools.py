@@ -87,7 +87,7 @@ def test_keys(board, job):
         for line in ("$X", "$I", "$10=3"):
             client.command(line)
         panel = stream.Panel(client, [(1, b"")])
-        client.command("G1X50F60")  # so long that the pause comes amid it, however quick the machine
+        client.command("G1X50F60")  # long enough that the pause comes amid it, on any fast PC
         panel.key("p")
         board.until(board.standing)
         client.ask_status()
@@ -255,7 +255,7 @@ def test_check_fails_what_is_larger_than_the_machine(job, capsys):
 
 
 def test_check_knows_soft_limits(job, capsys):
-    """Where the job lies on the machine decides, and the firmware itself says which line is the first outside."""
+    """The job's place on the machine decides, and the firmware itself names the first line outside."""
     job.write_bytes(FAR % 250)
     check.check(job, "router_3axis", None, "50,20,-30")
     assert "0.000 …   300.000 mm" in capsys.readouterr().out

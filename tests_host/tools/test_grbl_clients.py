@@ -224,7 +224,7 @@ def test_bcnc_with_four_axes(tmp_path):
 
 
 def test_odd_letters_by_bcnc(board, tmp_path):
-    """It leaves them out itself, without a word: X0 of X−5. Nothing of them comes to a board, which cannot tell: docs/reference/gcode.md does."""
+    """It leaves them out itself, without a word: X0 of X−5. They do not reach the board, which cannot report them; docs/reference/gcode.md says it."""
     pytest.importorskip("tkinter", reason="bCNC wants tkinter")
     if importlib.util.find_spec("bCNC") is None:
         pytest.skip("bCNC is not installed")
@@ -256,7 +256,7 @@ def stream_py(board, tmp_path):
         pytest.skip("this Python has no lib2to3, which makes Python 3 of grbl's stream.py: it was NOT run")
 
     def run(text, end):
-        """What it shows of a job, which ends at a position. It waits for Enter: who leaves before the machine stands is a lost host."""
+        """Return the program's output for a job that ends at a position. It waits for Enter: a program that leaves before the machine stands is a lost host."""
         job = tmp_path / "job.nc"
         job.write_text(text, encoding="utf-8")
         command = [*interpreter.python(), Path(__file__).with_name("grbl_stream.py"), script, job, board.line.name]

@@ -6,7 +6,7 @@ import pytest
 from host_tools.drawings import sources, stroke_font
 from host_tools.drawings.hpgl_symbols import SymbolSets
 
-SETS = {  # by the number of CS: what a plotter writes for #$@[\]^`{|}~, as ISO 646 has it
+SETS = {  # by the number of CS: the plotter's letters for #$@[\]^`{|}~, as ISO 646 has them
     33: "#$§ÄÖÜ^`äöüß", 32: "#$@ÆØÅ^`æøå~", 31: "#¤ÉÄÖÅÜéäöåü", 34: "£$à°ç§^µéùè¨", 36: "£$§°çé^ùàòèì", 37: "£$§¡Ñ¿^`°ñç~", 38: "#$§ÃÇÕ^`ãçõ°", 0: "#$@[\\]^`{|}~",
 }
 

@@ -1,4 +1,4 @@
-"""Kernels with what they call in them compute what they computed before, in the same order."""
+"""Kernels with the calls inlined compute the same as before, in the same order."""
 
 import ast
 
@@ -103,7 +103,7 @@ MADE = inlined(TEXTS)
 
 
 def run(texts, *arguments):
-    """work(…) of the callers' text as ordinary Python, and what it left in its arrays."""
+    """Run work(…) of the texts as ordinary Python; return its value and its arrays."""
     spaces = {}
     for path in TEXTS:
         text = texts[path].replace("@micropython.viper", "").replace("import micropython", "")

@@ -1,5 +1,5 @@
 """The project as pip installs it, not editable: a wheel of a copy of the sources, in a fresh environment, used in another
-folder. What it depends on is that of the environment the tests run in; the project itself is not.
+folder. The packages it depends on are those of the environment in which the tests run; the project itself is not.
 """
 
 import ast
@@ -55,7 +55,7 @@ def wheel(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def passo(wheel, tmp_path_factory):
-    """passo(*arguments) runs the installed command in `passo.folder`; with start=True it only starts it. `keys`: what a pipe gives it."""
+    """passo(*arguments) runs the installed command in `passo.folder`; with start=True it only starts it. `keys`: the bytes that a pipe gives it."""
     folder = tmp_path_factory.mktemp("installed")
     environment = folder / "environment"
     venv.create(environment, with_pip=False)
@@ -174,7 +174,7 @@ def test_what_a_document_shows(passo, page):
 
 # --- guides, from the first command to the last
 
-FOR_PEOPLE = ("--open", "--serve")  # what a browser shows, tested elsewhere: those that wait for one are started and ended
+FOR_PEOPLE = ("--open", "--serve")  # they show their result in a browser, tested elsewhere: those that wait for one are started and ended
 
 
 def sessions(page):
@@ -270,7 +270,7 @@ def test_every_command_of_a_guide(passo, page, tmp_path):
 
 @pytest.mark.slow
 def test_the_first_motion_of_the_quick_start(passo, tmp_path):
-    """What is typed into the terminal of the quick start: the state, unlock, a jog; the board answers as it says."""
+    """The lines that the quick start types into the terminal: state, unlock, a jog; the board answers as the page says."""
     import serial
 
     text = (START / "quick-start.md").read_text(encoding="utf-8")
@@ -302,7 +302,7 @@ def test_the_first_motion_of_the_quick_start(passo, tmp_path):
 
 
 def test_a_panel_and_its_page(passo):
-    """What `passo panel` imports is installed with the command, and its page lies in the wheel."""
+    """The packages that `passo panel` imports come with the command, and its page lies in the wheel."""
     process = passo("panel", "--demo", "--http", "0", start=True)
     try:
         address = ""
@@ -335,7 +335,7 @@ def test_what_a_panel_imports_is_no_extra():
 
 
 def _link_packages(site, names):
-    """Link what these distributions brought, and what they want, into a folder `site`."""
+    """Link the files of these distributions and of those that they require into a folder `site`."""
     wanted, linked = list(names), set()
     while wanted:
         name = wanted.pop()

@@ -13,7 +13,7 @@ from host_tools.cli.main import VERBS
 from host_tools.workers import in_processes
 
 LIMIT_S = 60
-LATER = ("panel", "board", "agent", "shop", "emulate")  # they run until they are told to end
+LATER = ("panel", "board", "agent", "shop", "emulate")  # they run until they get a signal
 NAMES = (
     "struct", "job_runner", "typing", "sitecustomize", "usercustomize", "typer", "array", "json", "io", "pickle", "numpy", "micropython", "machine", "board",
     "multiprocessing", "matplotlib", "ezdxf", "svgelements", "mpremote", "ziglang", "serial", "rich", "host_tools", "passo",
@@ -60,7 +60,7 @@ def executed(folder):
 
 
 def run(folder, command, later=False, **environment):
-    """(exit status, what was said) in `folder`; a program that runs `later` is ended behind its first line."""
+    """Return (exit status, output) of a command in `folder`; a program of `later` is ended after its first line."""
     process = subprocess.Popen(command, cwd=folder, env={**os.environ, **environment}, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     try:
         said = process.stdout.readline() if later else ""

@@ -1,4 +1,4 @@
-"""What the panel tells of a job before it runs."""
+"""The panel's facts of a job before it runs."""
 
 import pytest
 from hypothesis import given, strategies as st

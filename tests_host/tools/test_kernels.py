@@ -1,4 +1,4 @@
-"""Kernels as C: what is accepted computes what CPython computes with 32 bits that wrap, under gcc's sanitiser; all else is refused."""
+"""Kernels as C: each that is accepted computes as CPython does with 32 bits that wrap, under gcc's sanitiser; all others are refused."""
 
 import ast
 import builtins
@@ -83,7 +83,7 @@ def unit_of(text):
 
 @pytest.fixture(scope="module")
 def native(tmp_path_factory):
-    """The text's kernels on this PC; what C leaves open ends the process."""
+    """Return the text's kernels, compiled for this PC; behaviour that C leaves undefined ends the process."""
     folder = tmp_path_factory.mktemp("kernels")
     (folder / "k.c").write_text(unit_of(TEXT + kernels_text()).text(RUNTIME).replace("static int32_t tried", "int32_t tried").replace("static void tried", "void tried"))
     options = "-std=gnu11 -fwrapv -fno-strict-aliasing -O2 -w -shared -fPIC -fsanitize=undefined,signed-integer-overflow -fsanitize-undefined-trap-on-error"
@@ -326,7 +326,7 @@ def test_what_is_frozen_reads_no_name_that_is_gone(chip, monkeypatch):
 @pytest.mark.skipif("armv6m" not in MARCHES, reason="there is no compiler of kernels for armv6m")
 @pytest.mark.parametrize("player", ["pio", "timer"])
 def test_all_kernels_of_a_build_are_c(player):
-    """Private ones, too, which have other names in a build; but those that are left to viper, and what only these call."""
+    """Private ones, too, which have other names in a build. The exceptions: kernels left to viper, and those that only these call."""
     board = check({**boards.load("router_3axis"), "player": player})
     sources = {path.as_posix(): (tree.FIRMWARE / path).read_text(encoding="utf-8") for path in tree.selected(board)}
     program = Program(tree._made(sources, board, "armv6m")[0])
@@ -376,7 +376,7 @@ def test_no_word_of_a_router_looks_like_a_pointer(by, monkeypatch):
 
 
 def masks(code):
-    """Places in Thumb code of what changes or reads the interrupts' mask, or waits for one: CPS, MRS, MSR, WFE, WFI. A
+    """Return the offsets in Thumb code of instructions that change or read the interrupts' mask or wait for an interrupt: CPS, MRS, MSR, WFE, WFI. A
     literal that looks like one would be found, too."""
     halves = struct.unpack(f"<{len(code) // 2}H", code[: len(code) & ~1])
     found, at = [], 0
@@ -419,7 +419,7 @@ def test_the_build_says_how_many_words_look_like_pointers(monkeypatch, tmp_path)
     assert module.pointers(b"12" + word + b"43", "armv6m") == []
     assert module.pointers((0x20001234).to_bytes(4, "little"), "armv6m") == []
     made = compiled({}, {}, {"axes": []}, "armv6m")._replace(by=["gcc 1"], pointers=3)
-    monkeypatch.delenv("PASSO_BUILDS", raising=False)  # what is made here is no build
+    monkeypatch.delenv("PASSO_BUILDS", raising=False)  # the modules made here are no build
     monkeypatch.setattr(tree.kernels, "compiled", lambda numbered, texts, *more: made._replace(texts=texts))
     by = []
     tree.build_tree("two_motor_kit", tmp_path, by=by)

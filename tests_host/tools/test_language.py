@@ -43,14 +43,14 @@ HANDED_ON = {
     "cli/experiments.py": ("experiments",), "experiments/report.py": ("_section", "_sources", "printed"), "experiments/authors.py": ("text",),
     "experiments/drawing.py": ("run", "_picture"), "experiments/lines.py": ("run",), "experiments/places.py": ("title",),
 }  # fmt: skip
-# What is printed for programs, or is a name, a number or a text that came through the catalogue before.
+# Text printed for programs, and names, numbers or texts that came through the catalogue before.
 AS_IT_IS = ("port", "usb", "key", "page", "passo", "run")
 REASONS = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOSPC, errno.EROFS, errno.EIO, errno.EBUSY,
            errno.EADDRINUSE, errno.EADDRNOTAVAIL, errno.ECONNREFUSED, errno.ECONNRESET, errno.ETIMEDOUT, errno.EHOSTUNREACH,
            errno.ENETUNREACH, errno.ENODEV, errno.EPIPE)  # fmt: skip
-# Words of the documents, and what an English text with them has to say in Portuguese.
+# English terms of the documents, and the Portuguese word that a text with them must have.
 TERMS = {"spindle": "spindle", "homed": "referenciada", "drives": "drivers", "torch": "tocha", "plotter": "plotter", "pulse": "pulso", "weave": "tecer", "homing": "origem"}
-# One word each, as a Brazilian shop has it: {what is not said: what is}; `fuso` is the lead screw.
+# One word each, as a Brazilian shop has it: {word to avoid: word to use}; `fuso` is the lead screw.
 NOT_SAID = {"armazen": "guardado", "foi salvo": "guardado", "sentiu falta": "acusou", " acionamento": "driver", "plotadora": "plotter", "chave óptica": "sensor óptico", "fila de pontos": "linha de pontos", "ao subir:": "estacionamento:",
     "que porta?": "qual porta?", "drives": "drivers",
             " um ajuste": "configuração", "é ajuste": "configuração", "nem ajustes": "configurações"}
@@ -181,9 +181,9 @@ def sentence(node):
 
 def test_what_is_wrong_with_board_files_has_its_words():
     trees = [parse(path.read_text(encoding="utf-8")) for path in (FIRMWARE / "passo").rglob("*.py")]
-    raised = {"the board file"}  # what a key may be missing in
+    raised = {"the board file"}  # a key may be missing in it
     raised |= {sentence(call.args[0]) for tree in trees for _, name, call in calls(tree) if name == "BoardError"}
-    plant = [TREES["sim/plant.py"], TREES["sim/input_faults.py"]]  # the machine of a virtual board, with what --start and --fault ask for
+    plant = [TREES["sim/plant.py"], TREES["sim/input_faults.py"]]  # the machine of a virtual board, with the errors of --start and --fault
     raised |= {sentence(call.args[0]) for tree in plant for _, name, call in calls(tree) if name == "ValueError" and call.args}
     raised -= set(options.portuguese())
     assert raised == set(BOARD_FILES), raised ^ set(BOARD_FILES)
@@ -220,7 +220,7 @@ def test_words_have_the_fields_of_their_text():
 
 
 def test_words_of_options_commands_and_files_are_the_same():
-    """What a reader would type."""
+    """The words that a reader would type stay as they are."""
     for text, words in WORDS.items():
         for typed in re.findall(r"(?<!\w)--[a-z][\w-]*|docs/[\w./-]+|\bM\d+\b|\bG\d+\b", text):
             assert typed in words, f"{text}: {words}"
@@ -336,7 +336,7 @@ def test_what_typer_says_of_a_wrong_command_line():
 
 
 def test_what_another_program_has_said_in_all_languages():
-    """Whichever it spoke; fields too, and what is none of our texts."""
+    """In either language; fields are translated, too, and a text that is none of ours stays."""
     from passo import errors
 
     said = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY))

@@ -16,7 +16,7 @@ from host_tools.programs.tool_table import Tool
 from leads import KINDS, Case
 from plain_reader import cut_points, events
 
-_DEEPEST_MM = 0.006  # TOUCH, and what chords and five decimals are off
+_DEEPEST_MM = 0.006  # TOUCH, plus the error of chords and five decimals
 _NOWHERE = (None, None, None)
 
 

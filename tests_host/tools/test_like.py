@@ -1,4 +1,4 @@
-"""Board files that are "like" another: what merge() makes of random dicts, what is refused, and that boards, builds and verbs get the whole."""
+"""Board files that are "like" another: merge() with random dicts, its refusals, and that boards, builds and verbs get the whole."""
 
 import ast
 import copy
@@ -40,7 +40,7 @@ def is_named(value):
 
 
 def changes_of(base, wanted):
-    """What a file says that is like `base` and has to be `wanted`."""
+    """Return the dict for a file that is like `base` and has to become `wanted`."""
     found = {key: None for key in base if key not in wanted}
     for key, value in wanted.items():
         before = base.get(key)

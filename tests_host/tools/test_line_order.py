@@ -41,7 +41,7 @@ def test_no_two_ends_that_meet_are_left(lines):
 
 
 def _closed(line):
-    """Its own ends meet: what was nearest was itself, once it was whole."""
+    """Whether the line's ends meet: a closed line has its own end as its nearest."""
     return abs(line[0] - line[-1]) <= TOLERANCE
 
 

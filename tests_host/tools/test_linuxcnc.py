@@ -33,7 +33,7 @@ ENDLESS = "nc_files/smartprobe.ngc"  # a menu that waits for its operator
 
 
 def outcome(path, tables):
-    """What becomes of a program: "equal", "refused" … and a text."""
+    """Return what becomes of a program: "equal", "refused" … and a text."""
     try:
         wanted = rs274.of_linuxcnc(path, tables[0])
     except ValueError:

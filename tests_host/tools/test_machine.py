@@ -63,7 +63,7 @@ def test_two_machines_on_a_board(folder, board, small):  # noqa: F811
 
 
 def test_what_was_before_comes_back(folder, board, small):  # noqa: F811
-    """What was flashed, and a machine whose board file was changed, each with its settings."""
+    """The files flashed first, and a machine whose board file was changed, each with its settings."""
     port, files = board
     where = ("--port", port)
     flashed = 'BOARD = {"chip": "rp2040", "name": "flashed"}'

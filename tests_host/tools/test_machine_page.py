@@ -1,4 +1,4 @@
-"""The page at the machine (`passo agent --at-machine`): who has its key starts motion, anybody stops it, and the key stands in no log."""
+"""The page at the machine (`passo agent --at-machine`): its key starts motion, anybody may stop it, and no log has the key."""
 
 import json
 import os
@@ -30,7 +30,7 @@ SHORT = ("", "ABC", "ABCD-EFGH-JKLM-NPQ", "0O1I" * 8, "a b c d e f g h j k l m n
 
 
 class Served:
-    """The page, with an agent that keeps what it is told."""
+    """The page, with an agent that records its orders."""
 
     def __init__(self):
         self.done, self.stops, self.why = [], [], ""
@@ -57,7 +57,7 @@ def said(name, what):
 
 
 def test_a_program_without_the_key_starts_nothing(served):
-    """It says that it is the page; it has the nonce, and what others have said before."""
+    """It claims to be the page, knows the nonce, and repeats messages of others."""
     served.done.clear()
     person = MachinePage(served.address, KEY)
     stranger = MachinePage(served.address, "B" * 16)

@@ -1,7 +1,7 @@
 """The programs of docs/use/makers.md that are installed here make a file each, which is drawn at its size or run without a refused line.
 
 They are Debian's freecad-python3, kicad, inkscape, openscad, gnuplot, plotutils, pstoedit, potrace, r-base-core, dia, fig2dev, zint, barcode,
-ploticus, abcm2ps and gle-graphics, vpype of PyPI and matplotlib. What is not installed skips.
+ploticus, abcm2ps and gle-graphics, vpype of PyPI and matplotlib. The test of a program that is not installed skips.
 """
 
 import os

@@ -41,7 +41,7 @@ def test_every_byte_of_a_module_is_accounted_for(modules):
 
 
 def known_of(placed):
-    """What ends a module: (head, names, first, functions as tuples, texts as tuples, the call)."""
+    """Return the parts of a module's end: (head, names, first, functions as tuples, texts as tuples, the call)."""
     *numbers, mark = struct.unpack("<HHBBHHH", placed[-12:])
     assert mark == mpy.MARK
     head, names, first, call, functions, texts = numbers
@@ -68,7 +68,7 @@ def tables(data):
 
 
 def test_no_module_points_behind_its_tables(modules):
-    """Where objects would begin behind names that fill a piece of the heap another piece lies, which would never be collected."""
+    """If objects began behind names that fill a piece of the heap, the pointer would keep another piece, which the collector would never free."""
     met = 0
     for path, data in modules.items():
         placed = mpy.in_place(data)

@@ -1,4 +1,4 @@
-"""Every word of RS274/NGC by an example: what it compiles to is read by plain_reader.py, and is what the plain lines beside it do."""
+"""Every word of RS274/NGC by an example: plain_reader.py reads the listing, whose motion must be that of the plain lines beside it."""
 
 import math
 import random
@@ -191,7 +191,7 @@ SPLINES = "f90\ng5 x10 y0 i3 j9 p-4 q5\nx20 y5 p-2 q-6\ng5.1 x30 y0 i4 j3\ng5.2 
 @pytest.mark.parametrize("unit, decimals", [("g21", 3), ("g21", 6), ("g20", 4), ("g20", 6)])
 @pytest.mark.parametrize("down", ["", " z-1.5"])
 def test_full_turns_stay_turns(unit, decimals, down):
-    """Wherever a circle begins, about any centre, told its end or not: what a program calls one turn is one arc, and no line or nothing."""
+    """For circles with any start and centre, with an end or without: one turn of a program becomes one arc, not a line and not nothing."""
     dice = random.Random(decimals)
     size = 1 if unit == "g21" else 1 / 25.4
 

@@ -1,4 +1,4 @@
-"""A of RS274/NGC: degrees, absolute in the listing; what F counts for; what does not take it. test_linuxcnc.py compares with LinuxCNC."""
+"""A of RS274/NGC: degrees, absolute in the listing; how F counts for it; which words refuse it. test_linuxcnc.py compares with LinuxCNC."""
 
 import numpy
 import pytest
@@ -95,7 +95,7 @@ def test_beside_a_contour_and_in_it():
 
 
 def test_g93_keeps_its_time_where_next_to_nothing_moves_beside_a():
-    """What a CAM program's rounding leaves in X would make a feed of nanometres a second."""
+    """The residue of a CAM program's rounding in X would make a feed of nanometres a second."""
     rows = [f"x{0.00001 * (turn % 3 + 1):.5f} y{turn % 2 * 0.00004:.5f} a{7 * turn + 7} f{1 + turn % 5 * 0.5}" for turn in range(40)]
     path = rs274.of_board(compiled("g93 g1 " + "\n".join(rows)).codes)
     assert [time for _, _, time in path] == pytest.approx([1 / (1 + turn % 5 * 0.5) for turn in range(40)], rel=1e-6)

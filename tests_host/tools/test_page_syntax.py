@@ -21,7 +21,7 @@ NODE = shutil.which("node")
 SCRIPTS = sorted(path.name for path in FOLDER.glob("*.js"))
 OFFLINE = [OWN / name for name in offline.NAMES if name.endswith(".js")]
 OF_2018 = 2019  # ECMAScript 2018, and catch without a name, which both have
-# What came later, and is not in old.js.
+# Functions of later years that old.js does not add.
 LATER = (r"\.replaceAll\(", r"\.at\(-", r"\.matchAll\(", r"Promise\.(any|allSettled)", r"structuredClone", r"ResizeObserver", r"\.flat\(\)", r"\.toggleAttribute\(",
          r"globalThis", r"queueMicrotask", r"\.findLast", r"BigInt", r"\bimport\(", r"\.randomUUID\(", r"\.isConnected")  # fmt: skip
 PARSE = """
@@ -35,7 +35,7 @@ console.log(JSON.stringify(wrong));
 
 
 def parsed(files, tmp_path):
-    """What acorn refuses of the files."""
+    """Return acorn's errors for the files."""
     if not NODE:
         pytest.skip("NO NODE: apt-get install nodejs, to check the page's syntax")
     try:

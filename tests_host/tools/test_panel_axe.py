@@ -1,4 +1,4 @@
-"""axe-core finds nothing in what opens on the page: folded cards, the parts of the set-up, dialogs, bars, and what stands there after a failure."""
+"""axe-core finds no fault in the parts that open on the page: folded cards, the parts of the set-up, dialogs, bars, and the messages after a failure."""
 
 import pytest
 from test_panel_page import Browser, axe, driver, faults_found, pytestmark as of_pages  # noqa: F401

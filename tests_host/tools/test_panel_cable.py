@@ -84,7 +84,7 @@ def test_the_port_is_handed_over_and_taken_again(cable):
     fails = []
 
     def become(board, port):
-        """What mpremote does, as far as the port is concerned."""
+        """Use the port as mpremote does."""
         with open_exclusively(port, 115_200, 1) as opened:
             if fails:
                 raise Failure(fails.pop())

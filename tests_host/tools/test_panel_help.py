@@ -18,7 +18,7 @@ return [...document.querySelectorAll("button, input:not([type=hidden]), select, 
 
 
 def sentences(browser):
-    """What the controls say, once each has something to say."""
+    """Return the sentences of the controls, once each control has one."""
     try:
         browser.until(lambda: not browser.driver.execute_script(WITHOUT))
     except AssertionError:

@@ -32,7 +32,7 @@ def drop(browser, **files):
 
 
 def test_a_line_is_begun_at(browser):
-    """A touch on a line fills the field; what is restored is told before anything moves; then it is asked before the tool goes down."""
+    """A touch on a line fills the field; the page lists the restored state before anything moves, and asks before the tool goes down."""
     browser.click("zero-all")
     browser.answer()
     drop(browser, pocket=POCKET)

@@ -1,4 +1,4 @@
-"""The page of machines that do not speak G-code, in Chromium: pulse files, and what the page hides for each language.
+"""The page of machines that do not speak G-code, in Chromium: pulse files, and which cards the page hides for each language.
 
 As tools/test_panel_page.py; `place` and `trace` are those of the virtual board.
 """
@@ -44,12 +44,12 @@ def play(browser, what):
 
 
 def marked(browser):
-    """What is under way, of a list that is made anew all the time."""
+    """Return the line under way, from a list that the page makes anew all the time."""
     return browser.driver.execute_script("const mark = document.querySelector('#lines b'); return mark ? mark.textContent : ''")
 
 
 def steps(panel):
-    """What the machine did, once the panel has ended: places after each step."""
+    """Return the places after each step, once the panel has ended."""
     return [tuple(row[1:4]) for row in panel.trace()]
 
 
@@ -302,7 +302,7 @@ def test_the_plotter(tmp_path, driver):
 
 
 def test_each_language_by_the_machine_chooser(tmp_path, driver):
-    """The page becomes that of each machine in turn: its cards, and one thing that moves; what the language lacks is hidden."""
+    """The page becomes that of each machine in turn: its cards, and one motion; the parts that the language lacks are hidden."""
     with PanelProcess(tmp_path, "--board", "two_motor_kit") as panel:
         browser = Browser(panel, driver, (1280, 1800))
         browser.until_state("Ready")

@@ -1,5 +1,5 @@
-"""What somebody wants of the page, from nothing to the end, with the taps counted: in Chromium and Firefox, on a phone and a desktop, in
-English and Portuguese. A tap is a press of a control; swiping down to it is none.
+"""A user's tasks on the page, from nothing to the end, with the taps counted: in Chromium and Firefox, on a phone and a desktop, in English and Portuguese. A
+tap is a press of a control; swiping down to it is none.
 
 Firefox is driven by its own port (marionette.py); without it its walks skip. PASSO_SHOTS=FOLDER keeps pictures.
 """
@@ -35,7 +35,7 @@ ERRORS = "window.wrong = []; addEventListener('error', (event) => window.wrong.p
 
 
 class Hand(Browser):
-    """Whoever taps: a control behind a tab or in a folded card takes one more."""
+    """The user's finger: a control behind a tab or in a folded card takes one tap more."""
 
     def __init__(self, panel, driver, size, language):
         self.taps = 0

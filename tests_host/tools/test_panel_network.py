@@ -1,4 +1,4 @@
-"""What comes from a network: without the key nothing moves, nothing leaks, and no step is late, whatever is sent."""
+"""Bytes from a network: without the key nothing moves, no secret leaks, and no step is late, whatever the bytes."""
 
 import itertools
 import json
@@ -22,7 +22,7 @@ FASTEST_TICKS = 411  # 30 400 a second
 
 
 def ask(panel, data, wait_s=LIMIT_S):
-    """What the server says to raw bytes, until it closes the connection."""
+    """Return the server's answer to raw bytes, until it closes the connection."""
     with socket.create_connection(("127.0.0.1", panel.port), timeout=wait_s) as connection:
         try:
             connection.sendall(data)
@@ -63,7 +63,7 @@ def wrong_keys(panel):
 
 
 def replays(panel):
-    """What one page has said is worth nothing on another connection, nor a second time."""
+    """A message of one page is worth nothing on another connection, nor a second time."""
     honest = panel.page()
     message = honest.message({"do": "step", "by": {"x": 5}, "speed": 5000})
     for _ in range(2):

@@ -1,6 +1,6 @@
 """The page in a real browser: Debian's chromium, the virtual board behind `passo panel`, a pseudo-terminal between them.
 
-Where there is no chromium or no chromedriver, these tests skip; `.ci/run` installs them if it can. PASSO_SHOTS=FOLDER keeps pictures.
+Without chromium or chromedriver these tests skip; `.ci/run` installs them if it can. PASSO_SHOTS=FOLDER keeps pictures.
 """
 
 import json
@@ -40,7 +40,7 @@ if (card && !control.closest("summary")) card.querySelector("summary").click();
 if (pane) document.querySelector(`[data-tab=${pane.dataset.of || pane.id.slice(5)}]`).click();
 control.scrollIntoView({block: "center"});
 """
-# Told once the control stands at the same spot in two pictures, one after the other: what moves away from under a click is not met.
+# Calls back once the control stands at the same spot in two pictures, one after the other: a click would miss a moving control.
 STANDS = """
 const [control, told] = arguments;
 let before = NaN;
@@ -119,7 +119,7 @@ class Browser:
             time.sleep(0.05)
 
     def shown(self):
-        """What a test that has waited too long is told."""
+        """Return the page's state for the message of a test that has waited too long."""
         card = "return [...document.querySelectorAll('#places td, #goto-form input, #job-state, #job-time, #log, #said')].map((each) => each.value ?? each.textContent)"
         log = [] if self.driver.name == "firefox" else self.driver.get_log("browser")
         return self.text("state"), self.text("message"), self.driver.execute_script(card), log
@@ -368,7 +368,7 @@ PAUSES = "G21 G90 F3000\nG1 X9000\nM0\nT2 M6\nX0\n"
 
 
 def test_what_a_job_will_do_is_told(browser, panel, tmp_path):
-    """Size, time, bounds, tools; what leads out of the travel; a file that is dropped is a job, too."""
+    """Size, time, bounds, tools; the bounds beyond the travel; a file dropped on the page is a job, too."""
     browser.driver.execute_script(
         "const data = new DataTransfer(); data.items.add(new File([arguments[0]], 'far.gcode'));"
         "document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }))", PAUSES)
@@ -380,7 +380,7 @@ def test_what_a_job_will_do_is_told(browser, panel, tmp_path):
 
 
 def test_a_pause_is_a_bar_with_its_button(browser, panel, tmp_path):
-    """M0 and M6: the bar says what to do, and its button goes on; how long it has lasted is told meanwhile."""
+    """M0 and M6: the bar says what to do, and its button goes on; meanwhile the page shows how long the pause has lasted."""
     file = tmp_path / "pauses.gcode"
     file.write_text("G21 G91 F3000\nM0\nX4\nT2 M6\nX-4\n")
     browser.find("upload").send_keys(str(file))
@@ -395,7 +395,7 @@ def test_a_pause_is_a_bar_with_its_button(browser, panel, tmp_path):
 
 
 def test_the_job_chosen_is_kept(browser, panel, tmp_path):
-    """After a reload *Run* starts what it named before; without a choice it starts nothing, and what is not shown is asked for."""
+    """After a reload *Run* starts the job named before; without a choice it starts nothing, and it asks before it starts a job that is not shown."""
     for name in ("a first.gcode", "the second.gcode"):
         (tmp_path / name).write_text(f"G21 G91 F3000 ({name})\nG1 X1\n")
         browser.find("upload").send_keys(str(tmp_path / name))
@@ -598,7 +598,7 @@ LOOKS += [pytest.param(size, language, theme, marks=pytest.mark.slow) for size i
 
 
 def faults_found(browser, axe):
-    """What axe-core finds on the page, however small: [(rule, nodes)]."""
+    """Return all faults that axe-core finds on the page, however small: [(rule, nodes)]."""
     browser.driver.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})
     found = browser.driver.execute_async_script(
         "const done = arguments[0]; axe.run({resultTypes: ['violations']}).then((result) => done(JSON.stringify(result.violations)))")
@@ -633,7 +633,7 @@ SHEET = '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" view
     *(pytest.param(*each, marks=pytest.mark.slow) for each in (("two_motor_kit", "", ""), ("lpt_router", "", ""), ("laser_xy", "deep.gcode", DEEP))),
 ], ids=lambda value: value if len(value) < 20 else "")  # fmt: skip
 def test_what_is_longest_in_portuguese(tmp_path, driver, board, name, text):
-    """With a job that is chosen, and all that is told of it."""
+    """With a job chosen and all its facts shown."""
     with PanelProcess(tmp_path, "--board", board) as process, Browser(process, driver, query="lang=pt&theme=light") as browser:
         browser.until(lambda: browser.find("card-jog").is_displayed() or browser.find("card-keys").is_displayed())
         if name:
@@ -760,7 +760,7 @@ def test_a_fill_is_the_picture_that_it_burns(tmp_path, driver):
         assert weak < strong / 3
 
 
-# What can be read on the page, name by name; places and times of now are no words.
+# The texts that can be read on the page, name by name, without the places and times of now.
 READ = """
 const seen = [...document.querySelectorAll("body *")].filter((e) => !e.children.length && e.textContent.trim() && !e.closest("script, noscript, option, #where, #places, #job-state, dialog"));
 return seen.map((e) => `${(e.closest("[id]") || {}).id}: ${e.textContent.trim()}`);

@@ -34,7 +34,7 @@ def proof(page, **order):
 
 
 def until_told(page, wanted, limit_s=60):
-    """What is told of the proof, once it is as wanted."""
+    """Wait until the page's report of the proof is as wanted, and return it."""
     deadline = time.monotonic() + limit_s
     while True:
         told = page.said("prove")
@@ -147,7 +147,7 @@ def test_a_board_on_a_port(tmp_path):
 
 
 def test_lines_for_programs(tmp_path):
-    """What the process says, heard as the panel hears it; what is no JSON is a sentence."""
+    """The panel reads the process's lines; a line that is no JSON is a sentence."""
     told = []
     proving = Proving(lambda: ["--port", str(tmp_path / "none")], lambda: 0, told.append)
     assert proving.order({"what": "get"}) == {"t": "prove", "how": ""}

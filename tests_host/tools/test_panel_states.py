@@ -222,7 +222,7 @@ def in_order(shown, wanted):
 
 
 def test_the_tool_goes_around_a_job(page, router, tmp_path):
-    """To the corners of its box, and no further; a pause and STOP end it. What leads out of the travel, and what moves nothing, cannot be gone around."""
+    """To the corners of its box, and no further; a pause and STOP end it. The page refuses to go around a job that leads out of the travel or moves nothing."""
     client = router.page()
     with page() as browser:
         at_rest(browser)

@@ -1,7 +1,7 @@
 """Every control of the page used, in a real browser, and the places that it shows followed on the plant's trace. Those of the proof are used by
 test_panel_prove.py, those within the parts of the set-up by test_setup_page.py.
 
-What is used is noted in the page, from its events; at the end nothing of its DOM may be left out. PASSO_SHOTS=FOLDER keeps pictures.
+The page notes from its events which controls were used; at the end no control of its DOM may be left out. PASSO_SHOTS=FOLDER keeps pictures.
 """
 
 import time
@@ -61,7 +61,7 @@ class Walker(Browser):
         return set(self.driver.execute_script("return window.used"))
 
     def type(self, name, text):
-        """Type into a field, in place of what is there."""
+        """Type into a field, over the text that it has."""
         from selenium.webdriver.common.keys import Keys
 
         self.driver.execute_script(BRING, self.find(name))
@@ -75,7 +75,7 @@ class Walker(Browser):
         self.tap(f"input[name=step][value='{mm}']")
 
     def moved(self, selector, *by):
-        """Press a button, and the machine goes so many steps."""
+        """Press a button, and expect the machine to go `by` steps on each axis."""
         self.until_state("Ready")
         before = [round(mm * scale) for mm, scale in zip(self.place(), (MM, MM, MM_Z))]
         self.tap(selector)

@@ -23,7 +23,7 @@ def store(tmp_path):
 
 
 def box(store, name="map.svg.txt"):
-    """Left, bottom, right, top of what is drawn, mm."""
+    """Return the left, bottom, right and top of the drawing, mm."""
     scale = boards.steps_per_mm(boards.load("plotter_2014"))
     words = [line.split() for _, line in store.lines(name)]
     points = [(int(word[1]) / scale[0], int(word[2]) / scale[1]) for word in words if word[0] in (b"MOVE", b"LINE")]
@@ -63,7 +63,7 @@ def test_any_drawing_is_a_job_of_a_plotter(store, name):
 
 
 class Machine:
-    """What a board has told of its settings."""
+    """A board's settings."""
 
     def __init__(self, **settings):
         self.settings = {int(number[1:]): value for number, value in settings.items()}

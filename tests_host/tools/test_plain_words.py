@@ -1,5 +1,5 @@
 """Programs of every word of docs/reference/gcode.md, as a board reads them, beside LinuxCNC's interpreter: the same path, or a refusal in
-words. What differs is listed in docs/reference/cycles.md. Needs `rs274` (apt-get install linuxcnc-uspace)."""
+words. docs/reference/cycles.md lists the differences. Needs `rs274` (apt-get install linuxcnc-uspace)."""
 
 import random
 import re
@@ -46,7 +46,7 @@ SAME = (
     "G0 Z8 | G99 G81 X1 Z-4 R1 F400 | G91 G98 X3 L3 R-7 Z-5",
 )  # fmt: skip
 
-# Taken by both, and not the same: what the table of cycles.md says of it.
+# Programs that both accept and carry out differently: the reason, as the table of cycles.md has it.
 OTHERWISE = {
     "G99 | G0 Z5 | G99 G81 X1 Z-2 R1 F100 | G43.1 Z1 | X2": "a line of a series begins below its R",
     "G0 Z8 | G91 G99 G81 X1 Z-4 R-7 F400 | X1 R-5": "a line of a series begins below its R",

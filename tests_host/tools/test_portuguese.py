@@ -1,4 +1,4 @@
-"""`passo --lang pt`: what a terminal shows in Portuguese."""
+"""`passo --lang pt`: the Portuguese texts of a terminal."""
 
 import os
 import re

@@ -43,7 +43,7 @@ def part(tmp_path):
 
 
 def page_bytes(tmp_path, texts):
-    """What the board's own page makes of files, by node: bytes, or a dict that says why not."""
+    """Return the output of the board's own page for files, by node: bytes, or a dict with the reason of the refusal."""
     if not shutil.which("node"):
         pytest.skip("there is no node: the page's scripts were NOT run")
     for name in ("pack.js", "program.js"):
@@ -233,7 +233,7 @@ def test_a_job_is_looked_at_again_where_it_is_sent(line):
 
 
 def test_stream_asks_before_it_changes_settings(part, monkeypatch):
-    """Nobody is there: it says how. Who agrees sends it."""
+    """Nobody is there: it says how. A user who agrees sends it."""
     part.write_bytes(b"G21\n$110=3000\nM2\n")
     with pytest.raises(Failure, match=r"line 2, \$110=3000: .*--allow-settings"):
         stream.stream(part, "/nowhere", 115200, "count", False, True, None, 5.0)

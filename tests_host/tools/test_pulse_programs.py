@@ -28,7 +28,7 @@ def items(text):
 
 
 def of_gcode(text):
-    """The items of what the converter makes of G-code."""
+    """Return the items that the converter makes of G-code."""
     lines = [(number, strip(line)) for number, line in enumerate(text.encode().splitlines(), 1)]
     return items(pulse_file.Converter(BOARD).convert([row for row in lines if row[1]]))
 
@@ -102,7 +102,7 @@ def test_marks_keep_their_places():
 
 
 def test_a_line_s_end_is_exact():
-    """Against the firmware's own lines, of all shares: what is found is one line of just these steps."""
+    """Against the firmware's own lines, of all ratios: the end found is that of one line with exactly these steps."""
     from array import array
 
     from passo.motion.line import Line

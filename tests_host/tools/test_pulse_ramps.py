@@ -1,4 +1,4 @@
-"""`passo pulses ramps`: speeds that accelerate within bounds, the same steps, and what the pins make of it."""
+"""`passo pulses ramps`: speeds that accelerate within bounds, the same steps, and the pulses at the pins."""
 
 import csv
 import math

@@ -1,4 +1,4 @@
-"""`passo pulses` against `passo board --board lpt_router`, and what it makes of files without a board."""
+"""`passo pulses` against `passo board --board lpt_router`, and its results for files without a board."""
 
 import contextlib
 import csv
@@ -91,7 +91,7 @@ class Terminal:
         os.write(self._master, keys.encode())
 
     def wait_for(self, text):
-        """Read until `text` is shown behind what was waited for before."""
+        """Read until `text` is shown, behind the text that the last call waited for."""
         deadline = time.monotonic() + 120
         while text not in self.text:
             assert time.monotonic() < deadline, self.text
@@ -100,7 +100,7 @@ class Terminal:
         self.text = self.text.split(text, 1)[1]
 
     def end(self):
-        """The exit status; what is shown up to then is read."""
+        """Read all output up to the end; return the exit status."""
         while self.process.poll() is None:
             if select.select([self._master], [], [], 0.1)[0]:
                 with contextlib.suppress(OSError):

@@ -1,4 +1,4 @@
-"""What is said of a line that is refused: the same wherever it is sent or checked."""
+"""The error text of a refused line: the same from the sender and from the check."""
 
 import pytest
 

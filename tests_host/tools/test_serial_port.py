@@ -1,4 +1,4 @@
-"""A port belongs to one program: the second is told whose it is, and the first goes on."""
+"""A port belongs to one program: the second gets the first one's name, and the first goes on."""
 
 import os
 import subprocess

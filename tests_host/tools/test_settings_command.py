@@ -30,7 +30,7 @@ def test_names_and_numbers():
 
 @pytest.mark.parametrize("language", BOARDS)
 def test_set_off_and_on_again(tmp_path, language):
-    """The language of the link is found by asking; a back-up gives the values before back; what is refused says why."""
+    """The command finds the link's language by asking; a back-up restores the former values; a refusal has its reason."""
     on = ("--board", BOARDS[language], "--flash", tmp_path / "kept", "--time", "fast")
     with Board(*on) as board:
         where = ("--port", board.port)

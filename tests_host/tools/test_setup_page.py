@@ -15,7 +15,7 @@ pytestmark = [*of_pages, pytest.mark.slow]
 WIZARD_S = 150
 PHONE, DESKTOP = (360, 640), (1366, 768)
 QUICK = {"fast": 300, "slow": 20, "travel": 1500, "back": 0.6}
-# key: the other fields, where the tool stands in machine coordinates, and what G54 becomes: None, the axis stays
+# key: the other fields, the tool's machine coordinates, and G54 afterwards: None, the axis stays
 FOUND = {
     "corner": ({"inset": 8}, (108.5, 67, -36), (100.0, 60.0, -40.0)),
     "hole": ({}, (148, 101, -44), (150.0, 100.0, None)),
@@ -69,7 +69,7 @@ def page_of(panel):
 
 
 def said(panel, line, start):
-    """What the board says to a line of a page: the places of the line in brackets that begins so."""
+    """Send a line from a page; return the numbers of the board's line in brackets that begins with `start`."""
     page = page_of(panel)
     assert page.order("line", line=line)["error"] == 0
     while True:

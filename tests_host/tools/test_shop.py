@@ -1,4 +1,4 @@
-"""The shop's queue: its book, what is signed, who gives a job, and what a machine at rest, killed or asked again does."""
+"""The shop's queue: its book, its signed messages, which machine gets a job, and how a machine at rest, killed or asked again behaves."""
 
 import hashlib
 import json
@@ -253,7 +253,7 @@ def test_nothing_moves_until_somebody_at_the_machine_says_so_and_then_one_job(be
 @pytest.mark.slow
 @needs_broker
 def test_what_was_heard_before_altered_or_told_by_strangers_does_nothing(bench):
-    """At a broker at which anybody may speak: what a stranger says is not signed."""
+    """The broker lets anybody publish: a stranger's messages are not signed."""
     bench.start_agent()
     bench.until(lambda: bench.how() == "rest")
     bench.book.add(shop_load.program(1), "1.gcode", {"kind": shop_load.KIND})
@@ -373,7 +373,7 @@ class Nothing:
 
 
 def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
-    """Its release is heard while the broker still says "gone": the job is given once it says that it is back."""
+    """The desk reads its release while the broker still says "gone", and gives it the job once the broker says that it is back."""
     broker = Nothing()
     desk = Desk(broker, KEY, book)
 
@@ -396,7 +396,7 @@ def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
 
 @pytest.fixture
 def heard(book):
-    """(desk, its broker, hear(machine, topic, text), told(machine, count, …)): what a machine tells, signed."""
+    """Return (desk, its broker, hear(machine, topic, text), told(machine, count, …)), which brings a machine's signed message."""
     broker = Nothing()
     desk = Desk(broker, KEY, book)
 
@@ -599,7 +599,7 @@ def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
 
 
 def script(text):
-    """What JavaScript that imports the page's modules prints, as JSON, under node with a heap of 300 MB; and its seconds of processor time."""
+    """Run JavaScript that imports the page's modules, under node with a heap of 300 MB. Return its output as JSON, and its seconds of processor time."""
     if not shutil.which("node"):
         pytest.skip("there is no node: the page's scripts were NOT run")
     begun = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -713,7 +713,7 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     bench.until(lambda: text("#used").split()[:2] == ["A4", "1"])
     assert "1 trabalhos na fila, 1 prontos" in text("#counts")
     press("#queue button")
-    # Two drops close together, each of several pieces: both arrive, and both are told; so is the one that is refused.
+    # Two drops close together, each of several pieces: both arrive, and the page names both, and the refused one, too.
     browser.execute_script("""
         document.getElementById("copies").value = 1;
         for (const [name, line] of [["one.gcode", "G1X1"], ["bad.gcode", "G99999"], ["two.gcode", "G1X2"]]) {

@@ -32,7 +32,7 @@ JSON = st.recursive(
 
 
 class Client:
-    """paho's, without a broker. `acknowledges`: what is published comes to it."""
+    """paho's, without a broker. `acknowledges`: whether it confirms each message published."""
 
     def __init__(self, up=True, acknowledges=True):
         self.up, self.acknowledges, self.published = up, acknowledges, []
@@ -72,7 +72,7 @@ def desk(book, monkeypatch):
 
 
 def escaped(end, nonce, count, body):
-    """A message signed by who has the key, whatever its texts are: half a character, too."""
+    """Return a message signed with the key, with any texts in it: half a character, too."""
     text = json.dumps(body)
     return f"{count}.{Session(KEY, f'{end} {nonce}').proof(str(count), text)}.{text}"
 
@@ -263,7 +263,7 @@ def _listens(port):
 
 
 def test_a_stop_takes_a_release_back():
-    """What the machine was released for before a STOP does not begin behind it."""
+    """A job for which the machine was released before a STOP does not begin after it."""
     board, port, run = agent_of(Late)
     board.attached(True)
     run(lambda: board.work._job.record is not None and board._machine.settings)
@@ -293,7 +293,7 @@ def test_no_message_ends_the_desk(tmp_path_factory, payload, topic):
 @settings(max_examples=300, deadline=None)
 @given(st.dictionaries(st.sampled_from([*WORD, "tool", "state", "laser", "more"]), JSON, max_size=4), st.sampled_from([{}, WORD]))
 def test_no_machine_s_word_ends_the_desk(tmp_path_factory, changed, base):
-    """Signed by who has the key, with any fields."""
+    """Signed with the key, with any fields."""
     desk, shop = _fuzzed(tmp_path_factory)
     desk.counts = getattr(desk, "counts", 0) + 1
     hear(desk, "passo/m/work", escaped(MACHINE, f"{desk._nonce} m", desk.counts, {**base, **changed}).encode())
@@ -308,7 +308,7 @@ _MADE = []
 
 
 def _fuzzed(tmp_path_factory):
-    """One desk and shop for all examples: what one has left behind must not harm the next."""
+    """Return one desk and shop for all examples: the traces of one must not harm the next."""
     if not _MADE:
         book = Book(tmp_path_factory.mktemp("fuzz") / "shop.sqlite")
         desk = Desk(Client(), KEY, book)

@@ -61,7 +61,7 @@ def guarded(tmp_path):
 
 
 def outcome(client, port):
-    """What the broker says of a client that connects: its reason, or the error that ends the connection."""
+    """Return the broker's answer to a client that connects: its reason, or the error that ends the connection."""
     said, done = [], threading.Event()
     client.on_connect = lambda client, userdata, flags, code, properties: (said.append(str(code)), done.set())
     try:
@@ -105,7 +105,7 @@ def test_a_stranger_a_reader_and_who_may_stop(guarded):
         check=True, capture_output=True,
     )  # fmt: skip
     assert outcome(guarded.as_user("wall", ca=other), port) == "SSLCertVerificationError"
-    # Its own machine is told, of another one the agent may not speak.
+    # The agent may publish for its own machine, not for another one.
     agent = guarded.agent_as("pc-1", "--emulated", "mill=plotter_2014", "--emulated", "press=plotter_2014")
     guarded.until(lambda: guarded.told.get("passo/mill/state") == "idle")
     # A reader: stops nothing, pretends nothing.
@@ -114,7 +114,7 @@ def test_a_stranger_a_reader_and_who_may_stop(guarded):
     assert published(guarded.as_user("wall"), port, *tried) == ["Not authorized"] * 8
     # An agent: not for others, and it cannot stop all.
     assert published(guarded.as_user("pc-1"), port, ("passo/press/state", "idle"), ("passo/stop", "x")) == ["Not authorized"] * 2
-    # Who may stop: stops, and pretends nothing.
+    # A user that may stop: stops, and pretends nothing.
     assert published(guarded.as_user("stop"), port, ("passo/mill/state", "gone"), ("passo/stop", "x")) == ["Not authorized", "Success"]
     # The shop: gives jobs, and speaks for no machine.
     assert published(guarded.as_user("shop"), port, ("passo/mill/work", "x"), ("passo/mill/state", "gone"), ("passo/file/0/0", "")) == ["Not authorized", "Not authorized", "Success"]

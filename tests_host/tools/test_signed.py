@@ -43,7 +43,7 @@ class Sender:
         self.bridge.turn(0)
 
     def until(self, wanted):
-        """What was heard up to `wanted`."""
+        """Read up to `wanted` and return the text before it."""
         deadline = time.monotonic() + LIMIT_S
         while wanted not in self.line.heard:
             assert time.monotonic() < deadline, self.line.heard
@@ -98,7 +98,7 @@ def test_a_sender(port):
     deadline = time.monotonic() + LIMIT_S
     while "Ov:110" not in sender.report():
         assert time.monotonic() < deadline
-    # A second sender is told to go; when the first has gone, its jog ends.
+    # The second sender is refused; when the first has gone, its jog ends.
     with pytest.raises(Failure):
         Sender(port)
     assert sender.ask(b"$J=G91 X40 F600") == b"ok"
@@ -120,7 +120,7 @@ def test_a_sender(port):
 
 
 def raw(port, data, wanted=rb"error:178"):
-    """What is answered to these bytes, and the nonce."""
+    """Return the answer to these bytes, and the nonce."""
     with socket.create_connection(("127.0.0.1", port), LIMIT_S) as wire:
         heard = b""
         while b"]\r\n" not in heard:

@@ -64,7 +64,7 @@ def order(jobs):
 
 
 def folder(package, path):
-    """What a worker or node loads, in `path`."""
+    """Write the files that a worker or node loads into `path`, and return it."""
     path.mkdir(parents=True, exist_ok=True)
     for name, data in package.items():
         (path / name).write_bytes(data)

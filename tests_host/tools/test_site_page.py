@@ -36,7 +36,7 @@ const job = document.getElementById("job-state");
 window.jobs = [];
 new MutationObserver(() => jobs.push(job.textContent)).observe(job, { childList: true });
 """
-# Digests in a worker of the site; what it says is put into the window.
+# Digests in a worker of the site; its messages are put into the window.
 DIGESTS = """
 window.digests = null;
 const worker = new Worker("site_digests.js", { type: "module" });
@@ -107,7 +107,7 @@ class Browser:
         self.run("const jobs = document.getElementById('jobs'); jobs.value = arguments[0]; jobs.onchange()", job)
 
     def run_job(self):
-        """Run the job chosen to its end; what the page says of it then."""
+        """Run the job chosen to its end; return the page's last text about it."""
         self.run("jobs = []; seen = []")
         self.press("run")
         self.until("jobs.some((each) => /: (Done|Ended)/.test(each))")

@@ -1,4 +1,4 @@
-"""`passo status`: what it makes of reports, and of boards of each language."""
+"""`passo status`: its rows for reports, and for boards of each language."""
 
 import pytest
 import serial
@@ -39,7 +39,7 @@ def test_the_other_way_round():
 
 @pytest.mark.quick
 def test_an_alarm_says_why():
-    """By the board's own word, else by its log, else it is the lock; and which axes are not homed, and what that means."""
+    """By the board's own code, else by its log, else it is the lock; and which axes are not homed, with the reason."""
     log = ["[LOG:10,9,pc]", "[LOG:12,201,limit_x]", "[LOG:15,9,pc]", "[LOGGED:2x9]"]
     for report, entries, wanted in (
         ("<Alarm|MPos:0,0,0|Al:211|Nh:YZ>", log, "Alarm 211: locked, because not every axis is homed: home the others, or unlock the machine"),
@@ -82,7 +82,7 @@ def test_of_each_language(board, options, wanted):
 @pytest.mark.slow
 @pytest.mark.unmeasured
 def test_behind_lines_that_a_program_has_left():
-    """State and places are told at once; what is asked by a line has to wait for those."""
+    """Status shows state and places at once; facts that need a line of their own wait behind the program's lines."""
     with Board("--board", "mill_2004") as running:
         with running.open() as client:
             client.write(b"$X\nG21G91\n" + b"G1X1F10\nG1X-1\n" * 100)

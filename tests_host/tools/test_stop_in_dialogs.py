@@ -42,7 +42,7 @@ return [...dialog.querySelectorAll("button:not(#stop)")].filter((each) => {
 """
 TYPED = "document.getElementById('line').value = arguments[0]; document.getElementById('line-form').requestSubmit()"
 OPEN = "return [...document.querySelectorAll('dialog[open]')].map((each) => each.id)"
-# Each way into a dialog: what opens it, the dialog.
+# Each way into a dialog: the function that opens it, and the dialog.
 WAYS = {
     "help": (lambda page: ActionChains(page.driver).send_keys("?").perform(), "help-keys"),
     "zero": (lambda page: page.driver.execute_script("document.getElementById('zero-all').click()"), "ask"),

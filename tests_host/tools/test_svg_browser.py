@@ -218,7 +218,7 @@ def test_css_that_is_not_drawn_is_named(tmp_path, body, name):
 ])  # fmt: skip
 @pytest.mark.parametrize("around", ['<rect width="9" height="9" stroke-opacity="0">{}</rect>', '<g display="none">{}<path d="M1 1h9"/></g>', '<path id="p" d="M0 9h9" stroke="none"/>{}'])
 def test_animations_are_named(tmp_path, animation, around):
-    """Also of what shows by them alone: all is drawn as without them."""
+    """Also in drawings that show only by animation: all is drawn as without it."""
     page, lines = page_of(tmp_path, around.format(animation))
     assert page.left_out == {"animation (drawn as without it)": 1} and len(lines) == 1
     plan = drawing.load(tmp_path / "a.svg", boards.load("plotter_2014"))

@@ -1,4 +1,4 @@
-"""What of an SVG file is drawn, where, and what is said of the rest; geometry by hand, text by its letters' boxes."""
+"""Which parts of an SVG file are drawn, and at which place, and the notes on the rest; geometry by hand, text by its letters' boxes."""
 
 import math
 

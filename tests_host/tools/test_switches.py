@@ -52,7 +52,7 @@ def test_each_output_is_switched_by_its_command(name):
     if not board["outputs"]:
         return
     assert switches.unswitched(board) == []
-    absent = {key: None for key in ("inverter", "drivers", "spi_drivers", "network")}  # these wait for what is not there
+    absent = {key: None for key in ("inverter", "drivers", "spi_drivers", "network")}  # these wait for hardware that is not there
     links = [{"name": "pc", "port": "usb", "protocol": board["links"][0]["protocol"]}]
     board = check({key: value for key, value in {**boards.load(name), **absent, "links": links, "commands": ""}.items() if value is not None})
     world = Pins(board)

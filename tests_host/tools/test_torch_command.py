@@ -134,7 +134,7 @@ def test_a_silent_port_is_a_failure(monkeypatch):
 
 
 def test_weave(tmp_path):
-    """A seam by the command: from side to side, to its end; what is no seam is refused by number."""
+    """A seam by the command: from side to side, to its end; a wrong seam is refused by number."""
     trace = tmp_path / "trace.csv"
     with Board("--board", "torch_manipulator", "--time", "fast", "--trace", trace) as board:
         where = ("--port", board.port)

@@ -20,13 +20,13 @@ from passo.protocols.pulses.protocol import frame
 
 pytestmark = [pytest.mark.unmeasured, pytest.mark.xdist_group("at work")]
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="10mm" height="10mm" viewBox="0 0 10 10"><path d="M1 1L9 9" stroke="black"/></svg>'
-# What each language is told to do for minutes.
+# Jobs of minutes in each language.
 WORK = {
     "router_3axis": b"$X\nG91M3S900\nG1X60F10\n",
     "plotter_2014": packet(COMMANDS["SPEED"], 20_000) + packet(COMMANDS["LINE"], 1200, 450) + packet(COMMANDS["END"]),
     "lpt_router": frame("speed 60") + frame("stream") + b"[+60" + b"A" * 400 + frame("end"),
 }
-# Verbs with what they are given besides the port, and their answer.
+# Verbs with their arguments besides the port, and their answer.
 VERBS = {
     "router_3axis": [
         ("status", "Run"), ("log", ""), ("link --protocol grbl", "commands"), ("watch --once", "Run"), ("settings show", "at work (Run)"),
@@ -126,7 +126,7 @@ def test_a_machine_at_work_notices_nobody(at_work, verb, answer, files):
 
 
 def test_nobody_waits_for_a_visitor(files):
-    """Whoever only looks in, twice, at a machine whose host does not ask, is not taken for the host, whose silence would end the job (lost)."""
+    """A program that only asks, twice, at a machine whose host does not, is not taken for the host, whose silence would end the job (lost)."""
     lost_s = check(boards.load("router_3axis"))["links"][0]["lost_ms"] / 1000
     running = AtWork("router_3axis")
     try:

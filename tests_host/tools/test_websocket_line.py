@@ -25,7 +25,7 @@ class Sender:
         self._heard = ""
 
     def until(self, wanted):
-        """What was said up to `wanted`."""
+        """Read up to `wanted` and return the text before it."""
         while wanted not in self._heard:
             self._heard += self.socket.recv()
         said, _, self._heard = self._heard.partition(wanted)
@@ -148,7 +148,7 @@ def test_beside_the_page(tmp_path):
 @pytest.mark.slow
 @pytest.mark.unmeasured
 def test_at_the_server_of_a_board(tmp_path):
-    """Where it serves its page, too; a second sender has to wait until the first has gone."""
+    """At the port that serves its page, too; a second sender has to wait until the first has gone."""
     config = {**boards.load("router_3axis"), "network": {"host": "passo"}, "links": LINKS}
     path = tmp_path / "served.py"
     path.write_text(f'"""A router."""\n\nBOARD = {config!r}\n')

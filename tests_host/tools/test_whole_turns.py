@@ -1,7 +1,7 @@
 """Arcs of compiled programs: as many as the program has, and each turns as far as its words say, whole turns above all.
 
-What a program's arc sweeps is known here from how the program is made. What the listing's arc sweeps is what the firmware's parser and its
-rule for whole turns make of the listing's numbers.
+The sweep of a program's arc is known here from the way the program is made. The sweep of a listing's arc is the one that the firmware's parser and its rule for
+whole turns compute from the listing's numbers.
 """
 
 import json
@@ -28,7 +28,7 @@ SCALES = ([250.0, 250.0, 400.0], [320.0, 320.0, 320.0], [133.333, 133.333, 133.3
 
 
 def swept(lines, scale=SCALES[0]):
-    """Radians of each arc of plain G-code, as a machine with so many steps a millimetre turns."""
+    """Return the radians of each arc of plain G-code, as a machine with `scale` steps/mm turns."""
     machine = replay.Replay(Machine(list(scale), 0.0, False, False, 1000.0), list(enumerate(lines, 1)))
     angles = []
     for index in range(len(lines)):
@@ -145,7 +145,7 @@ def test_no_whole_turn_out_of_nothing():
 
 
 def test_every_road_reads_the_same(tmp_path):
-    """What compile writes is what stream and check send, and with --tools a plain file too; and each takes the circle's time."""
+    """stream and check send the lines that compile writes, and with --tools a plain file, too; and each takes the circle's time."""
     draw = random.Random(2)
     for each in range(20):
         text, wanted = circle(draw, "ngc", bool(each % 2), 17)

@@ -140,7 +140,7 @@ def pieces(drawn):
 
 
 def faults(text, board):
-    """What is wrong with a drawing."""
+    """Return the faults of a drawing."""
     root = ElementTree.fromstring(text)
     drawn, frames, found = wires(root), boxes(root), []
     led = {}

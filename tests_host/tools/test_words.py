@@ -1,4 +1,4 @@
-"""The catalogue of the page and of what `passo` says: every text has its words, and no words are left over."""
+"""The catalogue of the page and of the texts of `passo`: every text has its words, and no words are left over."""
 
 import json
 import re
@@ -17,7 +17,7 @@ CATALOGUE = page_words()
 MODULES = sorted(path.name for path in FOLDER.glob("*.js") if path.name != "torch.js")  # that one has words of its own
 TABLES = ("SIGNALS", "ELSEWHERE", "MORE", "STATES", "OVERRIDES", "BITS", "HOW")  # whose texts are shown by way of _()
 WHOLE_TABLES = ("LACKS",)  # all of whose values are
-# Words of the documents, and what an English text with them has to say in Portuguese.
+# English terms of the documents, and the Portuguese word that a text with them must have.
 TERMS = {"spindle": "spindle", "step program": "programa de pulsos", "homing": "origem", "door": "porta", "speed": ("velocidade", "rotação"),
          "inverter": "inversor", "gantry": "pórtico", "motor": "motor", "alarm": "alarm"}  # fmt: skip
 

@@ -30,7 +30,7 @@ def written(folder, name, text):
 
 
 def drawn(path):
-    """(width and height in mm of what `passo draw` draws, the Page)."""
+    """Return (width and height in mm of the lines that `passo draw` draws, the Page)."""
     page = sources.opened(path).outlines(0.02)
     left, top, right, bottom = box_of(list(page.layers.values()))
     return ((right - left) * MM_PER_PX, (bottom - top) * MM_PER_PX), page

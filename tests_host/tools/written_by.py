@@ -1,6 +1,6 @@
-"""Small files of own geometry, each written as one program writes its files, and what Passo makes of it: the rows of docs/use/makers.md.
+"""Small files of own geometry, each written as one program writes its files, with Passo's result: the rows of docs/use/makers.md.
 
-Drawings: (name of a file, text, size drawn in mm, what is said). Programs: (name of a file, text, low, high in mm), and those that
+Drawings: (name of a file, text, size drawn in mm, the note). Programs: (name of a file, text, low, high in mm), and those that
 are refused (name of a file, text, the sentence).
 """
 
@@ -86,7 +86,7 @@ PROGRAMS = {
 
 CHOOSE = "choose grbl, linuxcnc or mach3_mach4"
 
-# Row of the page: the program, and what is said.
+# Row of the page: the program, and the sentence of the refusal.
 REFUSED = {
     "FreeCAD rrf, marlin": ("a.nc", HEAD.format("rrf") + "G90\nG21\nT1\nM3 S10000\nG4 S3\nG0 X1\n", f"FreeCAD's post rrf: {CHOOSE}"),
     "FreeCAD uccnc": ("a.nc", "%prog1\n(uccnc_post --no-show-editor)\n(Exported by FreeCAD for UC-CNC)\nG0 X1\n", f"FreeCAD's post uccnc: {CHOOSE}"),
