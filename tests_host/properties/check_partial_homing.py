@@ -21,6 +21,14 @@ EXAMPLES = {
 NOT_QUICK = ("check_an_axis_alone_unlocks_nothing", "check_a_homed_machine_stays_homed", "check_what_loses_the_position_loses_all_axes")
 
 
+class BothEnds(World):
+    """A machine with a switch at both ends of each axis."""
+
+    def input(self, tick, name):
+        at = self.place["xyz".find(name[-1])] if name[:6] == "limit_" else 0
+        return 1 if abs(at) > 2000 else World.input(self, tick, name)
+
+
 def started():
     """A router near its switches, locked."""
     machine = Machine(World((700, 680, -660)))
@@ -138,6 +146,25 @@ def check_what_loses_the_position_loses_all_axes(first, second, how):
     left = letters(AXES[first] + AXES[second])
     assert said == ["ALARM:11", "[MSG:Homing required: %s]" % " ".join(left), "ok"], said
     refuses(machine)
+
+
+def check_settings_that_move_zero_lose_it():
+    """Steps/mm and the ends that axes home to say what positions are counted by: with others no travel is known, however they were changed."""
+    for number in (23, 100, 101, 102):
+        for bit in range(3):
+            machine = Machine(BothEnds((700, 680, -660)))
+            record = machine.controller.machine
+            value = record.settings.value(number)
+            was, other = (value, value ^ 1 << bit) if number == 23 else (value // 1000, value // 1000 - bit - 1)
+            machine.do("$H", "$%d=%d" % (number, was), "$11%d=700" % bit)
+            assert record.homed, "it is as it was, and a speed counts nothing"
+            for change in ("$%d=%d" % (number, other), "$RST=$"):
+                machine.do("$H")
+                assert record.homed
+                assert "ok" in machine.ask(change)
+                machine.cycles(5)
+                assert not record.homed and not record.known, change
+            assert CAUTION in moved(machine, "G0X1")
 
 
 def check_lines_that_wait_behind_it_home_on_and_move_nothing():

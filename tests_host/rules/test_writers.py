@@ -36,7 +36,7 @@ FACE = {
     # what it is
     "about", "arcs", "links", "settings", "steps_per_m",
     # what it does
-    "alarm", "blocks", "busy_with", "change_setting", "checking", "coolant", "homed", "log", "overrides", "state", "target",
+    "alarm", "blocks", "busy_with", "change_setting", "checking", "coolant", "homed", "log", "overrides", "restore_settings", "state", "target",
     # who commands, and on whose behalf a stored job runs
     "commander", "lender",
 }  # fmt: skip

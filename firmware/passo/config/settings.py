@@ -140,6 +140,8 @@ class Settings:
         if number in (STEPS + axis, SPEED + axis):
             steps = value if number < SPEED else self.value(STEPS + axis)
             speed = value if number >= SPEED else self.value(SPEED + axis)
+            if number in (STEPS, STEPS + 1) and self._one_belt:  # both axes get them
+                speed = max(self.value(SPEED), self.value(SPEED + 1))
             if steps * speed > self._most_steps_s * 60_000_000:
                 return errors.STEP_RATE
         return 0
@@ -265,6 +267,10 @@ class Settings:
             homing["debounce_ms"] = self.value(HOMING_DEBOUNCE)
 
     # --- what the machine asks
+
+    def frame(self):
+        """What positions are counted by: steps/m of each axis, and a mask of the ends that they home to."""
+        return self.steps_per_m[:], self.value(HOMING_DIRECTION)
 
     def jog_steps(self, axis):
         """Steps of one jog of an axis: the board file's, unless they or its steps/mm have been changed."""

@@ -295,16 +295,27 @@ class MachineState:
             self.job.kept = False
 
     def change_setting(self, number, value):
-        """Change a setting, None: to the board file's value, and keep it. Only at a stand, the tool off if it is one of pins or axes. 0, or why not. Behind a change of
-        steps/mm nobody knows where the motors are; offsets stay as they are in millimetres."""
+        """Change a setting, None: to the board file's value, and keep it. Only at a stand, the tool off if it is one of pins or axes. 0, or why not.
+        Behind a change of steps/mm, or of the ends that axes home to, nobody knows where the motors are; offsets stay as they are in millimetres."""
         if self.state not in ("idle", "alarm") or not self.queue.still():
             return errors.BUSY
         if self.queue.lit() and not _LEAST_FREE <= number < _FIRST_OF_AXES:
             return errors.TOOL_ON
         settings = self.settings
-        before, scale = settings.snapshot(), self.steps_per_m[:]
-        error = (settings.reset(number) if value is None else settings.change(number, value)) or settings.save(before)
-        if not error and scale != self.steps_per_m:
+        before, frame = settings.snapshot(), settings.frame()
+        error = settings.reset(number) if value is None else settings.change(number, value)
+        return error or self._keep_settings(before, frame)
+
+    def restore_settings(self, numbers, texts):
+        """As Settings.restore(), and keep it. 0, or MEMORY."""
+        settings = self.settings
+        before, frame = settings.snapshot(), settings.frame()
+        settings.restore(numbers, texts)
+        return self._keep_settings(before, frame)
+
+    def _keep_settings(self, before, frame):
+        error = self.settings.save(before)
+        if frame != self.settings.frame():
             self.lose_position()
         return error
 

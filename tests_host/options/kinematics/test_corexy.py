@@ -281,6 +281,17 @@ def test_one_belt_has_one_resolution(belt):
     assert list(belt.plant.position) == [4001, 3002]
 
 
+@pytest.mark.parametrize("fast, other", [(110, 111), (111, 110)])
+@pytest.mark.parametrize("steps", [100, 101])
+def test_steps_of_one_belt_are_no_more_than_either_axis_allows(belt, fast, other, steps):
+    settings = belt.machine.app.controller.machine.settings
+    belt.do("$100=200", f"${other}=60")
+    while "ok" in belt.ask(f"${fast}={2 * settings.value(fast) // 1000}"):
+        pass
+    assert "error:12" in belt.ask(f"${steps}=401"), "the other axis has the same steps, and is as fast"
+    assert settings.steps_per_m == [200_000, 200_000]
+
+
 def test_the_status_report_is_the_axes_position_amid_motion(belt):
     belt.do("$H", "G90G1X50Y20F6000")
     for _ in range(20):

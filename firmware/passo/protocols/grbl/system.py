@@ -168,9 +168,7 @@ class System:
     def _restore(self, what):
         if what not in ("$", "#", "*"):
             return errors.STATEMENT
-        before = self._settings.snapshot()
-        self._settings.restore(what != "#", "$#*".find(what))
-        error = self._settings.save(before)
+        error = self._machine.restore_settings(what != "#", "$#*".find(what))
         if what != "$":
             self._gcode.offsets.load()
         return error or answer(grbl_report.message(grbl_report.RESTORING)) + [Command(commands.RESET)]
