@@ -35,15 +35,14 @@ def bars(names, groups, unit):
 def dots(groups, across, unit):
     """`groups`: {label: [(x, y), …]}."""
     points = [point for each in groups.values() for point in each]
-    low, high = min(x for x, _y in points), max(x for x, _y in points)
+    across_ends = _scale(min(x for x, _y in points), max(x for x, _y in points))
     ends = _scale(min(0, *(y for _x, y in points)), max(0, *(y for _x, y in points)))
-    span = high - low or 1
     parts = []
     for colour, each in zip(COLOURS, groups.values()):
         for x, y in each:
-            parts.append(f'<circle cx="{LEFT + (WIDTH - LEFT - RIGHT) * (x - low) / span:.1f}" cy="{_y(y, ends):.1f}" r="1.8" fill="{colour}"/>')
-    for at in range(TICKS + 1):
-        parts.append(_text(LEFT + (WIDTH - LEFT - RIGHT) * at / TICKS, HEIGHT - BOTTOM + 16, figure(low + span * at / TICKS, DIGITS)))
+            parts.append(f'<circle cx="{_x(x, across_ends):.1f}" cy="{_y(y, ends):.1f}" r="1.8" fill="{colour}"/>')
+    for value in _ticks(across_ends):
+        parts.append(_text(_x(value, across_ends), HEIGHT - BOTTOM + 16, figure(value, DIGITS)))
     parts.append(_text(WIDTH - RIGHT, HEIGHT - 3, across, "end"))
     return _svg(_axis(ends, unit) + parts + _legend(groups))
 
@@ -56,6 +55,16 @@ def _scale(low, high):
     power = 10.0 ** floor(log10(rough))
     step = power * next(each for each in (1, 2, 5, 10) if each * power >= rough * 0.999)
     return floor(low / step + 1e-9) * step, ceil(high / step - 1e-9) * step, step
+
+
+def _ticks(ends):
+    low, high, step = ends
+    return [low + at * step for at in range(round((high - low) / step) + 1)]
+
+
+def _x(value, ends):
+    low, high, _step = ends
+    return LEFT + (WIDTH - LEFT - RIGHT) * (value - low) / (high - low)
 
 
 def _y(value, ends):
@@ -72,12 +81,11 @@ def _bar(x, width, value, ends, colour):
 
 
 def _axis(ends, unit):
-    low, high, step = ends
     parts = [_text(LEFT, TOP - 14, unit, "end")]
-    for at in range(round((high - low) / step) + 1):
-        y = _y(low + at * step, ends)
-        parts.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="{"#555" if abs(low + at * step) < step / 9 else "#ddd"}"/>')
-        parts.append(_text(LEFT - 6, y + 4, figure(low + at * step, DIGITS), "end"))
+    for value in _ticks(ends):
+        y = _y(value, ends)
+        parts.append(f'<line x1="{LEFT}" x2="{WIDTH - RIGHT}" y1="{y:.1f}" y2="{y:.1f}" stroke="{"#555" if abs(value) < ends[2] / 9 else "#ddd"}"/>')
+        parts.append(_text(LEFT - 6, y + 4, figure(value, DIGITS), "end"))
     return parts
 
 
