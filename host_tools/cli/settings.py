@@ -21,6 +21,7 @@ _HEADER = "; passo settings, version "
 _OWN = ("$140=", "$141=")  # Passo's, not grbl's
 _ACTIONS = ("show", "backup", "restore")
 _STEPS = 100  # steps/mm of x; those of other axes follow
+_HOMING_DIRECTION = 23
 _MOST_AXES = 4
 _KEPT_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
 
@@ -90,22 +91,22 @@ def board_at(port, baud, protocol):
 
 
 def _change(words, port, baud, protocol):
-    """Tell and set single settings, `NAME` and `NAME=VALUE`. All names are looked up before the first is sent."""
+    """Tell and set single settings, `NAME` and `NAME=VALUE`. All names and values are looked at before the first is sent."""
     from host_tools.clients.setting_names import table
-    from host_tools.clients.settings import number_of
+    from host_tools.clients.settings import number_of, value_of
 
-    asked = [(number_of(name), equals, value) for name, equals, value in (word.partition("=") for word in words)]
-    with board_at(port, baud, protocol) as board:
-        lines = []
-        scale = False
-        for number, equals, value in asked:
-            before = board.get(number)
-            after = board.set(number, value) if equals else before
-            scale = scale or number // 10 == _STEPS // 10 and float(after) != float(before)
-            lines.append(f"${number}={after}")
-            print(table(lines[-1:], _MOST_AXES)[0] + (_("   (before: {})", before) if equals else ""))
-    if scale:
-        print(_("the position is unknown now: home the machine, or set its origin, before it works"))
+    asked = [(number_of(name), equals, value_of(name, value)) for name, equals, value in (word.partition("=") for word in words)]
+    lost = False
+    try:
+        with board_at(port, baud, protocol) as board:
+            for number, equals, value in asked:
+                before = board.get(number)
+                after = board.set(number, value) if equals else before
+                lost = lost or (number // 10 == _STEPS // 10 or number == _HOMING_DIRECTION) and float(after) != float(before)
+                print(table([f"${number}={after}"], _MOST_AXES)[0] + (_("   (before: {})", before) if equals else ""))
+    finally:
+        if lost:  # also if the board has refused a later one
+            print(_("the position is unknown now: home the machine, or set its origin, before it works"))
 
 
 def backup(client):

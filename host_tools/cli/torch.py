@@ -9,6 +9,7 @@ import typer
 from host_tools.cli.options import Baud, BoardName, Log, Port
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
+from passo.commands import FOREVER
 
 app = typer.Typer(
     help="""Drive the torch manipulator: each axis at its own speed to its own target.
@@ -45,17 +46,26 @@ class Units:
         self.per_mm = (1.0, 1.0) if steps else _read_settings(client, (100, 101)) or boards.steps_per_mm(boards.load(board))
 
     def count(self, axis, length):
-        return round(length * self.per_mm[axis])
+        """Whole steps. Raises Failure if a frame cannot say so many."""
+        return _whole(length * self.per_mm[axis], "too far: {} is {:g}, and at most 2²⁹ − 2 steps go into a move or jog", "xy"[axis], length)
 
     def speed(self, axis, speed, default):
-        """Whole steps/s, at least 1."""
+        """Whole steps/s, at least 1. Raises Failure if a frame cannot say so many."""
         value = default if speed is None else speed
-        return max(round(value if self.steps else value * self.per_mm[axis] / 60), 1)
+        steps_s = value if self.steps else value * self.per_mm[axis] / 60
+        return max(_whole(steps_s, "too fast: the speed of {} is {:g}, and at most 2²⁹ − 2 steps/s go into a frame", "xy"[axis], value), 1)
 
     def text(self, x, y):
         if self.steps:
             return _("X {} Y {} steps", x, y)
         return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
+
+
+def _whole(value, message, *words):
+    """`value` as a whole number. Raises Failure if it is none that a frame can say: the frame would have another one, or another sign."""
+    if not abs(value) < FOREVER - 0.5:
+        raise Failure(message, *words)
+    return round(value)
 
 
 def _read_settings(client, numbers):
@@ -110,8 +120,6 @@ def _move(client, units, lengths, speeds, wait):
     for axis in range(2):
         count = units.count(axis, lengths[axis])
         fields += [abs(count), speeds[axis] if count >= 0 else -speeds[axis]]
-    if max(fields) >= 1 << 29:
-        raise Failure("too far: at most 2²⁹ − 2 steps a move")
     client.order(torch.move(*fields))
     _finish(client, units, wait)
 

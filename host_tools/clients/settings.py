@@ -6,8 +6,10 @@
         board.set(100, "48.5")      # "48.500", as the board has kept it. Raises Refused
 
     number_of("x_steps_mm")         # 100; also of "100" and "$100"
+    value_of("x_steps_mm", "48.5")  # "48.5". Raises Failure if it is no number
 """
 
+import re
 from functools import cache
 
 from host_tools import boards
@@ -38,6 +40,13 @@ def number_of(text):
     if text not in names():
         raise Failure("there is no setting {}; known are {}", text, ", ".join(sorted(names(), key=names().get)))
     return names()[text]
+
+
+def value_of(name, text):
+    """A value as the board reads it: digits, a point, a sign; "": the board file's. Raises Failure if it is none."""
+    if text and not re.fullmatch(r"[+-]?(\d+\.?\d*|\.\d+)", text, re.ASCII):
+        raise Failure("{}={}: no number as a board reads it: digits and a point, as in 48.5", name, text)
+    return text
 
 
 def connect(language, port, baud=None):

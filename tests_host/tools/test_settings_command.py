@@ -54,6 +54,21 @@ def test_set_off_and_on_again(tmp_path, language):
         assert board.end()[0] == 0
 
 
+@pytest.mark.parametrize("language", BOARDS)
+@pytest.mark.parametrize("value", ["nan", "inf", "1e400", "48,5", "4 8", "0x10", "1*5", "5\n$101=9", "٣", "=5", "-"])
+def test_a_wrong_value_changes_none_of_several(language, value):
+    """No port is opened: names and values are looked at before the first is sent."""
+    failure, said = passo("settings", "x_steps_mm=50", f"y_steps_mm={value}", "--protocol", language, "--port", "/dev/nothing")
+    assert failure.startswith(f"y_steps_mm={value}: no number") and not said
+
+
+def test_what_has_been_set_before_a_refusal_is_told():
+    with Board("--board", "torch_manipulator", "--time", "fast") as board:
+        failure, said = passo("settings", "x_steps_mm=50", "y_steps_mm=0", "--port", board.port)
+        assert failure.startswith("$101=0: error 110") and said.startswith("$100=50.000") and "position is unknown now" in said
+        assert board.end()[0] == 0
+
+
 def test_the_torch_calibrates_itself(tmp_path):
     """The document's chapter 4: it draws the waves, the lengths are measured, steps/mm set; then a millimetre is one."""
     trace = tmp_path / "trace.csv"

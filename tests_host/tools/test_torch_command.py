@@ -57,6 +57,30 @@ def test_what_cannot_be_fails(words):
     assert passo(*words, *(["--port", "/dev/nothing"] if words[0] == "info" else []))[0] != 0
 
 
+FAR = ["nan", "inf", "-inf", "1e400", "1e12", "-1e12", "89478486", str(2**32 / 48), str(2**31 / 48), str(-(2**31) / 48), str((2**29 - 1) / 48)]
+
+
+def test_no_number_becomes_another_one_in_a_frame():
+    """A frame has 32 bits, and the sign of a speed is the direction: what does not fit is refused before anything is sent, by name."""
+    with Board("--board", "torch_manipulator", "--time", "fast") as board:
+        where = ("--port", board.port)
+        assert passo("connect", *where)[0] == 0
+        before = passo("config", *where)
+        for text in FAR:
+            for verb in ("move", "goto"):
+                for pair in ((text, "0"), ("0", text)):
+                    failure, said = passo(verb, *pair, *where)
+                    assert str(failure).startswith("too far: " + "xy"[pair[0] == "0"]) and not said, (verb, pair, failure)
+            if text[0] != "-" and text != "nan":  # the command line takes none of these for a speed or a length
+                assert str(passo("config", text, "1", *where)[0]).startswith("too far: x")
+                steps_s = str(float(text) * 60)
+                assert str(passo("move", "1", "1", "--speed", steps_s, *where)[0]).startswith("too fast: the speed of x")
+                assert str(passo("config", "1", "1", "--y-speed", steps_s, *where)[0]).startswith("too fast: the speed of y")
+        assert passo("config", *where) == before
+        assert passo("info", *where)[1] == "idle  X 0.000 Y 0.000 mm, motors here; made X 0.000 Y 0.000 mm; 0 dropped\n"
+        assert board.end()[0] == 0
+
+
 @pytest.mark.parametrize("verb", ["move", "goto", "jog", "info", "halt", "origin", "config", "connect", "disconnect"])
 def test_help_has_examples(verb):
     status, text = passo(verb, "--help")

@@ -193,6 +193,8 @@ class Orders:
 
     def _set(self, order):
         which = number(order, "number", 0, 999)
+        if which != int(which):
+            raise Wrong("number")
         value = number(order, "value", -1e9, 1e9)
         return self.machine.refusal() or self.machine.set(int(which), ("%.3f" % value).rstrip("0").rstrip("."))
 
