@@ -47,13 +47,18 @@ class Units:
 
     def count(self, axis, length):
         """Whole steps. Raises Failure if a frame cannot say so many."""
-        return _whole(length * self.per_mm[axis], "too far: {} is {:g}, and at most 2²⁹ − 2 steps go into a move or jog", "xy"[axis], length)
+        steps = length * self.per_mm[axis]
+        if not _fits(steps):
+            raise Failure("too far: {} is {:g}, and at most 2²⁹ − 2 steps go into a move or jog", "xy"[axis], length)
+        return round(steps)
 
     def speed(self, axis, speed, default):
         """Whole steps/s, at least 1. Raises Failure if a frame cannot say so many."""
         value = default if speed is None else speed
         steps_s = value if self.steps else value * self.per_mm[axis] / 60
-        return max(_whole(steps_s, "too fast: the speed of {} is {:g}, and at most 2²⁹ − 2 steps/s go into a frame", "xy"[axis], value), 1)
+        if not _fits(steps_s):
+            raise Failure("too fast: the speed of {} is {:g}, and at most 2²⁹ − 2 steps/s go into a frame", "xy"[axis], value)
+        return max(round(steps_s), 1)
 
     def text(self, x, y):
         if self.steps:
@@ -61,11 +66,9 @@ class Units:
         return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
 
 
-def _whole(value, message, *words):
-    """`value` as a whole number. Raises Failure if it is none that a frame can say: the frame would have another one, or another sign."""
-    if not abs(value) < FOREVER - 0.5:
-        raise Failure(message, *words)
-    return round(value)
+def _fits(value):
+    """False for a number that a frame cannot say: the frame would have another one, or another sign."""
+    return abs(value) < FOREVER - 0.5
 
 
 def _read_settings(client, numbers):
