@@ -40,7 +40,7 @@ def floating(points):
 
 
 def best_us(function, points):
-    """The shortest of REPEATS runs, in microseconds, and what the function returned."""
+    """Return the shortest of REPEATS runs, in microseconds, and the function's value."""
     ticks_us = getattr(time, "ticks_us", None) or (lambda: time.perf_counter_ns() // 1000)
     shortest = None
     for _ in range(REPEATS):

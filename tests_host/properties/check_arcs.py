@@ -1,6 +1,6 @@
 """Arcs from the line of G-code to the last step, against the true arc in floats: of every length, sweep, plane and resolution.
 
-What a step may be off the true arc, in steps. With one resolution: the walker keeps within 0.51 of the circle of whole steps
+The distance allowed between a step and the true arc, in steps: With one resolution: the walker keeps within 0.51 of the circle of whole steps
 (check_circle.py), whose centre and start are each within √½ of the true ones; so its radius is within twice that, and the
 circle within three times √½ of the true one. With two, or a radius above 2²⁰ steps: ¼ for the chord, √½ for its end and
 ½ for the line that is walked, on such a circle; a step is one of the coarser axis.
@@ -135,7 +135,7 @@ def draw(seed, plane, way, form, length=None, sweep=None, steps_per_m=None):
         sweep = spread(random, 6e-7, 359.999 * pi / 180)
         if random.between(0, 1):
             sweep = random.between(1, 359_999) * pi / 180_000
-    if form == "sweep":  # as it can be said
+    if form == "sweep":  # rounded to the digits of the line
         sweep = max(int(sweep * 180 / pi * 1e6), 1) * pi / 180e6
     if form == "radius" and abs(sweep - pi) < 0.1:
         sweep = pi / 2  # the centre of half a turn hangs on its end's last digit

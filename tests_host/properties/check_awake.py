@@ -28,7 +28,7 @@ class Watched(Fuzz):
         self.log = []
         try:
             self.run(40)
-        except AssertionError:  # what it finds wrong with a line is check_fuzz.py's
+        except AssertionError:  # check_fuzz.py reports the faults of lines
             pass
         port = self.port
         return self.log, port.words, port.stepping, port.marks, self.lines, self.refused, self.resets

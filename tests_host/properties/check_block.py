@@ -1,5 +1,6 @@
-"""The arithmetic of a block: what plan_block() finds in 32-bit integers is what the formulas of motion say, as exact
-numbers have it; and as machine code it finds the same as as Python."""
+"""The arithmetic of a block: plan_block()'s 32-bit integers equal motion's formulas, computed with exact numbers; and its machine code gives the same as its
+text run as Python.
+"""
 
 from array import array
 from math import sqrt
@@ -113,14 +114,14 @@ def check_numbers(seed):
         assert near(row[ROW_LIMIT], min(fastest / speed, 2, 32_000 / top) * top, 4e-4, 1)
         gain = 2 * acceleration * length * top * top / (total * speed * speed)
         assert near(row[ROW_GAIN], max(2, min(gain, MOST)), 2e-3 + 2 * grain, 1)
-        if row[ROW_GAIN] > 2:  # what the ramp can do in fact is enough for what the passes count on
+        if row[ROW_GAIN] > 2:  # the ramp can gain at least the speed that the passes count on
             assert row[ROW_REACH] <= row[ROW_GAIN] * total * (row[ROW_SPEED] / 16_384 / top) ** 2 * 1.0001
             reach = min(2 * acceleration * length / squares, MOST)
             assert row[ROW_GAIN] == MOST or near(min(row[ROW_REACH], MOST), reach, 6e-3 + 2 * grain, 2)
         assert near(row[ROW_UNIT] / 2.0 ** row[ROW_UNIT_SHIFT], squares * top * top / speed / speed, 1e-3 + 2 * grain)
         if number:
             exact = corner(limits, before, heading)
-            # where a line turns back the corner's sine is near 0, and known to a part in 2²⁸ of the directions only
+            # if a line turns back, the corner's sine is near 0, and known to a part in 2²⁸ of the directions only
             turn = sum([(b - a) ** 2 for a, b in zip(before, heading)])
             grain = 30 + max(limits.accelerations) * limits.junction_deviation * 2e-4 / squares if turn > 3.99 else 30
             if exact is None:

@@ -34,8 +34,9 @@ def run_arc(machine, *lines):
 
 
 def hold_arc(steps, a, b, centre, radius):
-    """Every step within a quarter of a step of the circle, and what rounding adds: of the centre (the circle still begins at the start,
-    so it is off by up to twice as much on the other side), of the chords' ends, of the lines that are walked. Returns the turns made."""
+    """Hold every step within a quarter of a step of the circle, plus the rounding: of the centre (the circle still begins at the start, so it is off by up
+    to twice as much on the other side), of the chords' ends, of the lines that are walked. Returns the turns made.
+    """
     turned = 0.0
     before = atan2(-centre[1], -centre[0])
     for _, place in steps:

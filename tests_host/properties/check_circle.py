@@ -37,7 +37,7 @@ def about(radius, angle):
 
 
 def draw_arc(radius, seed, rise=0, longest=0):
-    """(plane, centre, deltas, clockwise, turns) of a random arc of about `radius`; `longest`: at most so many steps."""
+    """Return (plane, centre, deltas, clockwise, turns) of a random arc of about `radius`, in steps; `longest`: the most steps of the arc, 0: any."""
     random = Random(seed)
     angle = random.between(0, 6283) / 1000
     start = about(radius, angle)
@@ -62,7 +62,7 @@ def draw_arc(radius, seed, rise=0, longest=0):
 
 
 class Walk:
-    """A whole arc walked, and what the plan promised."""
+    """A whole arc walked, with the figures of its plan."""
 
     def __init__(self, plane, center, deltas, clockwise, turns):
         self.plane = plane
@@ -297,7 +297,7 @@ def check_what_is_no_circle():
 
 
 def check_more_than_the_steps_show(radius, seed):
-    """What rounding has brought to the other side of the start is a turn more, or less: all else as it was."""
+    """If rounding carries the end to the other side of the start, the plan adds or takes one turn: all else stays."""
     plane, center, deltas, clockwise, _ = draw_arc(radius, seed)
     turn = Walk(plane, center, deltas, clockwise, 0).swept  # 2³² is a whole one
     for over_half in (False, True):

@@ -1,4 +1,4 @@
-"""What a board file may ask of a chip: its clock, and the pull of its inputs; on a fake one the order of voltage, clock and look."""
+"""The settings of a chip that a board file may have: its clock, and the pull of its inputs; on a fake chip the order of voltage, clock and look."""
 
 import sys
 
@@ -99,7 +99,7 @@ fake = FakeChip()
 
 
 def import_clock():
-    """The firmware's module on the fake chip; what it imports is as it was afterwards."""
+    """Import the firmware's module on the fake chip; put the modules that it imports back afterwards."""
     fakes = {
         "machine": module(freq=fake.freq, mem32=fake), "time": module(sleep_us=fake.sleep_us), "passo.ports.rp2.chip": fake,
     }  # fmt: skip

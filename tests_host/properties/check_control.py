@@ -220,7 +220,7 @@ def check_stop_while_homing():
 
 
 def check_commands_wait_while_drawing():
-    """What comes between END and DONE is answered after DONE, in order."""
+    """Commands that come between END and DONE are answered after DONE, in order."""
     machine = Machine()
     machine.ask("ORIGIN")
     for pen, x, y in SQUARE:
@@ -362,7 +362,7 @@ def check_sensor_in_slow_cycles(cycle_ms, first_ms, wide_ms):
 
 
 class _Memory:
-    """Stands for the heap: so many pieces, each given back when a store drops it."""
+    """A heap with room for `pieces`; a piece that a store drops comes back."""
 
     def __init__(self, store, pieces):
         self.store = store
@@ -375,7 +375,7 @@ class _Memory:
 
 
 def check_store_with_little_memory(capacity, pieces, work):
-    """What is taken is what was put, in order, also where the memory for all of the points is missing; an empty store takes more."""
+    """take() returns the points in the order of put(), also if there is no memory for all of them; an empty store takes more."""
     store = PointBuffer(capacity)
     point_buffer.bytearray = _Memory(store, pieces)
     try:

@@ -1,4 +1,4 @@
-"""Rows of dots on the whole firmware: what the beam burns, at each step; held, reset, and too many of them."""
+"""Rows of dots on the whole firmware: the power burnt at each step; held, reset, and rows with too many dots."""
 
 from draws import Random
 from passo import errors
@@ -131,7 +131,7 @@ def check_held_amid_rows(seed):
 
 
 def check_reset_amid_a_row():
-    """What was queued is gone, dots too; the beam is off, and the next row burns as ever."""
+    """The reset drops the queue, its dots, too; the beam is off, and the next row burns as ever."""
     machine = laser("M3", "G91", "G1 F600")
     for _ in range(5):
         machine.put("\n".join(["X1.6S" + ":".join(["700"] * 16)] * 20) + "\n")
@@ -229,7 +229,7 @@ def check_the_first_power_counts_on():
 
 
 def check_a_row_of_no_steps():
-    """Where it stands it is a plain line; of more dots than steps some are left out."""
+    """Without a step it is a plain line; a row with more dots than steps loses some."""
     machine = laser("M3", "G91", "G1 F600", "X0S200:300", "X.01S1:2:3:4:5:6", "M5")
     made = [power for _, _, power in burnt(machine)]
     assert len(made) == 3 and made == sorted(made)

@@ -264,7 +264,7 @@ def check_halt_anywhere(ms):
 
 
 class Once:
-    """What runs once, as all callbacks of MicroPython there: never within another one."""
+    """A timer that fires once, as all callbacks of MicroPython do there: never within another callback."""
 
     period = 1 << 28
 
@@ -282,7 +282,7 @@ def check_nothing_is_fed_while_the_machine_is_put_together():
     while not board.app.feeder.open:
         board.cycles(1)
         cycles -= 1
-        assert cycles, "what moves is fed"
+        assert cycles, "the feeder does not open for the motion"
 
 
 def check_a_halt_cuts_no_pulse_short(after_us):
@@ -412,7 +412,7 @@ def check_a_laser_held_stays_dark():
 
 
 def check_the_power_of_a_laser_that_stands():
-    """M3 burns on: what is said at a stand, and in a word shorter than a turn of the feeder, is shown. M4 is dark."""
+    """M3 burns on: an S given at a stand, or in a word shorter than a cycle of the feeder, sets the power. M4 is dark."""
     board = laser()
     for said, level in (
         (b"G1F3000\nM3S500\n", 500), (b"S200\n", 200), (b"X5S700\n", 700), (b"X5.0125S300\n", 300), (b"G4P0.1\n", 300),

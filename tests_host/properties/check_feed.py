@@ -26,8 +26,7 @@ RUNS = {"check_lines": 30, "check_slopes": 2, "check_arcs": 30}
 
 
 def steps_of(add, feed, setup):
-    """[(tick, place, number of the word)] of what `add(planner)` queues at `feed`, in cruise only, and the feed's steps in
-    a second."""
+    """Return [(tick, place, number of the word)] of the steps that `add(planner)` queues at `feed`, in cruise only, and the feed's steps in a second."""
     rig = Rig(axes=3)
     if not setup:
         rig.feeder.state[FEED_SETUP] = 0
@@ -95,7 +94,7 @@ def check_arcs(radius, slope, feed, seed):
     plane, center, deltas, clockwise, _ = draw_arc(radius, seed)
     a, b, third = plane
     true = sqrt(center[0] ** 2 + center[1] ** 2)
-    feed = min(feed, int(sqrt(ACCELERATION_MM_S2 * true * 1000 / STEPS_PER_M)))  # what v²/R allows
+    feed = min(feed, int(sqrt(ACCELERATION_MM_S2 * true * 1000 / STEPS_PER_M)))  # the most that v²/R allows
     sign = -1 if clockwise else 1
     swept = (atan2(deltas[b] - center[1], deltas[a] - center[0]) - atan2(-center[1], -center[0])) * sign % (2 * pi)
     deltas[third] = int(slope * (swept or 2 * pi) * true / 1000)

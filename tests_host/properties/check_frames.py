@@ -1,4 +1,4 @@
-"""Frames: what they hold comes once, in order, unchanged or not at all; and a link without them is as it always was."""
+"""Frames: their bytes come once, in order, unchanged or not at all; a link without frames works as without this option."""
 
 from draws import Random
 from passo import errors
@@ -46,7 +46,7 @@ class Wire:
         self.sent += data
 
     def put(self, *frames):
-        """What the language reads of these frames."""
+        """Return the bytes of these frames that the language reads."""
         return self.hear(codec.delimited(*frames))
 
     def hear(self, data, piece=50):
@@ -60,7 +60,7 @@ class Wire:
                 return heard
 
     def said(self):
-        """[(kind, number, ack, credit, data)] of what has been sent."""
+        """Return [(kind, number, ack, credit, data)] of the frames sent."""
         sent, self.sent = self.sent, b""
         return [frame_of(chunk) for chunk in sent.split(b"\0") if chunk]
 
@@ -124,7 +124,7 @@ def check_plain_bytes_pass(seed):
 
 
 def check_hello_in_the_middle():
-    """What came before it is the language's; what comes behind it, only in frames."""
+    """Bytes before it go to the language; after it only those in frames do."""
     for piece in (1, 7, 60):
         wire = Wire()
         assert wire.hear(b"G1X1\n" + HELLO_WIRE + b"~!G1X9\n" + codec.delimited(codec.frame(DATA, 0, 0, 15, b"M3\n")), piece) == b"G1X1\nM3\n"
@@ -151,7 +151,7 @@ def check_a_line_begun_is_not_gone_on_with():
 
 
 def check_bytes_come_once(seed):
-    """Frames repeated, missing, overlapping: what is read is what was sent, and no more."""
+    """Frames repeated, missing, overlapping: the language reads the bytes sent, each once."""
     random = Random(seed)
     wire = Wire().opened()
     text = random.bytes(3000)
@@ -180,7 +180,7 @@ def check_urgent_frames_count_once():
 
 
 def check_cut():
-    """What was sent before a CUT and comes behind it is not read."""
+    """Bytes numbered before a CUT that come after it are not read."""
     wire = Wire().opened()
     assert wire.put(codec.frame(DATA, 0, 0, 15, b"G1X1\n")) == b"G1X1\n"
     assert wire.put(codec.frame(CUT, 0, 0, 15, bytes((0, 15)) + b"\x18")) == b"\x18"
@@ -190,7 +190,7 @@ def check_cut():
 
 
 def check_reports():
-    """The board asks itself, as often as it was told, only while answers are taken."""
+    """The board asks itself at the period of the REPORT frame, and only while the host takes the answers."""
     wire = Wire().opened()
     wire.put(codec.frame(REPORT, 0, 0, 15, bytes((0, 250)) + b"?"))
     asked = 0
@@ -221,7 +221,7 @@ def check_answers_are_repeated():
 
 
 def check_lost_answers_end_the_session():
-    """A host that takes no answers costs some memory, not all of it; it is told, and moves nothing until it begins anew."""
+    """A host that takes no answers costs a bounded buffer; it gets CLOSED, and moves nothing until it begins anew."""
     wire = Wire().opened()
     for _ in range(2000):
         wire.line.write(b"ok\r\n")
@@ -303,7 +303,7 @@ def check_noise_amid_lines(seed):
 
 
 class Language:
-    """What grbl is to a line: lines that it takes, and whether it is amid one."""
+    """Grbl as a line sees it: it takes lines, and says if it is amid one."""
 
     amid = Grbl.amid
 

@@ -11,7 +11,7 @@ def check_fuzz(seed):
 
 
 def check_lines_of_an_axis_that_is_too_slow_for_a_step(seed):
-    """Where an axis may take more than 40 s for a step, its lines are refused, those of other axes move, and the main loop goes on."""
+    """If an axis may take more than 40 s for a step, its lines are refused, those of other axes move, and the main loop goes on."""
     fuzz = Fuzz(seed)
     for count in range(1, 9):
         assert fuzz._answers(b"$111=0.01\n", 1) and fuzz._settle()

@@ -31,7 +31,7 @@ RUNS = {"check_mutated_lines": 400, "check_noise": 400}
 
 
 class Memory:
-    """What keeps the offsets."""
+    """The memory of the offsets."""
 
     def __init__(self):
         self.kept = {}
@@ -44,7 +44,7 @@ class Memory:
 
 
 class Machine:
-    """Does at once what it is told: 250 steps/mm, on Z 400, on A 53.333."""
+    """Carries out each command at once: 250 steps/mm, on Z 400, on A 53.333."""
 
     def __init__(self, axes="xyz"):
         self.axes = axes
@@ -92,7 +92,7 @@ class Shop:
         return self.made
 
     def at(self):
-        """Where the machine stands, in steps."""
+        """Return the machine's position, in steps."""
         return tuple(self.machine.target)
 
     def state(self):
@@ -311,7 +311,7 @@ def check_all_holes_are_looked_at():
 
 
 def check_words_around_a_cycle():
-    """What goes before it, and behind it."""
+    """Spindle, coolant and tool change come before the cycle, M0 after it."""
     shop = Shop()
     made = shop.do(b"G0 Z3", b"M3 S500 M8 T1 M6 G81 X1 Z-1 R2 F60 M0")
     kinds = [command.kind for command in made]
@@ -630,7 +630,7 @@ def check_arc_centres(x, y, more, way):
 
 
 def check_mutated_lines(seed):
-    """No exception, and what is refused changes nothing."""
+    """Raises nothing, and a refused line changes nothing."""
     random = Random(seed)
     shop = Shop()
     for _ in range(4):

@@ -110,7 +110,7 @@ class Straight(Machine):
         batch.room = self.blocks - 1
 
     def accept(self, rows, count, *others):
-        """What queue_lines() would queue."""
+        """Take rows as queue_lines() would queue them."""
         for row in range(count):
             fields = rows[row * BATCH_FIELDS : (row + 1) * BATCH_FIELDS]
             before = self.took[-1][0] if self.took else self.target
@@ -161,7 +161,7 @@ class Straight(Machine):
         return count
 
     def obey(self, made, laser):
-        """What the whole of G-code has made of a line."""
+        """Take the commands that the full parser makes of a line."""
         for command in made:
             if command.kind == commands.SPINDLE:
                 self.tool, self.dynamic = command.tool, False
@@ -174,7 +174,7 @@ class Straight(Machine):
         return self.tool, self.power, self.dynamic
 
     def take_of(self, gcode, lines, most):
-        """follow(): facts of what came of `lines`."""
+        """Call follow(); return the facts of the motion that `lines` make."""
         self.took = []
         self.blocks = 96
         count = self.follow(gcode, lines, most)
@@ -218,7 +218,7 @@ def shops(count, laser, max_rpm=1_000_000, slow=False, axes="xyz", rotary=False)
 
 
 def check_same_as_in_full(seed):
-    """Two machines, one of which never deals with a line in short; what is refused or waits in between counts too."""
+    """Two machines, one of which never uses the fast parser; lines refused or waiting in between count, too."""
     random = Random(seed)
     most = random.choice((1_000_000, 1_000_000, 255_000, 24_000_000, 100_000_000, 2, 1, 333_333_333))
     axes = random.choice(("xyz", "xyza"))

@@ -55,7 +55,7 @@ def check_both_ends_of_lines():
 
 
 def check_a_few_lines_a_turn():
-    """Where lines take time, a burst of them is shared out over turns, and what is asked meanwhile is answered first."""
+    """If lines take time, a burst of them is spread over cycles, and a question in between is answered first."""
     machine = Machine().ready()
     machine.app.links[0].batch.most = 3
     machine.app.links[0].protocol._most = 1
@@ -96,7 +96,7 @@ def check_real_time_bytes_come_between_lines_that_take_time():
 
 
 def check_a_question_ends_the_reading_of_lines():
-    """It waits for no further bytes, be there ever so many."""
+    """It waits for no further bytes, however many come."""
     machine = Machine().ready()
     protocol = machine.app.links[0].protocol
     batch = protocol.batch
@@ -162,7 +162,7 @@ def check_texts_and_start_lines():
 
 
 def check_a_start_line_that_is_refused_is_not_kept():
-    """Refused by the parser, by the machine, or beyond the travel, at its first motion or its last: what was kept before stays."""
+    """Refused by the parser, by the machine, or beyond the travel, at its first motion or its last: the line stored before stays."""
     machine = Machine().ready()
     assert machine.ask("$N0=G21") == ["ok"] and machine.ask("F600") == ["ok"]
     for line, answer in (
@@ -193,7 +193,7 @@ def check_a_start_line_that_is_refused_is_not_kept():
 
 
 def check_texts_too_long():
-    """No line of 80 characters holds one; what else asks for it is refused."""
+    """A line of 80 characters cannot hold one; other callers' texts are refused."""
     machine = Machine(links=BOARD["links"][:1]).ready()
     system = machine.app.links[0].protocol.system
     assert system.execute("$I=" + "A" * 81) == errors.START_LINE_TOO_LONG
@@ -231,7 +231,7 @@ def check_damaged_settings_are_told():
 
 
 def check_settings_that_cannot_be_kept():
-    """What is refused does not count. An offset counts, the log says that it is not kept, and flash is not written again and again."""
+    """A refused change has no effect. An offset counts, the log says that it is not kept, and flash is not written again and again."""
     machine = Machine().ready()
     tries = []
 
@@ -267,7 +267,7 @@ def check_nothing_is_written_while_moving():
     machine.do("G1 X5 F600", "G10 L2 P1 X1", "G28.1")
     assert writes == []
     machine.settle()
-    machine.cycles(900)  # a sender that counts may go on any moment: what is erased then takes its bytes
+    machine.cycles(900)  # a sender that counts may send at any moment: the erasing of flash then would cost its bytes
     assert writes == []
     machine.cycles(200)
     assert writes == [True]
@@ -375,7 +375,7 @@ def check_real_time_bytes_inside_lines():
 
 
 def check_letters_of_one_byte():
-    """cp1252 has letters where grbl has real-time bytes: what they have done is told of the line in which they stand, and of no other."""
+    """Cp1252 has letters where grbl has real-time bytes: the message about their effect comes with the line that has them, and with no other."""
     for byte, acted in ((b"\x96", "rapids 50 %"), (b"\x84", "door"), (b"\x85", "jog cancel"), (b"\xa0", "flood on"), (b"\x91", "feed 110 %"), (b"\x9a", "spindle 110 %")):
         for cut in (1, 2, 3, 4):
             machine = Machine().ready()
@@ -410,7 +410,7 @@ def check_real_time_bytes_as_utf_8():
     assert answers(machine.cycles(8)) == ["error:1"]
 
 
-# (line, what real-time bytes change in it, as the message says it; None: nothing is told)
+# (line, the effects of real-time bytes in it, in the words of the message; None: no message)
 LETTERS = (
     ("X\u22125", "feed 90 %"), ("X1\xb75", None), ("G1\xa0X3", "flood on"), ("\u2212", "feed 90 %"), ("%\u2212", "feed 90 %"),
     ("$X\u2212", "feed 90 %"), ("$J=G91X\u22121F100", "feed 90 %"), ("G1 X1 (\u0431" + 300 * "\u0431" + ") Y\u2212", "feed 90 %"),
@@ -419,7 +419,7 @@ LETTERS = (
 
 
 def check_letters_beyond_ascii():
-    """A byte that is no real-time byte is error 1 of its line, wherever the line is cut; what real-time bytes in it have done is told. The
+    """A byte that is no real-time byte is error 1 of its line, wherever the line is cut; a message names the effects of real-time bytes in it. The
     lines around it are done, and comments may have any letters."""
     for text, changed in LETTERS:
         line = text.encode()
@@ -436,7 +436,7 @@ def check_letters_beyond_ascii():
 
 
 def check_letters_in_comments():
-    """They cost nothing; a real-time byte among them acts, and is told."""
+    """They cost nothing; a real-time byte among them acts, with a message."""
     machine = Machine().ready()
     for text, wanted in (("X2 (\xe9)", []), ("(\xe9 \u0431) X3 ; \xff", []), ("; " + 300 * "\u0431", []), ("X4 (\u0417)", ["[MSG:Letters beyond ASCII acted: rapids 25 %]"])):
         machine.put(b"G0" + text.encode() + b"\n")
@@ -476,7 +476,7 @@ def check_character_counting():
 
 
 def check_a_flood_is_refused_line_by_line():
-    """A sender that counts nothing: what found no room is refused, and every line has its answer."""
+    """A sender that counts nothing: lines without room are refused, and every line has its answer."""
     machine = Machine().ready()
     machine.do("G4P0")
     machine.put(b"G4P1\n" + b"G91G0X1\n" * 300)
@@ -494,8 +494,9 @@ FLOOD = [b"G91G1X%d.%dF3000;%s\n" % (number % 2, number % 10, b"c" * (number % 9
 
 
 def check_every_line_end_is_answered_in_order(seed):
-    """Lines of any length, in pieces of any size, all without waiting: the first are done, then each that found no room is
-    refused, as many answers as lines, and what was done is what was answered by ok."""
+    """Lines of any length, in pieces of any size, all without waiting: the first are done, then each line without room is refused, each line has one
+    answer, and exactly the lines answered by ok are done.
+    """
     random = Random(seed)
     machine = Machine().ready()
     data = b"".join(FLOOD)
@@ -518,7 +519,7 @@ def check_every_line_end_is_answered_in_order(seed):
 
 
 def check_comments_and_blanks_do_not_count(first, second, third, size):
-    """However long they are, and in whatever pieces they come; what is too long without them is refused."""
+    """Comments and blanks of any length, in pieces of any size; a line that is too long without them is refused."""
     machine = Machine().ready()
     good = b"G0" + b" " * first + b"X1(" + b"a" * second + b")Y2;(" + b"b" * third
     bad = b"(" + b"c" * second + b")G0X9" + b" " * first + b"." + b"0" * 80 + b"(" + b"d" * third

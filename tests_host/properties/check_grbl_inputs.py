@@ -87,7 +87,7 @@ def check_nothing_is_done_behind_a_failed_homing():
 
 
 def check_real_time_bytes_in_an_alarm():
-    """None of them says or does anything but the overrides; nor does the door itself. In check mode it is the same."""
+    """In an alarm, real-time bytes have no answer and no effect but for the overrides; nor has the door itself. In check mode it is the same."""
     machine = home(Machine())
     machine.do("M3 S500 M8", "G1 X20 F3000")
     machine.cycles(20)
@@ -159,8 +159,9 @@ def check_soft_limits():
 
 
 def check_a_batch_that_leads_out_of_the_travel():
-    """Whatever a language puts into a batch, nothing of it leads out of the travel: it is an alarm, and what waits is
-    dropped. While the machine is not as it should be it takes no batch at all."""
+    """Rows of a batch that lead out of the travel raise an alarm, and the waiting ones are dropped. While the machine is not as it should be it takes no
+    batch at all.
+    """
     machine = home(Machine())
     controller = machine.controller
     batch = machine.app.links[0].batch
@@ -227,7 +228,7 @@ def check_hard_limits():
 
 
 def check_limits_at_the_start():
-    """An active limit is said and locks, where limits are watched."""
+    """If limits are watched, an active one locks the machine, with a message."""
     machine = Machine().ready()
     machine.world.switches["limit_x"] = 1
     machine.put(b"\x18")
@@ -286,8 +287,7 @@ def check_door():
 
 
 def check_door_at_rest():
-    """Neither unlocked nor homed while it is open; then it is said each time it opens; after a reset the machine waits
-    for it."""
+    """The machine neither unlocks nor homes while it is open; afterwards a message comes each time it opens; after a reset the machine waits for it."""
     machine = Machine()
     machine.said()
     machine.world.switches["door"] = 0

@@ -73,7 +73,7 @@ def check_arcs_are_walked():
 
 
 def check_tiny_arcs_are_no_circles():
-    """What is shorter than a step is nothing, or a step; its third axis moves all the same."""
+    """An arc shorter than a step moves 0 steps or 1; its third axis moves all the same."""
     for line, end, words in (
         ("G3X9.9999Y0.001I-10J0F1000", (3200, 0, 0), 0),
         ("G3X9.9999Y0.001R10F1000", (3200, 0, 0), 0),

@@ -65,7 +65,7 @@ def check_numbers(seed):
 
 
 def check_speed(seed):
-    """Where it is rounded too: whole mm/min, or tenths of an inch a minute."""
+    """Rounded, too: whole mm/min, or tenths of an inch a minute."""
     random = Random(seed)
     inches = random.between(0, 1)
     unit = 127_000 if inches else 50_000  # of three times nm/s

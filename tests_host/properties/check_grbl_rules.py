@@ -1,5 +1,5 @@
-"""Rules of grbl that a sender's author relies on and an ordinary job never meets: what each state allows, what the door,
-a hold and a reset do to spindle, coolant and overrides, and what is reported when."""
+"""Rules of grbl that a sender's author relies on and an ordinary job never meets: the lines that each state allows, the effect of
+the door, a hold and a reset on spindle, coolant and overrides, and the reports."""
 
 from router import BANNER, LASER, UNHOMED, Machine, answers, home
 
@@ -54,7 +54,7 @@ def check_check_mode_takes_programmes_only():
 
 
 def check_sleep_in_an_alarm():
-    """Nothing but a reset wakes it."""
+    """A reset alone wakes it."""
     machine = Machine()
     machine.said()
     machine.do("$SLP")
@@ -296,7 +296,7 @@ def check_coolant_is_what_it_is():
 
 
 def check_overrides_are_the_programmes():
-    """Jogs, probing and homing keep their speeds; what is moving when they end, too."""
+    """Jogs, probing and homing keep their speeds; motion still under way when they end keeps its own, too."""
     machine = Machine().ready()
     machine.put(b"\x91" * 10 + b"\x97")
     machine.cycles(2)

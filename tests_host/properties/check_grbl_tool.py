@@ -76,7 +76,7 @@ def check_spindle_and_coolant_come_before_the_cut():
         assert machine.status()["state"] == state and machine.world.tool == (0 if stopped else 1), data
         steps = machine.world.steps
         begun = machine.port.now
-        if data == b"!|\x9e|~|!":  # held again while it spun up: what is left of its time
+        if data == b"!|\x9e|~|!":  # held again while it spun up: the rest of its time
             machine.cycles(10_000 // 8)
         machine.put(b"~")
         machine.cycles(2)
@@ -187,7 +187,7 @@ def check_times_as_shipped():
 
 
 def check_what_is_refused_leaves_the_tool():
-    """Where a change of the tool takes time, none is queued for motion that is refused, whatever refuses it."""
+    """If a change of the tool takes time, refused motion queues none, whatever refuses it."""
     machine = Machine(spindle=LASER, tool={"pin": 8, "active": 1, "on_ms": 50, "off_ms": 30}).ready()
     machine.do("G0 X5 Y5", "M3 S500")
     machine.settle()
@@ -284,7 +284,7 @@ def check_laser():
 
 
 def check_a_laser_stops_for_its_mode():
-    """M3, M4 and M5 wait for the motion before them, as in grbl; what changes only S goes on without a stand."""
+    """M3, M4 and M5 wait for the motion before them, as in grbl; a change of S alone goes on without a stand."""
     for change, stops in (("M3", True), ("M3 S500", True), ("M5", True), ("M5 S500", True), ("S300", False)):
         for words in ("\nX20", "X20"):
             machine = Machine(spindle=LASER).ready()

@@ -1,4 +1,4 @@
-"""The watchdog of the links: what a machine does whose host says nothing any more."""
+"""The watchdog of the links: the reaction of a machine to a silent host."""
 
 from boards.router_3axis import BOARD
 from passo import errors
@@ -32,7 +32,7 @@ def run_ms(machine, milliseconds, every=None):
 
 
 def begin(machine, lines, sign="?"):
-    """What begins a job, of a host that asks for the status."""
+    """Begin a job, as a host that asks for the status."""
     machine.put(lines)
     run_ms(machine, 550, (100, sign))
 
@@ -90,7 +90,7 @@ def check_a_word_in_time_is_enough():
 
 
 def check_a_host_that_does_not_ask():
-    """Nothing is said while a long line lasts: it is not lost; nor one that asks now and then, as a person does."""
+    """A host that is silent while a long line lasts is not lost; nor one that asks now and then, as a person does."""
     for every in (None, (LOST_MS + 100, "?")):
         machine = machine_with("stop")
         machine.put("M3S1000\nG1X90F60\n")
@@ -141,7 +141,9 @@ def check_who_looks_in_is_no_host():
 
 
 def check_a_host_that_asks_seldom():
-    """grbl's stream.py asks once a second, and no more once its last line is answered: what it has sent is done. Who asks more often is a host."""
+    """grbl's stream.py asks once a second, and no more once its last line is answered: all lines sent are done. A host that asks more often counts as lost
+    when it stops.
+    """
     for every, lost in ((1000, False), (700, True)):
         links = [dict(link, lost="stop", lost_ms=3000) for link in BOARD["links"]]
         machine = Machine(links=links)
@@ -153,7 +155,7 @@ def check_a_host_that_asks_seldom():
 
 
 def check_a_job_asks_anew():
-    """What was late in one job counts in the next."""
+    """A host whose questions came late in one job is a host again in the next."""
     machine = machine_with("stop")
     machine.put("G1X10F300\n")
     run_ms(machine, 4000, (LOST_MS + 100, "?"))
@@ -243,7 +245,7 @@ def check_the_link_that_commands():
 
 
 def check_a_board_that_stood_still_misses_nobody():
-    """What came while this board stood still is heard before its host counts as lost; then nothing more comes, and it does."""
+    """Bytes that came while the board stood still are read before its host counts as lost; when no more come, it does."""
     machine = machine_with("stop")
     begin(machine, "G1X40F200\n")
     port = machine.port

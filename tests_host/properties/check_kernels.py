@@ -1,5 +1,4 @@
-"""The inner loops in machine code give the same bits as the same text compiled as ordinary Python. Where there is no machine
-code, nothing is compared."""
+"""The inner loops in machine code give the same bits as the same text compiled as ordinary Python. Without machine code there is no comparison."""
 
 from array import array
 

@@ -1,4 +1,4 @@
-"""The two-motor kit: every byte of its language, and what the coils of both motors do, whatever is pressed when."""
+"""The two-motor kit: every byte of its language, and the coils of both motors, with keys pressed at any time."""
 
 from boards.two_motor_kit import BOARD
 from check_control import copy
@@ -33,7 +33,7 @@ class Motor:
     def __init__(self, shift):
         self._shift = shift
         self.pattern = 0
-        self.phase = 0  # where a drive begins
+        self.phase = 0  # a drive begins there
         self.steps = []  # (tick, +1 or −1)
         self.switched = []  # (tick, on)
 
@@ -97,8 +97,9 @@ def pressed(key, speed):
 
 
 def check_whatever_is_pressed(presses):
-    """Legal patterns at all times (Motor sees to that), each motor at its own speed whatever the other is told, coils of
-    a motor that is off without current, and all of them after J."""
+    """Legal patterns at all times (Motor checks them); each motor keeps its own speed, whatever keys the other gets; the coils of a motor that is off have
+    no current, and after J none has.
+    """
     kit = Kit()
     told = [[(0, "off")], [(0, "off")]]  # of each motor: (ms, what)
     on, speed, sign = [False, False], [1, 1], [1, 1]
@@ -140,7 +141,7 @@ def check_whatever_is_pressed(presses):
 
 
 def periods_hold(steps, told):
-    """Every interval between two steps is within 1 % of a speed's own, unless the motor was told something meanwhile."""
+    """Every interval between two steps is within 1 % of a speed's own, unless a key for the motor came meanwhile."""
     for i in range(1, len(steps)):
         before, after = steps[i - 1][0] / TICKS_PER_MS, steps[i][0] / TICKS_PER_MS
         if not [ms for ms, what in told if what == "new" and before - AHEAD_MS <= ms <= after]:
@@ -235,7 +236,7 @@ def check_slow_motors_are_off_at_once():
 
 
 def check_the_state_at_the_start():
-    """Off, clockwise, speed 1; what is told while a motor is off counts when it is switched on."""
+    """Off, clockwise, speed 1; keys for a motor that is off count when it is switched on."""
     kit = Kit()
     kit.press(b"C", 1000)
     assert 245 <= len(kit.motors[0].steps) <= 251 and kit.controller.position()[0] > 0 == kit.controller.position()[1]

@@ -35,7 +35,7 @@ def draw_programme(random):
 
 
 def play(lines, batches):
-    """What comes of `lines`, one after the other, and how many of them went in batches."""
+    """Return the result of `lines`, one after the other, and how many of them went in batches."""
     port = Sink()
     app = App(checked(board_named("laser_xy")), port)
     link = app.links[0]
@@ -77,7 +77,7 @@ def check_batches_are_commands(seed):
 
 
 def check_a_beam_changes_without_a_step():
-    """M3 burns at a stand: what a line to the place where it stands says of it counts at once, as in grbl."""
+    """M3 burns at a stand: the S of a line to the machine's own position counts at once, as in grbl."""
     machine = Machine(spindle=LASER).ready()
     machine.do("M3 S500", "G1 X2 F3000")
     machine.settle()
@@ -88,7 +88,7 @@ def check_a_beam_changes_without_a_step():
 
 
 def check_a_beam_changes_on_an_arc_without_a_step():
-    """So does what an arc says that is shorter than a step."""
+    """The S of an arc shorter than a step counts at once, too."""
     machine = Machine(spindle=LASER).ready()
     machine.do("M3 S500", "G1 X2 F3000")
     machine.settle()

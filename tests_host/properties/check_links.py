@@ -31,7 +31,7 @@ class Two:
         self.machine.cycles()
 
     def packet(self, name, x=0, y=0, turns=100_000):
-        """What the board says on the plotter's link; b"" if nothing within `turns`."""
+        """Send a packet on the plotter's link; return the board's answer, b"" if none comes within `turns` cycles."""
         self.draw.outgoing = b""
         self.draw.incoming += packet(COMMANDS[name], x, y)
         while turns and not self.draw.outgoing:
@@ -44,7 +44,7 @@ class Two:
         return answers(self.machine.ask(text))[0]
 
     def rest(self, turns=100_000):
-        """Until the machine stands, and the coils of what has turned are without current."""
+        """Run until the machine stands, and the coils of motors that have turned are without current."""
         self.machine.settle()
         while self.controller.state == "run":
             self.machine.app.cycle()
@@ -82,7 +82,7 @@ def check_the_board_file_names_another():
 
 
 def check_the_other_link_moves_nothing(lines):
-    """Nothing a line of the link that may not command says reaches pins, settings, offsets or modes."""
+    """A line of the link that may not command changes no pin, setting, offset or mode."""
     two = Two(commands="draw")
     two.controller.machine.alarm = 0
     before = two.controller.machine.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")
@@ -274,7 +274,7 @@ def check_keys_beside_grbl():
 
 
 def check_the_emergency_stop_is_nobodys():
-    """It ends what either link moves, in an alarm that both are told of."""
+    """It ends the motion of either link, in an alarm that both report."""
     two = Two()
     two.machine.do("$X", "G1 X20 F600")
     while two.controller.position()[0] < 100:

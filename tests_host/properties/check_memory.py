@@ -1,4 +1,4 @@
-"""Large arrays made beforehand: who asks for one gets it, once."""
+"""Large arrays made beforehand: the first caller that asks for one gets it, once."""
 
 from array import array
 

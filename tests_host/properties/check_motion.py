@@ -80,7 +80,7 @@ def check_feeding_changes_nothing(seed):
 
 
 def set_out(planner):
-    """What waits sets out, as Program.begin() has it."""
+    """Start the waiting block, as Program.begin() does."""
     if planner.row() < 0 and not planner.empty():
         planner.start()
 
@@ -113,7 +113,7 @@ class Live:
             self._play(TURN_TICKS)
 
     def _play(self, ticks):
-        """One turn: what is made in it, or time in which nothing is."""
+        """Play one cycle: its words, or idle time if there are none."""
         rig = self.machine.rig
         words = rig.take(ticks)
         rig.feeder.retire(rig.played)

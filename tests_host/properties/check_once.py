@@ -4,7 +4,7 @@ from passo import commands, errors
 from passo.control.feature import ANEW, OFF, QUEUE_GONE, SAFE, WORK_GONE, Feature
 from router import Machine
 
-ONCE = {  # how often the pins have stopped, and each time that features were told what has come
+ONCE = {  # how often the pins have stopped, and the masks of events that a feature got
     "reset": (1, [WORK_GONE | SAFE | OFF | ANEW]),
     "reset at rest": (1, [WORK_GONE | ANEW]),
     "stop": (1, [WORK_GONE]),

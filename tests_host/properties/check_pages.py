@@ -16,8 +16,8 @@ MACHINES = {
 }
 BRAKES_MS = 50  # the longest way to a stand of these, from SPEED
 BRAKED_MS = 66  # from the order on, if it overtakes nothing: less than the way that is queued ahead of any of these
-OVERTAKEN_MS = 145  # where a piece of the jog comes behind the brake, and has to be braked as well
-ENDS_MS = 80  # a jog that is let go, or whose page has gone: what is sent, and what is in the pins' queue
+OVERTAKEN_MS = 145  # if a piece of the jog comes after the brake, and has to be braked as well
+ENDS_MS = 80  # a jog that is let go, or whose page has gone: the bytes sent, and the words in the pins' queue
 NOT_QUICK = ("check_a_jog_that_is_let_go_brakes", "check_a_jog_ends_with_its_lease")
 
 
@@ -43,7 +43,7 @@ def moves(language):
 
 
 def what_it_can(language):
-    """What a page of the board may ask for is what one of the PC may, but for what only a PC has, and only a board."""
+    """A page of the board has the same orders as one of the PC, except those that only a PC has, or only a board."""
     of_pc, of_board = [set(ready(served, language)[1].hello["can"]) for served in (OnCable, OnBoard)]
     assert of_pc - of_board <= {"jobs", "teach", "single"}, of_pc - of_board
     assert of_board - of_pc == ({"command"} if language == "grbl" else {"command", "settings"}), of_board - of_pc
@@ -158,7 +158,7 @@ def stop_needs_no_key(language):
 
 
 def hold(desk, page, lease, milliseconds, way):
-    """Hold a jog for so long, renewed each 60 ms."""
+    """Hold a jog for `milliseconds`, renewed each 60 ms."""
     page.until(lambda state: "beat" in state)
     desk.run_ms(250)
     answer = page.order("jog", lease=lease, beat=page.state["beat"], way=way, speed=SPEED)
@@ -190,7 +190,7 @@ def a_jog_ends_with_its_lease(language):
 
 
 def a_jog_that_is_let_go_brakes(language):
-    """At once, and not at the end of what is queued; at whatever moment, also amid a piece that is not answered."""
+    """It brakes at once, not at the end of the queue; at any moment, also amid a piece without an answer."""
     for served in BOTH:
         desk, page = ready(served, language)
         took = []

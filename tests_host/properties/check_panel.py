@@ -1,4 +1,4 @@
-"""The page's orders: who may give them, what a jog's lease is, and that nothing else moves the machine."""
+"""The page's orders: the pages that may give them, the lease of a jog, and that no other message moves the machine."""
 
 import os
 
@@ -107,7 +107,7 @@ def check_a_page_is_told_as_often_as_it_asks():
         assert sum([pace.due(state, now & 0x1FFFFFFF) for now in range(0x1FFFFF00, 0x1FFFFF00 + 2000, 50)]) == wanted, every
     changed = dict(state)
     changed["alarm"] = 211
-    assert pace.due(changed, 0) and not pace.due(changed, 50) and pace.due(state, 100), "what changed is told at once"
+    assert pace.due(changed, 0) and not pace.due(changed, 50) and pace.due(state, 100), "a changed state must be due at once"
     for wrong in (-1, 0.5, True, None, "50", 10_001):
         assert pace.look({"do": "look", "every": wrong})["error"] == errors.ORDER_FIELD, wrong
     assert not pace.due(state, 150), "a wrong one changes nothing"
@@ -138,7 +138,7 @@ def check_a_jog_ends_on_release():
 
 
 def check_a_late_keep_revives_nothing(late_ms):
-    """Nobody renews it: it ends within 250 ms and its ramp, and what comes late does not bring it back."""
+    """If the page does not renew it, the jog ends within 250 ms and its ramp, and a late keep does not bring it back."""
     desk = Desk()
     desk.board.world.path = []
     desk.hold_jog(5, 600, way={"x": 1, "y": 1}, speed=SPEED)
@@ -155,7 +155,7 @@ def check_a_late_keep_revives_nothing(late_ms):
 
 
 def check_a_dead_server_leaves_little():
-    """Nobody feeds the board any more, not even to cancel: what is queued is a moment's way and the way to brake."""
+    """With no program that feeds the board, not even to cancel, the queue has the path of a moment and of the braking."""
     desk = Desk()
     desk.board.world.path = []
     desk.hold_jog(1, 900, way={"x": -1}, speed=2000)
@@ -200,7 +200,7 @@ def check_without_the_key_only_stop():
 
 
 def check_stop_amid_a_jog():
-    """The reset is the first that is said: behind a jog cancel it could find the machine at a stand, and tell no alarm."""
+    """The reset is the first byte sent: after a jog cancel it could find the machine at a stand, and raise no alarm."""
     desk = Desk()
     desk.hold_jog(1, 600, way={"x": 1}, speed=SPEED)
     said = []
@@ -252,7 +252,7 @@ def check_nested_orders():
 
 
 def check_directions_of_every_size():
-    """A jog's way is a direction: of any size, none that is too small to be one; what is beside it goes along or not at all."""
+    """A jog's way is a direction: of any size, unless it is too small for a direction; a smaller axis beside it goes along or not at all."""
     for exponent in list(range(-330, 310, 40)) + list(range(-8, 7)):
         for other in (0, 1, -1e-7, 1e-320, -1e300):
             desk = Desk()
@@ -419,7 +419,7 @@ def check_a_job_is_only_checked():
 
 
 def check_the_line_beyond_the_travel():
-    """It is told by its own number, whether it runs or is only checked; after the check the machine is ready."""
+    """The error has the line's own number, in a run and in a check; after the check the machine is ready."""
     for check in (True, False):
         desk = Desk()
         assert desk.order("home") == 0
@@ -442,7 +442,7 @@ def check_the_line_beyond_the_travel():
 
 
 def check_why_it_is_held():
-    """A pause and a change of tool are told until the machine goes on."""
+    """The state shows a pause and a change of tool until the machine goes on."""
     desk = Desk()
     desk.store.put("a", "G21G91\nG1X1F3000\nM0\nG1X1\nM6T2\nX1\n")
     assert desk.order("run", name="a") == 0
@@ -488,7 +488,7 @@ def check_a_sender_beside_the_page():
 
 
 def check_letters_of_a_sender_beside_the_page():
-    """What is beyond ASCII stays in its line, which the board refuses; a real-time byte acts, alone or as UTF-8, and spoils none."""
+    """Bytes beyond ASCII stay in their line, which the board refuses; a real-time byte acts, alone or as UTF-8, and spoils no line."""
     said = []
     desk = Desk(said.append)
     guest = desk.machine.guest

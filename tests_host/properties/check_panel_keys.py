@@ -19,7 +19,7 @@ def kit():
 
 
 def turned(desk, milliseconds):
-    """Steps of both motors in so long."""
+    """Return the steps of both motors within `milliseconds`."""
     before = desk.place()
     desk.run_ms(milliseconds)
     return [now - then for now, then in zip(desk.place(), before)]

@@ -105,7 +105,7 @@ def check_refusals_and_stop():
     count = len(drawn(desk))
     assert desk.order("goto", to={"x": 1, "y": 1}, speed=1) == 0
     desk.settle()
-    assert desk.place() == [10, 10] and len(drawn(desk)) == count, "what was stored of a drawing is drawn later"
+    assert desk.place() == [10, 10] and len(drawn(desk)) == count, "stored points must be drawn later"
     assert desk.order("pace", speed=0) == errors.ORDER_FIELD and desk.order("pace", speed=500) == 0
     assert desk.order("zero", axes="x") == errors.UNKNOWN_COMMAND
 
@@ -158,7 +158,7 @@ def check_point_by_point_and_back():
 
 
 def check_a_step_stops_a_drawing_that_runs():
-    """What has been sent is drawn; the rest waits. Where the pen is follows from what is drawn."""
+    """The board draws the points sent; the rest waits. The pen's state follows from the points drawn."""
     desk = homed()
     desk.store.put("square.txt", SQUARE.replace("SPEED 1000", "SPEED 3000"))
     assert desk.order("run", name="square.txt", passes=2) == 0
@@ -168,7 +168,7 @@ def check_a_step_stops_a_drawing_that_runs():
         tool = bool(desk.trail.rows and desk.trail.rows[-1][2])
         pens.append((tool, desk.machine.state["pen"]))
     assert (True, "down") in pens and (False, "up") in pens
-    assert len([1 for tool, pen in pens if (pen == "down") != tool]) < len(pens) // 4, "more than what reports lag"
+    assert len([1 for tool, pen in pens if (pen == "down") != tool]) < len(pens) // 4, "the pen's state is wrong for longer than reports lag"
     assert desk.order("play", what="step") == 0
     desk.until(lambda state: state["state"] == "Idle")
     desk.run_ms(500)

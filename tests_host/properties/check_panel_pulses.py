@@ -1,4 +1,4 @@
-"""The page and pulse files: what is played is what was stored, forward, backward and code by code; a jog ends; teach-in is the same steps."""
+"""The page and pulse files: the board plays the stored file, forward, backward and code by code; a jog ends; teach-in makes the same steps."""
 
 from draws import Random
 from passo import errors

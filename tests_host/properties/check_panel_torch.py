@@ -1,4 +1,4 @@
-"""The page and the torch's frames: who has the motors, moves, jogs that end, seams, preferences, the origin."""
+"""The page and the torch's frames: which link has the motors, moves, jogs that end, seams, preferences, the origin."""
 
 from boards.torch_manipulator import BOARD
 from language_desk import LanguageDesk

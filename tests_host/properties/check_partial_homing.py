@@ -84,7 +84,7 @@ def check_an_axis_alone_unlocks_nothing(first, second, third):
 
 
 def check_homing_that_is_switched_off_amid_it():
-    """$22=0 takes the soft limits along: that is told at $X, at the first motion, and in reports, as if they were on."""
+    """$22=0 switches the soft limits off, too: $X, the first motion and reports say it, as if they were on."""
     for lines in (("$22=0", "$X"), ("$X", "$22=0")):
         machine = started()
         machine.do("$HX")
@@ -187,7 +187,7 @@ def check_lines_that_wait_behind_it_home_on_and_move_nothing():
 
 
 def moved(machine, line):
-    """All that is said until the motion has ended."""
+    """Return all lines up to the end of the motion."""
     said = machine.ask(line)
     machine.settle()
     return said + machine.said()

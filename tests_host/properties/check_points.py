@@ -1,4 +1,4 @@
-"""Points in batches, from the line into the point buffer: what comes of them is what comes of commands."""
+"""Points in batches, from the line into the point buffer: the result is the same as by commands."""
 
 from draws import Random
 from passo.batch import Points

@@ -44,7 +44,7 @@ def check_n_words_the_controller_refuses_stay():
 
 
 def check_an_n_word_joins_nothing():
-    """What stands left and right of one would become another word: X-3, S0:500, S=@@, X12, M30. The line stays, and the board refuses it."""
+    """Removing one would join its neighbours to another word: X-3, S0:500, S=@@, X12, M30. The line stays, and the board refuses it."""
     for line in (b"XN5-3", b"G1X1YN5+3", b"X1N5.5.5", b"S0:500N5:3", b"SN5=@@", b"N5=@@", b"X1N5@", b"N5*71", b"N5-3X1", b"X1N5%"):
         assert _read(line)[0] == [(1, line)]
     assert _read(b"X1N5/2Y1")[0] == [(1, b"X1Y1")]

@@ -673,7 +673,7 @@ def check_a_stream_turned_round_before_its_end():
 
 
 def check_a_file_that_was_dropped_is_never_played_as_typed():
-    """However long the line is quiet amid it: what still comes of it is dropped up to its end."""
+    """The rest of the file is dropped up to its end, however long the line is quiet before it."""
     machine = Lpt()
     for verb in ("load", "stream"):
         machine.tell(verb, 100)
@@ -808,7 +808,7 @@ def check_button_on_the_way_back():
 
 
 def check_button():
-    """The input that holds and resumes any language's motion does so here."""
+    """The input that holds and resumes the motion of other languages does it here, too."""
     machine = Lpt()
     machine.load("A" * 400)
     machine.tell("run")
@@ -842,7 +842,7 @@ def check_control_commands_that_are_wrong():
 
 
 def check_travel():
-    """Where soft limits hold, a file that would leave the travel does not begin."""
+    """If soft limits are on, a file that would leave the travel does not begin."""
     machine = Lpt()
     controller = machine.app.controller
     controller.machine.homed = True

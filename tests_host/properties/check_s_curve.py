@@ -59,7 +59,7 @@ class Smooth(Machine):
 
 
 def alone(seed, kind="line"):
-    """A machine with one ramp up and down to go, and what is asked of it: (speed, acceleration, jerk, mm of a step)."""
+    """Return a machine with one ramp up and down to go, and its limits: (speed, acceleration, jerk, mm of a step)."""
     machine = Smooth(seed, "lines", blocks=1)
     random = machine.random
     speed, acceleration = drawn(random, 3, 200), drawn(random, 50, 3000)
@@ -96,7 +96,7 @@ def ideal_seconds(length, speed, acceleration, jerk):
 
 
 def hold_jerk(machine, jerk, grain, first=0, last=1 << 30):
-    """Returns the worst, as a part of what is allowed; of the segments `first` up to `last` only."""
+    """Check the jerk of the segments `first` up to `last`; return the worst, as a part of the limit."""
     times, places = [0.0], [0.0]
     for number, path, ticks in machine.segments[first:last]:
         length, steps, _, _, _ = machine.facts[number]

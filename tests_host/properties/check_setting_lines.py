@@ -17,7 +17,7 @@ CASES = {
 }
 RUNS = {"check_kept_over_power_off": 6, "check_a_lost_character_sets_nothing": 10, "check_old_settings_are_taken_over": 6}
 NAMES = tuple(sorted(BOARDS))
-OWN = tuple([name for name in NAMES if name != "router_3axis"])  # who have no lines of their own
+OWN = tuple([name for name in NAMES if name != "router_3axis"])  # boards without lines of their own
 
 
 def check_decimals(value):
@@ -249,7 +249,7 @@ def check_power_cut_at_every_byte():
 
 
 def check_old_settings_are_taken_over(seed):
-    """What the firmware before has kept: its numbers, none of the new ones, and texts."""
+    """Settings in flash of the former format: its numbers, none of the new ones, and texts."""
     random = Random(seed)
     for name in NAMES:
         fresh = SettingBoard(name)

@@ -21,7 +21,7 @@ NOT_QUICK = ("check_power_cut_at_every_byte",)
 
 
 class CutSlots(MemorySlots):
-    """The power goes after `left` bytes of a write; what the slot holds then depends on the file system."""
+    """The power goes after `left` bytes of a write; the slot's contents then depend on the file system."""
 
     def __init__(self, slots, left, manner):
         MemorySlots.__init__(self)
@@ -196,8 +196,9 @@ def any_board(random):
 
 
 def wired(board, settings):
-    """What counts at the pins: (STEPs whose pulse is low, DIRs that are high in the positive direction, enable's, limits'
-    and the probe's active level, axes that home low), each by the way it takes there."""
+    """Return the levels that count at the pins: (STEPs whose pulse is low, DIRs that are high in the positive direction, the active levels of enable,
+    limits and probe, axes that home low), each from its own source.
+    """
     layout = Layout("step_dir", 3, 6, [], 7)
     pins = inverted_pins(board, layout)
     named = {}
@@ -213,7 +214,7 @@ def wired(board, settings):
 
 
 def check_masks_mean_what_they_mean_in_grbl():
-    """Whatever the board file says: what is reported is how the pins are, and what is set they are from then on."""
+    """For any board file: the mask reported is that of the pins, and a mask set is theirs from then on."""
     for seed in range(20):
         random = Random(seed)
         board = any_board(random)
@@ -253,7 +254,7 @@ def check_old_masks_are_converted(seed):
 
 
 def check_masks_of_both_firmwares():
-    """A board that has had the old firmware again: it has kept the new masks, and what it has written since counts."""
+    """A board that ran the old firmware again: its slot has the new masks, and the values that the old firmware wrote since count."""
     slots = MemorySlots()
     settings = make(slots)
     settings.change(23, 7)

@@ -60,7 +60,7 @@ class Chip(VirtualPort):
             self.work(TICKS_PER_MS)
 
     def work(self, ticks):
-        """The main loop is busy so long."""
+        """Keep the main loop busy for `ticks`."""
         end = self.now + ticks
         while self.now < end:
             if self.now >= self._due:

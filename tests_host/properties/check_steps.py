@@ -220,7 +220,7 @@ def check_position_asked_while_an_interrupt_goes_on():
 
 
 def check_ring_offset_changes_nothing(offset, dx, dy):
-    """Where in the ring a job begins, and how often it is filled, never shows in its words."""
+    """A job's words do not depend on its place in the ring, nor on how often the ring is filled."""
     jobs = []
     for start, lead in ((0, 375_000), (offset, 60_000)):
         rig = Rig()
@@ -332,7 +332,7 @@ def check_independent(x, x_each, x_rest, y, y_each, y_rest):
 
 
 def check_independent_for_ever_and_live():
-    """Endless axes go on until they are told to stop; a new rate is felt at the next step."""
+    """Endless axes go on until a stop; a new rate counts from the next step."""
     rig = Rig("unipolar half")
     axes = IndependentAxes(2, LEAST_TICKS)
     axes.set(0, ENDLESS, 50_000)

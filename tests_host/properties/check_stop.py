@@ -58,7 +58,7 @@ WORDS = {
 }  # fmt: skip
 STOPS = {"plotter": point("STOP"), "torch": torch.frame("STOP"), "pulses": b"{stop}", "grbl": b"\x18"}
 HAND_OVER = {"plotter": point("LINK"), "torch": torch.passo(torch.LINK_OF), "pulses": b"{link}", "grbl": b"$LINK=0\n"}
-# What ends waiting, and draws whatever may have been left.
+# Commands that end a wait, and draw the points left, if any.
 LEFT = {
     "plotter": point("END"), "torch": torch.passo(torch.UNLOCK_OF) + torch.frame("CONNECT"), "pulses": b"{unlock}",
     "keys": b"J", "grbl": b"$X\n~",
@@ -114,7 +114,7 @@ class Two:
         self.lines[who].incoming += data
 
     def events(self, events):
-        """Say all of them, each so many turns before the next."""
+        """Say all of them, each the given number of cycles before the next."""
         for who, what, turns in events:
             words = WORDS[self.languages[who]]
             self.say(who, words[what % len(words)])
@@ -125,7 +125,7 @@ class Two:
             self.machine.app.cycle()
 
     def stands(self):
-        """Nothing has moved since, and nothing does that is only ended now."""
+        """Fail if the machine has moved since, or moves once an open line or wait is ended."""
         assert self.stood is not None
         for who in (0, 1, 0):
             self.cycles(60)
@@ -172,7 +172,7 @@ def check_nothing_moves_after_a_stop(first, second, commander, events, late, how
 
 
 def check_nothing_moves_after_a_hand_over(first, second, commander, events, late):
-    """What is begun may end; then the command changes hands, in the turn in which the other link has said one thing more."""
+    """The motion begun may end; then the command changes hands, in the cycle in which the other link sends one thing more."""
     two = Two(first, second, commands=commander)
     two.events(events)
     for _ in range(3):
@@ -188,7 +188,7 @@ def check_nothing_moves_after_a_hand_over(first, second, commander, events, late
         return
     words = WORDS[two.languages[1 - who]]
     two.say(1 - who, words[late % len(words)])
-    if who:  # the link that speaks first is heard first
+    if who:  # the link that speaks first is read first
         two.cycles(200)
         if two.controller.state != "idle":
             return
@@ -214,7 +214,7 @@ def drawing(store_points=20):
 
 
 def stopped(plotter):
-    """STOP: DONE and nothing else; then nothing moves, and what comes next is a whole object of its own."""
+    """STOP: DONE and no other answer; then the machine stands, and the next points are a whole object of their own."""
     said = plotter.ask("STOP") + plotter.cycles(20)
     steps = plotter.table.steps
     said += plotter.cycles(1500)
@@ -267,7 +267,7 @@ def check_origin_that_waited_for_an_alarm():
 
 
 def check_a_sender_hears_of_a_stop_from_another_link():
-    """A reset's banner ends its job; lines it still sends are answered; what it was in the middle of is answered too."""
+    """A reset's banner ends its job; lines it still sends are answered; the line half sent before gets an answer, too."""
     two = Two("plotter", "grbl", commands="pc")
     machine = two.machine
     machine.do("G91", "G1 X9 F600")

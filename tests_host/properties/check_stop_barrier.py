@@ -57,7 +57,7 @@ def check_orders_and_stops_in_any_order(seed):
             count = stops.pop(random.between(0, len(stops) - 1))
             sender.stop(count)
             barrier = max(barrier, count)
-            assert sender.page.before >= count, "what was sent before it acts no more"
+            assert sender.page.before >= count, "bytes before the stop may not act"
         elif what == 9:
             count = random.choice((0, arrived, arrived + random.between(0, 200), random.between(0, 99_999_999)))
             sender.stop(count, random.choice((None, None, "0" * 32)) if count > arrived + WINDOW else "0" * 32)

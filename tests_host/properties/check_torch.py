@@ -259,7 +259,7 @@ def check_moves(moves):
 
 
 def check_move_after_a_halt(ticks, x_speed, y_speed):
-    """STOP answers with what was made; the next move goes on from there, and nothing is left to jump to."""
+    """STOP answers with the steps made; the next move goes on from there, without a jump."""
     board = machine()
     board.send(torch.move(5000, x_speed, 5000, -y_speed))
     board.poll(ticks)
@@ -317,7 +317,7 @@ def check_a_button_held(jog, speed, period_ms, held_ms, ramps):
     assert made >= jog and [step for _, step in board.steps[0]] == made * [-1]
     most = speed * AHEAD_TICKS // 12_500_000
     # Frames of two bytes are believed after two silent milliseconds, and looked at once in 8.
-    # What each frame asks for is still under way when the next one comes.
+    # Each frame's motion is still under way when the next one comes.
     goes_on = min(jog * 1000 // speed, 100 - 1000 // speed) > period_ms + 15
     assert made <= max(jog, before + (most if goes_on else max(most, jog)) + speed * 12 // 1000 + 2)
     ticks = [tick for tick, _ in board.steps[0]]
@@ -332,7 +332,7 @@ def check_a_button_held(jog, speed, period_ms, held_ms, ramps):
 
 
 def check_whole_jogs(times, jog):
-    """PASSO's jogs are so many whole ones, as one; also the longest that fits, and none where it does not."""
+    """PASSO's jogs are `times` whole ones, as one; also the longest that fits, and none if it does not fit."""
     board = machine()
     board.send(torch.configure(jog, jog, 4000, 4000) + torch.passo(torch.CODES["JOG_Y-"], times))
     board.poll(200_000)

@@ -129,7 +129,7 @@ def check_halt_anywhere(seed, at):
     assert not bench.player.busy()
     bench.port.advance(5000)
     assert bench.world.seen == before, (bench.world.seen, before)
-    # What has not been played is played when asked for, from then on.
+    # The words left are played after start(), from then on.
     left = words[bench.player.played() :]
     bench.player.start()
     assert bench.player.busy() == bool(left)

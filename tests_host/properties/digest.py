@@ -1,11 +1,11 @@
 """The digest of a job: SHA-256 over its step words, the same on every interpreter.
 
-    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/digest.py job.bin|job.gcode|job.hex [board [steps/mm]]
+MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/digest.py job.bin|job.gcode|job.hex [board [steps/mm]]
 
 `job.bin` holds the packets a host sends, `job.gcode` lines of G-code, one after the other as they are answered, to a
-machine that is not homed; `job.hex` lines of bytes in hexadecimal, the next one sent when nothing moves any more, or
-after so many turns where the line ends with `@turns` (with `ramps` as the last argument, axes that run on their own
-accelerate); what the feeder makes is taken from the ring at once. Prints the digest, the number of words and how many
+machine that is not homed; `job.hex` lines of bytes in hexadecimal, the next one sent when nothing moves any more, or after N cycles if the line ends with `@N`
+(with `ramps` as the last argument, axes that run on their own
+accelerate); the feeder's words are taken from the ring at once. Prints the digest, the number of words and how many
 of them step; of G-code also a checksum of the changes of power, and how many lines were refused. A board with fewer
 steps/mm, on all axes, makes a large job quicker.
 """

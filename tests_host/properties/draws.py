@@ -1,4 +1,4 @@
-"""A small generator of random values, the same on every interpreter, and what a check's specification asks of it.
+"""A small generator of random values, the same on every interpreter, and the values for a check's specification.
 
     random = Random(7)
     random.between(-10, 10)

@@ -2,9 +2,10 @@
 
     MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/every_number.py LANGUAGE [FIRST STEP]
 
-LANGUAGE: grbl (each word of each kind of line, each setting, jogs), laser (rows of dots), plotter, torch, pulses or keys. Prints the checksum of all answers, of
-where the queue ends and how many words were made, after each; how many there were; and how many were refused. What is refused has made no
-step. FIRST and STEP take every so-manyth only: a chip is slow.
+LANGUAGE: grbl (each word of each kind of line, each setting, jogs), laser (rows of dots), plotter, torch, pulses or keys. Prints the checksum of all answers,
+of
+where the queue ends and how many words were made, after each; how many there were; and how many were refused. A refused line has made no step. FIRST and STEP
+take every so-manyth only: a chip is slow.
 """
 
 import sys
@@ -168,7 +169,7 @@ class Desk:
         self.port.outgoing = b""
 
     def _ask(self):
-        """What a language without refusals says of itself."""
+        """Ask a language without refusals for its state."""
         if self.language == "torch":
             from passo.protocols.torch import protocol
 
@@ -176,7 +177,7 @@ class Desk:
             self._turn(TURNS)
 
     def say(self, data):
-        """Send it to a machine that stands; what is said and done counts."""
+        """Send it to a machine that stands; add the answer and the words to the sums."""
         self.clean()
         words, stepping = self.port.words, self.port.stepping
         self.port.incoming = data

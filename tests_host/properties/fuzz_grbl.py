@@ -6,8 +6,8 @@
     fuzz.run(1000)           # raises AssertionError, or whatever the firmware raised
     fuzz.lines, fuzz.refused, fuzz.resets
 
-What is looked at: no exception; one answer a line; no step, and no change of where the queue ends, by a line that is
-refused; and after anything at all a reset and `$X` bring back a machine that moves. A machine of two steps/mm on a
+It fails on an exception; on a line without exactly one answer; on a refused line that steps or changes the queue's target; and if a reset and `$X` do not bring
+back a machine that moves. A machine of two steps/mm on a
 player that swallows its words makes motion cheap.
 """
 
@@ -60,7 +60,7 @@ class Fuzz:
     def __init__(self, seed):
         self.random = Random(seed)
         self.lines = self.refused = self.resets = self.late = 0
-        self.log = None  # set it to []: what went over the wire, turn by turn
+        self.log = None  # set it to []: the bytes on the wire, cycle by cycle
         self._start()
 
     def _start(self):
@@ -161,7 +161,7 @@ class Fuzz:
     # --- rounds
 
     def run(self, lines):
-        """At least so many more lines."""
+        """Send at least `lines` more."""
         end = self.lines + lines
         while self.lines < end:
             kind = self.random.between(0, 9)
@@ -175,7 +175,7 @@ class Fuzz:
                 self._recover()
 
     def _one_by_one(self):
-        """Lines that each wait for their answer, at a machine that stands: what is refused changes nothing."""
+        """Send lines that each wait for their answer, to a machine that stands: a refused one changes nothing."""
         for _ in range(20):
             line = self.line()
             if not self._settle():
@@ -233,7 +233,7 @@ class Fuzz:
             if answered >= count:
                 break
         before = -1
-        while before != answered:  # a slow move, and what waits behind it
+        while before != answered:  # a slow move, and the lines that wait behind it
             before = answered
             self._settle()
             answered += self.late + self._turn()[0]

@@ -1,4 +1,4 @@
-"""The reader of G-code, the queue and the planner, without the feeder: what is queued is walked at once.
+"""The reader of G-code, the queue and the planner, without the feeder: queued blocks are walked at once.
 
     bench = Bench([320_000, 320_000, 400_000])      # steps a metre
     bench.do("G2 X10 I5")                           # positions after every word of the line, and before the first
@@ -34,7 +34,7 @@ class Settings:
 
 
 class Bench:
-    """The reader of G-code, the queue and the planner, without the feeder: what is queued is walked at once."""
+    """The reader of G-code, the queue and the planner, without the feeder: queued blocks are walked at once."""
 
     def __init__(self, steps_per_m):
         rig = Rig(axes=3)

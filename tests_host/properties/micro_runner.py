@@ -1,11 +1,12 @@
 """Runs check modules without pytest: under MicroPython, and under CPython for comparison.
 
-    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few] [--short] [--most=N] [--part=N] [--slow] check_line
+MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few] [--short] [--most=N] [--part=N]
+[--slow] check_line
 
-Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
-generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. With --few only those
-with parameters run, but what `NOT_QUICK` names; with --short all but what it names; with --most=N each at most N times; with --part=N an Nth of its RUNS, but three at
-least; what `SLOW` names runs with --slow only. Prints every failure with its arguments and a closing count; the exit status is 1 if
+Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (default 100) with values from a generator seeded by its name, after the values
+of `EXAMPLES[name]`; one without parameters runs once. With --few only those with parameters run, except those in `NOT_QUICK`; with --short all except those;
+with --most=N each at most N times; with --part=N an Nth of its RUNS, but three at least; those in `SLOW` run with --slow only. Prints every failure with its
+arguments and a closing count; the exit status is 1 if
 anything failed.
 """
 

@@ -10,7 +10,7 @@ def plain(module):
     """{name: function} of a module's text without its marks of machine code."""
     path = module.__file__
     if path.endswith(".mpy"):
-        path = path[:-3] + "txt"  # where modules are compiled, their texts lie beside them
+        path = path[:-3] + "txt"  # beside compiled modules lie their texts
     with open(path) as file:
         text = file.read()
     for mark in MARKS:

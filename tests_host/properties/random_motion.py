@@ -1,10 +1,10 @@
-"""Random programs of lines, arcs, tiny segments and reversals on a machine of three axes, or more, and what they are held against.
+"""Random programs of lines, arcs, tiny segments and reversals on a machine of three axes, or more, and the checks of their limits.
 
     machine = Machine(7, "mixed")
     words = machine.run()
     hold_against_limits(machine)
 
-What is held against the limits is each segment as the ramp cut it, and the words.
+The checks read each segment as the ramp cut it, and the words.
 """
 
 from math import atan2, cos, pi, sin, sqrt
@@ -157,7 +157,7 @@ class Machine:
         return length, steps, speed, acceleration, corner
 
     def _arc_limits(self, move, radius, flat, rise):
-        """(speed, acceleration) along an arc, from what each axis has to do at each place of it: of the speed and of the
+        """(speed, acceleration) along an arc, from the load of each axis at each place of it: of the speed and of the
         ramp's acceleration its share along the circle, of v²/R its share across it. The two accelerations together ask no
         axis for more than √2 of its own."""
         speeds = [each / MM for each in self.speeds]
@@ -184,7 +184,7 @@ class Machine:
             along = max([share[axis][0] for share in shares])
             across = max([share[axis][1] for share in shares])
             acceleration = min(acceleration, max(at_once, (sqrt(most) - inwards * across) / along))
-            for share in shares:  # what it comes to
+            for share in shares:  # the sum of both
                 assert acceleration * share[axis][0] + inwards * share[axis][1] <= sqrt(most) * 1.0001
         acceleration /= flat
         if rise:
@@ -248,7 +248,7 @@ def angles_of(move):
 
 
 def reference_seconds(facts):
-    """What a planner in floating point, with all the program in sight, takes for it: trapezoids."""
+    """Return the seconds that a planner in floating point takes, which sees all the program: trapezoids."""
     leave = 0.0
     exits = []
     for i in range(len(facts) - 1, -1, -1):
@@ -285,7 +285,7 @@ def end_of(words, axes=3):
 
 
 def hold_against_limits(machine, facts):
-    """Speeds and changes of speed of all segments; returns the worst change, as a part of what is allowed.
+    """Check the speeds and changes of speed of all segments; return the worst change, as a part of the limit.
 
     A block's programmed speed is kept as the whole ticks that it lasts at that: a tick of them, in blocks that would be
     played in a few hundred, is the grain of its speed against its neighbours'.
@@ -341,7 +341,7 @@ def hold_axes_against_limits(machine, words):
     Proof that an axis at constant speed can make one, and no more: between the first and the last of n steps it goes
     n − 1 steps. One that follows the dominant axis of a line by Bresenham's method goes that far less what the first was
     late and the last early (line_lags), which together is its share of the dominant axis's steps: it can make 1 + share.
-    What is held is exactly that, across blocks too. Returns the most steps beyond, without that share.
+    The check allows exactly that, across blocks too. Returns the most steps beyond, without that share.
     """
     window = TICKS_PER_S // 50
     stepping = (1 << machine.axes) - 1

@@ -2,8 +2,8 @@
 
     python tests_host/properties/soak_circle.py 1 2000        # every radius from 1 to 2000; under MicroPython too
 
-Prints every arc that fails, and last, for all: arcs, words, how far they are off the ideal circle at most, in steps, the
-third axis off linear as a part of what is allowed, the end point by CORDIC off the true one, and how many failed.
+Prints every arc that fails, and last, for all: arcs, words, how far they are off the ideal circle at most, in steps, the third axis off linear as a part of its
+limit, the end point by CORDIC off the true one, and how many failed.
 """
 
 import sys

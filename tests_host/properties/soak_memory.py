@@ -3,8 +3,8 @@
     MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython -X heapsize=900k \\
         tests_host/properties/soak_memory.py BOARD ORDERS UPLOADS RESETS
 
-Prints what MicroPython says of its memory a hundred times, all of it collected; at last the numbers of errors that were answered. Loading
-takes more than what runs, and another heap than a board's: what is free behind it is taken, but for LEFT.
+Prints what MicroPython says of its memory a hundred times, all of it collected; at last the numbers of errors that were answered. Loading takes more memory
+than running, and another heap than a board's: the script takes the memory left, but for LEFT.
 """
 
 import gc
@@ -15,7 +15,7 @@ from time import time_ns
 
 import micropython
 
-FLASH = bytearray(b"\xff" * 16_384)  # of the journal, in one piece: no part of a board's memory, it is made before what is
+FLASH = bytearray(b"\xff" * 16_384)  # of the journal, in one piece: no part of a board's memory, it is made before the modules that are
 
 from check_jobs import stored_form
 from digest import board_named
@@ -30,7 +30,7 @@ PATIENCE = 20_000  # turns
 SHOWN = 100  # times
 LOCKED = b"error:9"
 WIRED = "interlock", "gantry", "inverter", "encoders"  # options that want wires
-LEFT = 62_000  # bytes that are free at the start, a tenth of what is taken, as on a Pico
+LEFT = 62_000  # bytes that are free at the start, a tenth of those in use, as on a Pico
 
 
 class Pages:
@@ -76,7 +76,7 @@ class Sender:
         self.port = Board()
         self.app = App(board, self.port, None, FileSlots(folder + "/settings"))
         self.random = Random(len(name))
-        data = job(self.random)  # once: what a PC does is not to count
+        data = job(self.random)  # once: the PC's own work is not to count
         packed = stored_form(data)
         self._job = b",grbl,%d,%08x,%d" % (len(data), crc32(data) & 0xFFFFFFFF, len(packed))
         self._parts = [b"$F:" + b2a_base64(packed[at : at + 57]).strip() for at in range(0, len(packed), 57)]
@@ -85,7 +85,7 @@ class Sender:
         self.reset()
 
     def _await(self, found):
-        """What is said until `found` is among it."""
+        """Run until `found` of the answers is true, and return them."""
         said = b""
         for _ in range(PATIENCE):
             self.app.cycle()
@@ -165,7 +165,7 @@ def main(arguments):
     gc.collect()
     taken = ()
     while gc.mem_free() > LEFT:
-        taken = (bytearray(64), taken)  # small: what loading has left in small pieces comes first
+        taken = (bytearray(64), taken)  # small: it takes the small pieces first that loading has left
     shown()
     soak(sender, *[int(word) for word in arguments[1:4]])
     print("errors", sender.errors, "orders", sender.orders)

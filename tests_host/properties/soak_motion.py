@@ -5,8 +5,8 @@
     python tests_host/properties/soak_motion.py 0 1000 backlash     # with lost motion: those, and where carriages end that have it
     python tests_host/properties/soak_motion.py 0 1000 four         # four axes
 
-Prints every program that fails, and last, for all: programs, blocks, segments, the worst change of speed as a part of
-what is allowed, the most steps an axis made in 20 ms beyond its speed × 1.01, less its share of the dominant axis's, the
+Prints every program that fails, and last, for all: programs, blocks, segments, the worst change of speed as a part of its limit, the most steps an axis made in
+20 ms beyond its speed × 1.01, less its share of the dominant axis's, the
 worst time as a part of that of the planner in floats, and how many failed.
 """
 

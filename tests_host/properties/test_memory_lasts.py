@@ -8,10 +8,10 @@ from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, needs_micropython
 
 from host_tools import interpreter
 
-HEAP = "1000k"  # for loading; soak_memory.py leaves a tenth of what is taken free at the start, as on a Pico. Objects are twice as large
+HEAP = "1000k"  # for loading; soak_memory.py leaves a tenth of the memory in use free at the start, as on a Pico. Objects are twice as large
 BLOCK_BYTES = 32
 LEAST = 1_000  # bytes in one piece, at any time: no order wants as many
-SETTLED = 10  # of the hundred times that memory is told: the log is full by then
+SETTLED = 10  # of the hundred times that it prints its memory: the log is full by then
 TIMEOUT_S = 800
 
 

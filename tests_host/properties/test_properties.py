@@ -1,4 +1,4 @@
-"""What a check module declares is checked when its tests are made."""
+"""The declarations of a check module are checked when its tests are made."""
 
 import types
 

@@ -32,7 +32,7 @@ class PowerCut(BaseException):
 
 @pytest.fixture
 def cut():
-    """cut(at): the power goes after that many bytes have been written to files, until `undo()` of what it gives."""
+    """cut(at): the power goes after `at` bytes have been written to files, until `undo()` of its value."""
     kept = builtins.open
 
     def arm(at):

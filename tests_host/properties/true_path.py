@@ -1,4 +1,4 @@
-"""What lines of G-code ask for, in floats and by another reader than the firmware's, and how far the firmware's steps are off.
+"""The path that lines of G-code ask for, in floats and by another reader than the firmware's, and the distance of the firmware's steps from it.
 
     python tests_host/properties/true_path.py part.gcode 320000     # with so many steps a metre on every axis
 
@@ -18,7 +18,7 @@ class Arc:
     """Lies in a plane, begins at 0;0 there, and rises evenly."""
 
     def __init__(self, end, centre, clockwise, turns=1, sweep=None):
-        """`sweep` in radians, full turns aside; None: what grbl makes of end and centre."""
+        """`sweep` in radians, without full turns; None: grbl's sweep of end and centre."""
         self.end, self.centre, self.turns = end, centre, turns
         self.sign = -1 if clockwise else 1
         self.radius = sqrt(centre[0] ** 2 + centre[1] ** 2)
@@ -60,7 +60,7 @@ class Reader:
         self.offset = [0.0] * 3
 
     def read(self, line):
-        """What the line moves, or None."""
+        """Return the motion of the line, or None."""
         words, codes, shifts = {}, [], False
         for letter, value in split(line):
             if letter == "G":
