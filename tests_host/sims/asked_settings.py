@@ -65,7 +65,7 @@ class SettingBoard:
             self.port.advance(5 * 12_500)
 
     def hear(self, data, ms=20):
-        """What is answered to bytes within so many milliseconds."""
+        """Return the answer to bytes within `ms`."""
         self.line.outgoing = b""
         self.line.incoming += data
         self.run_ms(ms)

@@ -59,7 +59,7 @@ class Doomed:
         return low <= position[axis] <= high
 
     def boxes(self):
-        """What has been written, the newest last."""
+        """Return the pages written, the newest last."""
         return self.machine.app.controller.features["links"]._keep.written
 
     def boxed(self, ms=1500):
@@ -98,7 +98,7 @@ def pieces(count=400, mm=0.6, seed=3):
 
 
 def amid(doomed, ms):
-    """True once so much time has passed."""
+    """Return a function that is true once `ms` have passed."""
     end = doomed.machine.now_ms() + ms
     return lambda: doomed.machine.now_ms() >= end
 
@@ -255,7 +255,7 @@ CAUSES = {
 }  # fmt: skip
 
 
-# --- with what else a machine may have
+# --- with other features of a machine
 
 
 def stopped(*named, how="stop", **changes):

@@ -121,7 +121,7 @@ class ServedRouter(Machine):
 
 
 def receive(wire):
-    """What has come; None: nothing; b"": the other end has gone."""
+    """Return the bytes received; None: none yet; b"": the other end has gone."""
     try:
         return wire.recv(4096)
     except OSError as error:
@@ -136,7 +136,7 @@ def masked(kind, data):
 
 
 class Browser:
-    """One page: what its script does, without a screen."""
+    """One page: the work of its script, without a screen."""
 
     PATH = b"/ws"
     ORIGIN = b"Origin: http://127.0.0.1\r\n"
@@ -256,7 +256,7 @@ class Sender(Browser):
             self.session = Session(KEY, self._heard[7 : self._heard.find("]")])
 
     def said(self):
-        """What was said since the last time, 20 ms later."""
+        """Return the text received since the last call, 20 ms later."""
         self._board.run_ms(20)
         heard = self._heard
         self._heard = ""

@@ -4,7 +4,7 @@
         board.port                              # what to open
         board.starts                            # how often a machine has started
 
-What mpremote sends first, Ctrl-C, stops the machine, as it does on a board at rest; its reset starts the machine of board.py. Needs
+mpremote's first byte, Ctrl-C, stops the machine, as it does on a board at rest; its reset starts the machine of board.py. Needs
 unix MicroPython for the prompt (fake_board.py).
 """
 

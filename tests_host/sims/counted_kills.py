@@ -2,9 +2,9 @@
 
     kill(job, seed)     # one interruption and its resumption; asserts that the picture is the whole one, and nothing is cut twice
 
-What fails: the cable, amid a message; the PC's process; the board's main loop, after which the watchdog resets it; the power, while the
-flash is written torn at any byte. The board is virtual, its time too; the PC is the commands of `passo` (virtual_wire.py). What the pins
-did is read from the plant.
+Any of these fails: the cable, amid a message; the PC's process; the board's main loop, after which the watchdog resets it; the power, while the
+flash is written torn at any byte. The board is virtual, its time too; the PC is the commands of `passo` (virtual_wire.py). The pins' history is read from the
+plant.
 """
 
 import random
@@ -23,11 +23,11 @@ EVERY_MS = 100
 
 
 class Job:
-    """What is interrupted. A subclass has begin(machine, rng), the PC's part to the end of the job, and says what its machine is."""
+    """A job to interrupt. A subclass has begin(machine, rng), the PC's part to the end of the job, and says what its machine is."""
 
     file = None  # its path
     board = None
-    zero = (0, 0, 0)  # where the plant has the machine's zero
+    zero = (0, 0, 0)  # the plant's coordinates of the machine's zero
     homes = False
     lost_ms = 400  # longer than the PC ever says nothing
     alone = False  # it needs no PC
@@ -101,7 +101,7 @@ def kill(job, seed, wanted, cycles, written):
     after = survive(job, machine, kind, pages, rng)
     if after is not machine:
         machines.append(after)
-    if rng.random() < 0.3:  # what goes on is interrupted as well
+    if rng.random() < 0.3:  # the resumption is interrupted as well
         try:
             with plugged(after, rng.randrange(1, cycles)):
                 go_on(job, after, known, where)
@@ -133,8 +133,9 @@ def beside(places):
 
 
 def survive(job, machine, kind, pages, rng):
-    """What the failure leaves: the machine itself, or one that was switched on again where the operator has put it at its zero, or
-    where it stands and homes."""
+    """Return the machine after the failure: itself, or one that was switched on again at the place where the operator has put it at its zero, or where it
+    stands and homes.
+    """
     if kind in ("link", "host"):
         if kind == "link":
             line = machine.lines[machine.first]
@@ -146,7 +147,7 @@ def survive(job, machine, kind, pages, rng):
         machine.take()
         return machine
     if kind == "loop":
-        machine.port.advance(FROZEN_MS * 12_500)  # what lies in the ring plays
+        machine.port.advance(FROZEN_MS * 12_500)  # the words in the ring play
     pages = Pages(data=pages.data)
     if not job.homes:
         return job.machine(pages, job.start)

@@ -58,14 +58,14 @@ class FakePlotter:
     def unplug(self):
         """The cable is out: both ends of the line are gone."""
         self._running = False
-        self._thread.join()  # what it is at comes to its end
+        self._thread.join()  # it finishes its object
         for end in (self._master, self._slave):
             if end is not None:
                 os.close(end)
         self._master = self._slave = None
 
     def drawn_points(self):
-        """What is drawn of the object that it is at."""
+        """Return the points drawn of the current object."""
         return self._points[: int(self._drawn)]
 
     def _run(self):

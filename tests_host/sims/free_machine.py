@@ -39,7 +39,7 @@ def board(kind="step_dir", **changes):
 
 
 class Axes(Nothing):
-    """The world: what the drivers or rotors do, from the pins alone."""
+    """The world: the steps of drivers or rotors, computed from the pins alone."""
 
     def __init__(self, data):
         self.layout, self.drive, _ = make_drive(check(data))
@@ -102,7 +102,7 @@ class FreeMachine:
         self.port.lines["pc"].incoming += data
 
     def take(self):
-        """What the board has said since the last take."""
+        """Return the board's bytes since the last take."""
         line = self.port.lines["pc"]
         said, line.outgoing = line.outgoing, b""
         return said
@@ -137,5 +137,5 @@ class FreeMachine:
         raise AssertionError("it goes on and on")
 
     def made(self):
-        """What the drivers have done, signed."""
+        """Return the steps of the drivers, signed."""
         return [sum([step for _, step in steps]) for steps in self.steps]

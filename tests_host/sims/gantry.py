@@ -46,7 +46,7 @@ class Router:
         return self.machine.take().decode()
 
     def go(self, line):
-        """A move to its end, and what encoders and motors do then."""
+        """Run a line to the end of its motion and of the checks of encoders and motors; return the board's lines."""
         said = self.ask(line)
         self.machine.settle()
         self.machine.run_ms(150)

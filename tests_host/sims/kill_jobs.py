@@ -40,7 +40,7 @@ class Job:
         return {}
 
     def prepare(self, path):
-        """What is done before the program is begun."""
+        """Prepare the machine before the program begins."""
 
     def run(self, path):
         stream.stream(path, "memory", BAUD, "count", False, False, None, 5.0, yes=True)

@@ -5,9 +5,9 @@
 
 One run of a program serves all its kills: at the moment of each the process forks, the child carries out the kill, resumes as an
 operator would, and judges; the parent goes on. The PC's code is the real one; only its clock and its port are the machine's.
-What was cut, and whether outputs are safe, is read from the plant.
+Cuts, and whether outputs are safe, are read from the plant.
 
-What may fail, of KINDS:
+The failures, KINDS:
 
     link        what the PC writes is torn at any byte, and nothing comes through any more; the board goes on alone
     process     the PC's program is gone; all that it has written comes through
@@ -38,7 +38,7 @@ from passo.records import LEAD_TICKS, TICKS_PER_MS
 
 KINDS = ("link", "process", "freeze", "power", "torn", "reset", "fail")
 GONE = ("freeze", "power", "torn", "fail")  # the board begins anew
-NEAR = 2  # steps: what rounding may make
+NEAR = 2  # steps: the most that rounding makes
 START = (1500, 1200, -900)
 LOST_MS = 1000
 FREEZE_MS = 1000  # until the watchdog resets
@@ -67,7 +67,7 @@ class Slots(MemorySlots):
 
 
 class Flash:
-    """What outlasts a power cut. `folder`: of stored jobs."""
+    """The memory that outlasts a power cut. `folder`: of stored jobs."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -106,7 +106,7 @@ class Bench:
     def __init__(self, job, flash, start=START):
         self.job = job
         self.flash = flash
-        self.first = 0  # of the record's rows: what is not judged yet
+        self.first = 0  # of the record's rows: the first that is not judged yet
         self.resumed = False
         self.recorded = 0  # tick of the newest record that is whole
         write = flash.pages.write
@@ -126,14 +126,14 @@ class Bench:
         return [place - at for place, at in zip(self.machine.plant.position, self.machine.app.controller.position())]
 
     def cells(self, first=0, until=None):
-        """{place: power} of what was cut, from machine zero."""
+        """Return {place: power} of the cuts, from machine zero."""
         zero = self.zero()
         depth = self.job.depth
         found = {}
         for tick, *place, tool in self.record.rows[first:]:
             place = tuple(at - by for at, by in zip(place, zero))
             if (until is None or tick <= until) and (depth is None or place[2] < depth):
-                found.setdefault(place, tool)  # what it came with
+                found.setdefault(place, tool)  # the power at the first pass
         return found
 
     def freeze(self):
@@ -147,7 +147,7 @@ class Bench:
             self.machine.port.advance(FEED_MS * TICKS_PER_MS)
 
     def alone(self):
-        """Nobody says anything until nothing happens any more."""
+        """Run the machine without a host, until it has done nothing for LOST_MS + 500."""
         machine = self.machine
         quiet_ms = machine.now_ms()
         while machine.now_ms() - quiet_ms < LOST_MS + 500:
@@ -333,7 +333,7 @@ def near(place, cells):
 
 
 class Round:
-    """One kill, or several, and what comes of it. Lives in a process of its own."""
+    """One kill, or several, and the checks after it. Lives in a process of its own."""
 
     def __init__(self, course, wanted, kill):
         self.course = course
@@ -343,8 +343,8 @@ class Round:
         self.lasts_ms = last_ms - first_ms
         self.kill = kill
         self.rng = random.Random(f"round {kill['seed']}")
-        self.done = set()  # what has been cut for good
-        self.seen = set()  # what has been cut
+        self.done = set()  # places cut, which may not be cut again
+        self.seen = set()  # places cut
         self.places = []  # columns where the tool went down
         self.story = []
 
@@ -363,7 +363,7 @@ class Round:
             pc.die()
 
     def fell(self, kind):
-        """The PC is gone; what the machine does. Outputs are safe then. Returns the bench from now on, and whether nothing was lost."""
+        """Let the machine react to the end of the PC. Outputs are safe then. Returns the bench from now on, and whether nothing was lost."""
         bench, rng = self.pc.bench, self.rng
         machine = bench.machine
         if kind in ("link", "process"):
@@ -390,7 +390,7 @@ class Round:
         return bench
 
     def settle(self, bench, until):
-        """What has been cut since the machine was resumed; what stands in the journal, up to tick `until`, may not be cut again."""
+        """Judge the cuts since the machine was resumed; places that the journal has, up to tick `until`, may not be cut again."""
         cut = bench.cells(bench.first)
         if not cut:
             return
@@ -415,7 +415,7 @@ class Round:
         return any(abs(place[0] - x) + abs(place[1] - y) <= 160 for x, y in self.places)
 
     def judge_plant(self, bench):
-        """What stops inside a word may end a pulse too soon: where it is then is not sure to a step, and it homes."""
+        """A stop inside a word may end a pulse too soon: then its place is not sure to a step, and it homes."""
         found = [text for _, text in bench.machine.plant.errors if text != "STEP pulse too short"]
         self.check(not found, f"the plant: {found[:2]}")
         self.check(not bench.record.dragged, f"dragged through the work: {bench.record.dragged[:2]}")
@@ -547,7 +547,7 @@ def killed(job, kills):
 
 
 def _end(around, pipe, error):
-    """The rest of a child's life; `error`: what its PC's program has ended by."""
+    """Judge in the child and end it; `error`: the exception that ended the PC's program."""
     said = ""
     try:
         if not isinstance(error, (Killed, PowerCut, type(None))):

@@ -1,4 +1,4 @@
-"""The router that LPTControl drove, on the virtual port: stepped, lines in memory, and what its steps did.
+"""The router that LPTControl drove, on the virtual port: stepped, lines in memory, and the history of its steps.
 
     machine = Lpt()
     machine.play("[ +1000 AAAA ]")
@@ -84,7 +84,7 @@ class Lpt:
         self.line.incoming += data if isinstance(data, bytes) else data.encode()
 
     def until(self, wanted, turns=400_000):
-        """Turn until a line `wanted`, or that begins so, is said; returns all lines up to it."""
+        """Turn until a line begins with `wanted`; return all lines up to it."""
         said = []
         while turns:
             said += self.take()

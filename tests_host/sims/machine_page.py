@@ -1,4 +1,4 @@
-"""What a browser at the machine's own PC does: orders of `passo agent --at-machine`, proven by the page's key.
+"""A browser at the machine's own PC: orders of `passo agent --at-machine`, signed with the page's key.
 
     page = MachinePage("http://127.0.0.1:8091", key)
     page.machines()

@@ -1,4 +1,4 @@
-"""What the mill's CPLD did, written down anew from its document (section 5.2), as functions of named signals.
+"""The logic of the mill's CPLD, written down anew from its document (section 5.2), as functions of named signals.
 
     EQUATIONS["hx"](bxa=0, bxb=0, …)
 

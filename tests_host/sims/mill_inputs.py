@@ -5,7 +5,7 @@
         session.sequence()          # raises AssertionError if the machine does what it must not
 
 Each sequence: a motion or two, spindle on or off; while they go on some inputs bounce, chatter, stick, come late or two at
-once, or the selector's wire breaks; then all is mended, and the operator goes on. What must hold:
+once, or the selector's wire breaks; then all is mended, and the operator goes on. The rules:
 
 - after a direction has been forbidden for the filter's time no step is made in it, but for one that is on its way;
 - the spindle goes off with the emergency stop, and never on while that is pressed; no drive steps without its enable;
@@ -55,7 +55,7 @@ class Witness:
         self.actives = {item["name"]: item["active"] for item in machine.board["inputs"]}
         self.active = {name: plant.input(0, name) == self.actives[name] for name in self.filters}
         self.since = dict.fromkeys(self.filters, 0)
-        self._states, self._until = None, 0  # what states() has said, and the tick from which it is another
+        self._states, self._until = None, 0  # the last value of states(), and the tick at which it changes
         self.position = list(plant.position)
         self.lasted = set()  # inputs that have forbidden for their filter's time, in this sequence
         self.over = {}  # (axis, forward): steps made though forbidden
@@ -90,7 +90,7 @@ class Witness:
         return self.active[name] != self.rests[name] and tick - self.since[name] >= self.filters[name]
 
     def states(self, tick):
-        """The inputs as they count: what has not lasted yet does not forbid."""
+        """Return the inputs as they count: one that has not lasted its filter's time does not forbid."""
         if self._states is None or tick >= self._until:
             self._states = {
                 CALLED.get(name, name): int(self.active[name] if self.forbids(name, tick) else self.rests[name])
@@ -145,7 +145,7 @@ class Session:
         self.say("$X")
 
     def say(self, *lines):
-        """Send lines; what the board says to them."""
+        """Send lines; return the board's answers."""
         machine = self.machine
         machine.take()
         for line in lines:

@@ -1,4 +1,4 @@
-"""Two directions of a wire that loses, doubles and flips bytes, one at a time and in bursts, and what both its ends say.
+"""Two directions of a wire that loses, doubles and flips bytes, one at a time and in bursts, and the programs at both its ends.
 
     pair = Pair(seed, 0.01)                 # a FramedLine with a language of lines, and a FramedPort, at 115 200 baud
     pair.stream(10_000)                     # raises AssertionError if a line is lost, doubled, changed or out of order
@@ -17,7 +17,7 @@ BAUD = 115_200
 _BYTES_MS = BAUD / 10_000
 _BURST = 20  # bytes, on average
 _UNDER_WAY = 900  # bytes of lines that are not answered
-_LONGEST_MS = 1000  # of a jump of time: what is older has come
+_LONGEST_MS = 1000  # of a jump of time: older bytes have come
 
 
 def damaged(dice, data):
@@ -61,12 +61,12 @@ class NoisyWire:
         self._waiting += data
 
     def drop(self):
-        """What is on its way never comes."""
+        """Drop the bytes on their way."""
         self._waiting.clear()
         self._free = 0.0
 
     def take(self, now_ms):
-        """What comes within this millisecond."""
+        """Return the bytes that come within this millisecond."""
         if not self._waiting:
             self._free = 0.0
             return b""
@@ -130,7 +130,7 @@ class Cable:
         self.set(0)
 
     def carry(self, machine, now_ms):
-        """What comes until `now_ms`, at both ends."""
+        """Carry the bytes up to `now_ms`, in both directions."""
         self._at_ms = max(self._at_ms, int(now_ms) - _LONGEST_MS)
         said = machine.take(self._link)
         if self.plugged:
@@ -246,7 +246,7 @@ class Pair:
             self._line.write(self._language.feed(data))
 
     def stream(self, frames, limit_ms=1 << 40):
-        """Send lines until so many frames have come to the board, all told."""
+        """Send lines until `frames` frames in all have come to the board."""
         wanted, port = [], self.port
         sent = under_way = heard = 0
         text = b""

@@ -42,7 +42,7 @@ class PanelProcess:
             said += line
         self.address, self.key = re.search(r"page: (\S+)#key=(\S+)", said).groups()
         guest = re.search(r"port: (\S+)", said)
-        self.guest = guest and guest[1]  # what a sender opens
+        self.guest = guest and guest[1]  # the port for a sender
         self.host = self.address[7:-1]
         self.port = int(self.host.split(":")[1])
 

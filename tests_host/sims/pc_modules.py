@@ -8,4 +8,4 @@ if sys.implementation.name == "micropython":
         __path__ = __file__.rsplit("/", 3)[0] + "/host_tools"
 
     sys.modules["host_tools"] = _Folder
-    sys.path.insert(0, _Folder.__path__ + "/site")  # with a random of what the plant takes
+    sys.path.insert(0, _Folder.__path__ + "/site")  # its `random` has the functions that the plant uses

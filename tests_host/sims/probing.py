@@ -8,7 +8,7 @@ class Wall:
         self.axis = axis
         self.steps = steps
         self.sign = sign
-        self.met = []  # where the machine stood at each change, contact or its end
+        self.met = []  # the machine's position at each change, contact or its end
         self._touches = False
 
     def touched(self, position):

@@ -121,7 +121,7 @@ class Machine:
         return self.said()
 
     def ask(self, line, turns=100_000):
-        """Send a line, and all that is said up to its answer."""
+        """Send a line; return all lines up to its answer."""
         self.put(line + "\n")
         said = []
         while turns:
@@ -162,7 +162,7 @@ class Machine:
         return fields
 
     def ready(self):
-        """Unlocked, greeting read; the first motion is told nothing of soft limits."""
+        """Unlock, read the greeting; the first motion comes without the caution on soft limits."""
         self.said()
         self.do("$X")
         self.controller.machine.cautious = False

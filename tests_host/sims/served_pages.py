@@ -39,7 +39,7 @@ class Trail:
 
 
 class Desk:
-    """What both have in common: the board and its plant."""
+    """The common part of both: the board and its plant."""
 
     def __init__(self, name, links, radio):
         """`links(first)`: the board file's, of its first one."""
@@ -64,7 +64,7 @@ class Desk:
         return self.port.now / TICKS_PER_MS
 
     def stood_ms(self):
-        """For so long nothing has moved."""
+        """Return the time since the last step."""
         return (self.port.now - self.trail.tick) / TICKS_PER_MS
 
     def take(self):
@@ -161,7 +161,7 @@ class OnCable(Desk):
                 browser._hear(json.dumps(event))
 
     def stop(self):
-        """What the server does with a POST to /stop."""
+        """Stop as the server does for a POST to /stop."""
         return self.pages.api.order({"do": "stop"}, False)["error"]
 
     def page(self, key=KEY):

@@ -1,4 +1,4 @@
-"""How the shop grows: simulated agents, without boards, at a real Mosquitto, and what each job costs the shop and the broker.
+"""How the shop grows: simulated agents, without boards, at a real Mosquitto, and the cost of each job for the shop and the broker.
 
     python tests_host/sims/shop_growth.py MACHINES [JOBS_EACH]
 

@@ -1,9 +1,9 @@
-"""A shop under load: virtual plotters, agents and a real Mosquitto that are killed and parted, and what was drawn, counted from the traces.
+"""A shop under load: virtual plotters, agents and a real Mosquitto that are killed and parted; the strokes drawn are counted from the traces.
 
     python tests_host/sims/shop_load.py 100 1000 --agents-killed 50 --brokers-killed 10 --partitions 10 --power-cuts 20
 
-A job draws its number: a stroke for each of ten bits, one above the other, 5 mm long or 10. Whoever stands at a machine is played: paper is
-put in when it is at rest, and "go" is said when it waits. Faults come while machines draw: the people put no more paper in than lets the last
+A job draws its number: a stroke for each of ten bits, one above the other, 5 mm long or 10. The script plays the people at the machines: it puts paper in at
+rest, and says "go" when a machine waits. Faults come while machines draw: the people put no more paper in than lets the last
 fault find a job.
 """
 
@@ -213,7 +213,7 @@ class Proxy:
         self._thread.start()
 
     def cut(self, seconds):
-        """Nothing passes, and nobody is told: packets are lost, as on a network that parts."""
+        """Lose all packets for this time, without a sign to either end, as a network that parts does."""
         self.until_s = time.monotonic() + seconds
 
     def _run(self):
@@ -226,7 +226,7 @@ class Proxy:
                 parted = True
                 time.sleep(0.05)
                 continue
-            if parted:  # what was sent meanwhile is lost, and so are the connections
+            if parted:  # the bytes sent meanwhile are lost, and the connections, too
                 parted = False
                 for one in list(by_fd.values()):
                     one.close()
@@ -342,7 +342,7 @@ class Load:
         )  # fmt: skip
 
     def people(self, papers):
-        """Whoever stands at the machines looks at each page once, and does what it asks for. Puts in at most `papers`."""
+        """Play the people at the machines: look at each page once, and do its request. Puts in at most `papers`."""
         from machine_page import MachinePage  # a board, which is this script, too, has no use for it
 
         drawing, self.free = [], 0

@@ -31,7 +31,7 @@ def program(number):
 
 
 def all_draw(load):
-    """Until all have drawn for a while: on the way to where it stopped a machine does so for a moment, too."""
+    """Wait until all have drawn for a while: a machine on its way back to its job's place draws for a moment only."""
     limit = time.monotonic() + _READY_S
     since = None
     while True:

@@ -6,8 +6,8 @@
     make soak ARGS="--machine router --life 70012"      # one life again, as a violation has named it
     make soak ARGS="--lives 1000 --dask tcp://192.168.1.20:8786 --table lives.csv"     # on many computers: docs/use/many.md
 
-A *life* is a machine from its seed on: so many rounds of work and faults. The machines and what must hold are told in soak_router.py,
-soak_plotter.py, soak_mill.py and soak_pulses.py. Each process takes one life after the other, of the machine that has had the least of its share of
+A *life* is a machine from its seed on: rounds of work and faults. soak_router.py, soak_plotter.py, soak_mill.py and soak_pulses.py describe the machines and
+the rules that must hold. Each process takes one life after the other, of the machine that has had the least of its share of
 processor time. A violation ends the run: seed, machine, its last events, and the command that brings it about again.
 """
 
@@ -100,8 +100,9 @@ def lived(item):
 
 
 def run_lives(seed, count, processes, names, cluster, path):
-    """So many whole lives, by processes or a Dask cluster, as one table, by machine and seed. 0, or 1 if something has been violated."""
-    import soak  # what travels is a function of a module, not of the program that was started
+    """Run `count` whole lives, by processes or a Dask cluster, and write one table, by machine and seed. Return 0, or 1 if a rule was violated.
+    """
+    import soak  # the workers get a function of a module, not of the program that was started
 
     items = [(names[number % len(names)], seed * LIVES + number) for number in range(count)]
     begun = time.monotonic()
@@ -143,7 +144,7 @@ class Sum:
 
 
 def run(seed, minutes, processes, names, actions=None, every_s=60):
-    """0, or 1 if something has been violated. It ends after `minutes`, or after so many `actions`."""
+    """0, or 1 if something has been violated. It ends after `minutes`, or after `actions` in all."""
     total = Sum(seed)
     out = multiprocessing.Queue()
     end = time.monotonic() + 60 * minutes

@@ -1,4 +1,4 @@
-"""What every machine of the soak has: a seed, faults counted by kind, the last events, time that jumps, and a measure of its memory.
+"""The base of every machine of the soak: a seed, faults counted by kind, the last events, time that jumps, and a measure of its memory.
 
 A machine is a class with `round()`, which raises Wrong (or any error) where it has done what it must not do, and close().
 """
@@ -88,7 +88,7 @@ class Bench:
         self._heap = None
 
     def after(self, ms, what):
-        """Call what() so many ms from now."""
+        """Call what() after `ms` milliseconds."""
         self._number += 1
         self._ahead.append((self.now_ms() + ms, self._number, what))
         self._ahead.sort(key=lambda entry: entry[:2], reverse=True)
@@ -97,7 +97,7 @@ class Bench:
         self._ahead.clear()
 
     def cycle(self):
-        """One cycle of the board, and what is due then."""
+        """Run one cycle of the board, and the calls that are due then."""
         self.machine.cycle()
         while self._ahead and self._ahead[-1][0] <= self.now_ms():
             self._ahead.pop()[2]()
@@ -133,7 +133,7 @@ class Bench:
     # --- what holds always
 
     def check_plant(self, allowed=()):
-        """Nothing that a real machine could not have followed, but for errors with one of the texts `allowed`."""
+        """Raise Wrong if the plant has an error that a real machine could not have followed, except errors with one of the texts `allowed`."""
         plant = self.machine.plant
         wrong = [text for _, text in plant.errors if not any(each in text for each in allowed)]
         plant.errors.clear()

@@ -1,9 +1,9 @@
 """A small flash file system in memory, for the board's stored jobs: it gets full, and a power cut tears what is being written.
 
     flash = Flash(64 * 1024)
-    flash.mount()               # what config/job_store.py sees as its files, until
+    flash.mount()               # the file system of config/job_store.py, until
     flash.unmount()
-    flash.cut_after(1000)       # so many bytes more, then PowerCut
+    flash.cut_after(1000)       # 1000 bytes more, then PowerCut
 """
 
 import errno

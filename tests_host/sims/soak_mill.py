@@ -4,7 +4,7 @@ from mill_inputs import Session
 from soak_bench import Bench
 
 PERIOD = 60  # sequences a round
-WHOLE = 4  # one machine in so many has its gantry, encoders and inverter
+WHOLE = 4  # one machine in WHOLE has its gantry, encoders and inverter
 
 
 class Mill(Bench):

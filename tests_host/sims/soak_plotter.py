@@ -1,6 +1,6 @@
 """The plotter of the soak: drawings at random, in packets over a wire that damages them, or in frames over a noisy one.
 
-What must hold, seen from the wire, the coils and the plant: all points that were answered are drawn, in their order, each line once, with
+These must hold, seen from the wire, the coils and the plant: all points that were answered are drawn, in their order, each line once, with
 the pen as asked; a damaged packet draws nothing; one answer a packet; STOP, a lost host and a power cut end the path on the path, pen up; the
 place in STATUS is the plant's, and a board that has just been switched on draws nothing before it is homed.
 """
@@ -332,7 +332,7 @@ class Plotter(Cabled):
         self.hear_ms(300)  # the session's last acknowledgements
 
     def hear_ms(self, ms):
-        """What comes within so many ms."""
+        """Return the answers that come within `ms`."""
         answers, end_ms = [], self.now_ms() + ms
         while self.now_ms() < end_ms:
             answers += self.hear()

@@ -1,13 +1,13 @@
 """The router of pulse files of the soak: streamed, stored in RAM and run from flash, by `passo` itself, in frames over a noisy wire or plain.
 
 A round is a program at random. While it runs: noise, a cable that is cut and plugged in again, another link that wants to command, garbage on
-it; and at most one of what ends a program: a stop, the stop of the other link, the button that halts, a cable that stays cut, a board that is
+it; and at most one event that ends a program: a stop, the stop of the other link, the button that halts, a cable that stays cut, a board that is
 reset, a power cut that tears what is being written. Some of those programs are gone on with by `passo resume`, and that is cut, too.
 
-What must hold, seen from the pins and the plant: the steps are those of the program, in their order, each once, with the tool as asked; all of
-them, unless something has ended it; nothing moves and the tool is off behind what has ended it; the place that the board tells is the plant's;
-jobs are there whole or not at all; the journal names a place that has been passed; and with what `passo resume` adds no cut is missing, and
-none twice but what was cut since the newest record.
+These must hold, seen from the pins and the plant: the steps are those of the program, in their order, each once, with the tool as asked; all of
+them, unless something has ended it; after the end nothing moves and the tool is off; the place that the board tells is the plant's;
+jobs are there whole or not at all; the journal names a place that has been passed; and with the cuts of `passo resume` none is missing, and
+only the cuts since the newest record are made twice.
 """
 
 import re
@@ -41,7 +41,7 @@ EVERY_MS = 100
 FLASH = 48 * 1024
 LAST = 20
 ENOUGH = 1 << 40  # bytes of flash: no power cut any more
-CUT_SHORT = "STEP pulse too short"  # by what stops the machine at once; the step counts
+CUT_SHORT = "STEP pulse too short"  # a stop at once cuts it short; the step counts
 HARMLESS = ("fight", "garbage", "noise", "cut", "question")
 ENDS = ("stop", "other stop", "button", "long cut", "board", "power", "power")
 GONE = ("power", "board")
@@ -115,7 +115,7 @@ class Pulses(Cabled):
         self.board["links"][0]["lost"] = self.policy = self.dice.choice(("go_on", "go_on", "pause", "stop"))
         self.folder = tempfile.TemporaryDirectory(prefix="passo-")
         self.flash = Flash(FLASH)
-        self.jobs = {}  # name: CRC-32 of what is stored
+        self.jobs = {}  # name: CRC-32 of the stored job
         self.note(f"seed {seed}, lost host: {self.policy}")
         self.boot(START, Pages())
 
@@ -168,7 +168,7 @@ class Pulses(Cabled):
         self.pages.cut_after(ENOUGH)
         self.count_noise()
         self.judge(program)
-        goes_on = self.dice.random() < 0.6 and (len(self.rows) or times == 1)  # how often it is to be played is told as it begins
+        goes_on = self.dice.random() < 0.6 and (len(self.rows) or times == 1)  # a program played several times has its count from its beginning
         if goes_on and (self.ended in GONE or self.ended == "long cut" and not self.alone()):
             self.resume(path, program, begun)
         elif self.ended in GONE:
@@ -371,7 +371,7 @@ class Pulses(Cabled):
         return np.column_stack((steps.places, steps.tools > 0))
 
     def check_journal(self, path, begun, cuts):
-        """What it says of this program has been so."""
+        """Check that the program was at the place that the journal has."""
         with self.passo(False), PulsesClient("pc") as client:
             said = client.ask("$JR")
         found = [re.fullmatch(r"\[JOURNAL:([0-9a-f]+)\|(\d+)\|(\d+)\|([-\d,]+)\]", line) for line in said]

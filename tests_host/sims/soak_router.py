@@ -6,20 +6,20 @@
 
 A round is a program at random, over one of the two links or as a stored job. While it runs: noise on the wire, a cable that is cut and
 plugged in again, holds, overrides, the door, the other link that wants to command, garbage on it, jobs that it wants stored or
-deleted; and at most one of what ends a program: a reset, the emergency stop, which may bounce, a line out of the travel, a board that
+deleted; and at most one event that ends a program: a reset, the emergency stop, which may bounce, a line out of the travel, a board that
 is reset, a power cut that tears what is being written. Then the operator finds his way out, and the next round begins.
 
-What must hold, seen from the wire, the pins and the plant:
+These must hold, seen from the wire, the pins and the plant:
 
-- the path is that of the lines sent, in their order, each once, step by step; what stopped the program ends it on the path;
+- the path is that of the lines sent, in their order, each once, step by step; its end, by any stop, lies on the path;
 - of all lines that were answered with ok nothing is missing, unless something has ended the program;
 - one answer a line, in order, and none that is not of the language;
 - no alarm that nothing has caused; after a stop, and while the door is open, nothing moves and the tool is off;
 - the place the board tells is the plant's, and a board that cannot know it refuses to move until it is homed;
 - no interval shorter than an axis may step, no word late;
 - stored jobs are there whole or not at all; a full memory says so;
-- the journal, after a power cut at any byte, names the program and a place that its path has passed; `passo resume` goes on there: with
-  what it cuts nothing is missing, nothing is cut elsewhere, and twice only what was cut since;
+- the journal, after a power cut at any byte, names the program and a place that its path has passed; `passo resume` goes on there: with its cuts none is
+missing, none is elsewhere, and only those since that place are made twice;
 - the board's objects do not grow.
 """
 
@@ -50,7 +50,7 @@ FAST_MM_MIN = (5000, 5000, 1500)
 LEAST_TICKS = [12_500_000 * 60 / (mm_min * steps) for mm_min, steps in zip(FAST_MM_MIN, STEPS_MM)]
 LOST_MS = 1500
 LONGEST_MS = 900_000  # of a round
-CUT_SHORT = "STEP pulse too short"  # by what stops the machine at once; the step counts
+CUT_SHORT = "STEP pulse too short"  # a stop at once cuts it short; the step counts
 PLAIN_BYTES = 100  # of lines that are not answered
 FRAMED_BYTES = 500
 FLASH = 56 * 1024
@@ -58,7 +58,7 @@ LAST = 20  # rounds between two measures of the heap
 DOOR_MS = 800  # after which an open door has brought it to a stand, tool off
 MOST_RESUMES = 4  # of a program
 TWICE = 16_000  # steps of 0.6 s at the fastest: every_ms, what lies ahead, and the tool's way down
-REFUSES = ("another file", "is empty", "done to its end", "passo stream --from")  # what passo resume says that does not go on
+REFUSES = ("another file", "is empty", "done to its end", "passo stream --from")  # the texts of passo resume if it does not go on
 OUTSIDE = "G90G0X5000"  # a line out of the travel
 SLOWEST_S = 3  # that a line or a chain takes
 FASTEST = 9e8  # mm/min: a number has nine digits, and a chip's integers hold less
@@ -187,7 +187,7 @@ class Link:
             self.port.urgent(byte, byte == b"\x18")
 
     def hear(self):
-        """What has come since."""
+        """Read the bytes that have come."""
         if self.port:
             data = self.port.read(4096) if self.port.in_waiting else b""
         else:
@@ -223,7 +223,7 @@ class Link:
         return sum([len(line) + 1 for line in self.waiting])
 
     def forget(self):
-        """What has been said; a line that is still coming is not."""
+        """Forget the lines read; a line that is still coming stays."""
         self.waiting, self.told, self.said, self.stale = [], [], [], 0
 
     def begin(self, port=None):
@@ -242,7 +242,7 @@ class Router(Cabled):
         self.board["links"][0]["lost"] = self.policy = self.dice.choice(("go_on", "go_on", "pause", "stop"))
         self.flash = Flash(FLASH)
         self.folder = tempfile.TemporaryDirectory(prefix="passo-")
-        self.jobs = {}  # name: (program, lines) of what is stored
+        self.jobs = {}  # name: (program, lines) of the stored job
         self.torn = None  # name of a job whose upload a power cut has torn
         self.links = {name: Link(self, name) for name in ("pc", "serial")}
         self.note(f"seed {seed}, lost host: {self.policy}")
@@ -280,7 +280,7 @@ class Router(Cabled):
         for link in self.links.values():
             self.from_board(link.name)
             link.begin()
-        self.known = self.homed = False  # what the machine knows; that its travel counts
+        self.known = self.homed = False  # whether the machine knows its position; whether its travel counts
         if machine.plant.position != list(start) or machine.plant.tool:
             raise Wrong("a board that has just been switched on moves")
 
@@ -309,7 +309,7 @@ class Router(Cabled):
         link.begin()
 
     def ask(self, link, line, limit_ms=200_000):
-        """Send a line and wait for its answer: (answer, what else was said)."""
+        """Send a line and wait for its answer: (answer, the other lines)."""
         link.said.clear()
         self.note(f"{link.name} <- {line}")
         link.send(line)
@@ -444,7 +444,7 @@ class Router(Cabled):
     # --- faults
 
     def plan(self, link, program):
-        """What will happen while the program runs."""
+        """Plan the faults of a program's run."""
         lasts_ms = 400 + 120 * len(program.lines)
         for _ in range(self.dice.randint(0, 8)):
             kind = self.dice.choice(HARMLESS)
@@ -618,7 +618,7 @@ class Router(Cabled):
             raise Wrong(f"{link.name}: {wrong} {alarms} though nothing has happened")
 
     def await_end(self, link):
-        """What the program's end brings."""
+        """Handle the end of the program."""
         if not self.ended:
             return
         self.forget()
@@ -642,7 +642,7 @@ class Router(Cabled):
                 raise Wrong("no banner after a reset")
 
     def await_stand(self):
-        """What stopped it lets it brake, at most; a hold may stand."""
+        """Wait for the stand: a stop lets the machine brake, at most; a hold may stand."""
         before = None
         end_ms = self.now_ms() + 20_000
         while before != self.place():
@@ -660,7 +660,7 @@ class Router(Cabled):
         self.boot(self.place(), Pages(data=self.pages.data))
 
     def check_journal(self, start):
-        """After a power cut: what the journal says of the program under way has been so."""
+        """After a power cut: check that the program was at the line and place that the journal has."""
         answer, said = self.ask(self.links["pc"], "$JR")
         found = [re.fullmatch(r"\[JOURNAL:([0-9A-Fa-f]+)\|(\d+)\|(\d+)\|([-\d,]+)\]", line) for line in said]
         found = [match for match in found if match]
@@ -763,7 +763,7 @@ class Router(Cabled):
         self.check_jobs(link)
 
     def upload(self, link, data, packed):
-        """False if the memory is full. What was there before is there then, too."""
+        """False if the memory is full. Jobs stored before stay."""
         lines = [f"$FS={self.name},grbl,{len(data)},{stored_job.crc(data):08x},{len(packed)}"]
         lines += ["$F:" + base64.b64encode(packed[at : at + 54]).decode() for at in range(0, len(packed), 54)]
         lines.append("$FE")

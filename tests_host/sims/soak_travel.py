@@ -2,8 +2,8 @@
 
     PYTHONPATH=tests_host/sims:. python tests_host/sims/soak_travel.py 0 100 corexy_plotter      # of BOARDS
 
-A program is some lines, arcs, helices and jogs; one in five wants to leave the travel. What is refused moves nothing and is exactly what would
-leave it; of arcs it is what the machine did that counts.
+A program is some lines, arcs, helices and jogs; one in five wants to leave the travel. Refused lines move nothing, and are exactly those that would leave it;
+for arcs the machine's own steps decide.
 """
 
 import copy

@@ -1,4 +1,4 @@
-"""What a soak knows of a machine's motion: every step as the plant has decoded it from the pins, held against what was asked for.
+"""A soak's record of a machine's motion: every step as the plant has decoded it from the pins, and its comparison with the moves asked for.
 
     witness = Witness(plant, board)
     ...                                     # motion
@@ -20,7 +20,7 @@ FAST_STEPS_S = 4000  # slower than that a stand within one step is allowed
 STALL_S = 0.003
 NEAR = 1.001  # steps that an axis which follows may be off its line
 ARC_OFF = 1.6  # steps off the circle
-VOXEL = 3  # steps: what is compared to see whether something is missing
+VOXEL = 3  # steps: the unit in which paths are compared to find gaps
 SHIFT = 1 << 19  # makes a voxel's numbers positive
 
 
@@ -37,7 +37,7 @@ class Line:
         return max(abs(to - at) for to, at in zip(self.target, start))
 
     def places(self, start):
-        """Where it leads, a row for each word with a step."""
+        """Return its places, a row for each word with a step."""
         count = self.steps_of(start)
         return np.rint(np.array(start) + np.outer(np.arange(1, count + 1), np.array(self.target) - np.array(start)) / max(count, 1)).astype(int)
 
@@ -63,7 +63,7 @@ class Arc:
         self.target, self.centre, self.clockwise, self.lit = list(target), centre, clockwise, lit
 
     def places(self, start):
-        """Where it leads, a row for each step of the way at least."""
+        """Return its places, a row for each step of the path at least."""
         first, last = (np.arctan2(y - self.centre[1], x - self.centre[0]) for x, y, _ in (start, self.target))
         turn = (last - first) % (2 * np.pi) - (2 * np.pi if self.clockwise else 0)
         radius = hypot(start[0] - self.centre[0], start[1] - self.centre[1])

@@ -1,4 +1,4 @@
-"""The page's side of the wire beside a virtual board, in stepped time: what a server does, without a network. Each desk adds its board.
+"""The page's side of the wire beside a virtual board, in stepped time: the server's work, without a network. Each desk adds its board.
 
     desk.order("step", by={"x": 5}, speed=600)      # 0: its error
     desk.until(lambda state: state["state"] == "Idle")
@@ -14,7 +14,7 @@ class SteppedDesk:
     jog_speed = 600
 
     def __init__(self, app, port, line):
-        """`line`: the MemoryLine that the page speaks on. Who inherits has `machine` and `api`."""
+        """`line`: the MemoryLine that the page speaks on. A subclass has `machine` and `api`."""
         self.app, self.port, self.line = app, port, line
         self.told = []
         self.beats = 0
@@ -65,7 +65,7 @@ class SteppedDesk:
         self.run_ms(100)
 
     def hold_jog(self, lease, milliseconds, **fields):
-        """Hold a jog for so long, renewed each 60 ms."""
+        """Hold a jog for `milliseconds`, renewed each 60 ms."""
         if "speed" not in fields:
             fields["speed"] = self.jog_speed
         error = self.order("jog", lease=lease, beat=self.beats, **fields)

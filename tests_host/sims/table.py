@@ -18,7 +18,7 @@ EDGE = 30  # steps from the table's end at which a barrier is interrupted
 
 class Table(Nothing):
     def __init__(self, start=(100, 80), fault=None, noise=0):
-        """`fault`: {barrier: level it always reads}; `noise`: of so many moments that are read at, one is wrong (0: none), whoever reads."""
+        """`fault`: {barrier: level it always reads}; `noise`: of this many moments of reading, one is wrong for all readers (0: none)."""
         self.place = list(start)
         self.start = list(start)
         self.pen = 0

@@ -67,7 +67,7 @@ def test_motion_is_refused_until_the_motors_are_connected(language):
 
 
 def test_words_for_the_motors():
-    """G-code and pulse files have their own; what is refused is told."""
+    """G-code and pulse files have words of their own; a refusal has its reason."""
     machine = machine_of("grbl")
     machine.send(b"$X\nG91 G1 X5 Y3 F600\n", "pc")
     machine.run_ms(100)

@@ -39,7 +39,7 @@ class Memory:
 
 
 def through(line, data):
-    """What a board is given of it, which answers each line."""
+    """Return the bytes that come through to a board, which answers each line."""
     line._line.come += data
     given = b""
     for _ in range(len(data) + 9):
@@ -90,7 +90,7 @@ def test_a_token_in_the_first_line_admits_one_connection():
 
 
 def said(fd, wanted):
-    """What a program prints in its terminal, up to `wanted`."""
+    """Return the text of a program in its terminal, up to `wanted`."""
     text, deadline = "", time.monotonic() + LIMIT_S
     while wanted not in text:
         assert time.monotonic() < deadline, text

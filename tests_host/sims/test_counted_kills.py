@@ -144,7 +144,7 @@ SVG = (
 
 
 def test_an_svg_file_is_gone_on_with_by_its_name(tmp_path):
-    """With the options that it was begun with, by what lies beside it; and not if it has changed."""
+    """Resume with the options with which it began, from the file beside it; refuse if the file has changed."""
     job = Drawing(tmp_path, "sent")
     job.file = tmp_path / "map.svg"
     job.file.write_text(SVG)

@@ -12,7 +12,7 @@ from host_tools.sim.radio import LoopbackRadio
 from passo import machine_builder
 from running_router import Running
 
-# What is sent, and how long the machine is left alone with it.
+# The bytes sent, and the milliseconds before the next.
 ORDERS = (
     (b"$X\n", 300), (b"G91G1X5F600\nG2X5Y5I5\nM3S500\nM8\nG1X3\n", 700), (b"?", 50), (b"!", 300), (b"?", 50), (b"\xa0", 50), (b"~", 900),
     (b"$J=G91X5F500\n", 200), (b"\x85", 300), (b"?", 20), (b"G1X20F900\n", 400), (b"\x84", 300), (b"?", 20), (b"~", 600), (b"\x18", 300),
@@ -55,7 +55,7 @@ def test_any_order_of_features_is_as_good(name, monkeypatch):
 
 
 def journal_after_a_stored_job(folder, order):
-    """What the journal says of a job that the board has run to its end."""
+    """Return the journal's line for a job that the board has run to its end."""
     machine_builder.FEATURES = tuple(order)
     folder.mkdir()
     (folder / "part.gcode").write_text("G21 G91\nG1 X2 F3000\nG1 X-2\n")

@@ -1,4 +1,4 @@
-"""On a chip an interrupt makes words whenever few lie ahead, also between two lines of the main loop: what is being dropped must not begin anew."""
+"""On a chip an interrupt makes words whenever few lie ahead, also between two lines of the main loop: a job that is being dropped must not begin anew."""
 
 import sys
 

@@ -159,7 +159,7 @@ def test_credit_is_asked_for_if_the_word_of_it_is_lost():
 
 
 def test_a_program_that_has_not_looked_for_a_while_has_not_lost_the_board():
-    """What it has written last is still to be acknowledged."""
+    """Its last line still waits for its acknowledgement."""
     pair = Pair()
     pair.port.write(b"G1X1\n")
     pair.port.urgent(b"?")
@@ -180,7 +180,7 @@ def test_a_million_frames():
 
 
 def test_a_clean_wire_is_used_well():
-    """Of what plain text takes: lines of a laser's picture, in check mode, so that the wire is the limit."""
+    """Compared with plain text: lines of a laser's picture, in check mode, in which the wire is the limit."""
     took = []
     for frames in (False, True):
         joined = MachineAndClient(frames=frames)
@@ -195,7 +195,7 @@ def test_a_clean_wire_is_used_well():
 
 
 def path_of(machine):
-    """Where it went, step by step, and the tool."""
+    """Return the path, step by step, with the tool."""
     machine.settle()
     return [row[1:] for row in machine.trace.rows()]
 
@@ -239,7 +239,7 @@ def test_a_reset_drops_what_was_sent_before_it():
 
 
 def test_a_board_that_was_reset_is_noticed():
-    """The link is plain again and the client says so; nothing moves of what it had under way."""
+    """The link is plain again and the client says it; of its lines under way none moves the machine."""
     joined = MachineAndClient()
     client, port = joined.client, joined.client._serial
     client.command("$X")

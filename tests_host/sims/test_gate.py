@@ -1,4 +1,4 @@
-"""A TCP port that takes orders and a browser: nothing of what a page has it send is carried out."""
+"""A TCP port that takes orders and a browser: it carries out no order that a page has the browser send."""
 
 import socket
 import time
@@ -12,7 +12,7 @@ from running_router import Running
 
 BODY = b"$LINK=0\n$X\n$J=G91X10F1000\nG91G1X5F600\n"
 HEAD = b"Host: 127.0.0.1:5000\r\nOrigin: http://evil.example\r\nContent-Type: text/plain\r\nContent-Length: %d\r\n\r\n" % len(BODY)
-STUN = bytes.fromhex("000300082112a442") + b"~\x18!~\n$X\n~\x91\x91" + bytes.fromhex("0019000411000000")  # of TURN; what looks like orders is its number
+STUN = bytes.fromhex("000300082112a442") + b"~\x18!~\n$X\n~\x91\x91" + bytes.fromhex("0019000411000000")  # of TURN; the bytes that look like orders are its number
 REQUESTS = [method + b" / HTTP/1.1\r\n" + HEAD + BODY for method in (b"POST", b"GET", b"PUT", b"OPTIONS", b"PROPFIND")]
 
 

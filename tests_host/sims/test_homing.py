@@ -79,7 +79,7 @@ def test_a_racked_gantry_comes_out_square(racked, offset):
     assert router.plant.racked() == racked
     router.go("$H")
     assert router.plant.racked() == 0 and router.plant.position == [0, 0, 0] == router.controller.position()
-    assert not router.noted(errors.SQUARED), "what encoders had counted before counts no more"
+    assert not router.noted(errors.SQUARED), "counts of before the homing must not matter"
     router.go("G90")
     router.go("G1X10F2000")
     assert router.plant.racked() == 0 and router.plant.position[0] == 3200
@@ -116,7 +116,7 @@ def test_one_axis_alone():
     router.ask("$X")
     assert not router.controller.machine.homed
     router.go("$HX")
-    assert not router.controller.machine.homed, "where the others are is not known"
+    assert not router.controller.machine.homed, "the other axes' positions are not known"
 
 
 def test_speeds_pull_off_and_distance_of_an_axis():
@@ -244,7 +244,7 @@ def test_what_cannot_be_is_refused(keys, said):
 
 
 class Edges:
-    """What Quality asks of a seeker: its sensors' edges, where its run began, how far from the edge it ends."""
+    """A seeker as Quality reads it: its sensors' edges, the start of its run, the distance of its end from the edge."""
 
     def __init__(self, start, edge):
         self.axis, self.sensors, self.away = 0, [None], 1
@@ -253,7 +253,7 @@ class Edges:
 
 @pytest.mark.quick
 def test_the_judgement_is_of_the_edges_themselves():
-    """Each run begins where the one before has ended: what is judged is where the edges lie, not by how much they changed."""
+    """Each run begins at the end of the one before: the judgement is of the edges' places, not of the distances run."""
     for edges, wanted in (
         ([7, 10, 11, 10, 11, 10, 11], "[HOM:x,6,1,0.55,good]"),
         ([7, 10, 14, 9, 13, 10, 12], "[HOM:x,6,5,1.97,scatters: lower $24, raise $26, or clean the switch]"),

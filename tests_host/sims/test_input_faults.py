@@ -7,7 +7,7 @@ import pytest
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
 
-# Inputs that are looked at by a command only, or at the start only: what tells of them.
+# Inputs that only a command, or only the start, reads: {name: the effect that shows them}.
 BY_COMMAND = {"repl": "MicroPython's prompt at the start", "jog_fast": "the speed of the other jog inputs"}
 MILLS = ("mill_2004", "mill_pico_2")
 PRESSED = [(name, item["name"]) for name in MILLS for item in boards.load(name)["inputs"]]
@@ -42,7 +42,7 @@ def shown_of(board, name):
 
 @pytest.mark.parametrize("name, pressed", PRESSED)
 def test_each_input_of_the_mill_is_named_while_it_forbids(name, pressed):
-    """Pressed from 100 ms on; drives and selector are good while they are active. At rest no name is told."""
+    """Pressed from 100 ms on; drives and selector are good while they are active. At rest the report has no name."""
     board = boards.load(name)
     good = pressed in ("dx1", "dx2", "dy", "dz", "sel")
     machine = mill(name, **{pressed: ("dead" if good else "pressed") + "@100-700"})
@@ -82,4 +82,4 @@ def test_each_input_is_told_by_name(name):
     for item in board["inputs"]:
         told = item["name"] in named | set(BY_COMMAND) or item["halt"] or re.fullmatch(r"limit_[xyza]|p\d|jog_[xyza][+-]", item["name"])
         told = told or board.get("interlock") or item["name"] in str([board.get(key) for key in ("tachometer", "drivers", "spi_drivers", "network", "journal", "jobs", "encoders")])
-        assert told, f"{item['name']} is told nowhere"
+        assert told, f"{item['name']} is in no report, message or setting"

@@ -117,7 +117,7 @@ def test_what_is_left_of_a_line_is_that_line_to_the_journal(tmp_path):
 
 @pytest.mark.parametrize("framed", [False, True])
 def test_a_line_that_another_program_has_not_ended_is_not_carried_out(framed, tmp_path):
-    """The cable fails amid `X22`: what has come is `X2`."""
+    """The cable fails amid `X22`: `X2` has come."""
     job = Job(SQUARE)
     job.of_link = lambda: {"frames": framed}
     bench = Bench(job, Flash(tmp_path))
@@ -197,7 +197,7 @@ def test_a_board_that_minds_its_host_waits_for_the_operator(typed, tmp_path, mon
 
 
 def test_numbers_of_its_own(tmp_path):
-    """Lines are sent with their numbers in the file: what the N words are, and whether they repeat, does not matter."""
+    """Lines are sent with their numbers in the file; the values of N words, and repeated ones, do not matter."""
     lines = [b"N%d%s" % (10 * number, line) for number, line in enumerate(SQUARE.split(), 3)]
     square = Interrupted(b"\n".join(lines) + b"\n", tmp_path, 1.5, lost="go_on")
     square.resume()

@@ -1,4 +1,4 @@
-"""What takes a moment is done beside the panel's loop: nobody waits for it, STOP above all, and what has been said meanwhile counts."""
+"""Work that takes a moment is done beside the panel's loop: no order waits for it, STOP above all, and orders that come meanwhile count."""
 
 import asyncio
 import json
@@ -149,7 +149,7 @@ def test_a_drawing_is_made_while_a_job_runs(tmp_path):
         assert others > 5 and len(set(lines)) > 2, (others, lines)  # of a loop that waits: 1 and 2
         page.socket.send(page.message({"do": "job_part", "name": "again.svg", "at": 0, "text": CURVES[:PIECE], "last": True}))
         page.socket.send(f"{page.count + 1}.{'0' * 64}." + json.dumps({"do": "jobs", "id": page.count + 1}))
-        assert page._find(lambda message: message["t"] == "answer")["id"] == page.count + 1, "what was refused has its own number"
+        assert page._find(lambda message: message["t"] == "answer")["id"] == page.count + 1, "the refusal must have the number of its order"
         assert page._find(lambda message: message.get("id") == page.count)["error"] == errors.DRAWING
         assert other.order("stop")["error"] == 0
         assert ["drawing.svg.gcode"] == [name for name, _ in other.order("jobs")["jobs"] if "drawing" in name]

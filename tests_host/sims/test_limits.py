@@ -74,7 +74,7 @@ def test_from_the_switch_to_the_last_step(name, speed, wait_us, turned):
 @settings(max_examples=examples(10), deadline=None)
 @given(some.lists(some.integers(1, 45), min_size=1, max_size=6), some.integers(100_000, 500_000))
 def test_noise_stops_nothing(widths, wait_us):
-    """What does not last as long as the filter is none, on any of the wires."""
+    """A change shorter than the filter does not count, on any of the wires."""
     made = machine()
     made.send(b"G1 X30 Y-20 F3000\n")
     at = made.port.now + int(wait_us * TICKS_PER_US)

@@ -1,4 +1,4 @@
-"""A lost host in the languages that a router does not speak: what its board file asks for is done."""
+"""A lost host in the languages that a router does not speak: the machine does as its board file asks."""
 
 import pytest
 
@@ -52,11 +52,11 @@ def test_a_lost_host(name, lost):
 
 
 def test_shipped_machines_mind_a_host_that_asks():
-    """None of them lets a spindle turn, or a beam burn, behind a program that has died; where flash can hold it, they know where it was."""
+    """Each of them stops its spindle or beam if its host's program dies; if flash has room for a journal, it knows its place."""
     for name in boards.names():
         board = check(boards.load(name))
         cables = [link for link in board["links"] if link["protocol"] == "grbl" and link["port"] in ("usb", "uart0", "uart1", "uart2")]
-        deep = any(axis["name"] == "z" for axis in board["axes"]) and not board["spindle"]["laser"]  # what it cuts in it is taken out of
+        deep = any(axis["name"] == "z" for axis in board["axes"]) and not board["spindle"]["laser"]  # then the tool is drawn out of the cut
         assert {link["lost"] for link in cables} <= {"retract" if deep else "stop"}, name
         assert not cables or board["chip"] == "esp32" or board.get("journal"), name
 

@@ -69,7 +69,7 @@ class Fast:
 @pytest.mark.parametrize("steps_s", [30_000, 100_000])
 @pytest.mark.parametrize("longest_us", [5, 50])
 def test_bursts_stop_nothing_and_are_counted(steps_s, longest_us):
-    """Bursts of spikes on all limits; each lasts at most so long."""
+    """Bursts of spikes on all limits; each spike lasts at most `longest_us`."""
     rng = random.Random(steps_s + longest_us)
     fast = Fast(steps_s, steps_s // 2)
     machine = fast.machine

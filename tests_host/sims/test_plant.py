@@ -248,7 +248,7 @@ def test_the_router_homes_on_its_own_switches(start):
 
 @pytest.mark.parametrize("what", [b"\x18", b"\x84", b"limit"])
 def test_what_stops_at_once_cuts_no_pulse_short(what):
-    """At any tick of a pulse, and whatever the pins are told next: the motors' release, a jog."""
+    """At any tick of a pulse, and with any next order to the pins: the motors' release, a jog."""
     machine = VirtualMachine("router_3axis", start=(30_000, 20_000, -20_000))
     machine.run_ms(20)
     assert machine.ask(b"$H\n", 4, 100_000).endswith(b"ok\r\n")

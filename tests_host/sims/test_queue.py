@@ -32,7 +32,7 @@ class Bench:
         return self.desk.machine.state["queue"]
 
     def run_ms(self, ms):
-        """With whoever stands at the machine: each tool is put in."""
+        """The operator puts each tool in."""
         for _ in range(ms // 50):
             self.desk.run_ms(50)
             self.desk.api.poll()
@@ -112,7 +112,7 @@ def test_what_is_in_it_may_go(bench):
 
 
 def test_nobody_at_the_machine(bench):
-    """Where the board wants somebody there, the next job does not begin by itself."""
+    """If the board wants the operator there, the next job does not begin by itself."""
     bench.put("plain", "plain")
     assert bench.ask("run") == 0
     bench.desk.machine.absent = lambda: errors.PRESENCE

@@ -28,7 +28,7 @@ def desk(tmp_path, pages, place=START, journal=True):
 
 
 def test_a_board_is_asked_for_nothing_that_it_has_not(tmp_path):
-    """Neither $F nor $JR, which it would log as refused; when the page is loaded, loaded again, and the board has begun anew."""
+    """The panel sends neither $F nor $JR, which it would log as refused; when the page is loaded, loaded again, and the board has begun anew."""
     made = desk(tmp_path, Pages(), journal=False)
     said = []
     write = made.machine.wire.write
@@ -47,7 +47,7 @@ def test_a_board_is_asked_for_nothing_that_it_has_not(tmp_path):
 
 
 def bottom(path):
-    """Places passed at the lowest Z, the tool on: what has been cut, beside where the tool came down."""
+    """Return the places passed at the lowest Z with the tool on: the cuts, and the places where the tool came down."""
     lowest = min(row[3] for row in path)
     return {row[1:4] for row in path if row[3] == lowest and row[4]}
 
@@ -130,7 +130,7 @@ def test_it_does_not_go_down_elsewhere(cut):
 
 
 def test_it_does_not_go_down_behind_a_power_cut_while_it_asked(cut):
-    """Where the machine stands is another question then: it begins anew, tool up."""
+    """The machine's place is not known then: it begins anew, tool up."""
     made, _ = cut
     home(made)
     assert made.order("recover", what="begin") == 0
@@ -216,7 +216,7 @@ def test_a_job_that_does_not_begin_leaves_the_one_before(tmp_path):
 
 
 def test_a_job_too_large_to_be_looked_for_is_not_taken_for_another(tmp_path, monkeypatch):
-    """What the board writes down of its lines is under a number of its own."""
+    """The board's journal has its lines under a number of its own."""
     made = ready(tmp_path)
     cut_amid(made)
     assert made.store.put("large.gcode", JOB.replace("X8", "X9")) == 0
@@ -229,7 +229,7 @@ def test_a_job_too_large_to_be_looked_for_is_not_taken_for_another(tmp_path, mon
 
 
 def test_no_line_goes_before_the_board_knows_whose_it_is(tmp_path):
-    """A board that does not take the job's number gets none of its lines, and what it wrote down stays."""
+    """A board that does not take the job's number gets none of its lines, and its journal stays."""
     made = ready(tmp_path)
     cut_amid(made)
     offer, place = made.machine.state["recover"], made.place()
@@ -264,7 +264,7 @@ def begin_at(made, line, name="part.gcode"):
 
 @pytest.mark.parametrize("journal", (True, False), ids=("", "no journal"))
 def test_a_job_is_begun_at_a_line(tmp_path, journal):
-    """What will hold there is told before anything moves; then as after a crash: over the place, asked, down, and the rest of it."""
+    """The page shows the state restored there before anything moves; then as after a crash: over the place, asked, down, and the rest of it."""
     made = desk(tmp_path, Pages(), journal=journal)
     assert made.store.put("part.gcode", JOB) == 0
     home(made)

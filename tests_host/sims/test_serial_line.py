@@ -161,7 +161,7 @@ def test_tcp_port_in_use_and_a_second_client():
 
 @pytest.mark.parametrize("said", [b"", b"GET / HTTP/1.1\r\nHost: x\r\n\r\n$X\n", bytes.fromhex("000300002112a442") + b"~" * 12])
 def test_a_browser_takes_nobodys_place(said):
-    """Not with a connection that it opens beforehand, either; the sender beside it goes on, and who speaks after it is served."""
+    """Nor with a connection that it opens beforehand; the sender beside it goes on, and the next client is served."""
     line = TcpLine(0)
     port = int(line.name.rpartition(":")[2])
     with connect(line) as client:
@@ -212,7 +212,7 @@ def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path):
 
 
 def test_a_client_that_does_not_read_is_told_of(line, capfd, monkeypatch):
-    """What the wire cannot take is kept up to a limit; beyond it the newest stays, and it is said once."""
+    """Bytes that the wire cannot take are kept up to a limit; beyond it the newest stay, and one message says it."""
     monkeypatch.setattr("host_tools.sim.serial_line.UNSENT_BYTES", 10_000)
     with connect(line) as client:
         for _ in range(5_000):
@@ -230,7 +230,7 @@ def test_a_client_that_does_not_read_is_told_of(line, capfd, monkeypatch):
 
 @pytest.mark.parametrize("kind", ["pty", "tcp"])
 def test_lines_sent_without_waiting_are_answered(kind):
-    """4,200 bytes at once: an answer a line, in order: what was answered by ok was done, and nothing else."""
+    """4,200 bytes at once: an answer a line, in order: the lines answered by ok were done, and no others."""
     with Running("fast", PtyLine() if kind == "pty" else TcpLine(0)) as running:
         with serial.serial_for_url(running.line.name, 115200, timeout=10) as client:
             client.write(b"$X\nG91\n")
@@ -246,7 +246,7 @@ def test_lines_sent_without_waiting_are_answered(kind):
             assert running.position()[0] == 32 * sum(tenth for tenth, answer in zip(tenths, said) if answer == b"ok")
 
 
-# --- what others may lay in the way, and who is told what
+# --- files of others in the way, and the messages
 
 
 def test_the_lock_beside_a_link_follows_no_link_and_is_of_this_user_only(tmp_path):

@@ -1,4 +1,4 @@
-"""After a halt the set-up time of DIR counts from what the pins show, not from words that were never played."""
+"""After a halt the set-up time of DIR counts from the levels at the pins, not from words that were never played."""
 
 import pytest
 

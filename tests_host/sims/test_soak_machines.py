@@ -57,7 +57,7 @@ def ignores_the_door(monkeypatch):
 
 
 def drops_nothing(monkeypatch):
-    """A stop drops nothing of what is under way."""
+    """A stop drops none of the blocks under way."""
     monkeypatch.setattr(MachineState, "abort", lambda self: None)
 
 
@@ -72,7 +72,7 @@ def tells_no_reset(monkeypatch):
 
 
 def remembers_a_line(monkeypatch):
-    """A job begins with what is left of the one before."""
+    """A job begins with the rest of the one before."""
     monkeypatch.setattr(Grbl, "begin_file", lambda self: self.gcode.reset())
 
 
@@ -113,7 +113,7 @@ BROKEN = {
 
 
 def found(rule, monkeypatch, lives, rounds):
-    """What the soak says of a machine that breaks `rule`."""
+    """Return the soak's message about a machine that breaks `rule`."""
     name, wanted = BROKEN[rule]
     rule(monkeypatch)
     with pytest.raises(soak.Violation) as violation:

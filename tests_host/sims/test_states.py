@@ -1,4 +1,4 @@
-"""docs/reference/states.md against the machine: what may be done in which state."""
+"""docs/reference/states.md against the machine: which lines are allowed in which state."""
 
 import re
 
@@ -78,7 +78,7 @@ STATES = {
 }
 
 
-# What is tried, by the page's columns.
+# The lines tried, by the page's columns.
 LINES = {
     "G-code": b"G0X1\n",
     "jog": b"$J=G91X1F600\n",

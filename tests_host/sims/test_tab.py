@@ -1,4 +1,4 @@
-"""The machine of a browser's tab, in stepped time under CPython: what the page would be told."""
+"""The machine of a browser's tab, in stepped time under CPython: the messages for the page."""
 
 import json
 

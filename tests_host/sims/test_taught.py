@@ -1,4 +1,4 @@
-"""Teach-in on a virtual router: what was moved by hand comes back as lines and arcs, and they make its steps again."""
+"""Teach-in on a virtual router: moves by hand come back as lines and arcs, which make the same steps again."""
 
 import math
 

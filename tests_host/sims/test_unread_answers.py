@@ -1,4 +1,4 @@
-"""The board's HTTP server, real sockets, its own time: who does not read an answer holds a place for a second, and no longer."""
+"""The board's HTTP server, real sockets, its own time: a client that does not read its answer holds a slot for a second at most."""
 
 import socket
 import time
@@ -7,7 +7,7 @@ from passo.web.files import Folder
 from passo.web.http import SLOTS, Server
 
 STOP = b"POST /stop HTTP/1.1\r\nHost: passo\r\n\r\n"
-LOOKS = 20  # at a socket, 0.02 s each, for what is not answered
+LOOKS = 20  # at a socket, 0.02 s each, while an answer is unread
 GET = b"GET /big.html HTTP/1.1\r\nHost: passo\r\n\r\n"
 
 

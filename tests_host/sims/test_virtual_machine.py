@@ -1,4 +1,4 @@
-"""The whole machine in memory: what tests of everything else stand on."""
+"""The whole machine in memory, on which the tests of everything else stand."""
 
 import pytest
 

@@ -14,7 +14,7 @@ from passo.protocols.plotter.host import COMMANDS, RESYNC_MS, packet, status_fro
 
 GAP_MS = boards.load("plotter_2014")["links"][0]["idle_gap_ms"]
 TURN_MS = 8  # of the virtual board in motion: how late it may look at its line
-FAULT_IN = 30  # one packet in so many has a fault
+FAULT_IN = 30  # one packet in FAULT_IN has a fault
 SEEDS = 200
 
 

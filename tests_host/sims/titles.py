@@ -1,4 +1,4 @@
-"""What a page's controls say of themselves: JavaScript that returns those without a sentence."""
+"""The titles of a page's controls: JavaScript that returns the controls without a sentence."""
 
 WITHOUT = """
 return [...document.querySelectorAll("button, input:not([type=hidden]), select, textarea, summary, canvas, a[href], [tabindex]")]

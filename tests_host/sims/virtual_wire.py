@@ -3,7 +3,7 @@
     with plugged(machine):
         resume.resume(file, "virtual", yes=True, …)
 
-A read lets the machine go on by a cycle; to sleep lets it go on for so long. `plugged(machine, cycles)` ends the PC amid its work: Killed.
+A read lets the machine go on by a cycle; a sleep lets it go on for its time. `plugged(machine, cycles)` ends the PC amid its work: Killed.
 """
 
 import contextlib
@@ -13,7 +13,7 @@ from host_tools.clients import frames, grbl, plotter, pulses, serial_port, wire
 from host_tools.programs import job
 from noisy_wire import BAUD, Cable
 
-STALLED_S = 300  # what a command does here takes a tenth of that
+STALLED_S = 300  # a command here takes a tenth of that
 
 
 class Killed(BaseException):
@@ -30,7 +30,7 @@ class Wire:
     baudrate = BAUD
 
     def __init__(self, machine, cycles=None, share=0.0, seed=0):
-        """`cycles`: so many of the board's, then the PC is killed; `share` of the bytes are lost, doubled or flipped, at random by `seed`."""
+        """`cycles`: the board's cycles until the PC is killed, None: any; `share` of the bytes are lost, doubled or flipped, at random by `seed`."""
         self._machine = machine
         self._cycles = cycles
         self._end = self.monotonic() + STALLED_S
