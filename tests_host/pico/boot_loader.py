@@ -3,8 +3,8 @@
     python boot_loader.py FIRST.uf2 FOLDER [BLOCKS]
 
 prints `usb: URL`, the port of the running board. machine.bootloader(), or SIGUSR1 (BOOTSEL held while it is plugged in), makes FOLDER with
-INFO_UF2.TXT in it. A UF2 laid there is written to the flash, block by block; behind the last one FOLDER goes, and the board starts. With
-BLOCKS the power goes after so many blocks of the first file, and comes again without BOOTSEL.
+INFO_UF2.TXT in it. A UF2 laid there is written to the flash, block by block; behind the last one FOLDER goes, and the board starts. With BLOCKS the power goes
+after that number of blocks of the first file, and comes again without BOOTSEL.
 """
 
 import shutil
@@ -23,7 +23,7 @@ SECTOR = 4096
 INFO = "INFO_UF2.TXT"
 SLICE_US = 2000
 IDLE_MS = 20
-# What the ROM leaves in the watchdog before it resets into the boot loader, and where that begins.
+# The value that the ROM leaves in the watchdog before it resets into the boot loader, and its address.
 _SCRATCH, _MAGIC, _ROM_END = 0x0C, 0xB007C0D3, 0x4000
 
 

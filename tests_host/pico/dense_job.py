@@ -17,7 +17,7 @@ STEPS_MM = 320
 MAX_MM_MIN = 9375  # 50 000 steps a second
 _UNANSWERED = 8  # lines
 LINES_S = 300
-TURN_MM = 450  # where the long diagonal is turned round
+TURN_MM = 450  # the length at which the long diagonal turns round
 STEP_TICKS = TICKS_PER_S // 50_000
 
 

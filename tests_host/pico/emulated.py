@@ -1,11 +1,11 @@
-"""What tests on the emulated Pico share. Import the fixtures by name:
+"""The fixtures of tests on the emulated Pico. Import the fixtures by name:
 
     from emulated import pico, uf2  # noqa: F401
 
 A firmware that is up is made once a session. Tests that use it are marked `on_a_copy`: each gets it as it was. Those of
 one machine belong to one `xdist_group`, so that it is made by one worker only.
 
-Where there is no MicroPython UF2, or no emulator, each of these tests skips and says why.
+Without a MicroPython UF2, or an emulator, each of these tests skips and says why.
 """
 
 import sys

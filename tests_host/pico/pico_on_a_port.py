@@ -93,7 +93,7 @@ class Running:
                     self._turn.notify_all()
                     if self._free:
                         self._turn.wait(max(0.0001, SLICE_US / 1e6 - (time.monotonic() - begun_s)))
-        except BaseException as error:  # whoever waits says it
+        except BaseException as error:  # the waiting caller raises it
             with self._turn:
                 self.error = error
                 self._turn.notify_all()

@@ -1,4 +1,4 @@
-"""`passo prove --analyser` on the emulated Pico: what it samples against the emulator's own log, and its files opened by programs that are not ours."""
+"""`passo prove --analyser` on the emulated Pico: its samples against the emulator's own log, and its files opened by programs that are not ours."""
 
 import re
 import shutil

@@ -1,4 +1,4 @@
-"""What the build counts of a Pico's heap on stock MicroPython, against what is free when the main loop begins (host_tools/build/budget.py)."""
+"""The build's estimate of a Pico's heap on stock MicroPython, against the free bytes when the main loop begins (host_tools/build/budget.py)."""
 
 import copy
 

@@ -117,7 +117,7 @@ def test_a_machine_as_it_is_flashed(make_machine, mhz):
     assert system_clock.of(machine.pico.chip).hz == mhz * 1_000_000
     machine.take("serial")
     machine.send(b"?", "serial")
-    machine.run_until(lambda: b">" in machine.received("serial"), 1000)  # what is loaded is put in its place first
+    machine.run_until(lambda: b">" in machine.received("serial"), 1000)  # loaded modules are put in their places first
     assert machine.take("serial").startswith(b"<Alarm|MPos:0.000,0.000,0.000|")
     console = machine.pico.console
     begun = list(machine.plant.position)

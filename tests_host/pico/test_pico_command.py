@@ -38,7 +38,7 @@ class Emulator(Board):
             self.ports[name] = value
 
     def mpremote(self, *arguments, timeout=120):
-        """What mpremote printed. Raises CalledProcessError."""
+        """Return mpremote's output. Raises CalledProcessError."""
         command = [*interpreter.mpremote(self.ports["usb"]), *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True, timeout=timeout).stdout
 
@@ -144,7 +144,7 @@ def test_one_clear_line(uf2, options, text):
 
 
 def test_the_port_is_printed_when_the_firmware_answers(uf2, tmp_path):
-    """And before it something is said. From then on nothing is lost, and the first answer comes within a moment."""
+    """Before the port, lines on stderr show the progress. From then on nothing is lost, and the first answer comes within a moment."""
     with Emulator(uf2, "--board", BOARD, "--uart0", tmp_path / "plotter") as emulator:
         with serial.Serial(emulator.ports["port"], timeout=ANSWER_LIMIT_S) as client:
             client.write(HELLO)

@@ -1,4 +1,4 @@
-"""The USB port's bytes on the emulated Pico: what the board reads is what was sent, in bursts of all lengths, and the REPL has its console back."""
+"""The USB port's bytes on the emulated Pico: the board reads the bytes sent, in bursts of all lengths, and the REPL has its console back."""
 
 import hashlib
 from random import Random

@@ -1,4 +1,4 @@
-"""A drawing by `passo draw` on the emulated Pico: what STEP, DIR and tool pins draw on a laser and on a router."""
+"""A drawing by `passo draw` on the emulated Pico: the lines that STEP, DIR and tool pins draw on a laser and on a router."""
 
 import random
 

@@ -1,4 +1,4 @@
-"""The emulated Pico itself: what the patches put right, the file system, resets, and the wires to the plant."""
+"""The emulated Pico itself: the effect of the patches, the file system, resets, and the wires to the plant."""
 
 import pytest
 from emulated import make_machine, pico, uf2  # noqa: F401
@@ -20,7 +20,7 @@ def test_code_files_and_errors(uf2):
     files = {"main.py": b"import room.a\nprint('main', room.a.X)", "room/a.py": b"X = 5\n", "empty/b.txt": b""}
     pico = EmulatedPico(files=files, uf2=uf2).boot()
     assert pico.files() == files
-    pico.console.send(b"\r")  # what was printed before USB was up comes with the next output
+    pico.console.send(b"\r")  # text printed before USB was up comes with the next output
     pico.console.expect(b"main 5\r\n")
     assert pico.exec("print(6 * 7)") == "42\r\n"
     with pytest.raises(RemoteError, match="ZeroDivisionError"):

@@ -37,7 +37,7 @@ def test_lines_on_the_chip(place, show):
 
 
 def test_drawing_at_the_motors_pace(place):
-    """Pace and computing add up: two waits a step, and what the line needs by itself."""
+    """Pace and computing add up: two waits a step, and the time that the line needs by itself."""
     computed = lines.measure(place)[0]
     for name, (integer_s, float_s) in drawing.measure_paced(place).items():
         points = [(0, 0), *lines.points_of()[name]]

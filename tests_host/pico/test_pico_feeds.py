@@ -1,5 +1,5 @@
-"""Feeds at the pins of the emulated Pico and of the virtual board, and in `?`: within 0.1 % of what the line asks for, on machines whose motors are
-not simply X, Y and Z: with a rotary table, CoreXY, and backlash that is taken up."""
+"""Feeds at the pins of the emulated Pico and of the virtual board, and in `?`: within 0.1 % of the line's F, on machines whose motors are
+not simply X, Y and Z: with a rotary table, CoreXY, and backlash compensation."""
 
 import copy
 import math

@@ -42,13 +42,13 @@ def until_up(machine):
 
 
 def said(pico, limit_us=2_000_000):
-    """What the REPL shows, once its prompt is there."""
+    """Return the REPL's text, once its prompt is there."""
     pico.console.send(b"\r")
     return pico.console.expect(b">>> ", limit_us).decode()
 
 
 def told(machine):
-    """What the program has printed, once it is interrupted."""
+    """Interrupt the program and return its output."""
     machine.pico.console.send(b"\r\x03\x03")
     return machine.pico.console.expect(b">>> ").decode()
 

@@ -99,7 +99,7 @@ def test_other_interpreters(version):
 
 @pytest.mark.parametrize("torn", ["stamp.txt", "passo/stamp.txt", "of another build"])
 def test_a_torn_or_mixed_build_is_not_run(torn, uf2):
-    """What is there would start: it says what is wrong, touches no pin, and the prompt comes."""
+    """The torn build would start: instead the board says what is wrong, touches no pin, and the prompt comes."""
     files = dict(firmware_files("plotter_2014"))
     if torn in files:
         del files[torn]
@@ -118,7 +118,7 @@ EVERYTHING = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}}
 
 @pytest.mark.parametrize("board", [pytest.param(name, marks=pytest.mark.slow) for name in ("router_3axis", "laser_xy")] + ["mill_2004"])
 def test_with_journal_jobs_and_frames_it_starts(board, uf2, show):
-    """What takes most memory: stored jobs, their journal, and frames on every link."""
+    """The options that take most memory: stored jobs, their journal, and frames on every link."""
     board = boards.load(board)
     board.update(EVERYTHING, links=[dict(link, frames=True) for link in board["links"]])
     started = Started(board, written(board), uf2)
@@ -215,7 +215,7 @@ def test_functions_run_from_flash(pico):
     assert pico.exec("from passo.motion import cordic\nprint(in_flash(cordic.vector) if 'in_flash' in globals() else 1)") == "1\r\n"
 
 
-# What mpy-cross knows to make: functions in functions, generators, classes, defaults, closures, constants, machine code.
+# Everything that mpy-cross can make: functions in functions, generators, classes, defaults, closures, constants, machine code.
 EVERYTHING_MADE = """
 import micropython
 def count(n):
@@ -254,7 +254,7 @@ EXPECTED = (
 
 @pytest.mark.parametrize("native", [False, True])
 def test_whatever_is_made_runs_as_the_interpreter_has_it(pico, native):
-    """Loaded by the interpreter and from flash: the same answers, also after collections; what is too long for a block is copied."""
+    """Loaded by the interpreter and from flash: the same answers, also after collections; a function too long for a block is copied."""
     source = EVERYTHING_MADE + "".join(f"    a += {i} - {i - 1}\n" for i in range(1, 1025)) + "    return a\n" * 1
     with tempfile.TemporaryDirectory() as folder:
         path, target = Path(folder) / "source.py", Path(folder) / "made.mpy"
@@ -285,7 +285,7 @@ def test_whatever_is_made_runs_as_the_interpreter_has_it(pico, native):
 
 
 def test_half_a_module_is_refused(pico):
-    """What mpremote leaves if it is interrupted. The interpreter alone would read on for ever, deaf to Ctrl-C."""
+    """An interrupted mpremote leaves one. The interpreter alone would read on for ever, deaf to Ctrl-C."""
     data = firmware_files("plotter_2014")["passo/motion/cordic.mpy"]
     for size in (len(data) - 1, len(data) - 5, len(data) // 2, 30, 0):
         pico.exec(f"with open('passo/half.mpy', 'wb') as file:\n    _ = file.write({data[:size]!r})")

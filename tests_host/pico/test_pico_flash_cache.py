@@ -33,7 +33,7 @@ SECOND = 1e9
 
 
 class Program:
-    """`code` at an address, halfwords, with registers; what it does is in `cycles`, `misses`, `registers`."""
+    """`code` at an address, halfwords, with registers; the results are in `cycles`, `misses`, `registers`."""
 
     def __init__(self, make, code, at=FLASH + 0x100, miss=MISS, random=False, **registers):
         self.chip = RP2040()
@@ -212,7 +212,7 @@ def reused(make):
 
 
 def both(code, registers, flags):
-    """What rp2040py and core.c make of a program. Where they differ, core.c is the Cortex-M0+:
+    """Return the results of rp2040py and core.c for a program. If they differ, core.c is the Cortex-M0+:
 
     - ADCS and SBCS: rp2040py adds the carry to an operand first, and may lose V;
     - a shift by a register that holds 0 leaves C as it is, and LSLS by more than 32 clears it.

@@ -145,7 +145,7 @@ BUILD = "from board import BOARD; print(BOARD['name'], open('stamp.txt').read() 
 
 
 def test_machines_of_a_board_with_stock_micropython(uf2, tmp_path, show):  # noqa: F811
-    """Their firmware differs: each has its own in place while it is chosen, and what runs stays as it is until then."""
+    """Their firmware differs: each machine's own is put in place when it is chosen, and the running one stays until then."""
     with Pico(uf2, tmp_path) as pico:
         assert pico.flash("--board", "two_motor_kit").returncode == 0
         kit = pico.mpremote("exec", BUILD).split()

@@ -156,7 +156,7 @@ def torn(frozen, whole_blocks, spoil=()):
 
 
 def outcome(machine, limit_ms=700):
-    """What it says by then, or what ended it."""
+    """Return the text up to `limit_ms`, or the fault that ended it."""
     try:
         machine.pico.boot(limit_ms * 1000)
         machine.run_ms(limit_ms - machine.now_ms())
@@ -195,7 +195,7 @@ def test_a_bit_that_has_changed_is_found(frozen):
 
 @pytest.mark.parametrize("marked", [False, True])
 def test_a_package_on_the_file_system(frozen, marked):
-    """It is not run, and its build is told; unless `passo flash --source` has laid it there."""
+    """It is not run, and a message names its build; unless `passo flash --source` has laid it there."""
     late = b"import time\ntime.sleep_ms(200)\nprint('of the file system')\n"  # when somebody listens
     files = {"passo/__init__.py": late, "passo/stamp.txt": b"0123456789ab\n", "stamp.txt": b"0123456789ab\n"}
     if marked:

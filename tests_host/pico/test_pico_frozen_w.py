@@ -1,7 +1,7 @@
 """A router and a laser on an emulated Pico W with Passo's UF2: pages open, lines streamed over USB, stored jobs and journal, all at once.
 
 `make uf2 CHIP=rp2040_w` builds it; without one of this source these tests skip, and say so. Connections come over a UART in the place of the
-radio: what its driver and lwIP hold lies outside of MicroPython's heap, and this UF2 has taken it from the heap.
+radio: the memory of its driver and lwIP lies outside of MicroPython's heap, and this UF2 has taken it from the heap.
 """
 
 import gzip

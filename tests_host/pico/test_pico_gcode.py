@@ -1,4 +1,4 @@
-"""G-code on the emulated Pico, from bytes to steps: what `make bench ARGS=gcode` measures must not collapse."""
+"""G-code on the emulated Pico, from bytes to steps: the rates of `make bench ARGS=gcode` must not collapse."""
 
 import contextlib
 import io
@@ -103,7 +103,7 @@ def test_tight_arcs_are_stepped_in_time(uf2):
 
 @pytest.mark.slow
 def test_s_curves_are_stepped_in_time(uf2):
-    """Lines, on the board as it is but for what it keeps free for arcs."""
+    """Lines, on the shipped board with less memory reserved for arcs."""
     machine = gcode.router(jerk=JERK)
     start = list(machine.plant.position)
     pulses = machine.pico.edges(X_STEP)

@@ -1,7 +1,7 @@
-"""A laser on the emulated Pico: when its tool's pin is high, and what duty its PWM has.
+"""A laser on the emulated Pico: the times at which its tool's pin is high, and the duty of its PWM.
 
-rp2040py models the PWM slices: counter, wrap, compare values that count from the next wrap on, and the pins. What the
-firmware writes to the compare register is looked at here, and once the pin itself.
+rp2040py models the PWM slices: counter, wrap, compare values that count from the next wrap on, and the pins. The tests read the firmware's writes to the
+compare register, and once the pin itself.
 """
 
 from functools import lru_cache
@@ -24,7 +24,7 @@ WITHIN_MS = 0.01  # from a step to its duty, or back, while enough words lie ahe
 _CC = 0x0C
 _STOP = 15
 _STEP, _DIR, _TOOL, _PWM, _ENABLE = 2, 4, 6, 7, 14
-_HALF_RAPIDS = b"\x96"  # what makes the faults below happen
+_HALF_RAPIDS = b"\x96"  # they bring about the faults below
 
 
 class Laser:
@@ -79,7 +79,7 @@ class Laser:
         return [cycle for cycle, state in self.steps if state == 1]
 
     def at(self, steps):
-        """The cycle of the step that leads from the place `steps`: what counts from there on begins with it."""
+        """Return the cycle of the step that leads from the place `steps`: levels that count from there on begin with it."""
         return self.places()[steps]
 
 
@@ -119,7 +119,7 @@ def test_a_raster_burns_where_it_says(laser, show):
     assert laser.dark()
     on = sum(b[0] - a[0] for a, b in zip(pulses, pulses[1:]) if a[1] == 1)
     want = sum((b[0] - a[0]) * a[1] / 1000 for a, b in zip(laser.duty, laser.duty[1:]))
-    assert abs(on - want) < 0.02 * want, "what the pin shows is what has been set"
+    assert abs(on - want) < 0.02 * want, "the pin's share of time must be the duty set"
 
 
 def test_each_of_many_dots_has_its_power(laser):
@@ -233,7 +233,7 @@ def test_a_beam_that_stands_changes_at_once(laser):
 
 
 def test_an_override_counts_once(laser):
-    """What has been handed over already may still have the old power; once the new one shows, it stays."""
+    """Words handed over already may still have the old power; once the new one shows, it stays."""
     laser.say("M3S500", "G1X10")
     laser.machine.run_ms(60)
 
@@ -271,7 +271,7 @@ def test_an_override_amid_dots_counts_once(laser):
 
 
 def test_a_halt_stays_dark(laser):
-    """Wherever the interrupt that feeds is just then: what it was about to show is not shown any more."""
+    """At any moment of the interrupt that feeds: the power that it was about to show is not shown any more."""
     laser.say("M3S900", "G1X20")
     laser.machine.run_ms(80)
     assert laser.lit() and laser.value() == 900
@@ -283,7 +283,7 @@ def test_a_halt_stays_dark(laser):
         laser.machine.run_ms(4 if phase % 5 else 20)
         return [value for _, value in laser.duty[known:]], laser.lit()
 
-    for phase in range(50):  # the interrupt comes every 2 ms; what it must not do takes it some 40 µs
+    for phase in range(50):  # the interrupt comes every 2 ms; the work that it must drop takes some 40 µs
         assert on_a_copy(lambda: shown(phase)) == ([0], 0), phase
 
 

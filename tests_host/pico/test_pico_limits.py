@@ -33,7 +33,7 @@ def router(uf2):  # noqa: F811
 
 
 def hit(machine, name, speed, wait_ms):
-    """(µs from the edge of a limit amid a motion to the last step, what was said, whether the tool was off within 1 ms)"""
+    """(µs from the edge of a limit amid a motion to the last step, the answer, whether the tool was off within 1 ms)"""
     pins = [axis["pins"][0] for axis in machine.board["axes"]]
     tool = machine.pico.edges(TOOL_PIN)
     logs = [machine.pico.edges(pin) for pin in pins]

@@ -1,4 +1,4 @@
-"""The heap of the emulated Pico: what is free with the App loaded, and that making words takes none of it."""
+"""The heap of the emulated Pico: the free bytes with the App loaded, and that making words takes none of them."""
 
 import pytest
 from emulated import rig, uf2  # noqa: F401

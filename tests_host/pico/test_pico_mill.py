@@ -54,7 +54,7 @@ def mill(uf2):  # noqa: F811
 
 
 def test_room_on_the_heap(uf2, show):  # noqa: F811
-    """What is free once all is made, before the first cycle."""
+    """The free bytes after the machine is built, before the first cycle."""
     files = dict(firmware_files("mill_2004"))
     begin = b"        start.run(app, port)\n"
     tell = b"        import gc; start.rooms = None; gc.collect(); print('FREE', gc.mem_free())\n"

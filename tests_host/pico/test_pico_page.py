@@ -1,6 +1,6 @@
 """The page and its API served by an emulated Pico W, while three axes step: connections come over a UART in the place of the radio.
 
-What this does not show: the radio, its driver and lwIP, whose memory lies outside MicroPython's heap.
+The tests leave out the radio, its driver and lwIP, whose memory lies outside MicroPython's heap.
 """
 
 import gzip
@@ -85,7 +85,7 @@ def test_the_page_while_three_axes_step(show):
 
 
 def points_s(machine):
-    """Points a second that a plotter takes over its cable, at full speed. What has been stored is dropped now and then."""
+    """Points a second that a plotter takes over its cable, at full speed. A STOP drops the stored points now and then."""
     took = 0
     for _ in range(ROUNDS):
         took += points_ms(machine)
@@ -99,7 +99,7 @@ def points_ms(machine):
     sent = heard = 0
     begun = told = machine.now_ms()
     while heard < POINTS:
-        if machine.now_ms() > told + AGAIN_MS:  # what has got lost is sent again
+        if machine.now_ms() > told + AGAIN_MS:  # lost lines are sent again
             sent, told = heard, machine.now_ms()
         while sent < POINTS and sent < heard + WINDOW:
             machine.send(packet(COMMANDS["LINE"], 100 + sent % 1000, 100 + sent // 2))

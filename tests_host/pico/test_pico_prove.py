@@ -1,5 +1,6 @@
-"""`passo prove` on the emulated Pico, directly and over a port as a real board: every row, its witness against the emulator's own log, and what
-it says of a board that is wrong."""
+"""`passo prove` on the emulated Pico, directly and over a port as a real board: every row, its witness against the emulator's own log, and its rows for a
+faulty board.
+"""
 
 import json
 import os
@@ -71,7 +72,7 @@ def rows_of(board, way, *parts, jobs=("helices",), fault=None):
 
 
 def on_make(board, before="", after=""):
-    """Have code run on the board in front of and behind what makes its machine."""
+    """Have code run on the board before and after the line that makes its machine."""
     start = board.start
 
     def with_more(code):
@@ -301,7 +302,7 @@ def test_a_fault_is_named(board, way, fault, show):
 
 
 def command(board, link, answer, *words, parts=(facts.facts, pins.edges_of)):
-    """(exit status, what is printed) of `passo prove --port`, with some of its parts, on a copy; `answer`: what is typed, None: no terminal."""
+    """Return (exit status, output) of `passo prove --port`, with some of its parts, on a copy; `answer`: the text typed, None: no terminal."""
 
     def done():
         proof.PARTS = tuple(row for row in PARTS if row[1] in parts)

@@ -25,7 +25,7 @@ PC_US = 1000  # it looks for answers as often as real ones do, in the mean
 SEED = 1
 SHARES = (50, 80, 100, 120, 150)
 MM = 0.1  # of a line
-WHAT = {"lines": "", "M3": "M3S0", "M4": "M4S0"}  # what is said before
+WHAT = {"lines": "", "M3": "M3S0", "M4": "M4S0"}  # lines sent before
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("starving")]
 
 

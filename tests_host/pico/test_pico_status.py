@@ -1,4 +1,4 @@
-"""A status asked for on the emulated Pico: what it says, and how soon while three axes step at 100 kHz."""
+"""A status asked for on the emulated Pico: its fields, and the time to the answer while three axes step at 100 kHz."""
 
 from statistics import median
 
@@ -19,7 +19,7 @@ def asked(uf2):
 
 @pytest.mark.slow
 def test_answers_come_in_time_while_three_axes_step(asked, show):
-    """All but one: asking leaves next to no garbage, but what is there already may be collected now."""
+    """All but one: asking leaves next to no garbage, but garbage of before may be collected now."""
     took_ms = sorted(moving.answers(asked, moving.long_lines(), ANSWERS))
     show("`?` on the Pico at 3 x 100 kHz", f"median {median(took_ms):.1f} ms, all but one within {took_ms[-2]:.1f} ms")
     assert median(took_ms) <= 4.5 and took_ms[-2] <= 5

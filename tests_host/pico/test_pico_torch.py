@@ -18,7 +18,7 @@ def until_up(machine):
         machine.send(torch.frame("INFO"))
         machine.run_ms(50)
         if machine.take()[:1] == b"\xbb":
-            machine.run_ms(20)  # what is left of that answer
+            machine.run_ms(20)  # the rest of that answer
             machine.take()
             return
     raise AssertionError(f"no answer within {UP_LIMIT_MS} ms")
