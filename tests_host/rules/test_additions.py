@@ -28,7 +28,7 @@ ADDITIONS = additions()
 
 
 def _needless(folder, names):
-    """What is in no clone of the house."""
+    """Return the names that no clone of the house has."""
     return {"__pycache__", *([".git", ".venv", ".hypothesis", ".pytest_cache", "build", "out"] if Path(folder) == ROOT else [])} & set(names)
 
 

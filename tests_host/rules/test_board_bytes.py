@@ -1,4 +1,4 @@
-"""What each board gets as its board file: golden/boards.txt has a digest of its values, and which board it is "like".
+"""The board file of each board as the build writes it: golden/boards.txt has a digest of its values, and the board it is "like".
 
     python tests_host/rules/test_board_bytes.py > tests_host/golden/boards.txt      # after a change; its diff lists the boards that change
 """

@@ -40,7 +40,7 @@ BOARD = {
     "links": [{"name": "pc", "port": "usb", "protocol": "grbl"}],
 }
 
-# Homes, cuts the slot with a hold on the way, probes into the air, and jogs; prints what it was told, and the modules of the firmware.
+# Homes, cuts the slot with a hold on the way, probes into the air, and jogs; prints the board's answers, and the modules of the firmware.
 _WORK = """
 import json, sys
 board, slot, sims = json.loads(sys.argv[1]), open(sys.argv[2]).read().splitlines(), sys.argv[3]

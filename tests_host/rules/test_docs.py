@@ -1,4 +1,4 @@
-"""What the documents say exists: their links, the commands they show, the files they name; the pages that are made are current."""
+"""Everything that the documents name exists: their links, their commands, their files; generated pages are current."""
 
 import re
 import shlex
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.quick
 
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "tests_host" / "README.md"])
 FENCED = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
-# What a document writes where a reader puts something of his own.
+# Placeholders of the documents: {placeholder: a value that works}.
 STANDS_FOR = {"PORT": "/dev/ttyACM0", "NAME": "plotter_2014", "NUMBER": "1", "FILE": "job.gcode", "TCP": "5001"}
 COMMANDS = get_command(app)
 UsageError = typer.BadParameter.__base__  # click's, or that of the click inside newer Typers
@@ -68,7 +68,7 @@ def test_links_resolve(page):
 
 
 def shown_commands(text, verb, mentioned=True):
-    """What is shown of a command, without its comment: [words]; `mentioned`: in a line of text, too."""
+    """Return a command's uses, without their comments: [words]; `mentioned`: in a line of text, too."""
     found = []
     lines = blocks(text) + (spans(text) if mentioned else [])
     for line in [command for line in lines for command in line.split(" && ")]:
@@ -128,7 +128,7 @@ def test_files_exist(page):
     text = page.read_text(encoding="utf-8")
     named = {span for span in spans(text) if re.fullmatch(r"[\w./]+/[\w.]+\.(py|md|toml|png|json|csv|txt)", span)}
     roots = ROOT, ROOT / "firmware" / "passo", ROOT / "firmware", page.parent
-    made = re.compile(r"out/|build/|boards/mine|passo/files.txt|passo/stamp.txt|.*/(wheel|output_lamp|beeper|service|input_runout|drive_l298)/\w+\.\w+$")  # what commands write, and what a reader writes
+    made = re.compile(r"out/|build/|boards/mine|passo/files.txt|passo/stamp.txt|.*/(wheel|output_lamp|beeper|service|input_runout|drive_l298)/\w+\.\w+$")  # files that commands write, and files of the reader
     missing = [name for name in named if not made.match(name) and not any((root / name).exists() for root in roots)]
     assert not missing
 

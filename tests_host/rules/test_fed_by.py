@@ -1,7 +1,7 @@
 """Each rate and each wait of the benchmarks says what the board was fed by: the same firmware takes twice as many lines from its memory as over USB.
 
-A row tells a rate if it counts lines, dots or points a second, and a wait if it is of a question, a command or a hold. What it was fed by
-stands in the row or in its table's columns.
+A row tells a rate if it counts lines, dots or points a second, and a wait if it is of a question, a command or a hold. The source of the lines stands in the
+row or in its table's columns.
 """
 
 import re

@@ -16,7 +16,7 @@ from test_docs import PAGES, blocks, check
 pytestmark = pytest.mark.quick
 
 MOST_WORDS = 2500
-# What is looked up, and not read from the beginning to the end; and the one walk through the code.
+# Pages for looking things up, not for reading from the beginning to the end; and the one walk through the code.
 REFERENCE = {"docs/start/wiring.md", "docs/reference/board-file.md", "docs/reference/benchmarks.md", "docs/reference/pins.md", "docs/reference/errors.md", "docs/inside/architecture.md"}
 GUIDES = sorted((ROOT / "docs" / "start" / "machines").glob("*.md"))
 SECTIONS = ("Parts", "Wiring", "Try it without hardware", "Flash the board", "First motion", "What can go wrong")
@@ -35,7 +35,7 @@ NO_USB = "two_motor_kit", "torch_manipulator", "lpt_router", "plotter_2014"  # b
 MOST_BYTES = 150_000
 # Words that no sentence in Portuguese has.
 ENGLISH = re.compile(r"\b(the|of|and|is|are|with|which|from|when|if|then|an|to|it|that|this|your|you|not|by|at|on|in|off|or|see)\b", re.IGNORECASE)
-# What a Brazilian shop does not say, and what it does; `fuso` is a lead screw, so never beside a speed or M3.
+# Words that a Brazilian shop does not use: the ones it does; `fuso` is a lead screw, so never beside a speed or M3.
 NOT_SAID = {
     "sentiu falta": "acusou", "armazenad": "guardado", " acionamento": "driver", "deseja": "quer", "origem buscada": "referenciada",
     "rotação do fuso": "rotação do spindle", "arquivo de placas": "arquivo de placa", "config.": "configuração",
@@ -103,7 +103,7 @@ def test_docs_lie_in_their_folders():
     assert {path.name for path in (ROOT / "docs").iterdir()} == {"README.md", "inside", "pt", "reference", "start", "use"}
 
 
-# Where pages lay that others may have linked, and that messages of an earlier Passo name.
+# Former addresses of pages, which others may have linked and messages of an earlier Passo name.
 OLD = (
     "architecture backlash benchmarks blackbox board-file boards build calibration class corexy drawings drivers encoders errors gcode homing interlock "
     "jobs jobs-flash kernels many network panel parking pins programs prove repl rotary safety set-up settings shop silicon site spindle states "
@@ -127,7 +127,7 @@ BEGIN = [page for page in PAGES if page.parent.name != "docs" and ({"start", "us
 @pytest.mark.parametrize("page", BEGIN, ids=name)
 def test_a_page_begins_with_its_end_and_its_set_up(page):
     text = page.read_text(encoding="utf-8")
-    assert FIRST.match(text), "say first what the reader will have done at its end, and what must be installed"
+    assert FIRST.match(text), "begin with the reader's result at its end, and the programs to install"
     if commands := re.search(r"^ +(?:\$ )?passo .*$", text, re.MULTILINE):
         assert SET_UP.search(text[: commands.start()]), "one line of set-up, to be pasted, before the first command"
 
@@ -158,7 +158,7 @@ def test_readme_is_read_in_a_minute():
 
 
 def test_the_film_begins_with_what_becomes_of_it():
-    """Who looks once, or prints the page, sees the drawing and all that was said."""
+    """A reader who looks once, or prints the page, sees the drawing and all of the text."""
     text = (ROOT / "docs" / "start" / "first-minute.svg").read_text(encoding="utf-8")
     seconds, shown_s = (int(re.search(rf"animation-{word}:-?(\d+)s", text)[1]) for word in ("duration", "delay"))
     assert max(float(percent) for percent in re.findall(r"([\d.]+)%,100%", text)) <= 100 * shown_s / seconds < 90

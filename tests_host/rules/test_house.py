@@ -1,7 +1,7 @@
 """Rules of the whole house, read from the source: fields of arrays have names, a constant stands in one place, files and functions
 stay short, and no module imports one that imports it.
 
-Each table of exceptions says why, or is a list to be emptied: what is in it and need not be is a fault too.
+Each table of exceptions says why, or is a list to be emptied: an entry without need is a fault, too.
 """
 
 import ast
@@ -142,7 +142,7 @@ def declared_twice(trees):
     return {constant: paths for constant, paths in places.items() if len(paths) > 1}
 
 
-OF_MANIFESTS = ("HEAP_KB",)  # what each manifest says of its own option
+OF_MANIFESTS = ("HEAP_KB",)  # each manifest states its own option's
 
 
 def test_no_constant_stands_twice():
@@ -171,7 +171,7 @@ def test_no_file_is_long():
 
 
 def bound(node):
-    """Names that the body of a class gives to its instances: methods, fields, and what its methods set of self."""
+    """Return the names that the body of a class gives to its instances: methods, fields, and attributes that its methods set."""
     found = {each.name for each in node.body if isinstance(each, (ast.FunctionDef, ast.ClassDef))}
     for each in node.body:
         for target in getattr(each, "targets", [getattr(each, "target", None)]):
@@ -314,7 +314,7 @@ def circles(imported):
 
 
 def between_folders(imported, top):
-    """{folder: folders that its modules import} of what lies under the package `top`."""
+    """Return {folder: folders that its modules import} for the folders under the package `top`."""
     folders = {}
     for module, others in imported.items():
         names = [tuple(each.split(".")[:2]) for each in (module, *others) if each.startswith(top + ".")]
@@ -379,7 +379,7 @@ def test_only_steps_knows_the_feeders_state():
     report(faults)
 
 
-# Modules of constants only: who reads many of them may import all.
+# Modules of constants only: a module that reads many of them may import all.
 OF_CONSTANTS = ("passo.records", "passo.protocols.gcode.parse_records", "passo.protocols.grbl.report_records", "passo.ports.rp2.fields",
                 "passo.ports.rp2.registers")  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""What an interrupt sets is there before: an attribute that is new to its object allocates, which no interrupt may."""
+"""Attributes that an interrupt sets exist before: an attribute that is new to its object allocates, which no interrupt may."""
 
 import ast
 
@@ -13,7 +13,7 @@ ISR = "# ISR"
 
 
 def classes():
-    """{class: [(path, class node, lines)]}; of one name all are taken together with what they are derived from."""
+    """Return {class: [(path, class node, lines)]}; classes of one name count together with their bases."""
     found = {}
     for path in module_files():
         text = (FIRMWARE / path).read_text(encoding="utf-8")

@@ -21,7 +21,7 @@ FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
 # The vocabulary: everybody may name it, and it names nobody.
 VOCABULARY = ("passo.records", "passo.commands", "passo.batch", "passo.errors", "passo.memory")
 
-# What of passo a room may import besides itself.
+# The modules of passo that a room may import besides itself.
 MAY_IMPORT = {
     "passo": (),
     "records": (),
@@ -126,7 +126,7 @@ def option_of(path):
 
 @functools.cache
 def options_open_to(path):
-    """Options whose files a firmware file may name: its own, those that its manifest SHARES, or what NAMES_OPTIONS still has; for a language
+    """Options whose files a firmware file may name: its own, those that its manifest SHARES, or those that NAMES_OPTIONS still has; for a language
     those of its OPTIONS."""
     option = option_of(path)
     if path.parts[:2] == ("passo", "protocols") and path.name == "__init__.py" and len(path.parts) == 4:
@@ -162,7 +162,7 @@ def import_faults(source, path):
     own = SHARED_PROTOCOLS + (".".join(path.parts[:3]),) if room == "protocols" else (f"passo.{room}",)
     own += tuple(f"passo.options.{option}" for option in options_open_to(path))
     if option_of(path) and path.stem.startswith("language_"):
-        own += ("passo.protocols." + path.stem.partition("_")[2],)  # what it adds to
+        own += ("passo.protocols." + path.stem.partition("_")[2],)  # the language it adds to
     allowed = MAY_IMPORT.get(room, ()) + own
     built_ins = BUILT_INS | MORE_BUILT_INS.get(room, set())
     faults = []

@@ -1,4 +1,4 @@
-"""What `make` would do: what it installs for which target, and tests that are chosen by hand."""
+"""The actions of `make`: its installs for each target, and tests chosen by hand."""
 
 import os
 import re
@@ -36,7 +36,7 @@ def test_chosen_tests_are_not_failed_for_their_coverage(target):
 
 
 def made(folder, minor, here=None):
-    """(exit code, what is said) of `make .venv/.installed-tools` in a folder, by a `python3` of 3.`minor`; `here`: that of its .venv."""
+    """Return (exit code, output) of `make .venv/.installed-tools` in a folder, by a `python3` of 3.`minor`; `here`: that of its .venv."""
     for path, number in ((folder / "bin" / "python3", minor), (folder / ".venv" / "bin" / "python", here)):
         if number is not None:
             path.parent.mkdir(parents=True)

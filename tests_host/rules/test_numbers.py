@@ -1,6 +1,6 @@
-"""Names that are told apart by their numbers have one each: kinds of commands and events, errors, notices, fields of rows.
+"""Names that differ by number have one each: kinds of commands and events, errors, notices, fields of rows.
 
-What users know by number means the same for ever: golden/numbers.txt has each error, notice and setting, numbers.txt of an option's tests its own.
+Numbers that users know keep their meaning for ever: golden/numbers.txt has each error, notice and setting, numbers.txt of an option's tests its own.
 A new one of core is a line more:
 
     python tests_host/rules/test_numbers.py > tests_host/golden/numbers.txt
@@ -113,7 +113,7 @@ def rows():
 
 
 def golden():
-    """What each number means: {(kind, number): name}."""
+    """Return the meaning of each number: {(kind, number): name}."""
     return {(kind, int(number)): name for kind, number, name in rows()}
 
 

@@ -103,7 +103,7 @@ def test_a_language_can_be_deleted(language, whole, tmp_path):
     shutil.copytree(FIRMWARE, firmware, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.rmtree(firmware / "passo" / "protocols" / language)
     for path in [*firmware.glob(f"passo/options/*/language_{language}.py"), *firmware.glob(f"passo/protocols/page/{language}.py")]:
-        path.unlink()  # what options and the page add to it
+        path.unlink()  # files of options and of the page for this language
     left = builds(firmware, tmp_path)
     for name in boards.names():
         if language in [link["protocol"] for link in boards.load(name)["links"]]:
@@ -118,7 +118,7 @@ ADDED = sorted(vars(Additions()))  # and those that it had as keys of the board
 @pytest.mark.quick
 @pytest.mark.parametrize("name", [name for name in boards.names() if set(OPTIONS) & boards.load(name).keys()])
 def test_a_board_file_has_no_key_that_only_options_write(name):
-    """Not even one that says what they write; and checked twice, a board is the same."""
+    """The same holds for a key that describes their additions; and check() of a checked board changes nothing."""
     board = boards.load(name)
     checked = check(board)
     for key in ["additions", *ADDED]:
@@ -132,7 +132,7 @@ def test_a_board_file_has_no_key_that_only_options_write(name):
 @pytest.mark.quick
 @pytest.mark.parametrize("option", OPTIONS)
 def test_a_key_that_says_nothing_asks_for_nothing(option):
-    """A board file may say None: what is loaded and built is that of a board without the key."""
+    """A board file may say None: the modules loaded and built are those of a board without the key."""
     board = boards.load("plotter_2014")
     plain, asking = check(board), check({**board, option: None})
     added, asked = vars(plain.pop("additions")), vars(asking.pop("additions"))

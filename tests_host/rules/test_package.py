@@ -1,4 +1,4 @@
-"""What is declared is what is there: packages and dependencies."""
+"""The declared packages and dependencies are exactly those in use."""
 
 import ast
 import re
@@ -14,7 +14,7 @@ from host_tools.resources import ROOT
 pytestmark = pytest.mark.quick
 
 OWN = {"passo", "host_tools", "boards", "micropython"}
-ON_THE_BOARD = {"board", "machine", "passo_image", "rp2", "uctypes", "vfs"}  # of what host_tools/prove has a board run
+ON_THE_BOARD = {"board", "machine", "passo_image", "rp2", "uctypes", "vfs"}  # of the code that host_tools/prove runs on a board
 
 
 def imported(folder):
@@ -55,7 +55,7 @@ def extras(project):
 
 
 def packages():
-    """What setup.py hands to setuptools."""
+    """Return the packages that setup.py gives to setuptools."""
     declared = []
     tree = parse((ROOT / "setup.py").read_text(encoding="utf-8"))
     code = compile(ast.Module([node for node in tree.body if "setuptools" not in ast.dump(node)], []), "setup.py", "exec")

@@ -1,4 +1,4 @@
-"""What `passo prove` promises stands in docs/reference/benchmarks.md."""
+"""docs/reference/benchmarks.md has the promises of `passo prove`."""
 
 import re
 

@@ -30,7 +30,7 @@ ROAD = (
     "steps/segments_viper.py make",
     "ports/virtual_player.py Player.start",
 )  # fmt: skip
-# Machine code: what it calls is part of it, and one call does the work of several lines or segments.
+# Machine code: a kernel includes the functions it calls, and one call does the work of several lines or segments.
 KERNELS = [name for name in ROAD if "_viper.py" in name]
 
 # What the road asks, once for all lines that a cycle brings: is a `?` among them? Does the machine take lines now, how many, understood by what?
@@ -50,7 +50,7 @@ ANSWER = {
     "ports/virtual.py MemoryLine.write",
     "protocols/grbl/protocol.py Grbl.feed",  # is anything left that is no plain line?
 }
-# What every cycle does.
+# The work of every cycle.
 CYCLE = {
     "control/controller.py Controller.poll",
     "control/switches.py Switches.look",
@@ -60,7 +60,7 @@ CYCLE = {
     "ports/virtual.py VirtualPort.tripped",
     "protocols/grbl/protocol.py Grbl.pending",
 }
-# What a cycle does besides while the machine is awake.
+# The further work of a cycle while the machine is awake.
 AWAKE = {
     "control/controller.py Controller._work",
     "control/motors.py Motors.poll",

@@ -1,8 +1,8 @@
-"""The ports against MicroPython's own type stubs: what they ask of a chip's modules is there, with these arguments.
+"""The ports against MicroPython's own type stubs: each use of a chip's modules exists, with these arguments.
 
 `make test` puts the stubs, which would clash with each other and with CPython's in one folder, into .venv/typings;
-without them these tests skip. Ticks are whole numbers here and types of their own in the stubs: that, and what machine
-code and PIO assembler make of names, is not asked.
+without them these tests skip. Ticks are whole numbers here and types of their own in the stubs: the check leaves them out, and the names used by machine code
+and PIO assembler.
 """
 
 import importlib.util
@@ -45,7 +45,7 @@ needs_stubs = pytest.mark.skipif(
 
 
 def complaints(chip, tmp_path, *modules):
-    """What mypy says of a chip's port, or of `modules`, with that chip's stubs."""
+    """Return mypy's errors for a chip's port, or for `modules`, with that chip's stubs."""
     configuration = tmp_path / "mypy.ini"
     configuration.write_text(CONFIGURATION)
     asked = modules or ("-p", f"passo.ports.{chip}", *[part for name in SHARED for part in ("-m", name)])

@@ -1,5 +1,5 @@
-"""What people and programs may ask of Passo: golden/surface.txt lists it, of an option surface.txt beside its tests; nothing that is listed
-goes without a word.
+"""The surface of Passo for people and programs: golden/surface.txt lists it, of an option surface.txt beside its tests; an entry can go only by a change of the
+list.
 
     python tests_host/rules/test_surface.py > tests_host/golden/surface.txt      # after something new, or something removed on purpose
 
@@ -74,7 +74,7 @@ def statuses():
 
 PAGES = ("firmware/passo/protocols/page", "firmware/passo/options/jobs", "firmware/passo/web", "host_tools/page", "host_tools/panel")
 
-# {kind: (folders, files, expression)} of what stands in the source as a text.
+# {kind: (folders, files, expression)} of texts in the source.
 TEXTS = {
     "$ line": (("firmware/passo/protocols/grbl", "firmware/passo/options"), "**/*.py", r'"(\$[A-Z#$+]*=?)'),
     "HTTP path": (("firmware/passo/web", "firmware/passo/protocols/torch"), "*.py", r'b?"(/[A-Za-z.]*)"'),

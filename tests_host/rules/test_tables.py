@@ -1,4 +1,4 @@
-"""A word is a row of one table of the firmware; what says it to people, or carries it out, is held against that table."""
+"""A word is a row of one table of the firmware; code that explains or carries it out is compared with that table."""
 
 import re
 from pathlib import Path

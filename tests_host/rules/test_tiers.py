@@ -1,4 +1,4 @@
-"""What a tier runs, tried on a test file of its own."""
+"""The tests that a tier runs, tried on a test file of its own."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""No wait in ports/ is without an end: what a chip's register never answers is given up, and said."""
+"""Every wait in ports/ has an end: if a chip's register never answers, the wait gives up and reports it."""
 
 import ast
 import itertools

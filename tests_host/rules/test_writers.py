@@ -1,5 +1,6 @@
-"""Who writes the machine's record (control/state.py): one module beside it for each attribute, but for those named here; and what of it
-languages may know."""
+"""The writers of the machine's record (control/state.py): one module beside it for each attribute, but for those named here; and the attributes that languages
+may read.
+"""
 
 import ast
 from collections import defaultdict
@@ -15,7 +16,7 @@ pytestmark = [pytest.mark.quick, pytest.mark.xdist_group("sources")]
 WRITERS = {
     # a flag that says "poll again", which nobody but the controller takes back
     "awake": {"blackbox", "changeover", "controller", "encoders", "gantry", "host_watch", "independent", "jobs", "journal", "line_batches", "program", "step_program"},
-    # the long command: its feature begins it, and whoever stops the machine ends it
+    # the long command: its feature begins it, and any stop of the machine ends it
     "command": {"controller", "drawing", "homing", "jobs", "pauses", "program", "resets", "tools", "input_p"},
     # motion of a program and jogs: each way of queueing them says so, the controller notices the stand
     "active": {"line_batches", "program"},
@@ -23,7 +24,7 @@ WRITERS = {
     "jogging": {"controller", "drawing", "independent", "program"},
     # a button may toggle what the program has switched
     "coolant": {"pauses", "tools"},
-    # what finds the position, and what doubts it
+    # homing finds the position, encoders doubt it
     "homed": {"encoders", "homing"},
     "known": {"encoders", "homing"},
     # STOP and RESET turn an alarm that needs a reset into the lock
@@ -33,11 +34,11 @@ WRITERS = {
 }
 # All that a language may know of a machine.
 FACE = {
-    # what it is
+    # its properties
     "about", "arcs", "links", "settings", "steps_per_m",
-    # what it does
+    # its state and actions
     "alarm", "blocks", "busy_with", "change_setting", "checking", "coolant", "homed", "log", "overrides", "restore_settings", "state", "target",
-    # who commands, and on whose behalf a stored job runs
+    # the link that commands, and the link for which a stored job runs
     "commander", "lender",
 }  # fmt: skip
 _RECORD = ("machine", "self._machine", "self.machine", "self.controller.machine")
@@ -69,7 +70,7 @@ def test_an_attribute_has_one_writer():
 
 
 def faces():
-    """{attribute of the record: modules of protocols that name it}. What a page speaks to is called `record` there."""
+    """{attribute of the record: modules of protocols that name it}. The modules name a page's machine `record`."""
     found = defaultdict(set)
     for path in sorted((FIRMWARE / "passo/protocols").rglob("*.py")):
         names = ("record", "self._record") if path.parent.name == "page" else ("machine", "self._machine", "self.machine", "gcode.machine", "controller.machine")
