@@ -100,7 +100,7 @@ told("it has not started")
 
 
 def build(frozen):
-    """The interpreter's ELF, built once for each state of what is in it. Raises Unavailable."""
+    """Return the interpreter's ELF, built once for each set of frozen modules. Raises Unavailable."""
     source = Path(os.environ.get("MICROPYTHON", "")).expanduser()
     if not (source / "ports" / "qemu").is_dir():
         raise Unavailable("MICROPYTHON names no source of MicroPython for its qemu port")
@@ -149,7 +149,7 @@ class Esp32:
         self.elf = build(frozen)
 
     def printed(self, code, files, folder):
-        """What `code` prints; `files` beside the frozen modules: {path: bytes}, {path: text} of modules."""
+        """Return the output of `code`; `files` beside the frozen modules: {path: bytes}, {path: text} of modules."""
         texts = {path: text for path, text in files.items() if isinstance(text, str)}
         others = {path: data for path, data in files.items() if path not in texts}
         made = {}

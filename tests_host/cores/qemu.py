@@ -10,7 +10,7 @@ The port is built from MicroPython's sources (ports/qemu/README.md there), versi
     make BOARD=VIRT_RV32 LDSCRIPT=large.ld MICROPY_HEAP_SIZE=23000000 MICROPY_FLOAT_IMPL=double RV32_ARCH="rv32imc -misa-spec=2.2"
     make BOARD=MPS2_AN500 MICROPY_HEAP_SIZE=3600000
 
-(double precision: what properties compare with is computed in it). PASSO_QEMU_RV32 and PASSO_QEMU_ARM name the firmware.elf of
+(double precision: properties compute their reference values in it). PASSO_QEMU_RV32 and PASSO_QEMU_ARM name the firmware.elf of
 each; without them ~/.cache/passo/qemu-rv32.elf and qemu-arm.elf are looked for. qemu is Debian's
 qemu-system-misc and qemu-system-arm.
 """
@@ -81,7 +81,7 @@ def image_of(kind, jobs, folder, in_c=False):
         except Failure:
             if TESTS not in source.parents and "rp2" not in target.parts:
                 raise
-            continue  # for pytest only, or with instructions of the RP2040: who imports it there finds nothing
+            continue  # for pytest only, or with instructions of the RP2040: a module that imports it there gets ImportError
         text = plain / target if firmware in source.parents else source
         place.with_suffix(".txt").write_bytes(text.read_bytes())
     (tree / "time.py").write_text(TIME)
@@ -89,7 +89,7 @@ def image_of(kind, jobs, folder, in_c=False):
 
 
 def packed(files, tree):
-    """A ROMFS of what lies in the folder `tree`, and of `files`: {path: bytes}."""
+    """Return a ROMFS of the folder `tree`, and of `files`: {path: bytes}."""
     for path, data in files.items():
         (tree / path).parent.mkdir(parents=True, exist_ok=True)
         (tree / path).write_bytes(data)
@@ -100,7 +100,7 @@ def packed(files, tree):
 
 
 def modules(firmware):
-    """(source, path on the core) of all that runs there. What MicroPython cannot compile (tests for pytest) is no module of it."""
+    """(source, path on the core) of all that runs there. Files that MicroPython cannot compile (tests for pytest) are no modules of it."""
     for path in sorted((firmware / "passo").rglob("*.py")):
         yield path, path.relative_to(firmware)
     for path in sorted((whole_boards.folder() / "boards").glob("*.py")):

@@ -109,7 +109,7 @@ class Rp2350:
         return said
 
     def exec(self, code, most_ms=5000):
-        """What the code prints, over the raw REPL."""
+        """Return the code's output, over the raw REPL."""
         self.send(b"\x03\x01")
         self.until(b"raw REPL; CTRL-B to exit\r\n>")
         self.send(code.encode() + b"\x04")

@@ -106,7 +106,7 @@ def test_three_axes_at_60_khz_fit_an_esp32(core, show):
     assert 2 * found[1][1] < ESP32_CYCLES / 3
 
 
-# What a module finds when it tries where the numbers of an array lie: nothing that it knows.
+# The result of a module that looks for the address of an array's numbers: none that it knows.
 STRANGE_ARRAYS = """
 import array, sys
 class Strange:

@@ -1,4 +1,4 @@
-"""What each ESP32 board file wants of the chip's memory, counted as it starts on a 32-bit MicroPython with the chip's heap in its pieces: as files,
+"""The memory of the chip that each ESP32 board file needs, counted as it starts on a 32-bit MicroPython with the chip's heap in its pieces: as files,
 and frozen by the manifest that freezes it into an ESP32's image. `passo build` refuses by these figures (host_tools/build/budget.py).
 
 MICROPYTHON names MicroPython's sources, of which the qemu port is built; without them, or without qemu and a compiler for RV32, these tests
@@ -18,7 +18,7 @@ from passo.config.boardfile import check
 from test_digest import CHECKS, HEX_JOBS, golden_of_gcode, golden_of_hex, hex_job
 
 pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, pytest.mark.xdist_group("qemu")]
-# Beside the first heap of 56 kB: the largest piece of the plain ESP32, two smaller ones, and what holds machine code only.
+# Beside the first heap of 56 kB: the largest piece of the plain ESP32, two smaller ones, and a piece for machine code only.
 PIECES = 112_000, 24_500, 15_000, 10_800
 I2S, OF_TIMERS, RADIO = 17_000, 2_000, 40_000
 SLACK_KB = 4  # between what was counted when the table was made and now
@@ -83,7 +83,7 @@ def test_what_it_wants(core, name, tmp_path, show):
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_it_starts_in_pieces_if_it_fits(core, name, tmp_path):
-    """The radio's memory is taken before anything is imported, and so is the rest. What is refused starts not at all, or with too little left."""
+    """The radio's memory is taken before anything is imported, and so is the rest. A refused board does not start, or with less than LEAST left."""
     board = MACHINES[name]
     fits = needs(check(board))[core.frozen] <= ESP32_KB["esp32"][core.frozen]
     counted = core.started(board, tmp_path, PIECES, drivers(board))

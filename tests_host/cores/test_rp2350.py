@@ -18,7 +18,7 @@ from host_tools.prove.gcode_jobs import all_jobs
 pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, pytest.mark.xdist_group("rp2350")]
 TICK = 12  # cycles of 150 MHz in 80 ns
 STEPS, DIRS, STOP = (2, 3, 4), (5, 6, 7), "p27"
-# Before the app runs: what is left of the heap.
+# Before the app runs: the free heap.
 SAYS_ROOM = b"""
 import sys
 sys.path.remove(".frozen")
