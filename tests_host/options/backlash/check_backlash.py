@@ -1,4 +1,4 @@
-"""Lost motion: a carriage that follows its motor only behind the play ends to the step, the limits hold, and what is told is where it is."""
+"""Lost motion: a carriage that follows its motor only after the play ends to the step, the limits hold, and the position reported is the carriage's."""
 
 from draws import Random
 from passo.options.backlash import motion as backlash
@@ -119,7 +119,7 @@ def check_what_is_told(seed, kind):
 
 
 def check_a_change_of_play(seed):
-    """Another play, at a stand: what is told stays, and from the next turn of each axis on the new one counts."""
+    """Another play, set at a stand: the position reported stays, and the new play counts from the next turn of each axis on."""
     machine = Played(seed, "lines")
     machine.run()
     before = told(machine)

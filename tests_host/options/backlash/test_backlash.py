@@ -31,7 +31,7 @@ class Router(Asked):
         return self.place()
 
     def place(self):
-        """Where the axes are, as the board says and the carriages show."""
+        """Return the axes' places, which the board and the carriages agree on."""
         found = self.machine.app.controller.queue.position()
         assert found == list(self.plant.position)
         return found

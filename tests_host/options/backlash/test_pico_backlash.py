@@ -11,7 +11,7 @@ from host_tools.sim.machine import VirtualMachine
 
 BOARD = "router_ballscrew"
 START = (700, 700, -700)
-PLAY = {"x": 13, "y": 16, "z": 6}  # steps of what the board file says: 40, 50 and 20 µm at 320 steps/mm
+PLAY = {"x": 13, "y": 16, "z": 6}  # steps of the board file's play: 40, 50 and 20 µm at 320 steps/mm
 LINES = ["G21G90F1500", "G1X4Y4Z-1", "G1X5Y3", "G2X5Y3I1J.5", "G1X4.5Y3.5", "X4.7", "G3X5Y4R1", "G1Z-.5", "X4.99", "X5", "G0X3Y3"]
 
 

@@ -44,7 +44,7 @@ def test_the_replay_goes_the_same_way_to_the_step(cause):
 
 
 def of_axes(path, plays, end):
-    """Where the axes were, up to `end`, of the way of motors with backlash: an axis stands while its motor crosses the play."""
+    """Return the axes' places, up to `end`, from the path of motors with backlash: an axis stands while its motor crosses the play."""
     taken, before, found = [0] * len(plays), path[0], []
     for motors in path:
         taken = [max(0, min(play, there + at - was)) for play, there, at, was in zip(plays, taken, motors, before)]
@@ -69,7 +69,7 @@ def test_the_replay_of_what_else_a_machine_may_have(what):
 
 
 def test_ways_of_parking_are_not_replayed():
-    """They are shown, and it is said."""
+    """The list shows them, and the replay says why it stops."""
     files, _ = parked()
     box = Box.of(files)
     assert "door on" in "\n".join(happened(box))
@@ -97,7 +97,7 @@ def test_it_is_off_unless_asked_for_and_off_by_a_word():
 
 
 def test_the_text_slides_and_the_newest_is_kept():
-    """Some 20 kB of lines: what was taken last, and the lines that are queued, are there; all of it fits."""
+    """Some 20 kB of lines: the text has the lines taken last, and those in the queue; all of it fits."""
     doomed = Doomed()
     doomed.stream(pieces(900), amid(doomed, 60_000))
     doomed.press("stop")
@@ -108,7 +108,7 @@ def test_the_text_slides_and_the_newest_is_kept():
 
 
 def test_nothing_is_written_twice():
-    """Who asks for the prompt behind an alarm finds the alarm's box, not one of the prompt."""
+    """A prompt asked for after an alarm shows the alarm's box, not one of the prompt."""
     doomed = Doomed()
     doomed.stream(pieces(), amid(doomed, 3000))
     doomed.press("stop")

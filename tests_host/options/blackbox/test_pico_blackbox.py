@@ -1,5 +1,6 @@
-"""A black box on the emulated Pico: what led to an alarm, a crash or a reset is in its flash afterwards, and the virtual board goes the
-same way as the pins have gone, to the step."""
+"""A black box on the emulated Pico: the lines before an alarm, a crash or a reset are in its flash afterwards, and the virtual board repeats the path of the
+pins, to the step.
+"""
 
 import copy
 
@@ -29,7 +30,7 @@ def router(uf2):
 
 
 def stream(machine, lines, amid_ms):
-    """Send lines as they are answered, 127 bytes under way, for so long; or all of them, if that is sooner."""
+    """Send lines as they are answered, 127 bytes under way, for `amid_ms`; or all of them, if that is sooner."""
     waiting, sizes, heard = list(lines), [], 0
     end = machine.now_ms() + amid_ms
     machine.take()
@@ -164,7 +165,7 @@ def test_a_reset_button_amid_a_job_leaves_the_box(router, show):
 
 @pytest.mark.slow
 def test_it_is_read_off_the_port(router, tmp_path):
-    """As `passo blackbox --port` does: the firmware ends for it, and what it has written behind the alarm stays."""
+    """As `passo blackbox --port` does: the firmware ends for it, and the box written at the alarm stays."""
 
     def run():
         stop(router)

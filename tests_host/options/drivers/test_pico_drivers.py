@@ -1,4 +1,4 @@
-"""TMC2209 drivers on a UART of the emulated Pico: set up over one wire that gives the Pico's own bytes back; a cut one is told and safe."""
+"""TMC2209 drivers on a UART of the emulated Pico: set up over one wire that gives the Pico's own bytes back; a cut one is reported and safe."""
 
 from emulated import make_machine, uf2  # noqa: F401
 

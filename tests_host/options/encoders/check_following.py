@@ -1,4 +1,4 @@
-"""Following errors: the kernel against fractions, and the limits of what it may take for an error."""
+"""Following errors: the kernel against fractions, and the limits of its estimate."""
 
 from array import array
 
@@ -28,7 +28,7 @@ def table_of(ratio, negative=0, limit=8):
 
 
 def check_the_error_is_what_is_missing(ratio, negative, start, moves):
-    """However the motor has moved, and wherever the counter began: what is not a whole count is no error either."""
+    """For any motion of the motor and any start of the counter: a fraction of a count is no error."""
     num, den = RATIOS[ratio]
     table = table_of(ratio, negative)
     sign = -1 if negative else 1

@@ -145,7 +145,7 @@ def test_what_is_made_up_in_one_direction_counts_toward_the_limit(counts, home):
     for turn in range(3 * LIMIT):
         router.plant.slip("y", 2 if turn % 2 else -2)
         router.go("G1Y1F3000")
-    assert router.controller.state == "idle", "what goes either way adds up to nothing"
+    assert router.controller.state == "idle", "slips in both directions must cancel"
 
 
 def test_after_a_halt_at_speed_the_position_is_verified():
@@ -191,7 +191,7 @@ def test_counts_are_shown_and_zeroed():
 
 
 def run_about(steps, seed):
-    """Random moves at up to the fastest, of so many steps in all: nothing is taken for an error."""
+    """Random moves at up to the fastest, of `steps` in all: none is taken for an error."""
     chance = random.Random(seed)
     router = Router(limit_steps=2)
     router.ask("G90")

@@ -14,7 +14,7 @@ pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("encoders")]
 PINS = (11, 13, 16, 18)
 INDEX_PIN = 20
 COUNTS_S = 250_000
-# What the encoders of this test count has nothing to do with what the motors step.
+# This test's encoders count freely, not with the motors' steps.
 UNARMED = "port.encoders.arm = lambda on: None"
 
 

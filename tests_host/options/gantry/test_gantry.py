@@ -100,7 +100,7 @@ def test_a_lag_beyond_the_limit_is_an_alarm_with_both_counts(motor, feed):
 
 @pytest.mark.parametrize("motor, counts", [("x2", 5), ("x2", -10), ("x", 15), ("x", -5)])
 def test_a_side_that_loses_counts_slowly_is_racked_to_the_limit_at_most(motor, counts):
-    """Each lag is small and taken away; what has been taken away in one direction since homing adds up."""
+    """Each lag is small and taken away; the corrections in one direction since homing add up."""
     router = Router(board(), unlock=False)
     router.go("$H")
     for _ in range(2):

@@ -66,7 +66,7 @@ def check_stop_anywhere(kind, ticks, x_rate, y_rate):
 
 
 def check_live(kind, asks):
-    """One axis sets out, turns, changes its rate and rests as it is told; the other never misses a beat."""
+    """One axis sets out, turns, changes its rate and rests by commands; the other keeps its rate."""
     machine = FreeMachine(kind)
     rate = 333
     axis = asks[0][0] if asks else 0

@@ -1,4 +1,4 @@
-"""M66 over the grbl link: what ends a wait for an input, what it has found, and what real-time bytes do to it."""
+"""M66 over the grbl link: the end of a wait for an input, its result, and the effect of real-time bytes on it."""
 
 from boards.router_3axis import BOARD
 from check_jobs import make, remove, run, store
@@ -28,7 +28,7 @@ def router(p0=0, p1=1, **changes):
 
 
 def found(machine):
-    """What the last M66 has found, by status reports; None: they do not say."""
+    """Return the last M66's result, from status reports; None: they have none."""
     for _ in range(31):
         fields = machine.status()
         if "In" in fields:
@@ -70,7 +70,7 @@ def check_what_ends_a_wait(port, mode, first, changes, timeout_ms):
 
 
 def check_refusals(port, mode, half, timeout_ms):
-    """Nothing waits, and nothing is taken, unless each word is right; in check mode, too, and without reading the input."""
+    """The machine waits and takes the line only if each word is right; in check mode, too, and without reading the input."""
     machine = router()
     line = "M66 P%d L%d%s Q%s0.00%d" % (port, mode, ".5" if half else "", "-" if timeout_ms < 0 else "", abs(timeout_ms))
     error = 0
@@ -104,7 +104,7 @@ def check_lines_that_are_no_wait():
 
 
 def check_it_stands_behind_the_motion_before_and_holds_the_one_behind():
-    """What the input does before the axes stand does not count."""
+    """Changes of the input before the axes stand do not count."""
     machine = router()
     machine.put("G91G1X5F3000\nM66P0L1Q60\nX5\n")
     machine.cycles(5)
@@ -203,7 +203,7 @@ def check_the_motors_keep_their_current():
 
 
 def check_reset_and_stops_end_it():
-    """The machine stood: no alarm comes of a reset, and its place is kept. What was sent behind it is gone."""
+    """The machine stood: no alarm comes of a reset, and its place is kept. Lines sent after it are gone."""
     machine = router()
     machine.put("M66P0L3Q60\nG91G1X5F3000\n")
     machine.cycles(20)

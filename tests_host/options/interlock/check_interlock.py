@@ -1,4 +1,4 @@
-"""The interlock of a router: what its rows forbid is refused, ends steps that are under way, and is allowed again."""
+"""The interlock of a router: it refuses a row's forbidden steps, ends them if they are under way, and allows them again."""
 
 from array import array
 
@@ -9,7 +9,7 @@ from passo.options.interlock.steps_viper import INTERLOCK_TOOL, ahead, denied
 from router import Machine, World, answers
 
 INPUTS = [
-    {"name": "limit_x", "pin": 9, "active": 1, "pull": "up"},  # where homing looks for them: not in the way here
+    {"name": "limit_x", "pin": 9, "active": 1, "pull": "up"},  # homing looks for them: not in the way here
     {"name": "limit_y", "pin": 10, "active": 1, "pull": "up"},
     {"name": "limit_z", "pin": 11, "active": 1, "pull": "up"},
     {"name": "a", "pin": 12, "active": 1, "pull": "up", "filter_us": 100},
@@ -98,7 +98,7 @@ def check_what_is_forbidden_is_refused(states, x, y, z, spindle, jog):
 
 
 def check_a_change_ends_what_it_forbids(which, x, y, z, cycles):
-    """A change at any time: what it forbids ends with an alarm that names it, all else goes on; then there is a way out."""
+    """A change at any time: forbidden steps end with an alarm that names the input, all else goes on; then there is a way out."""
     machine = guarded()
     steps = x, y, z
     if not any(steps):

@@ -39,7 +39,7 @@ def test_every_equation_of_the_document_is_a_row():
 
 @pytest.mark.parametrize("name", EQUATIONS)
 def test_row_is_the_documents_equation(name):
-    """Over every combination of what either of them depends on, so over every combination of all."""
+    """Over every combination of the inputs of either, which covers every combination of all."""
     row, equation = MILL.rows[name], EQUATIONS[name]
     names = list(inspect.signature(equation).parameters)
     assert set(row.names) <= set(names)
@@ -90,7 +90,7 @@ def test_a_parallel_port_program_on_the_table():
 
 
 def pins(states):
-    """Mask of what the compiled masks forbid. `states`: by the document's names."""
+    """Return the mask of all that the compiled masks forbid. `states`: by the document's names."""
     now = 0
     for number, name in enumerate(MILL.inputs):
         now |= states[{"stop": "urg", "probe": "pal"}.get(name, name)] << number
@@ -157,7 +157,7 @@ def with_table(name, section):
 
 @pytest.mark.parametrize("name, section, rules", documented())
 def test_a_documented_table_keeps_its_rules(name, section, rules):
-    """Every combination of all inputs: what is gated is allowed exactly if its rule says so, in Python's words."""
+    """Every combination of all inputs: a gated step or output is allowed exactly if its rule, in Python's words, is true."""
     table = Table(with_table(name, section))
     gated = table.gated()
     assert {each for names, _ in rules for each in names.split("` `")} == set(gated), "a rule for each"
@@ -260,7 +260,7 @@ def test_four_machines_have_tables():
     assert {param.id for param in documented()} == {"router_3axis", "laser_xy", "plotter_2014", "torch_manipulator"}
 
 
-# --- what is wrong in a table is said
+# --- errors in a table
 
 
 def small(rows, **more):

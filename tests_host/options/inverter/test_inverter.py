@@ -21,7 +21,7 @@ FAIL_MS = 100 + 3 * (100 + 23 + 5) + 3 * 8  # a period, three time-outs, cycles 
 
 
 class Context:
-    """What pymodbus asks for as its store of registers."""
+    """The store of registers, as pymodbus calls it."""
 
     def __init__(self, inverter):
         self.inverter = inverter
@@ -49,8 +49,8 @@ class Pymodbus(SimInverter):
         self.context = Context(self)
         self.written = {}
         self.exception = None  # the code that it answers each request with
-        self.busy = 0  # or so many with "busy"
-        self.spoil = 0  # so many replies have a wrong CRC
+        self.busy = 0  # or this many with "busy"
+        self.spoil = 0  # the number of replies with a wrong CRC
         self.cut = 0  # or end too soon
 
     def answer(self, request):

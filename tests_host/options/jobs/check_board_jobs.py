@@ -124,7 +124,7 @@ def check_what_is_no_upload():
 
 
 def check_a_run_wants_somebody_there():
-    """Where the board file names an input for it. To upload moves nothing."""
+    """If the board file names an input for it. To upload moves nothing."""
     world = World()
     world.switches["hand"] = 0
     inputs = BOARD["inputs"] + [{"name": "hand", "pin": 28, "active": 1}]
@@ -143,7 +143,7 @@ def check_a_run_wants_somebody_there():
 
 
 def check_an_upload_that_is_damaged(at, bit):
-    """One bit, wherever: what was there stays."""
+    """One bit, anywhere: the stored job stays."""
     board, page = served()
     packed = stored_form(JOB)
     wrong = bytearray(packed)
@@ -153,6 +153,6 @@ def check_an_upload_that_is_damaged(at, bit):
         error = ask(page, "end", name="PART.NC")
         board.run_ms(400)
     error = error or page.state["job"]["error"]
-    assert error == errors.JOB_DAMAGED or page.state["job"]["how"] == "kept", "nothing but the right bytes"
+    assert error == errors.JOB_DAMAGED or page.state["job"]["how"] == "kept", "only the right bytes may be kept"
     assert listed(page) == [["PART.NC", len(JOB)]]
     remove(board)

@@ -24,7 +24,7 @@ SQUARE = b"F3000\n" + "".join(["G1X%d.%dY%d\n" % (number % 9, number % 7, number
 
 
 def stored_form(data):
-    """`data` as a deflate stream of stored blocks: what any decoder reads, and no encoder is wanted for."""
+    """Return `data` as a deflate stream of stored blocks, which any decoder reads, and which needs no encoder."""
     blocks = b""
     for first in range(0, len(data), 1000):
         part = data[first : first + 1000]
@@ -64,7 +64,7 @@ def store(machine, name, data, packed=None, crc=None):
 
 
 def run(machine, said=(), turns=200_000):
-    """Cycles until the job has ended; what was said, behind `said`."""
+    """Cycle until the job has ended; return the lines, after `said`."""
     said = list(said)
     while turns:
         turns -= 1
@@ -83,7 +83,7 @@ def check_window():
 
 
 def check_store_and_run():
-    """What runs from the board makes the steps that the same lines make when they are sent."""
+    """A job run from the board makes the same steps as its lines sent over a link."""
     machine = home(make().ready())
     assert store(machine, "PART.NC", JOB) == "ok"
     listed = machine.do("$F")
@@ -141,7 +141,7 @@ def check_who_commands():
 
 
 def check_a_refused_line_ends_it():
-    """Nothing behind the line that is refused is done; spindle and coolant are off."""
+    """The lines after the refused one are dropped; spindle and coolant are off."""
     machine = home(make().ready())
     bad = b"M3S1000\nM8\nG1X2F600\nG1X4\nG1X5G7\nG1X9\nG1X11\n"
     assert store(machine, "BAD", bad) == "ok"
@@ -299,7 +299,7 @@ def check_a_job_that_changes_as_it_runs(piece):
 
 
 def check_a_card_that_goes_as_its_job_runs():
-    """The job ends at a stand with the tool off, error 158 says that no card answers, and there is no alarm: what was read was right."""
+    """The job ends at a stand with the tool off, error 158 says that no card answers, and there is no alarm: the bytes read were right."""
     for card in (True, False):
         machine = home(make(card=card).ready())
         stored(machine, "A", b"M3S1000\n" + SQUARE)
@@ -332,7 +332,7 @@ def check_a_card_that_goes_as_its_job_runs():
 
 
 def check_a_change_that_makes_a_line_wrong():
-    """It is the change that is told, with an alarm. Of a job that has not changed the line is told as ever."""
+    """The error is that of the change, with an alarm. For an unchanged job it is that of the line, as ever."""
     long = b"G1X1F3000\n" + b"F3000\n" * 2500
     for data, said_of_it in ((long, "error 151"), (long[:2000] + b"G1X5G7\n" + long[2000:], "error 20 ")):
         machine = home(make().ready())
@@ -389,7 +389,7 @@ def first_lines():
 
 
 def check_files_of_strangers():
-    """They are told as damaged, run nowhere, can be deleted, and are in nobody's way; a folder and names that cannot be said, too."""
+    """They are listed as damaged, cannot run, can be deleted, and are in nobody's way; a folder and names that $F cannot write, too."""
     for card in (False, True):
         machine = home(make(card=card).ready())
         stored(machine, "A")
@@ -411,7 +411,7 @@ def check_files_of_strangers():
 
 
 def check_a_damaged_job_stays_on_the_card():
-    """What is wrong in its first line is told, not removed as an upload that was cut off; the next upload takes its place."""
+    """A fault in its first line is reported, not removed as an upload that was cut off; the next upload takes its place."""
     machine = home(make(card=True).ready())
     path, whole = stored(machine, "A")
     for at in range(whole.index(b"\n")):
@@ -426,7 +426,7 @@ def check_a_damaged_job_stays_on_the_card():
 
 
 def check_a_reset_ends_the_proof():
-    """A job of half a megabyte is read for a while: progress is told, a reset ends it, and it can be run again."""
+    """A job of half a megabyte is read for a while: the report shows the progress, a reset ends it, and it can be run again."""
     machine = home(make().ready())
     long = SQUARE * 200
     packed = stored_form(long)

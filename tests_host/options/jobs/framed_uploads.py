@@ -34,7 +34,7 @@ def board(language):
 
 
 def text(language, dice, lines):
-    """A job of so many lines, codes or points, which deflate badly."""
+    """Return a job of `lines` lines, codes or points, which deflate badly."""
     if language == "grbl":
         places = ("G1X%.3fY%.3f" % (dice.uniform(1, 6), dice.uniform(1, 6)) for _ in range(lines))
         return ("G21G90F5000\n" + "\n".join(places) + "\nM30\n").encode()

@@ -41,7 +41,7 @@ class Device:
         self.data = bytearray(b"\xff" * (block_bytes * blocks))
         self._block_bytes = block_bytes
         self._blocks = blocks
-        self.torn = 0  # a write in so many 256ths; 0: not begun
+        self.torn = 0  # cut a write after this many 256ths of it; 0: before it begins
         self.left = -1  # writes until the power goes
 
     def readblocks(self, number, view, offset=0):
@@ -84,7 +84,7 @@ def store(jobs, name, data):
 
 
 def read(job):
-    """What a job reads as. Raises Damaged."""
+    """Return the bytes that a job reads. Raises Damaged."""
     view = memoryview(bytearray(126))
     parts = []
     count = job.readinto(view)

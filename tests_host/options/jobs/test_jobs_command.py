@@ -72,7 +72,7 @@ def told_job(port):
 
 
 def test_what_status_says_of_a_stored_job(tmp_path, part, monkeypatch):
-    """One that was done to its end, with M30 or without, is not to be gone on with; one that was stopped is told by its name."""
+    """A job done to its end, with M30 or without, is not offered; status names a stopped one."""
     monkeypatch.setattr(begun, "KEPT", tmp_path / "begun.json")
     board = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "flash")}, journal={"every_ms": 200})
     try:

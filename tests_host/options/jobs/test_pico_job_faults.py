@@ -1,4 +1,4 @@
-"""What goes wrong with stored jobs, on the emulated Pico: no room, torn uploads, power cuts, a PC that closes its port."""
+"""Failures of stored jobs, on the emulated Pico: no room, torn uploads, power cuts, a PC that closes its port."""
 
 import base64
 import random
@@ -42,7 +42,7 @@ def store(machine, name, data, **changes):
 
 
 def runs(machine, name, steps=None):
-    """Run a job to its end; `steps`: what it has to move by."""
+    """Run a job to its end; `steps`: by how many it has to move, on each axis."""
     start = list(machine.plant.position)
     ask(machine, b"$F=" + name)
     machine.run_until(lambda: b"[MSG:Job %s done]" % name in machine.received())
@@ -80,7 +80,7 @@ def machine_of(uf2):
 
 def test_no_upload_that_fails_loses_a_job(machine_of, show):
     """Full flash, fewer bytes than announced, a wrong CRC-32, bytes that are no job, the same name twice, delete while it runs,
-    power cuts amid an upload: what was there runs as before."""
+    power cuts amid an upload: the stored jobs run as before."""
     board = fast_router()
     firmware = written(board)
     room = free(machine_of(board, firmware))
@@ -113,7 +113,7 @@ def test_no_upload_that_fails_loses_a_job(machine_of, show):
     assert b"[FILE:B|SIZE:%d|" % (len(small) + 5) in ask(machine, b"$F")
     assert ask(machine, b"$FD=B") == b"ok\r\n" and b"FILE:B" not in ask(machine, b"$F")
     chance = random.Random(3)
-    for _ in range(2):  # each time from what the cut before has left
+    for _ in range(2):  # each time from the files that the cut before has left
         assert begin(machine, b"A", small, stored_job.pack(small)) == b"ok\r\n"
         data = stored_job.pack(small)
         send(machine, data[: chance.randrange(54, len(data) - 54, 54)])

@@ -25,7 +25,7 @@ def with_journal():
 
 
 def ask(machine, line):
-    """What is said up to the answer to a line."""
+    """Return the bytes up to the answer to a line."""
     machine.take()
     machine.send(line + b"\n")
     machine.run_until(lambda: b"ok\r\n" in machine.received() or re.search(rb"error:\d+\r\n", machine.received()))
@@ -133,7 +133,7 @@ def test_a_large_job_is_read_while_three_axes_step_at_50_khz(make_machine, show,
 
 @pytest.mark.slow
 def test_the_journal_is_written_to_raw_flash_while_it_moves(make_machine, show):
-    """No step is late for it, and the file system, whose blocks it has, is whole after a power cut."""
+    """Every step comes in time, and the file system, whose blocks it has, is whole after a power cut."""
     machine = ready(make_machine(with_journal()))
     assert ask(machine, b"$JR=1234") == b"ok\r\n"
     machine.send(b"N1G91G1X3F3000\nN2G1X3\nN3G1X-6\n")

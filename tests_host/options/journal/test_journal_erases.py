@@ -48,7 +48,7 @@ def send(made, data, ms=60):
 
 @pytest.mark.parametrize("pause_ms", [60, 400, 900])
 def test_stands_amid_a_job_erase_nothing(pause_ms):
-    """The machine runs dry, dwells, changes the spindle: what is known is written, and nothing erased."""
+    """The machine runs dry, dwells, changes the spindle: the position is written, and no block erased."""
     made, pages = machine(used=200)
     assert "ok" in send(made, b"$JR=1234\n")
     pages.erased.clear()

@@ -1,5 +1,4 @@
-"""Flash that is erased on the emulated Pico, at its typical and its longest times: what a sender that counts has sent is not lost,
-and no watchdog barks.
+"""Flash that is erased on the emulated Pico, at its typical and its longest times: a sender that counts loses no byte, and no watchdog barks.
 """
 
 import re
@@ -20,7 +19,7 @@ LINK = "serial"
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("erases")]
 
 
-# Whoever outlasts the longest erases outlasts typical ones.
+# A test that passes with the longest erases passes with typical ones.
 @pytest.fixture(scope="module", params=[pytest.param(TYPICAL, id="typical", marks=pytest.mark.slow), pytest.param(LONGEST, id="longest")])
 def machine(request, uf2):  # noqa: F811
     board = boards.load("router_3axis")
@@ -65,7 +64,7 @@ def stream(machine, lines, pauses=(), question_ms=0):
 
 
 def rests(machine, limit_ms):
-    """What it says once it stands and three blocks are erased."""
+    """Return its bytes up to the report after it stands and three blocks are erased."""
     end = machine.now_ms() + limit_ms
     said = b""
     while b"<Idle" not in said or machine.pico.flash_times.erased < 3:
@@ -99,7 +98,7 @@ def test_a_sender_that_counts_loses_nothing(machine, show):
 @pytest.mark.slow
 @pytest.mark.parametrize("shift_ms", [1, 2, 3, 4, 5])
 def test_it_loses_nothing_whenever_a_record_and_an_erase_follow_each_other(machine, shift_ms):
-    """What came while the record was written has not been read when the erase begins."""
+    """Bytes that came while the record was written are still unread when the erase begins."""
     count(machine, 60 + shift_ms)
 
 

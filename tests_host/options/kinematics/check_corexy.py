@@ -85,7 +85,7 @@ def hold_axes_by_windows(machine, words):
 
 
 def check_both_spaces(seed, kind):
-    """As check_limits of the other machines, for the motors; the axes by what they do."""
+    """As check_limits of the other machines, for the motors; the axes by their own speeds."""
     hold_limits(seed, kind)
 
 

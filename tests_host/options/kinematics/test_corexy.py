@@ -1,4 +1,4 @@
-"""A CoreXY plotter on the virtual board: homing, ends, arcs, halts, settings, and what cannot be on one belt."""
+"""A CoreXY plotter on the virtual board: homing, ends, arcs, halts, settings, and options that one belt excludes."""
 
 import copy
 import math
@@ -30,7 +30,7 @@ class Belt(Asked):
         return self.places()
 
     def places(self):
-        """Where axes and motors are, as the board says and the pins show."""
+        """Return the places of axes and motors, which the board and the pins agree on."""
         queue = self.machine.app.controller.queue
         motors = self.machine.app.feeder.position(self.machine.app.player.played())
         assert queue.position() == list(self.plant.position)
@@ -154,7 +154,7 @@ def test_halts_leave_both_positions_exact(seed):
 
 
 def speed_of(belt, milliseconds=100):
-    """mm/s along the path, over the next so many milliseconds."""
+    """Return mm/s along the path, over the next `milliseconds`."""
     first = len(belt.machine.trace.rows())
     belt.machine.run_ms(milliseconds)
     rows = belt.machine.trace.rows()[first:]
@@ -209,7 +209,7 @@ def test_arcs_stand_in_every_plane_and_ramps_are_s_curves_too():
 
 @pytest.mark.parametrize("x, y", [(40, 0), (0, 40), (30, 20), (-25, 25), (25, 25)])
 def test_a_probe_is_told_in_axes(x, y):
-    """G38.2 along X, Y and across, both motors turning: what is told is where the axes were as the probe touched, to a step; jogs go on from there."""
+    """G38.2 along X, Y and across, both motors turning: the result is the axes' place as the probe touched, to a step; jogs go on from there."""
     belt = Belt(with_z(), start=(100, 100, 0))
     belt.do("$H", "G21G90F600", "G0X50Y50")
     belt.settle()

@@ -79,7 +79,7 @@ def check_orders_over_the_air():
         assert answer["error"] == errors.NO_SESSION, order
     assert page.state["owner"] == "guest" and page.order("step", by={"x": 1}, speed=SPEED)["error"] == errors.COMMANDED_ELSEWHERE
     page = board.commanding()
-    assert answers_of(board.ask("G0X1")) == ["error:%d" % errors.COMMANDED_ELSEWHERE], "the cable is told"
+    assert answers_of(board.ask("G0X1")) == ["error:%d" % errors.COMMANDED_ELSEWHERE], "the cable's line must be refused"
     assert page.order("step", by={"x": 5, "y": -2}, speed=SPEED)["error"] == 0
     page.until(lambda state: state["state"] == "Jog")
     page.until(lambda state: state["state"] == "Idle")
@@ -97,7 +97,7 @@ def answers_of(said):
 
 
 def check_the_tool_wants_somebody_there():
-    """Where the board file names an input for it: the spindle and a resume; off it goes always."""
+    """If the board file names an input for it: the spindle and a resume; switching off is always allowed."""
     world = World()
     world.switches["hand"] = 0
     inputs = BOARD["inputs"] + [{"name": "hand", "pin": 28, "active": 1}]
@@ -105,12 +105,12 @@ def check_the_tool_wants_somebody_there():
     page = board.commanding()
 
     def switch(name):
-        """(what the page is told then, the tool)"""
+        """Return (the errors in the page's messages, the tool)"""
         error = page.order("output", name=name, rpm=1000)["error"]
         board.run_ms(1500)
         logs = [message["log"][-1] for message in page.told if message["t"] == "log"]
         page.told.clear()
-        assert logs == [error] * bool(error), "the answer says so, and all pages are told"
+        assert logs == [error] * bool(error), "the answer and the log of all pages must have the error"
         return logs, world.tool
 
     assert switch("spindle_cw") == ([errors.PRESENCE], 0)
@@ -118,13 +118,13 @@ def check_the_tool_wants_somebody_there():
     assert switch("spindle_cw") == ([], 1)
     world.switches["hand"] = 0
     board.run_ms(300)
-    assert world.tool == 1, "who lets go stops nothing"
+    assert world.tool == 1, "letting go of the input must not stop the spindle"
     assert switch("spindle_off") == ([], 0)
     assert switch("spindle_ccw") == ([errors.PRESENCE], 0)
 
 
 def check_five_states_a_second():
-    """To each of two pages, while it moves; what they say is the way that was made."""
+    """To each of two pages, while it moves; their places lie on the path made."""
     board = ServedRouter()
     page = board.commanding()
     other = board.page()
@@ -162,7 +162,7 @@ def stopped_after(board, since):
 
 
 def hold_jog(board, page, lease, milliseconds):
-    """Hold a jog of X for so long, renewed each 60 ms. Returns the tick of the last renewal."""
+    """Hold a jog of X for `milliseconds`, renewed each 60 ms. Returns the tick of the last renewal."""
     board.world.path = []
     page.begin("jog", lease=lease, beat=page.state["beat"], way={"x": 1}, speed=SPEED)
     for _ in range(milliseconds // 60):
@@ -247,7 +247,7 @@ def check_a_stop_that_overtakes_orders():
     assert list(board.world.place) == before
     for wrong in (b"", b".", b"x.1", page.session.nonce.encode() + b".", page.session.nonce.encode() + b".\xff", b"\xff" * 200):
         assert b'"error": 0' in board.get("/stop", "POST", more=b"Content-Length: %d\r\n" % len(wrong), body=wrong)
-    assert page.order("step", by={"x": 5}, speed=SPEED)["error"] == 0, "what is ordered after it counts"
+    assert page.order("step", by={"x": 5}, speed=SPEED)["error"] == 0, "the next order must be carried out"
     board.run_ms(1500)
     assert list(board.world.place) == [before[0] + 5 * MM] + before[1:]
     other = board.page()
@@ -333,7 +333,7 @@ def check_the_files():
 
 
 def check_a_page_that_says_nothing_is_given_up():
-    """Neither who does not answer a ping keeps his place, nor who does not read."""
+    """A page that does not answer a ping loses its slot, and one that does not read, too."""
     board = ServedRouter()
     alive = board.page()
     dead = board.page()
@@ -372,7 +372,7 @@ def check_a_sender():
 
 
 def answers(sender, line, proven=True, cut=1000):
-    """What a line is answered."""
+    """Return the answer to a line."""
     sender.said()
     if proven:
         sender.line(line, cut)
@@ -387,7 +387,7 @@ def answers(sender, line, proven=True, cut=1000):
 
 
 def check_orders_that_a_reset_overtakes():
-    """What a page has sent before a reset by the cable moves nothing, and each order is answered."""
+    """Orders that a page sent before a reset by the cable move nothing, and each has an answer."""
     board = ServedRouter()
     page = board.commanding()
     before = list(board.world.place)
@@ -403,7 +403,7 @@ def check_orders_that_a_reset_overtakes():
 
 
 def check_a_typed_line_is_answered_and_a_reset_told():
-    """What a row of lines goes by: ok or error of each, and that somebody has reset the board."""
+    """A row of lines goes by these: ok or error of each, and the note of a reset by another link."""
     board = ServedRouter()
     page = board.commanding()
 
@@ -424,7 +424,7 @@ def check_a_typed_line_is_answered_and_a_reset_told():
 
 
 def check_each_order_of_a_router():
-    """Zeros, places, overrides, settings, typed lines, hold and resume, homing: what is asked for is so in the state behind it."""
+    """Zeros, places, overrides, settings, typed lines, hold and resume, homing: the next state shows each order's effect."""
     board = ServedRouter()
     page = board.commanding()
 
@@ -474,7 +474,7 @@ def check_each_order_of_a_router():
 
 
 def check_an_alarm_that_only_a_reset_ends():
-    """A limit: the page is told, and unlocks the machine, or homes it, by one order."""
+    """A limit: the page gets the alarm, and unlocks the machine, or homes it, by one order."""
     for order, behind in (("unlock", "Idle"), ("home", "Home")):
         board = ServedRouter()
         page = board.commanding()

@@ -1,4 +1,4 @@
-"""The board's HTTP: requests in any pieces, too long, torn, doubled; who may; the torch's forms."""
+"""The board's HTTP: requests in any pieces, too long, torn, doubled; the key; the torch's forms."""
 
 import hashlib
 
@@ -225,7 +225,7 @@ class Open(Wire):
 
 
 def signed_line(*pieces):
-    """(what the language is given, what the other end is told) of a connection that sends `pieces` and goes; {nonce} is put in."""
+    """Return (the bytes for the language, the bytes for the other end) of a connection that sends `pieces` and goes; {nonce} is put in."""
     wire = Open([])
     line = SignedLine(Listening(wire), KEY)
     line.read()
@@ -248,7 +248,7 @@ def line_of(count, body):
 
 
 def check_signed_noise(noise):
-    """Of what is not proven only what asks or makes safe is given to the language, and the end of it ends a jog."""
+    """Unsigned bytes reach the language only if they ask or make safe, and the end of the connection ends a jog."""
     given, told = signed_line(noise, b"\n", noise)
     assert not [byte for byte in given if byte not in FREE]
     assert given[-1:] == b"\x85"

@@ -57,7 +57,7 @@ class Network:
 
 
 class Started:
-    """A radio by what `passo wifi` has written: a dict, a text, or None."""
+    """A radio with the file that `passo wifi` writes: a dict, a text, or None."""
 
     def __init__(self, written, chip="rp2040"):
         self.network = Network(chip)

@@ -90,7 +90,7 @@ def test_state_stop_and_gone(told, tmp_path):
         told.until(lambda: told.of("state") == "idle" and told.of("alarm") == "")
         client.command("G21G91G1X60F600")
         told.until(lambda: told.of("state") == "run")
-        # The broker begins anew, and has kept a STOP: it is told all again, and nothing stops.
+        # The broker begins anew, and has kept a STOP: it gets all topics again, and the machine goes on.
         told.broker.kill()
         told.broker.wait()
         told.told.clear()
@@ -133,7 +133,7 @@ def test_a_stop_that_the_broker_has_kept_stops_no_board_that_comes(told, tmp_pat
 
 
 class Socket:
-    """A network at which a connection comes to be, and that takes and gives what it is told to."""
+    """A network on which a connection opens late, and takes and gives as many bytes as the test sets."""
 
     def __init__(self, *_):
         self.taken, self.room, self.comes, self.open = b"", 10_000, b"", True
@@ -163,7 +163,7 @@ class Socket:
 
 
 class Module:
-    """What the board's module `socket` is."""
+    """The board's module `socket`."""
 
     def __init__(self):
         self.made = []
@@ -178,7 +178,7 @@ class Module:
 
 @pytest.fixture
 def alone(monkeypatch):
-    """(a Broker without one, the sockets that it has made, how often it was told to stop)."""
+    """Return (a Broker without one, the sockets that it has made, the list of its stops)."""
     if UMQTT is None:
         pytest.skip("there is no umqtt")
     monkeypatch.syspath_prepend(str(UMQTT))
@@ -194,7 +194,7 @@ def state(**more):
 
 
 def packets(data):
-    """[(kind, body)] of what was said."""
+    """Return [(kind, body)] of the packets in `data`."""
     found = []
     while data:
         length, at = 0, 1

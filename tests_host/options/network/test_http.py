@@ -106,7 +106,7 @@ class Keyed:
 
 
 def legacy_board(folder, **changes):
-    """torch_pico_w, with what a board file may allow."""
+    """Write torch_pico_w with the forms of 2020, which a board file may allow."""
     from host_tools import boards
 
     data = {**boards.load("torch_pico_w"), **changes}
@@ -132,7 +132,7 @@ def curl(url, *options):
 
 
 def test_a_stop_that_overtakes_an_order():
-    """What was asked before a STOP and comes after it is an old proof; what waits in the server is refused, not carried out behind it."""
+    """An order signed before a STOP that comes after it has an old proof; one that waits in the server is refused, not carried out after the STOP."""
     with Torch("torch_pico_w") as torch_board:
         client = Keyed(torch_board.url)
         assert client.post("/ON")["error"] == 0
@@ -268,7 +268,7 @@ def test_two_clients_at_once():
 
 
 def test_the_position_is_pushed():
-    """Server-sent events while it moves, to two pages; a third is told that there is no room."""
+    """Server-sent events while it moves, to two pages; the third gets 503: no room."""
     with Torch("torch_pico_w") as torch_board:
         keyed = Keyed(torch_board.url)
         pages = []
@@ -320,7 +320,7 @@ def requests_of_an_attacker(random_of, url):
 
 
 def attack(torch_board, count, seed):
-    """`count` requests without the key, none of which is told more than it should be. Returns the answers' status lines."""
+    """Send `count` requests without the key, whose answers may reveal nothing. Returns the answers' status lines."""
     random_of = random.Random(seed)
     statuses = set()
     held = []

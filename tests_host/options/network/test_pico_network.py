@@ -1,6 +1,6 @@
 """The board's HTTP server on an emulated Pico W, while three axes step: connections come over a UART in the place of the radio.
 
-What this does not show: the radio, its driver and lwIP, whose memory lies outside MicroPython's heap.
+The tests leave out the radio, its driver and lwIP, whose memory lies outside MicroPython's heap.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""`passo wifi`: what it writes to a board, which is a folder here in the place of mpremote; what it refuses."""
+"""`passo wifi`: the file that it writes to a board, which is a folder here in the place of mpremote; its refusals."""
 
 import json
 import shutil

@@ -1,4 +1,4 @@
-"""M62 to M65 over the grbl link: outputs p0 and p1 in step with motion, and what every kind of stop makes of all outputs."""
+"""M62 to M65 over the grbl link: outputs p0 and p1 in step with motion, and all outputs after every kind of stop."""
 
 from draws import Random
 from passo.steps.word import TICKS_PER_MS
@@ -177,7 +177,7 @@ def check_the_last_change_before_a_motion_counts():
 
 
 def check_homing_is_no_motion_of_the_programme():
-    """What waits as it begins is dropped; outputs that are on go off, as before any homing."""
+    """An output that waits as it begins is dropped; outputs that are on go off, as before any homing."""
     machine = router()
     machine.do("M62P0", "$H")
     machine.settle()
@@ -193,7 +193,7 @@ def check_refusals():
     assert machine.world.on() == (0, 0)
 
 
-# What each kind of stop leaves on: (tool, flood, reverse, p0, enable), and after going on, if it can.
+# The outputs left on by each kind of stop: (tool, flood, reverse, p0, enable), and after going on, if it can.
 STOPS = {
     "hold": (b"!", (1, 1, 1, 1, 1), (1, 1, 1, 1, 1)),
     "door": (b"\x84", (0, 0, 0, 0, 1), (1, 1, 1, 1, 1)),
@@ -234,7 +234,7 @@ def check_the_safe_state_of_each_output_on_each_stop():
 
 
 def check_a_jog_takes_none_that_waits():
-    """A jog is no motion of the programme: what waits is dropped, as by homing. It stays so behind the jog."""
+    """A jog is no motion of the programme: waiting outputs are dropped, as by homing. It stays so behind the jog."""
     for jogs in (("$J=G91X2F3000",), ("$J=G91X1F3000", "$J=G91X-1F3000")):
         machine = router()
         machine.do("G91", "M62 P0", "M62 P1")
@@ -248,7 +248,7 @@ def check_a_jog_takes_none_that_waits():
     machine.do("M62P0", "G1X1", "M62P1")
     machine.settle()
     machine.cycles(50)
-    assert machine.world.on() == (1, 0), "what had its motion has switched"
+    assert machine.world.on() == (1, 0), "p0, whose motion has come, must be on"
     machine.do("$J=G91X1F3000")
     machine.settle()
     machine.cycles(50)
@@ -259,7 +259,7 @@ def check_a_jog_takes_none_that_waits():
 
 
 def check_a_refused_line_keeps_none_that_waits():
-    """Neither the line's own nor what came before it; what waits for a motion that is queued comes with it."""
+    """Waiting outputs of the line and of the lines before it are dropped; one that waits for a queued motion comes with it."""
     for refused in ("M62P1G1X1Q5", "M62P1X99999999", "G1X", "X99999999", "G7"):
         machine = router()
         machine.do("G91", "G1X5F600", "M62P0", "X5", "M62P1")

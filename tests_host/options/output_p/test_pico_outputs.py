@@ -122,7 +122,7 @@ def test_behind_a_hold_a_door_and_a_reset(make_machine, show):
     assert machine.pico.pads.state(P0) == 0 and machine.pico.pads.state(P1) == 1, "all off"
     made.do("$X", "G91G1X1F1500")
     machine.settle()
-    assert machine.pico.pads.state(P0) == 0 and machine.pico.pads.state(P1) == 1, "what waited is dropped"
+    assert machine.pico.pads.state(P0) == 0 and machine.pico.pads.state(P1) == 1, "waiting outputs must be dropped"
     show("M62 behind a hold and a door", exact([late, again]))
 
 

@@ -298,7 +298,7 @@ def test_m62_waits_for_the_programs_motion_not_for_parking(before):
 
 
 def test_a_wait_for_an_input_parks_and_goes_on():
-    """What the input does meanwhile counts once the axis is back."""
+    """The input's level meanwhile counts once the axis is back."""
     made = Parked(router(inputs=[*boards.load("router_3axis")["inputs"], {"name": "p0", "pin": 22, "active": 1, "pull": "down"}]))
     made.plant.set_input(made.machine.port.now, "p0", False)
     made.feed(["M66P0L1Q100", "G91G1X5F600"])
@@ -337,7 +337,7 @@ def test_the_end_of_a_program():
 
 
 def test_the_journal_keeps_where_the_path_was_left():
-    """What `passo resume` is told: the line under way, and a place on it."""
+    """The data for `passo resume`: the line under way, and a place on it."""
     made = Parked(router(journal={"every_ms": 100}))
     made.do("$JR=0000BEEF")
     made.feed(["N1G1X60F600"])

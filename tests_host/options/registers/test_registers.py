@@ -1,4 +1,4 @@
-"""Shift registers: the chains' model edge by edge, the bits that the generic code puts on the wires, and what a board file may say."""
+"""Shift registers: the chains' model edge by edge, the bits that the generic code puts on the wires, and the values of a board file."""
 
 import sys
 import time
@@ -18,7 +18,7 @@ PINS = {"clock": 17, "latch": 18, "in": 19, "out": 20, "tool": -1}
 
 
 class Pads:
-    """A Pico of four pins: what the firmware writes the chains hear, and the other way round."""
+    """A Pico of four pins: the chains read the firmware's levels, and the other way round."""
 
     def __init__(self):
         self.levels = {}

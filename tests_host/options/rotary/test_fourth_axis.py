@@ -223,7 +223,7 @@ def test_random_programs_end_to_the_step_within_all_limits(seed, rotary):
 
 
 def test_passo_check_says_degrees(tmp_path):
-    """A drawing on a cylinder: no axis is out of its travel, and A is told in degrees."""
+    """A drawing on a cylinder: no axis is out of its travel, and A is listed in degrees."""
     file = tmp_path / "cylinder.nc"
     file.write_text("G21G90\nG1X10A720F600\nG93G1X0A-90F6\nG94\nM30\n")
     done = CliRunner().invoke(app, ["check", str(file), "--board", NAME])

@@ -1,4 +1,4 @@
-"""A servo that lifts the pen, on the virtual machine: its ramps, its pressure by S, and what lifts it."""
+"""A servo that lifts the pen, on the virtual machine: its ramps, its pressure by S, and the words that lift it."""
 
 import itertools
 

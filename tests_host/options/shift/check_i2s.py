@@ -25,7 +25,7 @@ RUNS = {"check_edges": 60, "check_an_under_run": 60, "check_a_collection_in_psra
 OUTPUTS = (1, 3, 2, 4, 7)
 SECTION = {"clock": 16, "latch": 17, "data": 21, "enable": -1}
 SENT_US = 16_384 + 2048  # frames on their way, and time to the next pump
-LATE_US = 11_000  # a pump may come so much later than after 2 ms
+LATE_US = 11_000  # a pump may come this much later than after 2 ms
 FRAME = 50
 NOT_QUICK = ("check_words_of_every_kind",)
 
@@ -173,8 +173,7 @@ def player_frames(player):
 
 
 def check_an_under_run(words, at, stall_us):
-    """What stops everything for longer than frames last: the registers get zeros, it is counted, no step is lost, none comes
-    earlier than asked after the one before."""
+    """A stall longer than the frames last: the registers get zeros, it is counted, every step comes, and none earlier after the one before than asked."""
     ring, player, layout, world = bench()
     words = legal(player, words)
     put(ring, layout, words)
@@ -197,7 +196,7 @@ def check_an_under_run(words, at, stall_us):
 
 
 def check_a_collection_in_psram(words, at, stall_us):
-    """What stops everything for as long as a collection takes there delays nothing: each word's levels come when they should."""
+    """A stall as long as a collection of garbage in PSRAM delays no word: its levels come in time."""
     seen = []
     for stall in (0, stall_us):
         ring, player, layout, world = bench(psram=True)
@@ -267,7 +266,7 @@ def check_back_pressure():
 
 
 def check_outputs_and_rest():
-    """Levels at rest and other outputs appear within the time of what is on its way; an output is not a motor's."""
+    """Levels at rest and other outputs appear within the time of the frames on their way; an output is not a motor's."""
     ring, player, layout, world = bench(enable=13)
     assert chip.level[13] == 1, "cut off until the registers hold zeros"
     run(player, SENT_US)

@@ -39,7 +39,7 @@ def words(number):
 
 
 def test_an_answer_comes_a_datagram_late():
-    """The datasheet's example: what comes back with a datagram answers the one before; a status byte ahead of it."""
+    """The datasheet's example: the reply to a datagram answers the one before; a status byte ahead of it."""
     drivers = SpiDrivers({"chip": "tmc5160", "motors": MOTORS})
     assert drivers.exchange(21, tmc_spi.datagram(0x6F))[1:] == words(0)
     assert drivers.exchange(21, tmc_spi.datagram(0x6F)) == bytes((9,)) + words(0x80000000)
@@ -122,7 +122,7 @@ def test_a_fault_at_the_start_is_an_alarm_that_names_the_axis(way, fault, alarm,
 @pytest.mark.parametrize("moving", [False, True])
 @pytest.mark.parametrize("axis", "xyz")
 def test_of_a_chain_the_dead_driver_is_named(axis, moving, chip):
-    """Not the first whose answer has to pass it: at the start, and while it moves."""
+    """The log names the dead driver, not the first whose answer has to pass it: at the start, and while it moves."""
     router = Router(None if moving else lambda drivers: setattr(drivers[axis], "dead", True), run_ms=600, way="a chain", chip=chip)
     if moving:
         router.ask("$X")

@@ -70,7 +70,7 @@ def opposite(steps):
 
 
 class Ride:
-    """A program on the bench, and what its words did."""
+    """A program on the bench, and the steps and marks of its words."""
 
     def __init__(self, program, walker):
         self.rig = Rig("step_dir", 3)
@@ -328,7 +328,7 @@ def check_full():
 
 
 def check_speed_found_late():
-    """What the operator chose at a station is in force there when the walk comes back."""
+    """The operator's choice at a station counts there when the walk comes back."""
     program, walker = new_program()
     fill(program, [run(1, 0, 2), mark(STATION, 0), run(1, 0, 2), mark(SPEED, 600), run(1, 0, 2)])
     walker.rewind()

@@ -97,7 +97,7 @@ def tool_length_after_unlock(made):
 
 def check_what_is_refused():
     made = Machine(Bench(), tool_change=CHANGE).ready()
-    assert made.ask("M6 T1") == ["error:107"], "where the places are is not known before homing"
+    assert made.ask("M6 T1") == ["error:107"], "before homing the tools' places are not known"
     made = machine(-9000)
     assert made.ask("M6 T1 G0 X5") == ["error:31"]
     assert made.controller.position() == [0, 0, 0]
@@ -113,7 +113,7 @@ def check_a_board_without_it_pauses_where_it_stands():
 
 
 def wait(made, ends):
-    """Cycles until `ends` is true of what has been said. All of it."""
+    """Cycle until `ends` is true of the lines read. All of it."""
     said = []
     for _ in range(200_000):
         made.app.cycle()

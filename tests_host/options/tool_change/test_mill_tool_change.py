@@ -9,7 +9,7 @@ from host_tools.sim.machine import VirtualMachine
 
 STEPS_MM = 80
 AT, SENSOR = (100, 50), (300, 200)  # mm
-FLOOR = -4000  # where a tool without length would touch, in steps of Z
+FLOOR = -4000  # the Z of the contact of a tool without length, in steps
 
 
 class Tip:

@@ -73,7 +73,7 @@ def checked(pieces, measure, shape, amplitude, pitches, pitch, dwells, nm_s, sla
     place = [0, 0]
     waits = []
     finest = slack / 48  # mm: two roundings to steps, and a chord's quarter step; of an arc those of its ends, too
-    # Along the seam it may lie as far from its place, and is off to the side by what the shape rises on that.
+    # Along the seam it may lie as far from its place, and to the side by the shape's rise over that.
     most = finest + amplitude * finest / pitch * (4, 4, 8, 2 * pi)[shape - 1]
     for deltas, ticks in pieces:
         if deltas is None:
