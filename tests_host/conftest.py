@@ -56,7 +56,7 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
-    os.environ["LANGUAGE"] = "en"  # what `passo` says is compared
+    os.environ["LANGUAGE"] = "en"  # tests compare the texts of `passo`
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:  # a run in the background ignores Ctrl-C, and so would what it starts
         signal.signal(signal.SIGINT, signal.default_int_handler)
     own_fonts.bring()
@@ -97,7 +97,7 @@ class Backwards(pytest.Dir):
 
 
 def pytest_collect_directory(path, parent):
-    """Every other worker of xdist collects backwards: each compiles half of what is imported for the first time, and reads the other half."""
+    """Every other worker of xdist collects backwards: each compiles half of the modules imported for the first time, and reads the other half."""
     worker = os.environ.get("PYTEST_XDIST_WORKER", "gw0")
     return Backwards.from_parent(parent, path=path) if int(worker[2:]) % 2 else None
 
@@ -158,7 +158,7 @@ def pytest_runtest_setup(item):
 
 
 def _keep_collections_short(path, last=[None]):
-    """The firmware collects garbage often. What pytest, numpy and others hold is looked through only once a file."""
+    """The firmware collects garbage often. It looks through the objects of pytest, numpy and others only once a file."""
     if path != last[0]:
         last[0] = path
         gc.collect()

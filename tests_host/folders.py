@@ -1,4 +1,4 @@
-"""Where tests lie: the folders of kinds of tests, and options/KEY/, what guards one option."""
+"""The folders of tests: one for each kind of test, and options/KEY/ for the tests of one option."""
 
 from pathlib import Path
 

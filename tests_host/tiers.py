@@ -21,7 +21,7 @@ from contextlib import contextmanager
 TIERS = ("check", "test", "all")
 FEW = 3
 SOME, PART = 5, 16  # CPython has tried more of them
-MEASURED_S = 0.15  # so much that a PC of half the speed still covers 90 %
+MEASURED_S = 0.15  # enough for a PC of half the speed to cover 90 %
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"
 
@@ -69,8 +69,8 @@ class _Threads:
 
 @contextmanager
 def measuring(wanted, programs=False):
-    """Coverage's tracer, where there is one, sees the first MEASURED_S of what is done here, or nothing of it; `programs`: those
-    that are started, too, whole."""
+    """Let coverage's tracer, if there is one, see the first MEASURED_S of the work here, or none of it; `programs`: the whole of
+    those that are started, too."""
     tracer = sys.gettrace()
     if tracer is None:
         yield

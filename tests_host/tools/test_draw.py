@@ -465,7 +465,7 @@ def test_a_stored_job_is_continued_amid_its_line(tmp_path, start, name, language
     drawn = Counter(ink(trace))
     rows = Counter(y for _, y in drawn)
     assert len(rows) == 32 and all(whole - 2 <= count <= whole + 1 for count in rows.values()), rows
-    assert drawn.total() - len(drawn) < whole, "what was drawn since the journal's last record"
+    assert drawn.total() - len(drawn) < whole, "lines since the journal's last record may be drawn twice, no others"
 
 
 def test_the_pen_that_draws_is_named_when_a_drawing_goes_on(tmp_path, start):

@@ -183,7 +183,7 @@ def test_the_bytes_are_those_of_table_3(monkeypatch, tmp_path):
     monkeypatch.setattr(codes, "FILE", codes.FILE.replace("X", "W"))
     wrong = [row.what for row in codes.run(VIRTUAL).rows if row.agrees is False]
     assert wrong == ["code W"]
-    assert passo("codes", "--out", tmp_path).exit_code == 1, "a byte that differs is told by the exit status"
+    assert passo("codes", "--out", tmp_path).exit_code == 1, "a different byte must give exit status 1"
 
 
 def test_a_diagonal_is_as_fast_as_a_side():

@@ -271,7 +271,7 @@ def test_nobody_is_kept_from_stop(tmp_path):
         more = panel.page()
         assert more.order("jobs")["t"] == "jobs", "in the place of a stranger"
         assert b" 200" in ask(panel, stop)
-        assert honest.order("jobs")["t"] == "jobs", "who has proven the key stays"
+        assert honest.order("jobs")["t"] == "jobs", "a page with the key must stay connected"
         for _ in range(12):
             strangers.append(PageClient(panel.host, "A" * 16))
         assert honest.order("jobs")["t"] == "jobs" and more.order("jobs")["t"] == "jobs"

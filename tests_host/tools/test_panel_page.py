@@ -582,7 +582,7 @@ def test_a_lost_link_ends_the_jog(browser, panel, how):
         stood = browser.place()
         cable.whole = True
         time.sleep(1)
-        assert browser.place() == stood, "what was held up revives nothing"
+        assert browser.place() == stood, "bytes held up in the cable may not move the machine"
     finally:
         if how == "cut":
             jogger.driver.quit()

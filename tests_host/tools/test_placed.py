@@ -40,7 +40,7 @@ def test_it_is_put_elsewhere_and_made_larger(store):
     assert store.place("map.svg.txt", (20, 12, 30)) == 0
     assert box(store) == pytest.approx([20, 12, 50, 32], abs=0.2)
     assert store.place("map.svg.txt", (20, 12, 15)) == 0 and store.place("map.svg.txt", (10, 10, 60)) == 0
-    assert box(store) == pytest.approx([10, 10, 70, 50], abs=0.2), "of the file, not of what was drawn small before"
+    assert box(store) == pytest.approx([10, 10, 70, 50], abs=0.2), "the size must be that of the file, not of the last placing"
     assert store.place("map.svg.txt", (left, low, right - left)) == 0
     assert box(store) == pytest.approx(before, abs=0.2)
 

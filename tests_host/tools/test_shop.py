@@ -588,7 +588,7 @@ def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
     piece = "x" * 30_000
     assert said(1, piece, at=30_000) == errors.JOB_PIECE, "its first piece is missing"
     assert [said(1, piece, at=at) for at in (0, 30_000, 60_000)] == [0, 0, 0]
-    assert said(1, piece, at=60_000) == errors.JOB_PIECE, "that was said before"
+    assert said(1, piece, at=60_000) == errors.JOB_PIECE, "a piece sent twice must be refused"
     assert said(1, piece, at=90_000, last=True) == errors.JOB_SIZE and said(1, "x", at=90_000) == errors.JOB_PIECE, "nothing of it is kept"
     assert said(1, piece, at=0) == 0 and said(1, piece, at=30_000, name="b") == errors.JOB_PIECE
     for at in (0, 30_000):  # two files of one page, piece by piece
@@ -709,7 +709,7 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     bench.until(lambda: browser.execute_script("return document.querySelector('.tile canvas').clientHeight") > 50)
     bench.until(lambda: len(browser.find_elements("css selector", "#history li")) == 1)
     bench.until(lambda: "não liberada" in text(".tile") and "a.svg.gcode · pronto" in text(".tile"))
-    assert browser.execute_script("return document.querySelector('.tile canvas').clientHeight") > 50, "what it has drawn stays on the wall"
+    assert browser.execute_script("return document.querySelector('.tile canvas').clientHeight") > 50, "the drawing must stay on the wall"
     bench.until(lambda: text("#used").split()[:2] == ["A4", "1"])
     assert "1 trabalhos na fila, 1 prontos" in text("#counts")
     press("#queue button")

@@ -301,7 +301,7 @@ def test_no_machine_s_word_ends_the_desk(tmp_path_factory, changed, base):
     desk.look()
     word(desk, desk.counts + 1, name="good")
     desk.counts += 1
-    assert desk.machines["good"]["how"] == "free", "the next one is heard"
+    assert desk.machines["good"]["how"] == "free", "the next message must be read"
 
 
 _MADE = []
