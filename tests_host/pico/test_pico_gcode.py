@@ -103,7 +103,7 @@ def test_tight_arcs_are_stepped_in_time(uf2):
 
 @pytest.mark.slow
 def test_s_curves_are_stepped_in_time(uf2):
-    """Lines, on the shipped board with less memory reserved for arcs."""
+    """Lines, on the shipped board, except for the memory that it reserves for arcs."""
     machine = gcode.router(jerk=JERK)
     start = list(machine.plant.position)
     pulses = machine.pico.edges(X_STEP)

@@ -141,7 +141,7 @@ def test_an_uneven_line_keeps_its_rate(rig):
     """100 003 steps a second are no whole number of ticks apart."""
     run = rig.play([((2000, 1234, -777), 100_003)], COLLECT)
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
-    first = [cycle for cycle, state in rig.step_edges[0] if state == 1][100:]  # words that waited for DIR's set-up time are over
+    first = [cycle for cycle, state in rig.step_edges[0] if state == 1][100:]  # by then the delay of DIR's set-up time is made up
     rate = (len(first) - 1) / (first[-1] - first[0]) * 125e6
     assert rate == pytest.approx(100_003, rel=100e-6)
 

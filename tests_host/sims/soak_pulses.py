@@ -168,7 +168,7 @@ class Pulses(Cabled):
         self.pages.cut_after(ENOUGH)
         self.count_noise()
         self.judge(program)
-        goes_on = self.dice.random() < 0.6 and (len(self.rows) or times == 1)  # a program played several times has its count from its beginning
+        goes_on = self.dice.random() < 0.6 and (len(self.rows) or times == 1)  # the number of passes is sent as it begins
         if goes_on and (self.ended in GONE or self.ended == "long cut" and not self.alone()):
             self.resume(path, program, begun)
         elif self.ended in GONE:
