@@ -11,8 +11,8 @@ checkpoints and its `state`; geometries and ramp answer "next segment" and know 
 leaves a checkpoint: words, ticks and position so far. Position is the last checkpoint played plus the words played since,
 never a walk over more than one segment. Words count as free only up to that checkpoint.
 
-fill() and all it calls may run in an interrupt: no allocation, no integer of 2³⁰. The rest belongs to the main loop; what
-drops words, retire() and cancel(), only while `open` is cleared.
+fill() and all it calls may run in an interrupt: no allocation, no integer of 2³⁰. The main loop calls all others; it calls retire() and
+cancel(), which drop words, only while `open` is cleared.
 """
 
 import micropython
@@ -28,10 +28,10 @@ _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of directi
 
 class Feeder(Position):
     def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks, burn=None, short_ticks=0):
-        """`drive` turns the step form into pin levels, or is None where the step form is what the pins want;
-        `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin); `burn`: dots_viper.burn() if the
-        tool takes rows of dots; `short_ticks`: while a line is under way, fill() makes words so many ticks less far ahead than
-        `lead_ticks`, so that a hold begins sooner. Not in an arc, whose segments are too long for that. Default: 0."""
+        """`drive` turns the step form into pin levels, or is None if the pins take the step form; `setup_ticks` pass between a change of
+        direction and the next step (0 without a DIR pin); `burn`: dots_viper.burn() if the tool takes rows of dots; `short_ticks`: while a
+        line is under way, fill() makes words this many ticks less far ahead than `lead_ticks`, so that a hold begins sooner. This does not
+        hold for an arc, whose segments are too long. Default: 0."""
         Position.__init__(self, ring, layout, planner, drive)
         self.setup_ticks = setup_ticks
         self.min_word_ticks = min_word_ticks

@@ -1,4 +1,4 @@
-"""Where the machine is, from the words played: the last checkpoint played, and the steps in the words since."""
+"""The machine's position, from the words played: the last checkpoint played, and the steps in the words since."""
 
 from array import array
 
@@ -37,7 +37,7 @@ class Latch:
 
 
 class Position:
-    """What the main loop may ask of the feeder, which writes the arrays that are read here."""
+    """The main loop's questions to the feeder, which writes the arrays that are read here."""
 
     def __init__(self, ring, layout, planner, drive):
         """As of a Feeder."""
@@ -46,7 +46,7 @@ class Position:
         self.planner = planner
         self.drive = drive
         axes = layout.axes
-        self._found = array("i", [0] * axes)  # for who asks where the machine is
+        self._found = array("i", [0] * axes)  # of the last call of found()
         self._stepping = 0
         self._stride = MARK_FIELDS + axes
         self.marks = zeros(MARKS * self._stride)
@@ -54,8 +54,9 @@ class Position:
         self._seen_of = self.state, self.marks, ring.words, planner.rows, planner.indices
 
     def position(self, played):
-        """Steps of each axis since power-up when `played` words have appeared on the pins: exact. Where an interrupt
-        has gone on meanwhile it is the position a moment later."""
+        """Steps of each axis since power-up when `played` words have appeared on the pins: exact. If an interrupt has gone on meanwhile it
+        is the position a moment later.
+        """
         return list(self.found(played))
 
     def found(self, played, edge=None):
@@ -86,7 +87,7 @@ class Position:
     # that can take longer than the time between two interrupts, and then no answer would ever be right.
 
     def _walk(self, played):
-        """Where in the marks the last checkpoint played stands; `_stepping`: words since that step; `_found`: the position."""
+        """Return the index in the marks of the last checkpoint played; `_stepping`: words since that step; `_found`: the position."""
         state = self.state
         while True:
             oldest = state[FEED_OLDEST]

@@ -1,4 +1,4 @@
-"""Where the machine is: the last checkpoint played, and the steps in words of the step form since.
+"""The machine's position: the last checkpoint played, and the steps in words of the step form since.
 
     at = find(state, marks, played, position)
     stepping = tally(words, mask, word, until, axes, position)
@@ -20,7 +20,7 @@ from passo.records import *
 
 @micropython.viper
 def find(state: ptr32, marks: ptr32, played: int, position: ptr32) -> int:
-    """Where in `marks` the last one played stands; its position goes to `position`."""
+    """Return the index in `marks` of the last one played; its position goes to `position`."""
     number = state[FEED_OLDEST]
     stride = MARK_FIELDS + state[FEED_AXES]
     while number != state[FEED_NEWEST]:
@@ -68,7 +68,7 @@ def tally(words: ptr32, mask: int, word: int, until: int, axes: int, position: p
 def look(
     state: ptr32, marks: ptr32, words: ptr32, rows: ptr32, indices: ptr32, played: int, origin: ptr32, position: ptr32, seen: ptr32
 ):
-    """What the main loop sees when `played` words have appeared: the position, less `origin`, goes to `position`, SEEN_… to `seen`. If an
+    """Read the position when `played` words have appeared: less `origin` it goes to `position`, SEEN_… to `seen`. If an
     interrupt goes on meanwhile it is the position a moment later. Of words of the step form."""
     at = -1
     while at < 0:

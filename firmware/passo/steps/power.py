@@ -5,8 +5,7 @@
 A mark is a word's number and a value; it counts from the moment that word begins. One producer, one consumer, as with
 the ring: segments_viper.py puts them, one a segment at most, and dots_viper.py one a dot of a row.
 
-The dots of rows lie in a ring behind the marks: who queues a row puts them, and the feeder gives them back once words have been made
-of the row's last step.
+The dots of rows lie in a ring behind the marks: queueing a row puts them, and the feeder gives them back once words have been made of the row's last step.
 
 passed() and scaled() are one text for all interpreters; see motion/block_viper.py. Their values have POWER_FINE bits behind the thousandths.
 """
@@ -38,7 +37,7 @@ def passed(power: ptr32, played: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def scaled(power: ptr32, value: int) -> int:  # ISR: no allocation
-    """What the output shows of a value: with the override, and a spindle's lowest speed."""
+    """Return the output's power for a value: with the override, and a spindle's lowest speed."""
     if value == 0:
         return 0
     value = value * power[POWER_PERCENT] // 100
@@ -59,9 +58,9 @@ def power_items(marks, dots):
 
 class Power:
     def __init__(self, marks, dots):
-        """Room for so many marks, and dots of rows, powers of two; `dots` 0: there are no rows."""
+        """Room for `marks` marks and `dots` dots of rows, powers of two; `dots` 0: there are no rows."""
         self.value = 0  # of the last mark played
-        self.level = 0  # what the output should show
+        self.level = 0  # the power that the output should show
         self.fine = 0  # the same with POWER_FINE bits behind
         self._dark = False  # that is none, whatever the value, until the next mark
         self.marks = made = zeros(power_items(marks, dots))

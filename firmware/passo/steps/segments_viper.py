@@ -43,7 +43,7 @@ STANDS = const(1)
 LATER = const(2)
 ENDED = const(3)
 FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
-MANY_LINES = const(48)  # so many lines in the queue, half of all that it holds, are played at full speed, however short
+MANY_LINES = const(48)  # with this many lines in the queue, half of its room, they are played at full speed, however short
 SLOWEST = const(10)  # percent of the programmed speed, where lines hardly come
 
 

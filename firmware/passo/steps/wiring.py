@@ -2,7 +2,7 @@
 
 from passo.steps.word import us_to_ticks
 
-COIL_WORD_TICKS = us_to_ticks(4)  # the shortest word without a pulse: what a real player needs for one
+COIL_WORD_TICKS = us_to_ticks(4)  # the shortest word without a pulse: a real player needs it
 
 
 def word_pins(board):
