@@ -79,10 +79,10 @@ def _rise(square, u):
 def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
     """Work out the arc from here to `deltas` (all axes) about `center` (the plane's two, from here).
 
-    `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top. `over_half`:
-    the arc sweeps more than half a turn, without `turns`, as it was before rounding; an end in the direction of the
-    start is a full turn, then, and else none. None: only the steps are known; it is a full turn. What is too short or
-    too small for a step along the circle has no ARC_STEPS, only the last line.
+    `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top. `over_half`: the arc sweeps more
+    than half a turn, without `turns`, as it was before rounding; an end in the direction of the start is a full turn, then, and else none.
+    None: only the steps are known; it is a full turn. An arc too short or too small for a step along the circle has no ARC_STEPS, only the
+    last line.
 
     Returns (length along the circle, with that of the last short line, in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises
     ValueError for a radius above MAX_RADIUS or an arc of more than 2²⁸ steps, and TooSteep.
@@ -112,7 +112,7 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
         elif end_u < u:
             end_u = u
     quarters += 4 * turns
-    if quarters and end_u == -across:  # where a region begins the one before it ends
+    if quarters and end_u == -across:  # a region begins at the end of the one before
         quarters -= 1
         end_u = inside
     steps, end, tail = _steps(square, inside, across, start, end_u, quarters, end_x, end_y)

@@ -1,20 +1,20 @@
-"""What acceleration makes of a block: the arithmetic that every block costs.
+"""The effect of acceleration on a block: the arithmetic that every block costs.
 
     planned = plan_block(rows, at, scratch, limits)  # the row that begins at rows[at]; a line's steps are in it
 
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python. So it keeps to 32-bit
-integers, none of which reaches 2³¹, and gives the same bits everywhere. `rows` and `scratch` are the planner's,
-`limits` limits.Limits'; records.py names their fields. Where viper is 64 bits wide it reads a negative number as a positive one:
-bit 30 tells. Exponents are kept 1000 too large instead.
+One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python. So it keeps to 32-bit integers, none of
+which reaches 2³¹, and gives the same bits everywhere. `rows` and `scratch` are the planner's, `limits` limits.Limits'; records.py names
+their fields. If viper is 64 bits wide it reads a negative number as a positive one: bit 30 tells. Exponents are kept 1000 too large
+instead.
 
 Numbers come in three kinds:
 
 - fractions of 2²⁸: directions; speeds, of the fastest that the machine can be; accelerations, likewise; and squares of
   speeds, which below a 2000th of the fastest are as good as 0
-- long floats, of 27 or 28 bits and an exponent: lengths, and what ticks come from. Two steps of long division give a
+- long floats, of 27 or 28 bits and an exponent: lengths, and the numbers that give ticks. Two steps of long division give a
   quotient of such numbers to 10⁻⁷
-- short floats, m · 2ᵉ with m of 15 bits: everything that only decides how fast a speed may change. Where a value must
-  not be exceeded it is rounded so at every step, which costs 10⁻³ at most.
+- short floats, m · 2ᵉ with m of 15 bits: everything that only decides how fast a speed may change. If a value must not be exceeded, each step rounds it down,
+  which costs 10⁻³ at most.
 
 The ramp's units (see ramp.py): a block's speed is counted in ROW_TOP parts of the programmed speed v, and q is the square of
 that count. Below, s are its steps, l its length, a the acceleration that the axes allow along it, T its ROW_TOP.
@@ -132,8 +132,7 @@ def time_of(length: int, speed: int) -> int:
 
 @micropython.viper
 def set_span(rows: ptr32, at: int, total: int) -> int:
-    """ROW_SPAN of a line of `total` steps, whose ticks are known. Returns its ROW_TOP: 16 000, and less if a step takes so long
-    that the span would reach 2³⁰."""
+    """ROW_SPAN of a line of `total` steps, whose ticks are known. Returns its ROW_TOP: 16 000, and less if the span would otherwise reach 2³⁰."""
     each = rows[at + ROW_TICKS]
     top = 16000
     if each >= 33553:
@@ -147,7 +146,7 @@ def set_span(rows: ptr32, at: int, total: int) -> int:
 
 @micropython.viper
 def set_ramp(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
-    """What the ramp has to know, in short floats: ROW_LIMIT, _RATIO, _GAIN, _REACH, _UNIT and _TIME."""
+    """Set the ramp's fields, in short floats: ROW_LIMIT, _RATIO, _GAIN, _REACH, _UNIT and _TIME."""
     top = rows[at + ROW_TOP]
     speed = rows[at + ROW_SPEED]
     rows[at + ROW_LIMIT] = int(fastest_units(top, scratch[SCRATCH_ALONG], speed))

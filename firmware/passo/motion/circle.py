@@ -1,11 +1,11 @@
 """Arcs and helices in integer steps: the walker.
 
-The midpoint circle (J. E. Bresenham, Comm. ACM 20(2), 1977; its midpoint form by M. L. V. Pitteway and J. R. Van Aken):
-the plane's dominant axis steps every time, the other when that brings x² + y² − R² nearer to zero. The decision stays
-within R, so no product reaches 2³⁰ for radii to MAX_RADIUS, and a step is at most half a step off the ideal circle along
-the minor axis. Centre and start are whole steps, R is the start's distance; the end is hit by a last short line if need be.
-A helix's third axis is within one step of linear in the swept angle (half a step of rounding, and what a diagonal step
-sweeps more than another), where it is itself the dominant axis within what it does on one and a half steps of the circle.
+The midpoint circle (J. E. Bresenham, Comm. ACM 20(2), 1977; its midpoint form by M. L. V. Pitteway and J. R. Van Aken): the plane's
+dominant axis steps every time, the other when that brings x² + y² − R² nearer to zero. The decision stays within R, so no product reaches
+2³⁰ for radii to MAX_RADIUS, and a step is at most half a step off the ideal circle along the minor axis. Centre and start are whole steps,
+R is the start's distance; the end is hit by a last short line if need be. A helix's third axis is within one step of linear in the swept
+angle (half a step of rounding, and the larger sweep of a diagonal step); if it is itself the dominant axis, within its steps on one and a
+half steps of the circle.
 
 The circle is seen as four regions, each a quarter about an axis direction. In a region the path is `u`, the dominant
 axis, counting up from −E to D, and `w`, the other axis, growing while u < 0 and shrinking after it. D is the last whole

@@ -109,7 +109,7 @@ def run_steps(state: ptr32, u: int, w: int) -> int:  # ISR: no allocation
 def measure_run(state: ptr32, u: int, w: int, count: int) -> int:  # ISR: no allocation
     """The length of a run of `count` steps, of 2⁻²⁰ steps. CIRCLE_NEXT: that of the step behind it; CIRCLE_USED: how long it
     takes, as a length. A word's time passes after its step: a run lasts from its first step to the first one of the next.
-    Where the third axis leads, time is its own."""
+    If the third axis leads, time is its own."""
     diagonal = state[ARC_DIAGONAL]
     error = int(signed(state[CIRCLE_ERROR]))
     before = int(signed(state[CIRCLE_NEXT]))
@@ -154,7 +154,7 @@ def root_near(state: ptr32, w: int, error: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def true_length(state: ptr32, near: int, u: int, steps: int) -> int:  # ISR: no allocation
-    """The length of so many steps from u on, along the true circle from √(R² − u²), which is `near`; of 2⁻²⁰ steps. CIRCLE_ROOT:
+    """Return the length of `steps` steps from u on, along the true circle from √(R² − u²), which is `near`; of 2⁻²⁰ steps. CIRCLE_ROOT:
     the root behind them. The sum w₁ + w₂ of both is the root of sum = 2w₁ − steps·(2u + steps) / sum, which two rounds solve to
     2·10⁻⁶."""
     shift = state[ARC_SHIFT]

@@ -5,7 +5,7 @@
 
 An angle is an integer of 2⁻³² turn; a negative one is clockwise and several turns are allowed. One iteration more
 halves what is left of the angle, so coordinates of b bits take b + 4 of them, and the vector carries GUARD bits below
-the step. What remains is an angle of less than 2⁻⁽ᵇ⁺³⁾, at most 0.18 steps on a radius of √2·2ᵇ, and then the rounding of
+the step. The remaining angle is less than 2⁻⁽ᵇ⁺³⁾, at most 0.18 steps on a radius of √2·2ᵇ, and then the rounding of
 each coordinate to a whole step: the result is within one step of the true point for every radius and angle
 (0.5·√2 + 0.18 + 2⁻¹⁰ = 0.89).
 

@@ -17,10 +17,10 @@ from passo.records import NM_PER_M
 
 
 class Ellipse:
-    """`left` chords to come, `radius_nm`, and `length_nm` along the arc with what the third axis adds."""
+    """`left` chords to come, `radius_nm`, and `length_nm` along the arc, the third axis included."""
 
     def __init__(self, deltas, plane, center, steps_per_m, clockwise=False, turns=0, over_half=None):
-        """Vectors are in steps, arguments as of Planner.arc(). What is too short for a step along the arc is one chord. If the
+        """Vectors are in steps, arguments as of Planner.arc(). An arc too short for a step along it is one chord. If the
         end is not on the circle the radius changes evenly."""
         self._deltas = list(deltas)
         self._a, self._b, third = plane
@@ -57,7 +57,7 @@ class Ellipse:
         self.length_nm = isqrt(self.flat_nm * self.flat_nm + rise * rise) if sweep else length_nm(deltas, steps_per_m)
 
     def inwards(self, accelerations):
-        """What v²/R may be so that none of the plane's two axes has to do more than its own of `accelerations`."""
+        """Return the most v²/R with which neither of the plane's two axes exceeds its own of `accelerations`."""
         end = self._deltas[self._a] - self._center[0], self._deltas[self._b] - self._center[1]
         reach = shares((self._x, self._y), (end[0] * self._wide, end[1] * self._high), abs(self._sweep))
         return min([(strongest << 28) // share for strongest, share in zip(accelerations, reach)])

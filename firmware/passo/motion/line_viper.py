@@ -1,4 +1,4 @@
-"""What every step of a line costs: which axes step in it, by Bresenham's method.
+"""The cost of every step of a line: the axes that step in it, by Bresenham's method.
 
     total = begin(rows, at, state)      # make ready for the vector rows[at : at + axes]; its dominant steps
     walk(out, at, count, state)         # the masks of the next `count` of them

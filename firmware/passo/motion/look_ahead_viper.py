@@ -137,8 +137,9 @@ def look_back(rows: ptr32, scratch: ptr32, indices: ptr32) -> int:
 
 @micropython.viper
 def exit_square(rows: ptr32, at: int, behind: int, scratch: ptr32) -> int:
-    """The square of the speed at which the block at rows[at] may be left for the one `behind` it: what both may go at, what the
-    corner allows, and what the one behind can brake from. 0 if one of them has no ramp."""
+    """The square of the speed at which the block at rows[at] may be left for the one `behind` it: the least of the speeds of both, the
+    corner's limit, and the speed from which the one behind can brake. 0 if one of them has no ramp.
+    """
     if rows[behind + ROW_GAIN] == 0 or rows[at + ROW_GAIN] == 0:
         return 0
     square = int(square_with(rows, behind, scratch))
@@ -155,7 +156,7 @@ def exit_square(rows: ptr32, at: int, behind: int, scratch: ptr32) -> int:
 
 @micropython.viper
 def square_with(rows: ptr32, at: int, scratch: ptr32) -> int:
-    """The square of a block's speed with its override, at most that of what the axes allow."""
+    """Return the square of a block's speed with its override, at most that of the axes' limits."""
     factor = scratch[SCRATCH_FACTOR + rows[at + ROW_RAPID]]
     square = rows[at + ROW_SQUARE]
     square = ((square >> 14) * factor << 2) + ((square & 0x3FFF) * factor >> 12)

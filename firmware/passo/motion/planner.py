@@ -8,10 +8,10 @@ A block is released to the feeder only when the look-ahead is full, or everythin
 job gives the same ticks however fast it arrived. With SCRATCH_EAGER it is also released while the one before still plays: the machine
 does not wait for a full look-ahead. A fetched block stays in its place until its last word has been played: a hold may come back.
 
-Without limits() every block keeps its programmed speed from first to last. With them each block also has an exit speed: at
-most that of the corner (junction deviation), and what the blocks behind it can slow down from, the last of which ends at
-rest (look_ahead_viper.py has the picture). Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks that may have been
-released: what a block does depends on the LOOK_AHEAD − 1 that follow it, however many have come.
+Without limits() every block keeps its programmed speed from first to last. With them each block also has an exit speed: at most that of the
+corner (junction deviation), and the speed from which the blocks behind it can slow down, the last of which ends at rest
+(look_ahead_viper.py has the picture). Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks
+that may have been released: a block's speeds depend on the LOOK_AHEAD − 1 that follow it, however many have come.
 
     planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
     planner.line((400, 30, 0), 0, tool=True, speed_nm_s=20_000_000)
@@ -55,7 +55,7 @@ class Planner:
         self.dynamic = False  # see set_power()
         self._stride = ROW_STEPS + axes
         self.rows = zeros(QUEUE_SIZE * self._stride)  # ROW_…, and the deltas of each axis
-        self._walkers = [None] * QUEUE_SIZE  # of an arc where its plan begins in Plans.plans; of what paces itself what is walked
+        self._walkers = [None] * QUEUE_SIZE  # of an arc the index of its plan in Plans.plans; of a walker with its own pace the walker
         self._plan_arc = self._set_arc_speed = self._limit_jerk = None
         self._arcs = None  # their plans; made by load()
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
@@ -74,8 +74,8 @@ class Planner:
         self.ready = False  # lines() may be asked for: no axis is so slow that it would refuse one
         self._limits = None
         self._fields = None  # of the limits
-        self.arrays = None  # what plan_lines() takes, one tuple until there are other limits
-        self._plan_block = self._corner = self._plan_lines = self._look_back = None  # what works with them
+        self.arrays = None  # the arguments of plan_lines(), one tuple until there are other limits
+        self._plan_block = self._corner = self._plan_lines = self._look_back = None  # the functions that work with them
         self.batch = array("i", bytearray(4 * BATCH_FIELDS * BATCH_ROWS))  # of lines to be queued
         self.clear()
 
@@ -143,7 +143,7 @@ class Planner:
         self.dynamic = dynamic
 
     def slowest(self, axes):
-        """What the slowest axis can do, in nm/s; and what these axes can, in nm/s²."""
+        """Return the speed of the slowest axis, in nm/s; and the accelerations of these axes, in nm/s²."""
         return min(self._limits.speeds), [self._limits.accelerations[axis] for axis in axes]
 
     # --- adding
@@ -224,7 +224,7 @@ class Planner:
         return True
 
     def _stand(self, at, ticks):
-        """What has no acceleration."""
+        """Set the row of a block without acceleration."""
         rows = self.rows
         rows[at + ROW_TICKS] = ticks
         rows[at + ROW_TICKS_REST] = rows[at + ROW_GAIN] = rows[at + ROW_SPEED] = 0
@@ -234,11 +234,11 @@ class Planner:
             over_half=None):
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
 
-        `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top; `over_half`: as
-        of arc.plan(). Its speed along the path, or the `ticks` it lasts at that. On arcs v²/R stays within the
-        axes' accelerations. An arc too short for a step along the circle is a line. Raises ValueError for what cannot
-        be walked as a circle: the plane's axes with different steps/mm, a radius above 2²⁰ steps; arc.TooSteep for too
-        steep a helix. `queued`: False only looks whether it would raise; there has to be room for it.
+        `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top; `over_half`: as of arc.plan(). Its
+        speed along the path, or the `ticks` it lasts at that. On arcs v²/R stays within the axes' accelerations. An arc too short for a
+        step along the circle is a line. Raises ValueError if it cannot be walked as a circle: the plane's axes with different steps/mm, a
+        radius above 2²⁰ steps; arc.TooSteep for too steep a helix. `queued`: False only looks whether it would raise; there has to be room
+        for it.
         """
         limits = self._limits
         if limits is None or self._arcs is None:
@@ -350,13 +350,13 @@ class Planner:
         return block
 
     def row(self):
-        """Where the oldest block not yet played to its last word stands in `rows`; -1: there is none."""
+        """Return the index in `rows` of the oldest block not yet played to its last word; -1: there is none."""
         indices = self.indices
         retired = indices[QUEUE_RETIRED]
         return -1 if retired == indices[QUEUE_FETCHED] else retired % QUEUE_SIZE * self._stride
 
     def last(self, back=0):
-        """Where the block that was played last stands in `rows`, or the one `back` before it; if they were played to their end."""
+        """Return the index in `rows` of the block that was played last, or of the one `back` before it; if they were played to their end."""
         return (self.indices[QUEUE_RETIRED] - 1 - back) % QUEUE_SIZE * self._stride
 
     def walker(self, at):

@@ -40,7 +40,7 @@ class Ramp(Steady):
         Steady.__init__(self)
         self.state = array("i", [0] * RAMP_FIELDS)
         self.take_up = begin
-        self.accelerated = cut  # what cuts accelerated lines, and arcs
+        self.accelerated = cut  # cuts accelerated lines, and arcs
         self.s_curve = None  # takes up a block where jerk is limited: s_curve_block.load()
 
     @micropython.native

@@ -3,7 +3,7 @@
     begin(rows, at, state, start, total, s_curve)    # the block whose row begins at rows[at]
     cut(rows, at, state, walker, left, percent, hold)   # its next segment: RAMP_STEPS, RAMP_TICKS and RAMP_PACE of `state`
 
-What it computes, and why, stands in ramp.py, the fields of the arrays in records.py; `walker` is Line.state or Circle.state.
+ramp.py has the method and the reasons, records.py the fields of the arrays; `walker` is Line.state or Circle.state.
 One text for all interpreters; see block_viper.py. No integer reaches 2³⁰.
 """
 
@@ -16,9 +16,9 @@ from passo.records import *
 
 @micropython.viper
 def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, s_curve: int):  # ISR: no allocation
-    """The speed it begins with in its own units, and how long a segment should last: 1 ms, but of an arc 6, because what
-    every run of a tight one costs a board is up to half a millisecond, and `s_curve`, with limited jerk, 3, because the
-    pace is even in a segment, off the curve by acceleration · t² / 8. `start`: the q that takes no ramp."""
+    """The speed it begins with in its own units, and how long a segment should last: 1 ms, but of an arc 6, because every run of a tight
+    one costs a board up to half a millisecond, and `s_curve`, with limited jerk, 3, because the pace is even in a segment, off the curve by
+    acceleration · t² / 8. `start`: the q that takes no ramp."""
     state[RAMP_TOTAL] = total
     state[RAMP_LENGTH] = 37500 if s_curve else 75000 if rows[at + ROW_KIND] == KIND_ARC else 12500
     state[RAMP_S_CURVE] = s_curve
@@ -141,7 +141,7 @@ def count_steps(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, ho
 
 @micropython.viper
 def run_path(walker: ptr32, words: int) -> int:  # ISR: no allocation
-    """The path of so many words of an arc's run, in steps · 2¹⁷."""
+    """Return the path of `words` words of an arc's run, in steps · 2¹⁷."""
     path = walker[CIRCLE_PATH] * words
     whole = path // walker[CIRCLE_WORDS]
     return (whole << 4) + ((path - whole * walker[CIRCLE_WORDS]) << 4) // walker[CIRCLE_WORDS]
@@ -240,8 +240,9 @@ def even_ticks(rows: ptr32, at: int, state: ptr32) -> int:  # ISR: no allocation
 
 @micropython.viper
 def change_ticks(rows: ptr32, at: int, change: int, fast: int) -> int:  # ISR: no allocation
-    """What getting by `change`, not 0, up to the speed `fast`, or down from it, costs more than going at it: t · change / 2 · fast, where
-    t is the time that the change takes."""
+    """Return the ticks that a change by `change`, not 0, up to the speed `fast`, or down from it, costs beyond those at that speed: t ·
+    change / 2 · fast, with t the time of the change.
+    """
     ratio = change // fast
     rest = (change - ratio * fast) << 8
     ratio = (ratio << 8) + rest // fast

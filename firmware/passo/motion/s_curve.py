@@ -3,25 +3,25 @@
     limit(ramp, limits, stride, size)       # of the planner's rows
     ramp.accelerated(…)                     # is the one here from now on, for lines and arcs alike
 
-The planner's speeds at the ends of blocks stay those of trapezoids. What goes with the speed from segment to segment, on
-into the next block, is the acceleration, which changes by jerk × time at most. It is kept as b, the square root of the
-speed that would come on top while it fades: b² = a² / 2J, which grows evenly in time, and v + b² is where a speeding up
-ends that begins to fade now. A segment ends with the largest b that
+The planner's speeds at the ends of blocks stay those of trapezoids. Along with the speed, the acceleration goes from segment to segment, on
+into the next block; it changes by jerk × time at most. It is kept as b, the square root of the speed that would come on top while it fades:
+b² = a² / 2J, which grows evenly in time, and v + b² is where a speeding up ends that begins to fade now. A segment ends with the largest b
+that
 
     - neither exceeds the acceleration nor leads above the block's speed, or the override's, or, in a hold, 0
     - leaves room to slow down to the block's planned exit u, by an S-curve: with w = A² / J and V = v + b², the way is
       that to the top of the curve, ±(V − b²/3) · b · √(2w) / A, and (V + u) · T / 2A from there, T = V − u + w, or
       2 · √(w · (V − u)) where the whole of A is never asked for
 
-What holds: acceleration always within the limits, ends and planned speeds as exact as without. Jerk within the limit
-where a ramp lies inside a block, in holds, and in speeding up over any number of blocks. Where slowing down takes several
-blocks it goes on from one to the next at full acceleration, but sets in, and fades at the stand, only as gently as the
-first and the last of them have room for; there, and where motion sets out again before it has stood, the acceleration's
-limit alone counts. A jerk that is reached within a step or so makes no difference to none.
+These hold: acceleration always within the limits, ends and planned speeds as exact as without. Jerk within the limit where a ramp lies
+inside a block, in holds, and in speeding up over any number of blocks. If slowing down takes several blocks it goes on from one to the next
+at full acceleration, but sets in, and fades at the stand, only as gently as the first and the last of them have room for; there, and if
+motion sets out again before it has stood, the acceleration's limit alone counts. A jerk that is reached within a step or so makes no
+difference to none.
 
-All but limit() may run in an interrupt: no allocation, no integer of 2³⁰. There a level of calls costs some 250 bytes of
-stack, which the main loop's way to an arc's plan leaves little of: cut_s_curve() calls what a segment needs one after the
-other, and what one tells the next is in `state`.
+All but limit() may run in an interrupt: no allocation, no integer of 2³⁰. There a level of calls costs some 250 bytes of stack, which the
+main loop's way to an arc's plan leaves little of: cut_s_curve() calls the functions of a segment one after the other, and one leaves its
+results for the next in `state`.
 """
 
 from array import array
@@ -37,7 +37,7 @@ from passo.records import *
 
 def limit(ramp, limits, stride, size):
     """Have `ramp` keep to the jerk of `limits`, nm/s³ along the path (0: any); `stride` and `size`: of a row of the planner's,
-    and all. With a jerk the ramp's `state` is longer from now on, and what cuts accelerated blocks is the one here."""
+    and all. With a jerk the ramp's `state` is longer from now on, and cut_s_curve() cuts accelerated blocks."""
     if not limits.jerk:
         ramp.accelerated = cut
         ramp.s_curve = None
@@ -58,7 +58,7 @@ def limit(ramp, limits, stride, size):
 
 @micropython.native
 def cut_s_curve(rows, at, state, walker, left, percent, hold):  # ISR: no allocation
-    """The next segment: what ramp_viper.cut() does up to how fast it ends."""
+    """Cut the next segment: as ramp_viper.cut(), but for the speed at its end."""
     cut(rows, at, state, walker, left, percent, hold)
     if state[RAMP_S_CURVE] and state[RAMP_STEPS]:  # one after the other: inside each other they would take more stack
         look(rows, at, state)
@@ -75,7 +75,7 @@ def cut_s_curve(rows, at, state, walker, left, percent, hold):  # ISR: no alloca
 
 
 def look(rows, at, state):  # ISR: no allocation
-    """What lies ahead of the segment: the speeds wanted, the room; and how much b may change."""
+    """Find the speeds wanted ahead of the segment, and the room for them."""
     q = state[RAMP_Q] = state[RAMP_BEGIN]
     speed = state[RAMP_V]
     start = state[RAMP_START]
@@ -152,7 +152,7 @@ def choose(state):  # ISR: no allocation
     grow = state[S_CURVE_GROW]
     high = min(state[S_CURVE_LIMIT], b + grow)
     low = max(-state[S_CURVE_LIMIT], b - grow)
-    if low < 0:  # but what can fade till the block's end, or till a stand, in a hold too
+    if low < 0:  # but only as much as can fade till the block's end, or till a stand, in a hold too
         most = state[S_CURVE_GUESS] if state[S_CURVE_ON] or not state[RAMP_CAP] else state[S_CURVE_GUESS] - state[S_CURVE_UNTIL]
         most = -(root_of(most << 7, abs(b) << 7) >> 7) if most > 0 else 0
         low = max(low, min(most, high))
@@ -234,7 +234,7 @@ def rest_to_rest(state):  # ISR: no allocation
 
 
 def end(rows, at, state):  # ISR: no allocation
-    """What choose() has found, or what comes before it: the block's planned end, a stand, the speed wanted."""
+    """End the segment with choose()'s speed, or with the one that comes before it: the block's planned end, a stand, the speed wanted."""
     q = state[RAMP_Q]
     cap = state[RAMP_CAP]
     high = state[RAMP_HIGH]

@@ -1,13 +1,13 @@
-"""What an S-curve makes of a block: the units in which s_curve.py, whose docstring has the method, reckons; how far it is to slow
-down, and how long a segment lasts.
+"""An S-curve's figures of a block: its units, in which s_curve.py (whose docstring has the method) reckons; how far it is to slow down, and
+how long a segment lasts.
 
     load(rows, at, state)       # the block whose row begins at rows[at]; b goes over into its units
 
 b is the square root of the speed, in the block's units, that would come on top while the acceleration fades. In time it
 changes by `rate` a tick, at the given jerk; along the path q changes by b · `push` a step.
 
-The fields of `rows` and `state` stand in records.py. All may run in an interrupt: no allocation, no integer of 2³⁰. What comes many
-times a segment is machine code on a board; see block_viper.py for what that asks.
+The fields of `rows` and `state` stand in records.py. All may run in an interrupt: no allocation, no integer of 2³⁰. Functions called many
+times a segment are machine code on a board; see block_viper.py for its rules.
 """
 
 import micropython
@@ -104,7 +104,7 @@ def step_from_rest(rows, at, state):  # ISR: no allocation
 
 
 def need(state, fast, b):  # ISR: no allocation
-    """Room, as S_CURVE_ROOM, to slow down to the block's end from the speed `fast` with b. S_CURVE_ABOVE: what is too fast."""
+    """Room, as S_CURVE_ROOM, to slow down to the block's end from the speed `fast` with b. S_CURVE_ABOVE: the speed above the wanted one."""
     until = state[S_CURVE_UNTIL]
     above = b * b >> 7
     if not state[S_CURVE_ROOM]:  # the block ends here
@@ -194,7 +194,7 @@ def grown(state, ticks):  # ISR: no allocation
         ticks >>= 1
         shift -= 1
     size = ticks * (state[S_CURVE_RATE] >> 1)
-    if 0 < shift < 29:  # what is less than one counts later
+    if 0 < shift < 29:  # parts below one count later
         size += state[S_CURVE_SPARE] & (1 << shift) - 1
         state[S_CURVE_SPARE] = size
     return scaled(size, -shift) or 1
@@ -232,7 +232,7 @@ def scaled(value: int, shift: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def cube_root(push: int) -> int:  # ISR: no allocation
-    """(¾ q a step and b)^⅓: what b is after a step from rest; `push` is q a step and b · 2⁴."""
+    """Return (¾ q a step and b)^⅓: b after a step from rest; `push` is q a step and b · 2⁴."""
     shift = 5
     value = push
     while value >= 0x800000:

@@ -1,4 +1,4 @@
-"""Speeds in a block's units, and the ticks that they take: what ramps and S-curves share.
+"""Speeds in a block's units, and the ticks that they take: shared by ramps and S-curves.
 
     q = q_of(square, rows, at, limit)       # a square of speed of 2²⁸, in the units of the block whose row begins at rows[at]
     speed = root_of(q, near)                # units, with 7 fraction bits
@@ -64,8 +64,9 @@ def path_ticks(path: int, span: int, speed: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
-    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. Where a step is longer than 2¹⁹ ticks,
-    `rest` is left out. All bits of `path` count: a word of a steep helix may take less than a hundredth of a step of its circle."""
+    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. If a step is longer than 2¹⁹ ticks, `rest` is left out. All
+    bits of `path` count: a word of a steep helix may take less than a hundredth of a step of its circle.
+    """
     whole = path >> 17
     path &= 0x1FFFF
     ticks = whole * each
@@ -79,7 +80,7 @@ def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def gained(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
-    """gain · (steps + part / 2¹⁷): what q changes by."""
+    """Return gain · (steps + part / 2¹⁷): the change of q."""
     return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
 
 

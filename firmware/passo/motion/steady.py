@@ -21,7 +21,7 @@ LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 
 
 def refuse(result):
-    """Raise ValueError for what block_viper.plan_block() returns below 0."""
+    """Raise ValueError for a result of block_viper.plan_block() below 0."""
     if result == -1:
         raise ValueError("steps more than 43 s apart")
     raise ValueError("a line of more than %d steps" % MAX_STEPS)
@@ -63,11 +63,11 @@ class Steady:
     def __init__(self):
         self.state = array("i", [0] * STEADY_FIELDS)
         self.cut = cut  # of the block under way: cut(rows, at, state, walker.state, left, percent, hold)
-        self.even = cut  # what cuts lines at constant speed
+        self.even = cut  # cuts lines at constant speed
         self.take_up = None  # begins an accelerated line: ramp_viper.begin()
 
     def stall(self):  # ISR: no allocation
-        """The machine stands: what comes next begins at rest."""
+        """The machine stands: the next block begins at rest."""
         self.state[RAMP_Q] = self.state[RAMP_V] = 0
 
     def moving(self):  # ISR: no allocation

@@ -1,4 +1,4 @@
-"""A line's vector of steps: its dominant axis, its length, its direction, and what the axes allow along it.
+"""A line's vector of steps: its dominant axis, its length, its direction, and the axes' limits along it.
 
     total = most_steps(rows, at + ROW_STEPS, axes)
     measure(rows, at + ROW_STEPS, scratch, limits)      # SCRATCH_HEADING, _LENGTH, _ALONG and _STRENGTH of the line
