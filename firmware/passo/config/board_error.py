@@ -1,4 +1,4 @@
-"""What is wrong with a board file, what no message could show, and what the manifests of options add to it."""
+"""Errors of a board file, values that no message could show, and the manifests' additions to it."""
 
 import os
 
@@ -15,11 +15,11 @@ _LONGEST = const(1000)  # characters of a text
 
 
 class BoardError(Exception):
-    """The board file is wrong: one line that says where, and what would be right."""
+    """The board file is wrong: one line with the place, and the right value."""
 
 
 class Additions:
-    """What options add to a machine: their check() writes it into board["additions"], which no board file can say."""
+    """The additions of options to a machine: their check() writes them into board["additions"], a key that a board file cannot have."""
 
     def __init__(self, before=None):
         """`before`: those of the same board, when it was checked before."""
@@ -37,7 +37,7 @@ class Additions:
         self.motion = self.queue = None  # modules with its Planner and its Queue
         self.ports = ()  # of links that are no cable
         self.lines = None  # the module that makes the lines of all links, where some are no cable: see machine_builder.lines_of()
-        self.parts = {}  # modules of what the port has beside its pins, see ports/parts.py
+        self.parts = {}  # modules for parts of the port beside its pins, see ports/parts.py
         self.more_motors = []  # those beside the axes' own
         self.drive_module = None  # the module that turns words of all motors into pins
         self.motor_pins = 2  # of each motor: STEP and DIR, or coils
@@ -89,7 +89,7 @@ def folders(package):
 
 
 def nearest(key, known):
-    """", nearest is 'axes'" for what is written much like one of the known keys, else ""."""
+    """Return ", nearest is 'axes'" if the key is written much like one of the known ones, else ""."""
     wanted = _pairs(key)
     best, name = 0, ""
     for each in known:
@@ -107,7 +107,7 @@ def _pairs(key):
 
 
 def names_of(items, part):
-    """What each output (`part` 2) or input (0) is, once each: the last or the first word of its name, of `p0` the letter. Items may be anything."""
+    """Return the name of each output (`part` 2) or input (0), once each: the last or the first word of its name, of `p0` the letter. Items may be anything."""
     found = []
     for item in items if isinstance(items, (list, tuple)) else ():
         name = item.get("name") if isinstance(item, dict) else None

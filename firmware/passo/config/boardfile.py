@@ -22,7 +22,7 @@ _INPUT = {
     "active": _BIT,
     "pull": ("up", "down", "none"),
     "halt": (bool, False, 0, 1),  # becoming active stops the machine at once: emergency stop, limit switch
-    "filter_us": (int, 0, 0, 2000),  # what does not last so long is noise
+    "filter_us": (int, 0, 0, 2000),  # a shorter change is noise
 }
 _OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN_OR_BIT, "active": _BIT, "role": ("none", "ours", "theirs")}  # changeover.py's
 _AXIS = {
@@ -47,7 +47,7 @@ _DRIVE = {
 _TOOL = {
     "pin": PIN,
     "active": _BIT,
-    "on_ms": (int, 0, 0, 60_000),  # what is switched on takes effect so much later: a pen, a spindle after M3
+    "on_ms": (int, 0, 0, 60_000),  # time until a tool that is switched on takes effect: a pen, a spindle after M3
     "off_ms": (int, 0, 0, 10_000),
 }
 _HOMING = {
@@ -72,7 +72,7 @@ _SPINDLE = {
     "pin": (int, -1, -1, 48),
     "pwm_hz": (int, 5000, 10, 100_000),
     "laser": (bool, False, 0, 1),
-    # Where the door, or the operator in a hold, has switched them off: so long after they are on again the machine goes on.
+    # If the door, or the operator in a hold, has switched them off: the machine waits this long after they are on again.
     "spin_up_ms": (int, 4000, 0, 60_000),  # not for lasers
     "coolant_ms": (int, 1000, 0, 60_000),
 }
@@ -97,7 +97,7 @@ _LINK = {
     "protocol": (str, MUST, 1, 16),
     "idle_gap_ms": (int, 5, 1, 1000),
     "frames": (bool, False, 0, 1),  # a host may ask for frames that prove themselves: protocols/frames
-    "lost": ("go_on", "pause", "stop", "retract"),  # what is done if the host says nothing for lost_ms while its job is under way
+    "lost": ("go_on", "pause", "stop", "retract"),  # the machine's action if the host is silent for lost_ms while its job is under way
     "lost_ms": (int, 3000, 100, 600_000),
     "tell_end": (bool, False, 0, 1),  # say unasked that a motion has ended, where the language has a word for it
 }
@@ -117,7 +117,7 @@ _BOARD = {
     "planning": _PLANNING,
     "spindle": _SPINDLE,
     "jog": _JOG,
-    "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
+    "changeover_by": ("command", "motion"),  # the event that takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
     "store_points": (int, 3000, 10, 100_000),

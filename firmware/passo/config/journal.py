@@ -42,7 +42,7 @@ class Journal:
         return newest
 
     def write(self, text):
-        """Raises OSError where the memory is full or broken; what was there before is still there then."""
+        """Raises OSError if the memory is full or broken; the text stored before is still there then."""
         if self._sequence is None:
             self.read()
         slot, sequence = (self._slot + 1) % SLOTS, self._sequence + 1

@@ -1,5 +1,5 @@
-"""The settings by number, grbl's where it has them: what they are, made from a checked board file once. A board forgets it when that is
-done: it has better uses for the memory, and a build has numbers for these names.
+"""The settings by number, grbl's if it has them: names, bounds and defaults, made from a checked board file once. A board forgets it when
+that is done: it has better uses for the memory, and a build has numbers for these names.
 
     rules = setting_numbers.make(board)     # {number: (name, decimals, default, least, most)}
 """

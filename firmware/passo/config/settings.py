@@ -8,12 +8,12 @@
     error = settings.change(110, 600_000) or settings.save(before)     # what cannot be kept does not count
     settings.put("G54", "0,0,0")     # texts beside the numbers: offsets, start-up lines
 
-What pins do ($0, $2, $3, $4) changes with the next start, all else at once. Numbers and meanings are grbl 1.1's, also of
-MASKS, whose defaults say how the board file has it. Those with decimals are held in thousandths. $12 is kept and changes
-nothing: arcs are walked as circles, not in chords of a tolerance. What was never changed is not kept, so that a new board
-file shows; what this firmware does not know is kept for the one that does.
+Levels of pins ($0, $2, $3, $4) change with the next start, all else at once. Numbers and meanings are grbl 1.1's, also of MASKS, whose
+defaults say how the board file has it. Those with decimals are held in thousandths. $12 is kept and changes nothing: arcs are walked as
+circles, not in chords of a tolerance. Unchanged values are not stored, so that a new board file shows; numbers that this firmware does not
+know stay stored for the one that does.
 
-A line of what is kept is NUMBER=VALUE, of masks VERSION:NUMBER=VALUE. Without a version a mask is of the first firmware,
+A stored line is NUMBER=VALUE, of masks VERSION:NUMBER=VALUE. Without a version a mask is of the first firmware,
 where it said what differs from the board file: it is converted. That firmware in its turn leaves masks with a version alone.
 """
 
@@ -67,7 +67,7 @@ class Settings:
         self._apply()
 
     def limit_steps(self, steps_s):
-        """No speed may take more than `steps_s` steps a second: what the player can do, whose ring these settings decide."""
+        """Limit all speeds to `steps_s` steps a second: the most of the player, whose ring these settings decide."""
         self._most_steps_s = steps_s
 
     # --- numbers
@@ -286,7 +286,7 @@ class Settings:
         return self._board["axes"][axis]["jog_steps_s"] or self._board["speed"]["default"]
 
     def keep_jogs(self, steps, steps_s):
-        """Keep what a host has set of the first axes, as millimetres; what is out of bounds counts until the power goes."""
+        """Keep a host's jogs of the first axes, as millimetres; values out of bounds count until the power goes."""
         for axis in range(len(steps)):
             steps_per_m = self.value(STEPS + axis)
             for number, value in (
