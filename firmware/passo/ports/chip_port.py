@@ -1,4 +1,4 @@
-"""What the ports of all chips share: inputs and outputs, power, heartbeat, watchdog, and one call of the feeder.
+"""The common part of the ports of all chips: inputs and outputs, power, heartbeat, watchdog, and one call of the feeder.
 
 A chip's Port adds the player, and the timer whose interrupt calls _feed(). If the main loop has not turned for 170 ms
 the feeder slows down to a stand, and the watchdog, once it runs, resets the chip after a second.
@@ -17,7 +17,7 @@ from passo.records import COUNT_MASK, REGISTER_BIT, TICKS_PER_MS
 _HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)
 _IDLE_MS = const(10)  # the longest cycle while nothing is under way
-# What a call of the feeder's interrupt does:
+# The action of a call of the feeder's interrupt:
 FEED_NOW = const(0)
 _LEAVE_ALONE = const(1)  # nothing: the main loop makes words
 FEED_LATER = const(2)  # nothing, once: see put_off()
@@ -74,12 +74,12 @@ class ChipPort:
         self._shown = 0  # power
         self._laser = None  # the player, where it sees to the power of the words it plays
         self._player = self._feeder = self._timer = self._watchdog = None
-        self._looks = ()  # functions that each call of the feeder calls: of what follows the steps, and has no interrupt of its own
+        self._looks = ()  # functions that each call of the feeder calls: of parts that follow the steps, and have no interrupt of their own
         self._aside = FEED_NOW
         self._behind = False  # the interrupt has left out a call while the main loop made words
         self._left_out = False  # the call that was to come later has been left out
-        self._trip = None  # the halting input that has stopped the player, until the main loop has been told
-        self._failed = None  # what an interrupt raised
+        self._trip = None  # the halting input that has stopped the player, until tripped() has returned it
+        self._failed = None  # the exception that an interrupt raised
         self._beat_ms = ticks_ms()
         self._lines = []
         self._watches = {}  # of limits and homing's sensors
@@ -114,7 +114,7 @@ class ChipPort:
         return line
 
     def _console(self):
-        """What tells how many bytes the console has received; None: nothing does."""
+        """Return a function for the number of bytes that the console has received; None: there is none."""
 
     @micropython.native
     def input(self, name):
@@ -143,7 +143,7 @@ class ChipPort:
         elif level != self._shown:
             if self._pwm is not None:
                 self._pwm.duty_u16(level * 65535 // 1000)
-            self._shown = level  # last: an interrupt may have shown another meanwhile, then the next one does so again
+            self._shown = level  # last: if an interrupt has shown another meanwhile, the next one shows it again
 
     def machine_ms(self):
         return ticks_ms() & COUNT_MASK
@@ -186,8 +186,9 @@ class ChipPort:
 
     @micropython.native
     def set_out(self, live):
-        """What is queued for a machine that stands moves off now, not only at the feeder's next call. `live`:
-        what is under way may change at any moment."""
+        """Let the blocks queued for a machine that stands move off now, not only at the feeder's next call. `live`: the motion under way
+        may change at any moment.
+        """
         self.lead_ticks = self._leads[live]
         ring = self._feeder.ring
         if self._player.played() != ring.head:
@@ -207,7 +208,7 @@ class ChipPort:
     catch_up = put_off
 
     def make(self, kind, config):
-        """What few boards have: what create() of an option's port.py makes, by the option's key."""
+        """Return the part that create() of an option's port.py makes, by the option's key: few boards have one."""
         return parts.of_option(kind, "port").create(self, self._inputs, config)
 
     def watch_limit(self, name, filter_us=0):
@@ -255,8 +256,8 @@ class ChipPort:
     # --- interrupts
 
     def _join(self, feeder, player):
-        """What follows the steps gets them: parts of options. Nothing is fed before the app has something to play: until then features
-        add attributes to the player, and meanwhile an interrupt would find none of its attributes."""
+        """Give feeder and player to the parts of options that follow the steps. Nothing is fed before the app has something to play: until
+        then features add attributes to the player, and meanwhile an interrupt would find none of its attributes."""
         self._feeder = feeder
         feeder.open = False
         for part in self._parts:

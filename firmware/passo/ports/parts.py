@@ -1,4 +1,4 @@
-"""What options add to a port: their manifests write the names of the modules into board["additions"]."""
+"""Options' additions to a port: their manifests write the names of the modules into board["additions"]."""
 
 
 def load(board, file=None):
@@ -16,7 +16,7 @@ def load(board, file=None):
 
 
 def of_option(option, file):
-    """A file of an option: what has its create()."""
+    """Return an option's module, which has create()."""
     return _module("passo.options.%s.%s" % (option, file))
 
 

@@ -1,4 +1,4 @@
-"""What surrounds the app on a chip: a safe start, ways back to the REPL, and what is left behind after a crash.
+"""The surroundings of the app on a chip: a safe start, ways back to the REPL, and the traces of a crash.
 
     start = Start(board)            # a raw board file: outputs go safe here, whatever else may be wrong with it
     if start.wanted():              # no: the chip's button, or the input named "repl", is held

@@ -7,7 +7,7 @@ from micropython import const
 _RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
 _SEND_BYTES = const(256)
 _WAIT_MS = const(1000)  # for room there: without it the interpreter drops what does not fit
-_MOST = const(512)  # bytes read in one go: what a sender may have under way, so that `?` is seen behind it
+_MOST = const(512)  # bytes read in one go: the most that a sender has under way, so that `?` is seen behind it
 _PARITIES = {"none": None, "even": 0, "odd": 1}
 
 
@@ -15,7 +15,7 @@ class UartLine:
     def __init__(self, link):
         """`link` of the board file; its port is "uart0" or "uart1". An inverter's says parity and stop bits too."""
         self._capture = None
-        self._before = self._kept = self._given = 0  # bytes in the UART's buffer that come before what was captured; that; and given of it
+        self._before = self._kept = self._given = 0  # bytes in the UART's buffer that come before the captured ones; the captured ones; and those given of them
         self._ahead = b""  # bytes that were captured earlier: they come before all these
         self._waiting = 0  # bytes that are not in the UART's buffer
         self._uart = UART(

@@ -11,7 +11,7 @@ from micropython import const
 _PACKETS = const(640)  # bytes read in one go: more than a sender may have under way, so that `?` is seen behind it
 _FEW = const(64)  # the same where they come one by one
 _INTERRUPT = const(3)  # Ctrl-C
-_ESCAPE = b"\r\x03"  # what mpremote begins with
+_ESCAPE = b"\r\x03"  # the first bytes of mpremote
 _SILENCE_MS = const(1000)
 
 
@@ -25,7 +25,7 @@ class UsbLine:
         self._whole = None  # the console, once it is proven
         self._poll = poll()
         self._poll.register(sys.stdin, POLLIN)
-        # What reading takes is made once: as methods and bytes it would be garbage of each read.
+        # Make the objects for reading once: as methods and bytes they would be garbage of each read.
         self._ready = self._poll.ipoll
         self._take = sys.stdin.buffer.readinto
         self._byte = bytearray(1)

@@ -53,7 +53,7 @@ class VirtualPort:
 
     `world` defaults to nothing at all wired. `lines` maps a link's name to an object with `read()` and `write(bytes)`;
     a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a cycle has nothing
-    to do; it may return early, for example when a byte has come. `player`: the class of what plays the ring.
+    to do; it may return early, for example when a byte has come. `player`: the class that plays the ring.
     `radio`: the network, if the board file has one; None: it is off.
     """
 
@@ -72,7 +72,7 @@ class VirtualPort:
         self._inputs = {entry["name"]: entry.get("active", 1) for entry in inputs}
         self._halting = [entry["name"] for entry in inputs if entry.get("halt", False)]
         self._outputs = {entry["name"]: entry.get("active", 1) for entry in outputs}
-        self._trip = None  # what has stopped the player, until the main loop has been told
+        self._trip = None  # the input that has stopped the player, until tripped() has returned it
         self.veto = self._limits = None
         if "veto" not in getattr(board.get("additions"), "parts", ()) and hasattr(world, "listen") and self._inputs:
             from passo.ports.virtual_inputs import VirtualLimits
@@ -135,11 +135,11 @@ class VirtualPort:
         return self._watches.get(name)
 
     def make(self, kind, config):
-        """What few boards have, as ports/chip_port.py does."""
+        """Return an option's part, which few boards have, as ports/chip_port.py does."""
         return parts.of_option(kind, "port_virtual").create(self, config)
 
     def tripped(self):
-        """The name of a halting input that is active, or of what the veto has stopped the player for; or None. Halting
+        """Return the name of a halting input that is active, or of the input for which the veto has stopped the player; or None. Halting
         inputs are looked at once a cycle."""
         trip, self._trip = self._trip, None
         if trip is not None:
@@ -183,7 +183,7 @@ class VirtualPort:
             self._follow(pending, quantum)
 
     def pending(self, busy=False):
-        """True while anything is on its way: what the caller says, words, or an event of the world."""
+        """Return True while anything is on its way: `busy`, words, or an event of the world."""
         return busy or (self._player is not None and self._player.busy()) or self.world.next_event() is not None
 
     def advance(self, ticks):
@@ -214,7 +214,7 @@ class VirtualPort:
             self._anchor()
             behind = quantum
         if behind > 0:
-            # At rest by whole milliseconds: what begins next sees the same of them whenever it begins.
+            # At rest by whole milliseconds: motion sees the same of them whenever it begins.
             self.advance(min(behind, most) if pending else behind - behind % TICKS_PER_MS)
         if self._sleep and (not pending or behind <= most):
             self._sleep(max(1, quantum // (2 * TICKS_PER_MS)) if pending else IDLE_MS)

@@ -1,7 +1,7 @@
-"""Inputs with interrupts on the virtual port: between the port and its world, changes are heard at their tick.
+"""Inputs with interrupts on the virtual port: between the port and its world, it sees changes at their tick.
 
 VirtualInputs has the methods of a world, and hands on all calls. A change counts once it has lasted the input's filter, exactly;
-what a chip's interrupt takes on top of that is not modelled, but that no pulse is cut short: what stops the player does so with
+the further time of a chip's interrupt is not modelled, but pulses stay whole: the player stops with
 the first edge behind that time that leaves no pulse up.
 """
 
@@ -16,7 +16,7 @@ class VirtualInputs:
         self._world = world
         self._player = None
         self._pulses = 0  # mask of the player's pins
-        self._amid = False  # the world is being told of an edge
+        self._amid = False  # the world gets an edge at this moment
         self._due = {}  # of an input: (tick at which its change has lasted, what it is then)
         self.input = world.input
         self._pass_edges = world.edges

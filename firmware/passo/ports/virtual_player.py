@@ -73,7 +73,7 @@ class Player:
         self._put(self.now, levels | self._levels & self._layout.pulse_mask if self._fall >= 0 else levels)
 
     def levels(self):
-        """What the pins show, before polarity."""
+        """Return the levels at the pins, before polarity."""
         return self._levels
 
     def show_power(self, tick, level):

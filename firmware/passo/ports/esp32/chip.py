@@ -10,7 +10,7 @@ _BASES = (
 
 
 def gpio_base(machine=None):
-    """Where the registers begin on this chip. `machine`: as sys.implementation has it."""
+    """Return the address at which the registers begin on this chip. `machine`: as sys.implementation has it."""
     machine = (machine or sys.implementation._machine).replace("-", "").upper()
     for name, base in _BASES:
         if name in machine:

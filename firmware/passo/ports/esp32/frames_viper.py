@@ -23,8 +23,8 @@ HEAD = const(2)  # count up to which there are words
 MASK = const(3)  # size of the ring − 1
 BITS = const(4)  # of a word's levels
 LEFT = const(5)  # frames of the word under way that are not made yet
-FALL = const(6)  # of these, its pulses are high so many more
-REST = const(7)  # ticks, BIAS more than they are: those may be negative, and what is read from an array has no sign
+FALL = const(6)  # of these, the number that its pulses stay high
+REST = const(7)  # ticks plus BIAS: they may be negative, and a value read from an array has no sign
 LEVELS = const(8)  # of the word under way, or of the rest
 PULSES = const(9)  # mask of the levels that are pulses
 PULSE_FRAMES = const(10)
@@ -70,7 +70,7 @@ def make(frames: ptr32, i: int, run: int, count: int, state: ptr32, words: ptr32
                 levels = word & ((1 << bits) - 1)
                 rest += word >> bits
                 if rest < FRAME_TICKS:
-                    left = 1  # every word is seen; the next ones are so much shorter
+                    left = 1  # every word is seen; the next ones are shorter by the difference
                 elif rest < 0x8000:
                     left = (rest * 5243) >> 18  # by FRAME_TICKS
                 else:

@@ -12,10 +12,10 @@ The driver is in the mode that asyncio uses: write() copies a block or says that
 irq() a task of its own would copy later, and a block handed to a full queue would be lost without a word.
 Blocks are whole ones of the driver's: a part of one would be played with zeros behind it.
 
-16 blocks, 16.4 ms, are on their way: what keeps the next pump() off for 11 ms more than usual delays nothing. Where the heap is PSRAM a
-collection takes 22 ms and more: there are 32 blocks, and 27 ms more delay nothing. If it takes longer, the driver
-sends zeros: no step, tool off. Less than two blocks before that the I2S is closed and opened: the words not played by
-then begin again after 17 ms (33), at their speed, and `under_runs` counts one. No step is lost, no interval is shorter.
+16 blocks, 16.4 ms, are on their way: the next pump() may come 11 ms later than usual without a delay of any edge. If the heap is PSRAM a
+collection takes 22 ms and more: there are 32 blocks, and pump() may come 27 ms late. If it takes longer, the driver sends zeros: no step,
+tool off. Less than two blocks before that the I2S is closed and opened: the words not played by then begin again after 17 ms (33), at their
+speed, and `under_runs` counts one. No step is lost, no interval is shorter.
 
 halt() closes the I2S: the clock ends inside a frame, and words are counted by the frames latched. The registers keep their
 levels for the time that opening it again takes, less than a millisecond, or are cut off by `enable`; then zeros come.
@@ -42,7 +42,7 @@ _PSRAM_BLOCKS = const(32)  # in a heap of PSRAM
 FIRST_FRAMES = const(0)  # frames that the chip sends before the first of its memory
 _MARGIN = const(512)  # frames: nearer to its end the driver may be reading what is being written
 _LONGEST_US = const(1000)  # between two looks, for each block: then the driver has sent zeros, and the counter has not gone round yet
-_COUNTS = const(32_000)  # where the pulse counter begins again
+_COUNTS = const(32_000)  # the pulse counter begins again there
 _INPUT_ENABLE = const(1 << 9)
 
 
@@ -124,7 +124,7 @@ class I2sPlayer:
 
     @micropython.native
     def _shut(self):
-        """End the frames at once; what has been latched counts, the rest is to be made again."""
+        """End the frames at once; the latched ones count, the rest is to be made again."""
         self._running = False
         self._i2s.deinit()
         self._look()
@@ -146,7 +146,7 @@ class I2sPlayer:
         self._last = count
         self._looked_us = ticks_us()
         frame = self._frame
-        if self._pending:  # what the driver has not been given is not played, however many zeros it has sent
+        if self._pending:  # frames that the driver has not got are not played, however many zeros it has sent
             handed = self._state[frames_viper.FRAME] - BLOCK & COUNT_MASK
             if frame - handed & COUNT_MASK < COUNT_MASK >> 1:
                 frame = handed

@@ -5,7 +5,7 @@
     while True:
         app.cycle()              # ends in port.wait()
 
-All callbacks are soft here: see timer_player.py for what that costs. A halting input acts once the main loop gets to
+All callbacks are soft here: see timer_player.py for the cost. A halting input acts once the main loop gets to
 it, usually within a millisecond, within some tens where memory is being collected: an emergency stop belongs into the
 drivers' power or enable line. Words are made every 5 ms, 30 ms ahead. The watchdog of this chip cannot be stopped: after
 the app's end a timer feeds it.

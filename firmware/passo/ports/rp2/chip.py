@@ -35,7 +35,7 @@ _INVERT = 1
 _LOW = 2
 _NVIC_PRIORITY = 0xE000E400
 _SYSTICK = 0xE000E010
-_TIMER_IRQ_3 = 3  # what machine.Timer runs in
+_TIMER_IRQ_3 = 3  # the interrupt of machine.Timer
 
 # SysTick counts the processor's cycles down, modulo 2²⁴. No function: one name more and a plotter's table of names would double.
 mem32[_SYSTICK + 4] = 0xFFFFFF

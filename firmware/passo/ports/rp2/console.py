@@ -28,7 +28,7 @@ _SIZE = const(512)  # bytes of the ring: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp
 _WORDS = const(8192)  # of memory that are looked through: its variables come first
 _PROOFS = const(12)
 _ENDPOINT = const(64)  # bytes of a packet on a full-speed bus
-_PACKET_US = const(20)  # take() waits so long for the next packet, which takes 53 µs on the bus; copying the last one takes the rest
+_PACKET_US = const(20)  # take() waits this long for the next packet, which takes 53 µs on the bus; copying the last one takes the rest
 # ringbuf_t of py/ringbuf.h: words, and halfwords.
 _ADDRESS = const(0)
 _EXTENT = const(1)  # the size, and above it where the next byte is read
@@ -81,7 +81,7 @@ class Console:
     def __init__(self):
         self._at = find()
         self._fifo = find_fifo()  # 0: bytes are taken from the ring
-        self._next = 0  # where the next byte is to be read
+        self._next = 0  # the index of the next byte to read
         self._left = _PROOFS if self._at else -1  # proofs that are missing; -1: it has failed
         self._empty = True  # no byte has been read, so it is not known where the next one will be
 
@@ -143,7 +143,7 @@ class Console:
 
     @micropython.viper
     def take(self, data, most: int, ready) -> int:
-        """Take the bytes that have come, and those that come meanwhile, at most so many. Returns how many bytes. One function for this
+        """Take the bytes that have come, and those that come meanwhile, at most `most`. Returns how many bytes. One function for this
         and _take_fifo() was tried: points over USB were 7 % slower."""
         sleep_ms(0)
         if int(self._fifo) == 0:

@@ -6,11 +6,11 @@
     code.finish()           # what is imported from here on is loaded into memory
     print(code.text())
 
-docs/inside/build.md says why, and what makes it safe. The interpreter is given the head of each file, which has its names and constants, and
-instead of its functions one that calls `_load()()`: that makes the module's functions here, as the interpreter would, but bytecode stays
-where it is. `host_tools/build/mpy.py` appends what is to be known of a file's functions, and sees to it that they do not cross a block.
-Blocks that hold code are not erased until the next reset: littlefs takes them for bad ones and goes on to the next. RP2040 only. Of
-MicroPython 1.26 to 1.29 is known:
+docs/inside/build.md has the reasons, and the conditions that make it safe. The interpreter is given the head of each file, which has its
+names and constants, and instead of its functions one that calls `_load()()`: that makes the module's functions here, as the interpreter
+would, but bytecode stays where it is. `host_tools/build/mpy.py` appends what is to be known of a file's functions, and sees to it that they
+do not cross a block. Blocks that hold code are not erased until the next reset: littlefs takes them for bad ones and goes on to the next.
+RP2040 only. Of MicroPython 1.26 to 1.29 is known:
 
     mp_obj_fun_bc_t      type, module, children, code                   (py/objfun.h)
     mp_raw_code_t        0, 0, kind, generator; code, children          (py/emitglue.h); bytecode without children can do without one
@@ -88,10 +88,10 @@ def _word(address):
 
 
 def begin():
-    """What main.py begins with, at the chip's full speed."""
+    """Begin main.py, at the chip's full speed."""
     global code
     clock.hurry()
-    if hasattr(rp2, "country"):  # a radio, whose driver takes 40 kB: collect early, or what stays lies all over the rest. Cost: 15 ms
+    if hasattr(rp2, "country"):  # a radio, whose driver takes 40 kB: collect early, or objects that stay lie all over the rest. Cost: 15 ms
         import gc
 
         gc.threshold(_COLLECT)
@@ -106,11 +106,11 @@ class FlashCode:
         self._real = self._blocks = None
         self._path = ""  # of the module that is being imported, and its file, the addresses of its blocks, what is known of its functions
         self._file = self._addresses = self._rows = None
-        self._functions = 0  # where what is known of its functions ends
+        self._functions = 0  # the end of the table of its functions
         self._names = 0  # how many names it has, and where they begin; 0: in more than a block
         self._known = None  # see flash_names.py
         self._texts = None  # a piece of memory for texts of names
-        self._text = None  # what the interpreter reads
+        self._text = None  # the .mpy as the interpreter reads it
         self._at = 0  # the next one
         self._address = self._inside = 0  # of the one made last: its code, its children or what else the interpreter has there
 
@@ -155,7 +155,7 @@ class FlashCode:
         return "code in flash: %d functions, %d bytes" % (self.functions, self.bytes)
 
     def open(self, path):
-        """An .mpy for the import: what is before its functions, and the call of _load()."""
+        """Open an .mpy for the import: the bytes before its functions, and the call of _load()."""
         file = self._real.open(path, "rb")
         table = self._blocks.table(file)
         if table is None:  # the interpreter would read on for ever
@@ -193,8 +193,9 @@ class FlashCode:
         self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
 
     def _load(self):
-        """Make the functions of the module that is being imported. Returns the outermost one. What stands in a file's head instead of its
-        functions calls both: if _load() called the function, each import within another would take more of the stack."""
+        """Make the functions of the module that is being imported. Returns the outermost one. The code in a file's head instead of its
+        functions calls both: if _load() called the function, each import within another would take more of the stack.
+        """
         name = self._path[:-4].replace("/", ".")
         module = sys.modules[name[:-9] if name.endswith(".__init__") else name]
         function = _made()

@@ -1,4 +1,4 @@
-"""What flash_code.py knows of littlefs: where the blocks of a file lie, and which of them are kept.
+"""The part of littlefs that flash_code.py uses: the places of a file's blocks, and the list of those that are kept.
 
     blocks = Blocks(rp2.Flash(), count, base)
     mount(Files(vfs.VfsLfs2(blocks), code))     # imports open their modules by code.open(path)

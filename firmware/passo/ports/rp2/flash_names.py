@@ -28,10 +28,10 @@ from micropython import const
 
 _SLOTS = const(2048)  # a power of two, more than there are names
 _NUMBERS = const(8192)  # bytes before them
-_COUNT = const(3072)  # where their count is, in words
+_COUNT = const(3072)  # the index of their count, in words
 _TABLES = const(3073)  # the address of the word that points to the newest table; 0: unknown
 _PIECE = const(3074)  # the same of the piece of memory for texts
-_FROM = const(3075)  # where texts of the module that is being loaded begin; 0: they stay where they are
+_FROM = const(3075)  # the address of the first text of the module that is being loaded; 0: they stay in their places
 _FULL = const(1900)
 KNOWN_BYTES = const(12304)
 _NEWEST = const(0)  # of the word that points to it
@@ -54,7 +54,7 @@ _HALF = const(96)  # of the entries of the next table
 
 @micropython.viper
 def slot_of(text: ptr8, length: int, known: ptr32) -> int:
-    """Where a name is in `known`, or may go."""
+    """Return the slot of a name in `known`, or a free one for it."""
     slot = length
     i = 0
     while i < length:
@@ -74,7 +74,7 @@ def slot_of(text: ptr8, length: int, known: ptr32) -> int:
 
 @micropython.viper
 def head(text: ptr8, at: int) -> int:
-    """What begins a name, and in the bits from 16 on where its text is: twice its length, or an odd number of the interpreter's own."""
+    """Return the first value of a name, and in the bits from 16 on the offset of its text: twice its length, or an odd number of the interpreter's own."""
     length = text[at]
     at += 1
     if length & 0x80:
@@ -85,15 +85,15 @@ def head(text: ptr8, at: int) -> int:
 
 @micropython.viper
 def start_of_texts(known: ptr32) -> int:
-    """Where texts of the module that is to be loaded will begin: its path, the first of its names, is there already. 0: they stay where
-    they go."""
+    """Return the address at which texts of the module that is to be loaded will begin: its path, the first of its names, is there already.
+    0: they stay where they go."""
     if known[_PIECE] == 0:
         return 0
     piece = ptr32(known[_PIECE])
     table = ptr32(ptr32(known[_TABLES])[_NEWEST])
     last = _TEXTS + table[_USED] - 1
     start = table[last]
-    if start <= piece[_BEGIN] or start >= piece[_BEGIN] + piece[_END]:  # what begins a piece stays, so that the collector keeps it
+    if start <= piece[_BEGIN] or start >= piece[_BEGIN] + piece[_END]:  # the first text of a piece stays, so that the collector keeps it
         return 0
     return start
 
@@ -146,7 +146,7 @@ def text_of(number: int, known: ptr32) -> int:
 
 @micropython.viper
 def end_of_texts(known: ptr32) -> int:
-    """Where texts of the module that has been loaded end; before _FROM if they begin in another piece of memory."""
+    """Return the address at which texts of the module that has been loaded end; before _FROM if they begin in another piece of memory."""
     if known[_FROM] == 0:
         return 0
     piece = ptr32(known[_PIECE])
@@ -203,7 +203,7 @@ def is_table(at: int) -> bool:
 
 @micropython.viper
 def is_piece(piece: ptr32, end: int) -> bool:
-    """Whether a piece of memory as expected is noted there: what is used of it ends with the newest name."""
+    """Whether a piece of memory as expected is noted there: its used part ends with the newest name."""
     used = piece[_END]
     if used < 1 or used > piece[_BYTES] or piece[_BYTES] > 0xFFFF:
         return False
@@ -212,7 +212,7 @@ def is_piece(piece: ptr32, end: int) -> bool:
 
 @micropython.viper
 def look(first: int, count: int, known: ptr32):
-    """Look among `count` words for what the interpreter notes of its names."""
+    """Look among `count` words for the interpreter's table of its names."""
     words = ptr32(first)
     for i in range(count):
         if is_table(words[i]):

@@ -1,4 +1,4 @@
-"""What the words of the UF2's image come to: see passo_image."""
+"""The sum over the words of the UF2's image: see passo_image."""
 
 import sys
 

@@ -7,8 +7,7 @@ table to the PWM's compare register. Runs are cut eight words behind each mark. 
 FIFO as the marked word left it for the pins, so that the power changes within a microsecond of its levels; the PWM
 takes it up at its next wrap.
 
-Where so few words have been made that these eight are not there yet, below 750 steps/s or so, the interrupt that feeds
-sees to the mark within 3 ms of its word.
+If fewer than eight words lie ahead, below 750 steps/s or so, the interrupt that feeds sets the mark's power within 3 ms of its word.
 """
 # Shared with interrupts: state, power
 
@@ -37,9 +36,9 @@ _SLICE = const(20)
 _DUTIES = const(0)  # addresses
 _COMPARE = const(1)
 _FULL = const(2)  # the duty that is always on
-_MARK = const(3)  # the next one that D has not been told of; they count for ever, modulo 2²⁹
+_MARK = const(3)  # the next one that D does not have; they count for ever, modulo 2²⁹
 _DUTY = const(4)  # behind the last one that it has
-_REST = const(5)  # of that: what rounding has left for the next, so that short segments of a ramp come to the energy they should
+_REST = const(5)  # of that: the rest of rounding for the next, so that short segments of a ramp add up to their energy
 _PARTS = const(16_000)  # POWER_MOST << POWER_FINE: of a mark's full power
 
 
@@ -68,8 +67,7 @@ class LaserPlayer(PioPlayer):
 
     @micropython.native
     def show(self, level):  # ISR: no allocation
-        """The power is `level`, 0 … 1000, at once. While words play that is for start() to see to, so that what D has been
-        told before does not show again."""
+        """The power is `level`, 0 … 1000, at once. While words play start() does it, so that an older power that D has does not show again."""
         state = self._state
         told = (self._laser[_MARK] - self._power.marks[POWER_TAIL]) & COUNT_MASK  # marks that D has, and nobody has taken up yet
         coming = level and 0 < told < COUNT_HALF
@@ -78,7 +76,7 @@ class LaserPlayer(PioPlayer):
 
     @micropython.native
     def start(self):  # ISR: no allocation
-        """As PioPlayer.start(). The power that D has not been told of, or that is not the mark's any more, shows now."""
+        """As PioPlayer.start(). A power that D does not have, or that is not the mark's any more, shows now."""
         state = self._state
         if state[PIO_STUCK]:
             raise STUCK
@@ -88,7 +86,7 @@ class LaserPlayer(PioPlayer):
 
 @micropython.viper
 def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -> bool:
-    """Append the words up to `head`, in runs that end with the marks; `level`: what shows, as a mark's. True if the player ran dry meanwhile."""
+    """Append the words up to `head`, in runs that end with the marks; `level`: the power shown, as a mark's. True if the player ran dry meanwhile."""
     if state[PIO_HELD]:
         return False
     mark = int(first_mark(state, laser, power, level))
@@ -121,7 +119,7 @@ def hand_over(state: ptr32, laser: ptr32, power: ptr32, head: int, level: int) -
 
 @micropython.viper
 def first_mark(state: ptr32, laser: ptr32, power: ptr32, level: int) -> int:
-    """The next mark that D has not been told of. If all that it has have been played, `level` shows; before the first word its own."""
+    """Return the next mark that D does not have. If all that it has have been played, `level` shows; before the first word its own."""
     mark = laser[_MARK]
     tail = power[POWER_TAIL]
     if state[PIO_PLAYING] != 1 or (mark - tail) & COUNT_MASK >= COUNT_HALF:
@@ -140,7 +138,7 @@ def first_mark(state: ptr32, laser: ptr32, power: ptr32, level: int) -> int:
 
 @micropython.viper
 def _show(state: ptr32, laser: ptr32, duty: int, runs: int):
-    """At once, and behind so many runs: all of them where D has been told of no mark that is still to come. While held it is
+    """Show a duty at once, and after `runs` runs: all of them if D has no mark that is still to come. While held it is
     dark, also where the halt comes in between."""
     duty |= duty << 16  # for both outputs of the slice
     compare = ptr32(laser[_COMPARE])
@@ -156,8 +154,9 @@ def _show(state: ptr32, laser: ptr32, duty: int, runs: int):
 
 @micropython.viper
 def _tell(state: ptr32, laser: ptr32, word: int, before: int, duty: int) -> bool:
-    """What D is to write behind the words up to `word`, which are to be appended next; `before`: where they are two runs,
-    because the ring ends among them, behind the first. False if they have been appended already."""
+    """Give D the duty for the end of the words up to `word`, which are to be appended next; `before`: the end of the first of two runs, if
+    the ring ends among them. False if they have been appended already.
+    """
     duties = ptr32(laser[_DUTIES])
     slot = 0
     armed = state[PIO_PLAYED]

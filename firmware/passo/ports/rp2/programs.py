@@ -1,12 +1,12 @@
 """The PIO programs of the players. One tick of 80 ns costs `cycles` state machine cycles (10 at 125 MHz).
 
-Every path through a program is a whole number of ticks: what pulling a word and setting the pins costs is hidden in the
-word's own first ticks, which x counts down without a loop. So a word of n ticks lasts n · `cycles` exactly, and words
-need no correction. `[n]` is n cycles of waiting behind an instruction. `pull` and `out(pins)` are neighbours: a state machine frozen between them is recognised by its
-address (see PULL and OUT), and the word in hand counts as not played.
+Every path through a program is a whole number of ticks: the cycles for pulling a word and setting the pins are part of the word's own first
+ticks, which x counts down without a loop. So a word of n ticks lasts n · `cycles` exactly, and words need no correction. `[n]` is n cycles
+of waiting behind an instruction. `pull` and `out(pins)` are neighbours: a state machine frozen between them is recognised by its address
+(see PULL and OUT), and the word in hand counts as not played.
 
-Where there is a halt pin, the wait stands still for as long as that pin is high: no edge comes any more, whatever the
-processor is doing, and a spike of noise costs its own length and nothing else.
+With a halt pin, the wait stands still for as long as that pin is high: no edge comes any more, whatever the processor is doing, and a spike
+of noise costs its own length alone.
 """
 
 import rp2

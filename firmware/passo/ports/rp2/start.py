@@ -16,8 +16,8 @@ from passo.ports import start
 from passo.ports.rp2.fields import LEAD_TICKS
 from passo.records import ARCS, ARC_FIELDS, LINES_BYTES, QUEUE_SIZE, ROW_STEPS
 
-_COLLECT = const(56_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
-_OF_LOADING = (".flash_code", ".flash_names", "_flash_names", ".image", "_image")  # what follows "rp2" in the names of modules
+_COLLECT = const(56_000)  # bytes taken while code is loaded until garbage is collected: objects that stay lie close together
+_OF_LOADING = (".flash_code", ".flash_names", "_flash_names", ".image", "_image")  # the parts after "rp2" in the names of modules
 _COLLECT_FROZEN = const(100_000)  # the same of frozen code: a router has 84 kB in one piece then instead of 44; with 80 000 it starts 20 ms later
 
 
@@ -37,7 +37,7 @@ class Start(start.Start):
         self._code = flash_code.code
 
     def keep(self, board):
-        """Make the largest arrays, and what links and files keep."""
+        """Make the largest arrays, and the buffers of links and files."""
         if start.FROZEN:
             if not getattr(board.get("additions"), "lines", None):  # 90 kB and more stay free, but with a radio
                 from passo.memory import FileRoom

@@ -125,7 +125,7 @@ def _show(state: ptr32, levels: int):
 
 @micropython.viper
 def _wait(cycles: int):
-    """So many cycles of the processor, less than 2²⁴, by SysTick, which counts down."""
+    """Wait for `cycles` cycles of the processor, less than 2²⁴, by SysTick, which counts down."""
     clock = ptr32(0xE000E010)
     begun = clock[SYSTICK_NOW]
     tries = cycles  # each look takes a cycle at least: if SysTick stands still, the wait ends all the same

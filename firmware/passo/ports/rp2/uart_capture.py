@@ -1,4 +1,4 @@
-"""What comes on a UART while flash is erased or written, all interrupts off for up to 0.4 s: DMA keeps it, 576 bytes.
+"""The bytes that come on a UART while flash is erased or written, all interrupts off for up to 0.4 s: DMA keeps 576 of them.
 
     capture = Capture(0)            # of UART 0
     before = capture.begin(uart)    # so many bytes, which are in the UART's buffer now, come first
@@ -14,7 +14,7 @@ from uctypes import addressof
 
 from passo.ports.rp2 import chip
 
-_BYTES = const(576)  # what a sender that counts may have on its way, and some questions
+_BYTES = const(576)  # the most that a sender that counts has on its way, and some questions
 
 
 class Capture:

@@ -33,7 +33,7 @@ def enter(irq, kernel, argument):
         id(kernel), 0, id(argument),
     ))  # fmt: skip
     at = uctypes.addressof(entry)
-    entry[6] = at + 28  # where the argument stands
+    entry[6] = at + 28  # the address of the argument
     mem32[mem32[_VTOR] + 4 * (16 + irq)] = at | 1
     four = _PRIORITY + (irq & ~3)
     mem32[four] = mem32[four] & ~(0xFF << 8 * (irq & 3))
