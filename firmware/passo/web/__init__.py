@@ -3,5 +3,5 @@
     page ─► server ─► Session (who?) ─► the language of pages (protocols/page: may it, now?) ─► commands, as on any link
 
 Nothing here moves a motor by itself, and nothing here knows a step. `passo panel` has a server of its own, host_tools/panel/server.py, with
-the same rules of who may.
+the same rules for orders.
 """

@@ -35,12 +35,12 @@ _HEADS = const(8)  # bytes of a message beside topic and text
 
 
 class Wire:
-    """What umqtt takes for a socket."""
+    """A socket for umqtt."""
 
     def __init__(self):
         self.said = bytearray(_ROOM)
         self.used = 0
-        self.expected = b""  # what umqtt reads next
+        self.expected = b""  # the bytes that umqtt reads next
 
     def settimeout(self, seconds):
         """Nothing here waits."""
@@ -60,7 +60,7 @@ class Wire:
         self.used += count
 
     def sent(self, count):
-        """So many bytes have gone."""
+        """Drop `count` bytes, which have gone."""
         left = self.used - count
         self.said[:left] = self.said[count : self.used]
         self.used = left
@@ -190,7 +190,7 @@ class Broker:
             if not self._left:
                 self._kind = 0
 
-    # --- what is told
+    # --- the topics
 
     def tell(self, text):
         if self._socket is None:

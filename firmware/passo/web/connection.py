@@ -13,7 +13,7 @@ from micropython import const
 
 from passo.web.websocket import Frames, accept_of
 
-HEAD = const(0)  # what it is at
+HEAD = const(0)  # the states of a connection
 BODY = const(1)
 ASKED = const(2)  # the request is whole, the answer is not there
 ANSWERED = const(3)
@@ -26,7 +26,7 @@ _LINE = const(512)  # bytes of a line of the head
 _HEAD_BYTES = const(4096)
 _BODY_BYTES = const(256)
 _MESSAGE_BYTES = const(1024)  # of a WebSocket's message
-UNSENT = const(4096)  # bytes for who does not read
+UNSENT = const(4096)  # bytes for a client that does not read
 _STATUS = {
     200: b"OK", 400: b"Bad Request", 403: b"Forbidden", 404: b"Not Found", 405: b"Method Not Allowed",
     409: b"Conflict", 413: b"Content Too Large", 431: b"Request Header Fields Too Large", 503: b"Service Unavailable",
@@ -55,7 +55,7 @@ class Connection:
         self.json = False
         self.key = None  # of a request for a WebSocket
         self.owner = None  # of a WebSocket: whom its messages are for
-        self.page = None  # what that knows it as
+        self.page = None  # that owner's record of it
         self.heard_ms = now_ms
         self.asked = False  # for a sign of life
         self._upgrade = False
@@ -64,7 +64,7 @@ class Connection:
         self._line = b""
         self._count = 0
         self._out = b""
-        self._rest = []  # what follows it, in parts: a board may have no piece of memory for the whole
+        self._rest = []  # the parts after it: a board may have no piece of memory for the whole
         self._file = None
         self._left = 0  # bytes of it
         self.waits = False  # for room in the network
@@ -182,7 +182,7 @@ class Connection:
         self.state = EVENTS
 
     def begin_socket(self, owner):
-        """It is a WebSocket from now on; `owner` is told what comes."""
+        """Make it a WebSocket; `owner` gets its messages."""
         self.owner = owner
         self._frames = Frames(_MESSAGE_BYTES)
         self.method = self.path = self.body = self.host = self.origin = self.proof = b""

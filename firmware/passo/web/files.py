@@ -1,4 +1,4 @@
-"""The files that a server sends: those of one folder, by names that are there. Nothing that a network says reaches the file system.
+"""The files that a server sends: those of one folder, by names that are there. No text from a network reaches the file system.
 
     files = Folder("passo/web/page/")
     files.find(b"/panel.js")    # (media type, lines of the head, path, start, bytes); None: there is no such file

@@ -1,4 +1,4 @@
-"""Who may: what each request is asked before the machine hears of it.
+"""The checks of each request, before the machine gets it.
 
     guard = Guard(names, key, nonce, own)
     guard.admit(admitted, free)
@@ -84,7 +84,7 @@ class Guard:
         return False
 
     def headers(self):
-        """What an answer tells: the nonce, and the last count."""
+        """Return the lines of an answer's head: the nonce, and the last count."""
         if self._session is None:
             return b""
         return b"X-Passo-Nonce: %s\r\nX-Passo-Count: %d\r\n" % (self._session.nonce.encode(), self._count)

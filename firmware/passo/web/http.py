@@ -26,7 +26,7 @@ SLOTS = const(6)  # as many as a browser opens at once
 PAGES = const(2)
 _STEPS = const(2)  # connections that are gone on with in one call
 _WHOLE_MS = const(3000)  # by then a request is whole, and answered
-_LOOK_MS = const(50)  # between two looks for who takes too long
+_LOOK_MS = const(50)  # between two searches for connections that take too long
 _SENT_MS = const(10_000)  # and its answer has been taken
 _UNREAD_MS = const(1000)  # one of which nothing is taken makes room
 _ALIVE_MS = const(2000)  # a WebSocket without a sign of life is asked for one
@@ -41,8 +41,9 @@ _STOPPED = b"dropped: the machine was stopped\n"
 
 class Server:
     def __init__(self, listener, files, guard, clock_ms, legacy):
-        """`listener`: a socket that listens; `files`: a Folder; `guard`: says who may; `clock_ms()`: the links' clock; `legacy`: who has no
-        key may be admitted."""
+        """`listener`: a socket that listens; `files`: a Folder; `guard`: checks requests; `clock_ms()`: the links' clock; `legacy`: clients
+        without a key may be admitted.
+        """
         listener.setblocking(False)
         self._listener = listener
         self._listener_fd = listener.fileno() if hasattr(listener, "fileno") else None
@@ -173,7 +174,7 @@ class Server:
         except OSError:
             return
         socket.setblocking(False)
-        if hasattr(sockets, "TCP_NODELAY"):  # an answer does not wait for what was pushed before it
+        if hasattr(sockets, "TCP_NODELAY"):  # an answer does not wait for bytes pushed before it
             socket.setsockopt(sockets.IPPROTO_TCP, sockets.TCP_NODELAY, 1)
         connection = Connection(socket, address[0], now_ms)
         self.connections.append(connection)
@@ -181,7 +182,7 @@ class Server:
         self._advance(connection, now_ms)
 
     def _advance(self, connection, now_ms):
-        """What can be done now of a connection."""
+        """Do the next work of a connection."""
         try:
             if connection.state in (HEAD, BODY):
                 if connection.receive():
@@ -197,7 +198,7 @@ class Server:
                 if connection.waits:
                     self.send(connection)
             elif connection.state == ASKED:
-                return  # the answer is still to come; whoever has gone is noticed then
+                return  # the answer is still to come; send() notices a client that has gone
             elif connection.sending():
                 self.send(connection)
             else:
@@ -207,7 +208,7 @@ class Server:
             self.drop(connection)
 
     def send(self, connection, data=b""):
-        """Send `data` behind what waits, at once what the network takes, the rest as it takes it."""
+        """Send `data` after the bytes that wait: at once as many as the network takes, the rest later."""
         if not connection.waits:
             connection.taken_ms = self._now_ms
         try:

@@ -14,7 +14,7 @@ from passo.records import NETWORK_PORTS
 from passo.web.files import Folder
 from passo.web.guard import Guard, nonce
 from passo.web.http import Server
-from passo.web.radio import Radio  # noqa: F401: for who makes lines
+from passo.web.radio import Radio  # noqa: F401: for modules that make lines
 from passo.web.signed import SignedLine
 
 _FROZEN = str(sys.modules["passo"].__path__).startswith(".frozen")  # options/network/builder.py puts the files there

@@ -1,4 +1,4 @@
-"""How often one page is told the state: as it asks, or only of changes.
+"""How often a page gets the state: as it asks, or only after changes.
 
     pace = Pace()
     answer = pace.look({"do": "look", "every": 500})        # milliseconds; 0: only when more changes than positions
@@ -13,7 +13,7 @@ from passo import errors
 from passo.protocols.page.lease import since
 
 _MOST_MS = const(10_000)
-_EARLY_MS = const(5)  # a report that is so near to its time goes now, not a push later
+_EARLY_MS = const(5)  # a report this near to its time goes now, not a push later
 
 
 class Pace:
@@ -32,7 +32,7 @@ class Pace:
         return {"t": "answer", "do": "look", "error": 0 if good else errors.ORDER_FIELD}
 
     def due(self, version, now_ms):
-        """Whether the page is told now. `version`: another one if more than positions have changed: that is told at once."""
+        """Return whether the page gets the state now. `version`: another one if more than positions have changed: then at once."""
         if version == self._told and (not self._every_ms or since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
             return False
         self._told = version

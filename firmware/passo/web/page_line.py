@@ -4,8 +4,7 @@
     line.join(link, controller)
     line.read(), line.write(data), line.any()
 
-What is proven, fresh and not too much goes to the language of pages (protocols/page), whose messages these are; what it says goes to the
-pages that are to hear it.
+Messages that are signed, fresh and within the rate go to the language of pages (protocols/page), whose messages these are; its answers go to their pages.
 """
 
 import json
@@ -45,7 +44,7 @@ class PageLine:
         self._language = link.protocol
 
     def join_broker(self, broker):
-        """A Broker that is told what pages are."""
+        """Take a Broker, which gets the states for pages, too."""
         self._broker = broker
 
     # --- the app's side
@@ -109,7 +108,7 @@ class PageLine:
                 self._server.send(page.socket, said)
 
     def open(self, connection, now_ms):
-        """A page has come. Returns what it is told first; None: there are too many. One that has proven nothing makes room."""
+        """A page has come. Return its first message; None: there are too many. One that has proven nothing makes room."""
         if self.pages.full():
             for page in self.pages.pages:
                 if not page.session.opened:
@@ -138,7 +137,7 @@ class PageLine:
         return answer is not None or text is not None
 
     def _looked(self, page, text):
-        """The answer, if the order says how often the page is told the state."""
+        """Return the answer, if the order sets how often the page gets the state."""
         try:
             return self.pages.look(page, order_of(text))
         except ValueError:
@@ -161,7 +160,7 @@ class PageLine:
         return _STOPPED
 
     def _before(self, connection, message):
-        """What is left of a message that a STOP has overtaken; None: nothing."""
+        """Return the rest of a message that a STOP has overtaken; None: there is none."""
         if connection is not None or message[1] != PROVEN:
             return connection, message
         for page in self.pages.pages:

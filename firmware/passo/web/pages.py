@@ -1,4 +1,4 @@
-"""The pages that look at a machine: which of them may order, and what they are told. The rules of every server: of the PC's
+"""The pages that look at a machine: which of them may order, and their messages. The rules of every server: of the PC's
 (host_tools/page/pages.py) and of a board's own (page_line.py).
 
     pages = Pages(key, most)
@@ -31,10 +31,10 @@ def refused(error):
 
 
 class Page:
-    """One page: its session, and what it is still to be told."""
+    """One page: its session, and its messages still to be sent."""
 
     def __init__(self, socket, session, remote):
-        """`socket`: what its server knows it by; `remote`: it is on another computer."""
+        """`socket`: the server's own name for it; `remote`: it is on another computer."""
         self.remote = remote
         self.socket = socket
         self.session = session
@@ -60,8 +60,9 @@ class Pages:
         return len(self.pages) >= self._most
 
     def enter(self, socket, hello, now_ms, remote=False):
-        """A new page; `hello`: what its first message says beside the nonce, a dict; `remote`: it is on another computer, and the board
-        does not know that. None: there are too many."""
+        """A new page; `hello`: the fields of its first message beside the nonce, a dict; `remote`: it is on another computer, and the board
+        does not know that. None: there are too many.
+        """
         if self.full():
             return None
         page = Page(socket, Session(self._key, nonce()), remote)
@@ -96,7 +97,7 @@ class Pages:
 
     def overtake(self, said):
         """Refuse the orders that a page sent before its STOP, which came by a way of its own and may be the quicker one. `said`: the
-        page's nonce and how many orders it has sent, b"NONCE.COUNT". Whoever reads the wire can say that: the barrier never falls, and
+        page's nonce and how many orders it has sent, b"NONCE.COUNT". Any reader of the wire can send this: the barrier never falls, and
         stays within _UNDER_WAY of the last order that the page has proven."""
         nonce, _, count = said.partition(b".")
         if not count.isdigit() or len(count) > _DIGITS:
@@ -107,7 +108,7 @@ class Pages:
                 page.before = count
 
     def look(self, page, order):
-        """The answer to an order that says how often the page is told the state; None: it is another one."""
+        """Return the answer to an order that sets how often the page gets the state; None: it is another order."""
         if not isinstance(order, dict) or order.get("do") != "look":
             return None
         answer = page.pace.look(order)

@@ -1,4 +1,4 @@
-"""The board's radio: Wi-Fi as an access point or a station, by what `passo wifi` has written to the board.
+"""The board's radio: Wi-Fi as an access point or a station, by the file that `passo wifi` writes to the board.
 
     radio = Radio(config)               # the board file's "network"
     radio.listen("http")                # a socket that listens; None: the radio is off
@@ -26,7 +26,7 @@ def _letters(key):
 
 
 def saved():
-    """What `passo wifi` has written, or None if there is nothing that can be used."""
+    """Return the contents of the file of `passo wifi`, or None if there is none that can be used."""
     try:
         with open(FILE) as file:
             found = json.load(file)

@@ -1,4 +1,4 @@
-"""Who may order: a key that both sides know and neither sends.
+"""The signature of orders: a key that both sides know and neither sends.
 
     session = Session(key, nonce)           # a nonce for each connection, which the server sends first
     body = session.open(text)               # the order in `text`; None: it is not from someone who has the key

@@ -1,9 +1,9 @@
-"""A language of lines over a TCP connection, or a WebSocket: what moves the machine proves the key, a line at a time.
+"""A language of lines over a TCP connection, or a WebSocket: lines that move the machine are signed with the key, one by one.
 
-The board begins with `[PASSO:NONCE]`. A line is `COUNT.PROOF.BODY`, see session.py; BODY is a line of the language, or `*` and the two
-hex digits of a real-time byte. Bytes that ask, or make the machine safe, are taken as they are, wherever they stand: `?`, `!`, 0x18,
-0x84, 0x85. Anything else is answered by an error. `passo wifi bridge` is the other end: a pty for a sender. Where a server serves the
-page, it takes the same lines at /grbl by a WebSocket, in messages however they are cut.
+The board begins with `[PASSO:NONCE]`. A line is `COUNT.PROOF.BODY`, see session.py; BODY is a line of the language, or `*` and the two hex
+digits of a real-time byte. Bytes that ask, or make the machine safe, are taken as they are, wherever they stand: `?`, `!`, 0x18, 0x84,
+0x85. Anything else is answered by an error. `passo wifi bridge` is the other end: a pty for a sender. A server that serves the page takes
+the same lines at /grbl by a WebSocket, in messages however they are cut.
 
 One connection at a time. A new one takes the place of one that has proven nothing yet.
 """
@@ -56,10 +56,10 @@ class SignedLine:
         """Bytes for the language."""
         said = self._said + (self._receive() if self._socket is not None else b"")
         self._said = b""
-        self._accept()  # behind it: who has gone makes room
+        self._accept()  # after it: a client that has gone makes room
         if self._gone:
             self._gone = False
-            said += _JOG_CANCEL  # a jog of who has gone does not go on
+            said += _JOG_CANCEL  # a client's jog ends with its connection
         return said
 
     def _receive(self):
@@ -78,7 +78,7 @@ class SignedLine:
         return self._understood(data)
 
     def write(self, data):
-        """What the language says; lost without a connection."""
+        """Send the language's answer; lost without a connection."""
         if self._connection:
             self._server.send(self._connection, frame(TEXT, data))
         elif self._socket is not None and len(self._out) < UNSENT:
@@ -113,7 +113,7 @@ class SignedLine:
         return self._session is not None and self._session.opened
 
     def _begin(self):
-        """A new session in the place of the one before. Returns what its other end is told first."""
+        """A new session in the place of the one before. Return its first bytes for the other end."""
         self._drop()
         self._session = Session(self._key, nonce())
         return b"[PASSO:%s]\r\n" % self._session.nonce.encode()
@@ -161,7 +161,7 @@ class SignedLine:
         return said
 
     def _proven(self, line):
-        """What a whole line asks for, or b""."""
+        """Return the body of a whole line that is signed, or b""."""
         try:
             body = self._session.open(line.decode()) if len(line) <= _LINE else None
         except ValueError:

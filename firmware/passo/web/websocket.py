@@ -1,4 +1,4 @@
-"""WebSockets as a server has them (RFC 6455): what the browser sends is masked, what it is sent is not.
+"""WebSockets as a server has them (RFC 6455): the browser's bytes are masked, the server's are not.
 
     accept_of(key)                      # the answer to the head's Sec-WebSocket-Key
     frames = Frames(1024)
