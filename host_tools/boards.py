@@ -20,6 +20,9 @@ import warnings
 from pathlib import Path
 
 from passo.config.boardfile import BoardError, check
+from passo.machine_builder import check_speed
+from passo.steps.wiring import word_times
+from passo.steps.word import TICKS_PER_S
 
 from host_tools.failure import Failure, reason
 from host_tools.language import line_text
@@ -54,12 +57,24 @@ def load(name):
 def checked(board, name):
     """`board`, a dict, which the firmware takes. Raises Failure with what is wrong with it; `name` says which file."""
     try:
-        check(copy.deepcopy(board))
+        _check_speeds(check(copy.deepcopy(board)))
     except BoardError as error:
         raise Failure("board {}: {}", name, reason(error)) from error
     except (TypeError, ValueError) as error:
         raise Failure("board file {} cannot be read: {}", name, error) from error
     return board
+
+
+def _check_speeds(board):
+    """Raise BoardError if speeds of a checked board leave its drive's pulses no time: those of `speed`, with which no board would start, and those
+    of each axis, which would come out as pulses too short."""
+    least = word_times(board)[1]
+    check_speed(board, least)
+    for axis in board["axes"]:
+        steps_s = axis["steps_per_m"] * axis["max_mm_min"] // 60_000
+        if steps_s > TICKS_PER_S // least:
+            raise BoardError("axis %s: %d steps/m at %d mm/min make %d steps/s; pulses of this drive leave room for %d"
+                % (axis["name"], axis["steps_per_m"], axis["max_mm_min"], steps_s, TICKS_PER_S // least))  # fmt: skip
 
 
 def board_py(name):

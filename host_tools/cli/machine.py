@@ -19,6 +19,7 @@ from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, co
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
+from host_tools.whole_file import write_whole
 
 app = typer.Typer(
     help="""Write board files, store several on a board, choose the one that it is, and go back.
@@ -257,7 +258,7 @@ def set_(
     if port is not None:
         check_name(file.stem)
         _at_rest(port)
-    file.with_name(file.name + ".old").write_text(text, encoding="utf-8")
+    write_whole(file.with_name(file.name + ".old"), text.encode())
     _write(file, changed)
     if port is not None:
         become(str(file), port)
@@ -275,10 +276,7 @@ def _edited(file, text, pairs):
 
 
 def _write(file, text):
-    """Write a file whole, or leave it as it was."""
-    made = file.with_name(file.name + ".new")
-    made.write_text(text, encoding="utf-8")
-    made.replace(file)
+    write_whole(file, text.encode())
     print(_("{} is written", file))
 
 

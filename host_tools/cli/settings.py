@@ -176,7 +176,7 @@ def read(file):
             if version > VERSION:
                 raise Failure("{} is of a later passo: version {}; this one knows {}", file, version, VERSION)
             lines[number - 1] = ""
-        elif line and not line.startswith(("$", "G10L1P", "G10L2P")):
+        elif line and not re.match(r"\$(\d+|N\d|I)=|G10L[12]P", line):  # $H, $J=… and $X would move, or unlock
             raise Failure("{}, line {}: {!r} is no setting", file, number, line)
     lines = [line for line in lines if line]
     if not lines:

@@ -2,13 +2,13 @@
 
 from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
-from passo import errors
+from passo import errors, machine_builder
 from passo.config import setting_numbers as table
 from passo.config.boardfile import check
 from passo.config.journal import Journal, MemorySlots
 from passo.config.settings import MASKS, Settings
 from passo.steps.wiring import inverted_pins
-from passo.steps.word import Layout
+from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 from draws import Random
 
 CASES = {
@@ -17,7 +17,7 @@ CASES = {
     "check_noise_in_both_slots": (("first", "bytes", 60), ("second", "bytes", 60)),
     "check_flipped_bits": (("seed", "seed"),),
 }
-NOT_QUICK = ("check_power_cut_at_every_byte",)
+NOT_QUICK = ("check_power_cut_at_every_byte", "check_a_pulse_leaves_room_for_the_speeds")
 
 
 class CutSlots(MemorySlots):
@@ -127,13 +127,37 @@ def check_refusals():
         (7, 1, errors.STATEMENT), (103, 1, errors.STATEMENT), (110, -1, errors.NEGATIVE),
         (0, 2, errors.STEP_PULSE), (32, 1, errors.LASER_WITHOUT_PWM), (22, 2, errors.SETTING_RANGE),
         (100, 0, errors.SETTING_RANGE), (110, 50_000_000, errors.STEP_RATE), (100, 9_000_000, errors.STEP_RATE),
-        (22, 0, 0), (20, 1, errors.LIMITS_NEED_HOMING), (20, 0, 0), (22, 1, 0), (20, 1, 0), (0, 10, 0),
+        (22, 0, 0), (20, 1, errors.LIMITS_NEED_HOMING), (20, 0, 0), (22, 1, 0), (20, 1, 0), (0, 10, errors.STEP_RATE), (0, 9, 0),
     ):
         assert settings.change(number, value) == error, (number, value)
     board = check(PLOTTER)
     board["homing"] = None
     settings = Settings(board, Journal(MemorySlots()))
     assert settings.change(22, 1) == errors.NO_HOMING and settings.value(22) == 0
+
+
+def check_a_pulse_leaves_room_for_the_speeds():
+    """What counts after the next start: the board starts, and all speeds are within what it then can do. A longer one that was kept is forgotten."""
+    for kept in range(3, 101):
+        slots = MemorySlots()
+        settings = make(slots)
+        error = settings.change(0, kept)
+        if not error:
+            assert settings.save() == 0
+        else:
+            assert error == errors.STEP_RATE
+            Journal(slots).write("0=%d" % kept)
+        board = check(BOARD)
+        started = Settings(board, Journal(slots))
+        least = 2 * us_to_ticks(board["drive"]["pulse_us"])
+        machine_builder.check_speed(board, least)
+        if not error:
+            assert board["drive"]["pulse_us"] == kept
+            started.limit_steps(TICKS_PER_S // (2 * least))
+            for axis in range(3):
+                assert started.change(110 + axis, started.value(110 + axis)) == 0, kept
+    assert error and settings.change(0, 9) == 0 and settings.change(110, 4_000_000) == settings.change(111, 4_000_000) == 0
+    assert settings.change(0, 11) == 0, "slower axes have time for more"
 
 
 def check_the_board_follows():

@@ -182,7 +182,7 @@ def sentence(node):
 def test_what_is_wrong_with_board_files_has_its_words():
     trees = [parse(path.read_text(encoding="utf-8")) for path in (FIRMWARE / "passo").rglob("*.py")]
     raised = {"the board file"}  # a key may be missing in it
-    raised |= {sentence(call.args[0]) for tree in trees for _, name, call in calls(tree) if name == "BoardError"}
+    raised |= {sentence(call.args[0]) for tree in [*trees, TREES["boards.py"]] for _, name, call in calls(tree) if name == "BoardError"}
     plant = [TREES["sim/plant.py"], TREES["sim/input_faults.py"]]  # the machine of a virtual board, with the errors of --start and --fault
     raised |= {sentence(call.args[0]) for tree in plant for _, name, call in calls(tree) if name == "ValueError" and call.args}
     raised -= set(options.portuguese())

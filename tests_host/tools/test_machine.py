@@ -108,6 +108,42 @@ def test_board_files_are_written_and_changed(tmp_path, monkeypatch):
     assert (tmp_path / "mine.py").read_bytes() == text and sorted(path.name for path in tmp_path.iterdir()) == ["mine.py", "mine.py.old"]
 
 
+def test_what_the_board_would_not_start_with_is_not_written(tmp_path, monkeypatch):
+    """Pulses too long for the speeds, and speeds too high for the pulses."""
+    monkeypatch.chdir(tmp_path)
+    for like, pair, wrong in (
+        ("router_3axis", "drive.pulse_us=100", "speed: steps every 480 ticks of 80 ns; the drive needs 2500"),
+        ("router_3axis", "axes.x.steps_per_m=2000001", "axis x: 2000001 steps/m at 5000 mm/min make 166666 steps/s; pulses of this drive leave room for 164473"),
+        ("lpt_router", "step_program.interval_us=19", "a pulse of 10 µs, and as long without it, take more than 19 µs"),
+    ):  # fmt: skip
+        assert wrong in passo("new", "mine", "--like", like, pair)
+    assert not list(tmp_path.iterdir())
+    assert passo("new", "mine", "--like", "lpt_router", "step_program.interval_us=20") == "mine.py is written\n"
+
+
+@pytest.mark.parametrize("name", ["mine.py.old", "mine.py.new"])
+def test_links_that_lie_in_the_way_are_not_followed(tmp_path, monkeypatch, name):
+    """In a folder of others FILE.old may be a link to any file: that one stays as it is."""
+    monkeypatch.chdir(tmp_path)
+    passo("new", "mine", "--like", "lpt_router")
+    before = (tmp_path / "mine.py").read_text()
+    precious = tmp_path / "precious"
+    precious.write_text("mine alone")
+    (tmp_path / name).symlink_to(precious)
+    assert passo("set", "mine.py", "idle_release_ms=9000") == "mine.py is written\n"
+    assert precious.read_text() == "mine alone" and (tmp_path / "mine.py.old").read_text() == before and boards.load("mine.py")["idle_release_ms"] == 9000
+
+
+def test_a_file_that_cannot_be_written_stays(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    passo("new", "mine", "--like", "lpt_router")
+    before = (tmp_path / "mine.py").read_text()
+    (tmp_path / "mine.py.old").mkdir()
+    with pytest.raises(AssertionError, match="IsADirectoryError"):  # which passo tells in a sentence
+        passo("set", "mine.py", "idle_release_ms=9000")
+    assert (tmp_path / "mine.py").read_text() == before and sorted(path.name for path in tmp_path.iterdir()) == ["mine.py", "mine.py.old"]
+
+
 def test_with_passos_uf2_only_board_files_are_stored(folder, board, monkeypatch):  # noqa: F811
     """Of machines that its chip's UF2 serves; nothing is built."""
     monkeypatch.setattr(machine, "_at_rest", lambda port: None)

@@ -62,6 +62,15 @@ def test_a_wrong_value_changes_none_of_several(language, value):
     assert failure.startswith(f"y_steps_mm={value}: no number") and not said
 
 
+@pytest.mark.parametrize("line", ["$H", "$HX", "$J=G91X50F500", "$X", "$SLP", "$C", "$RST=*", "$LINK=2", "$$", "$", "$N0", "$F=PART", "$100", " $100=5", "$100 =5", "G10L20P1X0", "G0X5"])
+def test_a_back_up_sets_and_does_nothing_else(tmp_path, line):
+    """A file of settings may come from anybody: a line that moves, unlocks or erases is none. No port is opened."""
+    file = tmp_path / "others.txt"
+    file.write_text(f"$110=500.000\n{line}\n")
+    failure, said = passo("settings", "restore", file, "--port", "/dev/nothing")
+    assert failure == f"{file}, line 2: {line!r} is no setting" and not said
+
+
 def test_what_has_been_set_before_a_refusal_is_told():
     with Board("--board", "torch_manipulator", "--time", "fast") as board:
         failure, said = passo("settings", "x_steps_mm=50", "y_steps_mm=0", "--port", board.port)

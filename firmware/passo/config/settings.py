@@ -22,15 +22,25 @@ from micropython import const
 from passo import errors
 from passo.config.setting_numbers import (
     DIRECTION_INVERT, ENABLE_INVERT, HOMING, HOMING_DEBOUNCE, HOMING_DIRECTION, HOMING_LOCATE, HOMING_PULL_OFF,
-    HOMING_SEEK, IDLE_DELAY, JERK, JOG, JOG_SPEED, LASER, LIMIT_INVERT, PROBE_INVERT, PULSE_US, SOFT_LIMITS, SPEED, STEPS,
+    HOMING_SEEK, IDLE_DELAY, INTERVAL, JERK, JOG, JOG_SPEED, LASER, LIMIT_INVERT, PROBE_INVERT, PULSE_US, SOFT_LIMITS, SPEED, STEPS,
     STEP_INVERT, TRAVEL,
 )  # fmt: skip
+
+from passo.steps.ring import fastest
+from passo.steps.word import TICKS_PER_S, us_to_ticks
 
 _LONGEST_TEXT = const(80)
 _LEAST_JERK = const(10_000)  # 10 mm/s³; 0: no limit
 
 MASKS = (STEP_INVERT, DIRECTION_INVERT, ENABLE_INVERT, LIMIT_INVERT, PROBE_INVERT, HOMING_DIRECTION)
 _VERSION = "2:"
+
+
+def longest_pulse_us(board):
+    """The longest STEP pulse that the board file's speeds leave room for: it is as long low as it is high. With a longer one no board starts."""
+    steps_s = fastest(board["speed"], ())
+    pulse_us = 500_000 // steps_s
+    return pulse_us - (2 * us_to_ticks(pulse_us) * steps_s > TICKS_PER_S)
 
 
 class Settings:
@@ -45,6 +55,7 @@ class Settings:
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
         self._most_steps_s = steps_s
+        self._longest_pulse_us = longest_pulse_us(board) if board["drive"]["kind"] == "step_dir" else None
         from passo.config.setting_numbers import make  # the app forgets it again
 
         self._table = make(board)
@@ -126,6 +137,10 @@ class Settings:
             return errors.NEGATIVE
         if number == PULSE_US and value < 3:
             return errors.STEP_PULSE
+        if number == PULSE_US and value <= most and self._is_too_long(value):
+            return errors.STEP_RATE
+        if number == INTERVAL and value <= most and value * self._most_steps_s < 1_000_000:
+            return errors.STEP_RATE
         if number == HOMING and value and not most:
             return errors.NO_HOMING
         if number == SOFT_LIMITS and value and not self.value(HOMING):
@@ -145,6 +160,14 @@ class Settings:
             if steps * speed > self._most_steps_s * 60_000_000:
                 return errors.STEP_RATE
         return 0
+
+    def _is_too_long(self, pulse_us, speeds=True):
+        """True if the board file's speeds, and with `speeds` the axes' own, leave no room for STEP pulses of `pulse_us`."""
+        if self._longest_pulse_us is None:
+            return False
+        steps_s = TICKS_PER_S // (4 * us_to_ticks(pulse_us))  # as limit_steps() has it, after the next start
+        most = max([self.value(STEPS + axis) * self.value(SPEED + axis) for axis in range(len(self.steps_per_m))]) if speeds else 0
+        return pulse_us > self._longest_pulse_us or most > steps_s * 60_000_000
 
     def _touch(self):
         self.dirty = True
@@ -233,7 +256,7 @@ class Settings:
             rule = self._table.get(number)
             if rule is None:
                 self._texts[key] = value
-            elif rule[3] <= amount <= rule[4]:
+            elif rule[3] <= amount <= rule[4] and not (number == PULSE_US and self._is_too_long(amount, False)):
                 if number in MASKS and not new:
                     old.append((number, amount))
                 else:

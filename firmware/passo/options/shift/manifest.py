@@ -5,6 +5,8 @@ Pin 100 of such a board is the first output of the register: QA of the chip whos
 
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import PIN
+from passo.config.setting_numbers import PULSE_US, STEP_INVERT
+from passo.config.settings import longest_pulse_us
 from passo.records import REGISTER_BIT
 
 OUTPUTS = 15  # the 16th would follow the others a frame later
@@ -55,6 +57,11 @@ def prepare(board):
     _want(board["tool"]["pin"], "tool")
     drive["setup_us"] = -(-drive["setup_us"] // FRAME_US) * FRAME_US  # whole frames: rounding shortens nothing
     board["additions"].parts["bank"] = "passo.options.shift.port_esp32"
+    longest_us = longest_pulse_us(board) // FRAME_US * FRAME_US
+    board["additions"].settings.update({  # with others the board would not start any more
+        PULSE_US: ("step_pulse_us", 0, drive["pulse_us"], 3, longest_us),
+        STEP_INVERT: ("step_invert", 0, 0, 0, 0),
+    })  # fmt: skip
 
 
 def claims(board):

@@ -32,6 +32,8 @@ def check(board):
         if axis["steps_per_m"] < 100:
             raise BoardError("axis %s: a step program wants 100 steps/m or more" % axis["name"])
     config = board["step_program"]
+    if board["drive"]["kind"] == "step_dir" and config["interval_us"] < 2 * board["drive"]["pulse_us"]:
+        raise BoardError("step_program.interval_us: a pulse of %d µs, and as long without it, take more than %d µs" % (board["drive"]["pulse_us"], config["interval_us"]))
     bits = config["port_bits"].replace("-", "")
     if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
         raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
