@@ -1,7 +1,7 @@
-"""What a language asks about an arc, in nanometres from its start: the centre from R, whether I J K fit, the end of a sweep; and
-how far an arc of steps reaches beyond its ends.
+"""A language's questions about an arc, in nanometres from its start: the centre from R, whether I J K fit, the end of a sweep; and how far
+an arc of steps reaches beyond its ends.
 
-What RS274/NGC (NIST IR 6556, 3.5.3) asks of both kinds of centre.
+Both kinds of centre follow RS274/NGC (NIST IR 6556, 3.5.3).
 """
 
 from micropython import const

@@ -16,7 +16,7 @@ from passo.control.feature import REFUSAL, overriding
 from passo.control.links import OF_ANY_LINK
 from passo.records import COUNT_MASK, REST_MS
 
-# What the link that has started a stored job may still say.
+# Commands of the link that has started a stored job, while it runs.
 _OF_LENDER = (
     commands.RESUME, commands.OVERRIDE, commands.TOGGLE, commands.JOB, commands.JOURNAL, commands.STEP_PROGRAM,
 )  # fmt: skip
@@ -118,7 +118,7 @@ class Controller:
     # --- batches: by the same rules as commands
 
     def batches(self, batch):
-        """(open, accept, close), the functions of who takes batches of this kind, `batch` each:
+        """(open, accept, close), the functions of the feature that takes batches of this kind, `batch` each:
 
         open    True if the machine takes rows now from the link of `batch`, as many as there is `batch.room` for; else they
                 have to come as commands, to wait or to be refused. close() is to follow before anything else is done
@@ -147,7 +147,7 @@ class Controller:
             self._work(machine, now_ms)
 
     def _work(self, machine, now_ms):
-        """What a cycle does while the machine is awake. It stays so until nobody has more to do."""
+        """Do a cycle's work while the machine is awake. It stays so until nobody has more to do."""
         machine.awake = False
         if self._version != machine.settings.version:
             self._version = machine.settings.version
@@ -194,19 +194,19 @@ class Controller:
         if not settings.dirty:
             self._set_amid = False
         elif not settings.failed and (not self._set_amid or (now_ms - self._stood_ms) & COUNT_MASK >= REST_MS) and settings.save():
-            machine.note(errors.MEMORY)  # what has been set counts until the power goes; it is tried again with the next change
+            machine.note(errors.MEMORY)  # the change counts until the power goes; the next one tries again to store it
         if settings.dirty and not settings.failed:
             machine.awake = True
 
     def stopped_by(self, name):
-        """An input that halts has stopped the player; or a feature, or what a feature looks at."""
+        """An input that halts has stopped the player; or a feature, or an input that a feature reads."""
         for stopped in self._stops:
             if stopped(name):
                 return
         self.machine.raise_alarm(errors.ALARM_HARD_LIMIT, name)
 
     def tell(self, text):
-        """Keep a line about this board for who asks what it is."""
+        """Keep a line about this board, the answer to the question of its build."""
         self.machine.about = text
 
     # --- commands

@@ -42,7 +42,7 @@ class Drawing(Feature):
         }
 
     def heed(self, what):
-        """Homing forgets the object, which refers to the old origin. Behind what drops all work the next is of no job."""
+        """Homing forgets the object, which refers to the old origin. After WORK_GONE the next work is of no job."""
         self.points.clear()
         if what & WORK_GONE:
             self._job.counting = False
@@ -192,7 +192,7 @@ class Drawing(Feature):
             machine.finish(machine.report())
 
     def report(self, report):
-        """What the status report says of what is stored and drawn."""
+        """Add the points stored and drawn to the status report."""
         report["drawn"] = self.count_drawn() & 0xFFFF
         report["free"] = self.points.free()
 

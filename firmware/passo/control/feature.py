@@ -1,10 +1,10 @@
-"""What a feature of the machine may do: its class overrides those of these methods that it needs.
+"""The methods of a feature of the machine: its class overrides those that it needs.
 
     class Beeper(Feature):
         def handlers(self):
             return {commands.BEEP: self._beep}
 
-A feature sees the record of state.py and the queue, and no other feature: what it wants of another one it asks for with a command.
+A feature sees the record of state.py and the queue, and no other feature: it asks another one with a command.
 The methods of a cycle and of a report are called only where a class has its own, see overriding(). Methods that do nothing share
 one function: on stock MicroPython each function takes 60 bytes of memory.
 """
@@ -12,7 +12,7 @@ one function: on stock MicroPython each function takes 60 bytes of memory.
 from micropython import const
 
 # Events of the whole machine, masks:
-QUEUE_GONE = const(1)  # a hold has come to its stand, and what was queued behind it is gone
+QUEUE_GONE = const(1)  # a hold has come to its stand, and the commands queued after it are gone
 WORK_GONE = const(2)  # all work is dropped
 HOMING = const(4)  # homing begins
 SAFE = const(8)  # the safe state, at once
@@ -54,7 +54,7 @@ class Feature:
 
     # Events:
     stopped = _nothing  # stopped(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
-    halt = _nothing  # halt(): the pins have stopped; what is queued is dropped next
+    halt = _nothing  # halt(): the pins have stopped; the queue is dropped next
     heeds = 0  # of the masks above: those that heed() is for
     heed = _nothing  # heed(what): all events of one moment, as masks
     show_outputs = _nothing  # show_outputs(on): False: the door holds the machine; True: it goes on

@@ -34,9 +34,9 @@ class Seeker:
         self.seek_steps_s, self.locate_steps_s, self.pull_off_steps = values
         self.distance = distance  # the longest search
         self.ends = [self.pull_off_steps] * len(sensors)  # how far from the edge of each it ends
-        self.tripped = 0  # the number of the sensor that did so last
-        self.edges = [position] * len(sensors)  # where each did so: kept, for a sensor that is left shows another edge
-        self.goal = 0  # where the way of this phase ends
+        self.tripped = 0  # the number of the last sensor that changed
+        self.edges = [position] * len(sensors)  # the position of each change: kept, for a sensor that is left shows another edge
+        self.goal = 0  # the end of this phase's way
         self.steps_s = 1
         self.done = False
 
@@ -230,7 +230,7 @@ class Homing(Feature):
         self._side = sensor
         self._alarm = alarm
 
-    # A phase says of a seeker which way it is to go at most, and what ends it.
+    # A phase gives a seeker its longest way, and the event that ends it.
 
     def _leave(self, seeker):
         self.until(False)

@@ -1,12 +1,13 @@
 """The watchdog of the links: a host that says nothing for too long, while what it has asked for is under way, is lost.
 
 Per link of the board file: `lost`, what is done then, and `lost_ms`. Under way is what the link that commands has begun: motion,
-but for homing, or a tool or spindle that is on. What says something on a framed link is a sound frame, not noise.
+but for homing, or a tool or spindle that is on. On a framed link a sound frame counts as a word of the host, noise does not.
 
-Some senders of G-code say nothing while a line lasts. So one of grbl counts as lost only if it asks for the status by habit: at least
-once in every lost_ms, from the beginning of the work until it falls silent. If it has left out one such time, it must first ask so for
-three of them: whoever only looks in, a few questions at once, is no host. Nor does it count if it asks so seldom as grbl's stream.py, once a second:
-that falls silent with the answer to its last line, while the machine still moves. In other languages any silent host is lost.
+Some senders of G-code say nothing while a line lasts. So one of grbl counts as lost only if it asks for the status by habit: at least once
+in every lost_ms, from the beginning of the work until it falls silent. If it has left out one such time, it must first ask in time for
+three of them: a program that only looks in, with a few questions at once, is no host. Nor does it count if it asks so seldom as grbl's
+stream.py, once a second: that falls silent with the answer to its last line, while the machine still moves. In other languages any silent
+host is lost.
 
 "retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
@@ -30,11 +31,11 @@ class HostWatch(Feature):
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._links = board["links"]
-        self._lines = {}  # what hears, by the numbers of their links; stored jobs come by another, and need no host
-        self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
+        self._lines = {}  # the lines, by the numbers of their links; stored jobs come by another, and need no host
+        self._since_ms = 0  # the last bytes of the link that commands, or the last moment without work
         self._works = False  # something is under way
         self._asks = False  # the host of the link that commands has asked
-        self._asked_ms = 0  # when it did so last, or when the work began
+        self._asked_ms = 0  # the time of its last question, or of the beginning of the work
         self._doubt = -1  # since when it asks in time again, because it has let lost_ms pass without a question; −1: it has not, or for long
         self._question_ms = 0  # of its last question
         self._seldom = 0  # questions that came _SELDOM_MS or more behind the one before, the last ones in a row
@@ -73,7 +74,7 @@ class HostWatch(Feature):
             self._listen(line, worked)
 
     def _listen(self, line, worked):
-        """Act if the host of the link that commands is lost. `line`: what hears it; `worked`: its work was already under way in the last cycle."""
+        """Act if the host of the link that commands is lost. `line`: its line; `worked`: its work was already under way in the last cycle."""
         now_ms = self._machine.port.link_ms()
         if not worked:
             self._asked_ms = now_ms
@@ -84,7 +85,7 @@ class HostWatch(Feature):
             return
         link = self._links[self._number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
-            if not self._silent:  # the links are read once more: this board itself may have stood still, and what came then waits
+            if not self._silent:  # the links are read once more: this board itself may have stood still, and bytes that came then wait
                 self._silent = True
                 return
             self._silent = False

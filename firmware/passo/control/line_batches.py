@@ -67,7 +67,7 @@ class LineBatches(Feature):
         self._trace = array("i", [0] * TRACE_FIELDS)
         self._trace[TRACE_AXES] = len(board["axes"])
         self._reached = self  # the travel that `_trace` is of: not yet any
-        self._arrays = self._taker = None  # the planner's, and what a batch gets with them
+        self._arrays = self._taker = None  # the planner's, and the kernel's arguments made of them
 
     def batches(self):
         return {LINES: (self.open, self.accept, self.close, self.arc)}
@@ -144,7 +144,7 @@ class LineBatches(Feature):
         batch.tool = queue.tool
         batch.power = planner.power
         batch.dynamic = planner.dynamic
-        batch.room = (0 if queue.chords else room(planner.indices)) - 1  # what is played meanwhile counts from the next open() on
+        batch.room = (0 if queue.chords else room(planner.indices)) - 1  # blocks played meanwhile count from the next open() on
         self._trace[TRACE_ROOM] = batch.room
         self._trace[TRACE_TAKEN] = 0
         batch.begun = True

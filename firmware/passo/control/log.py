@@ -1,4 +1,4 @@
-"""The event log: the last refusals and alarms by number, for every status report and for whoever asks afterwards."""
+"""The event log: the last refusals and alarms by number, for every status report and for later questions."""
 
 from array import array
 
@@ -15,7 +15,7 @@ class Log:
         self._who = [""] * _SIZE
         self.added = 0  # entries since the start
         self.last = 0  # the latest number nobody has read; 0: none
-        self.pins = None  # a function: what inputs that forbid motion have done; None: there is none
+        self.pins = None  # a function that returns the counts of inputs that forbid motion; None: there is none
         self.counts = {}  # of each number: how many times since the start
 
     def add(self, now_ms, number, who=""):

@@ -20,7 +20,7 @@ class Motors:
         self._drive = drive
         self._off_levels = off_levels
         self._enable = [output["name"] for output in board["outputs"] if output["name"][:6] == "enable"]
-        self._wake_ms = _WAKE_MS if self._enable or drive is not None else 0  # what is not switched need not settle
+        self._wake_ms = _WAKE_MS if self._enable or drive is not None else 0  # motors without a switch need not settle
         self._hold_ms = board["drive"]["hold_ms"]
         self._enable_inverted = enable_inverted
         self._keep = False  # the current stays on until it is switched off: see drives()

@@ -87,7 +87,7 @@ class Pauses(Feature):
         self._wait(max(self._queue.tool_ms(True), 0 if self._laser() else self._spindle["spin_up_ms"]))
 
     def _wait(self, ms):
-        """Do not go on before so many milliseconds from now; the longest such time counts."""
+        """Do not go on before `ms` milliseconds from now; the longest wait counts."""
         ready_ms = self._port.machine_ms() + ms & COUNT_MASK
         if ms and (self._ready_ms is None or (ready_ms - self._ready_ms) & COUNT_MASK < COUNT_MASK // 2):
             self._ready_ms = ready_ms

@@ -36,7 +36,7 @@ class Program(LineBatches):
     def __init__(self, board, machine, queue):
         self._limits_of = None  # the settings' version whose limits the planner knows
         self._dwell_ms = 0  # the part of the dwell under way that is not queued yet
-        self._touch = None  # where the probe changed, kept by its pin's interrupt:
+        self._touch = None  # the probe's position at its change, kept by its pin's interrupt:
         self._latch = machine.port.watch_limit("probe") if machine.inputs.has_probe else None
         LineBatches.__init__(self, board, machine, queue)
 
@@ -73,7 +73,7 @@ class Program(LineBatches):
             machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
         if machine.veto is not None and machine.veto.denied:
-            if self._forbidden(command, False):  # what is queued before it may lead out of it
+            if self._forbidden(command, False):  # the blocks queued before it may lead out of it
                 return self._forbidden(command) if machine.settle() else LATER
         if command.dots and not self.dots[DOTS_MASK]:
             return errors.NO_MEMORY
@@ -195,7 +195,7 @@ class Program(LineBatches):
         return errors.JOG_TRAVEL if longest > MAX_STEPS else 0
 
     def _queue_motion(self, command):
-        """0, or the error of what the planner refuses."""
+        """Return 0, or the error number of the planner's refusal."""
         planner = self._planner
         if self._limits_of != self._machine.settings.version:
             self._set_limits()
@@ -318,7 +318,7 @@ class Program(LineBatches):
             latch.begin(*queue.lend())
 
     def _missed(self, command, alarm):
-        """The alarm, if there is one, is told before the answer."""
+        """An alarm, if there is one, comes before the answer."""
         machine = self._machine
         machine.command = None
         if alarm:

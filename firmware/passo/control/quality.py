@@ -4,8 +4,8 @@
     quality.again(groups)           # a run has ended; True if there is another to come
     quality.found()                 # [(axis, side, runs, range, σ in hundredths of a step, drift)], or None
 
-A run begins where the one before has ended, a pull-off from the edge that it found: what its edge is nearer than that is how far it
-lies from the last one, and the sum of these how far from the first. Drift is the mean of the last third less that of the first.
+A run begins where the one before has ended, a pull-off from the edge that it found: its edge lies from the last one by the difference to
+the pull-off, and from the first by the sum of the differences. Drift is the mean of the last third less that of the first.
 """
 
 from math import sqrt

@@ -1,4 +1,4 @@
-"""What has been handed to the planner: where it ends, whether the tool is on there, and how to drop it.
+"""The commands handed to the planner: the position and the tool at their end, and how to drop them.
 
 Positions are steps of each axis from machine position zero.
 """
@@ -20,22 +20,22 @@ class Queue:
         self._feeder = feeder
         self._player = player
         self.analogue = feeder.ring.power
-        self._port = port if board["spindle"]["pwm"] else None  # where power() goes
+        self._port = port if board["spindle"]["pwm"] else None  # the port with power()
         self._origin = array("i", [0] * len(self._axes))
         self.here = self._origin[:]  # see look()
         self.seen = array("i", [0] * SEEN_FIELDS)
-        self.target = array("i", [0] * len(self._axes))  # where the queue will end: one array, which kernels write too
+        self.target = array("i", [0] * len(self._axes))  # the position at the queue's end: one array, which kernels write too
         self._deltas = [0] * len(self._axes)  # of the line being added
         self._rested = None  # the tool bit that rest() has shown, and the words played then
         self._rested_at = 0
         self.tool = False  # the tool bit at the queue's end
         self.waiting = False  # something is queued that has not been released to the feeder yet
         self._walker = None  # of axes that run on their own, see take_walker()
-        self.arcs = None  # what a language asks about arcs; None if this board has no memory for them
+        self.arcs = None  # the arithmetic of arcs for languages; None if this board has no memory for them
         self.chords = None  # of an arc that is handed to the planner piece by piece, see StreamQueue.feed()
 
     def position(self, edge=None):
-        """Where the machine is, exact at this moment, or was as `edge`, a Latch, says."""
+        """Return the machine's position, exact at this moment, or at the moment of `edge`, a Latch."""
         return list(self.found(edge))
 
     def found(self, edge=None):
@@ -43,7 +43,7 @@ class Queue:
         return self._from_origin(self._feeder.found(self._player.played(), edge))
 
     def look(self, played=None):
-        """See where the machine is, and what it does, at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
+        """Read the machine's position and state at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
         if played is None:
             played = self._player.played()
         seen = self.seen
@@ -195,14 +195,14 @@ class Queue:
         self.flush()
 
     def axis(self, axis, edge=None):
-        """Where an axis is, or was as `edge`, a Latch, says, in steps from where the machine was switched on."""
+        """Return the position of an axis, now or at the moment of `edge`, a Latch, in steps from the place where the machine was switched on."""
         return self.found(edge)[axis] + self._origin[axis]
 
     def begin(self):
         """Release what is queued: nothing more is coming for now. See StreamQueue."""
 
     def close(self):
-        """No words are made until the app finds the motors ready: at a stand, before motion that may have to wake them. An
+        """Make no words until the app finds the motors ready: at a stand, before motion that may have to wake them. An
         interrupt that feeds may come before the app looks."""
         self._feeder.open = False
 
@@ -246,8 +246,9 @@ class Queue:
         self._feeder.retire(self._player.played())
 
     def drop(self):
-        """Drop everything, after halt() or at the stand of a hold. The position stays exact. No words are made until the app finds the
-        motors ready: an interrupt that feeds would begin anew what the planner still holds."""
+        """Drop everything, after halt() or at the stand of a hold. The position stays exact. The feeder makes no words until the app finds
+        the motors ready: an interrupt that feeds would begin the planner's blocks anew.
+        """
         self._feeder.open = False
         position = self._feeder.cancel(self._player.played())
         self._planner.clear()
@@ -283,7 +284,7 @@ class Queue:
         self.power(self.analogue.level)
 
     def lend(self):
-        """(feeder, player) for who moves pins at a stand."""
+        """Return (feeder, player) to a feature that moves pins at a stand."""
         return self._feeder, self._player
 
     def hold(self, on):

@@ -28,7 +28,7 @@ class Sensor:
             self._latch.begin(*self._kept[0].lend())
 
     def pass_by(self, now_ms):
-        """Nothing has changed until now."""
+        """Count changes from now on."""
         self._last_ms = now_ms
 
     def sample(self, now_ms, position):

@@ -1,4 +1,4 @@
-"""What speed the programme asks of the spindle, that cuts wait for it, and whether it is reached: the base of what measures it."""
+"""The speed that the programme sets for the spindle, whether it is reached, and the wait of cuts for it: the base of its gauges."""
 
 from micropython import const
 
@@ -7,7 +7,7 @@ from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 
 PERIOD_MS = const(100)  # between two looks at the speed it has
-_SLOW = const(3)  # of these below half of what is asked are no accident
+_SLOW = const(3)  # this number in a row below half of S are no accident
 
 
 class SpindleSpeed(Feature):
@@ -21,7 +21,7 @@ class SpindleSpeed(Feature):
         self._slow = 0
         self.at_speed = True  # or nobody asks for one; measured
         machine.gauge = self
-        self._rpm_of = None  # what `_rpm` was computed of
+        self._rpm_of = None  # The rpm and override from which `_rpm` was computed
         self._rpm = 0
 
     def asked_rpm(self):
@@ -62,5 +62,5 @@ class SpindleSpeed(Feature):
         return not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms
 
     def ready(self):
-        """Nothing sets out with a spindle that is not at speed. What moves already goes on."""
+        """Return whether motion may set out: not with a spindle that is not at speed. Motion under way goes on."""
         return self.at_speed or not self._queue.silent() or not self._queue.lit()

@@ -3,8 +3,8 @@
     machine.alarm, machine.state, machine.command …
     machine.raise_alarm(errors.ALARM_HARD_LIMIT, "stop")
 
-Features (feature.py) see this record and the queue. What concerns all of the machine (a stop, an alarm, a new beginning) is a method
-of the record, which calls those of all features.
+Features (feature.py) see this record and the queue. Events of the whole machine (a stop, an alarm, a new beginning) are methods of the
+record, which call those of all features.
 
 An attribute has one writer beside this module, unless WRITERS of tests_host/rules/test_writers.py says why it has more. Languages read
 what FACE there names, and write nothing.
@@ -35,12 +35,12 @@ class MachineState:
         self.inputs = Inputs(board, settings, port)
         self.log = Log()
         self.veto = getattr(port, "veto", None)  # of the port, if the board file has an option that forbids motion
-        self.squaring = None  # what has both sides of an axis home, if an option does
-        self.about = ""  # what the port says of itself, for who asks
+        self.squaring = None  # homes both sides of an axis, if an option does
+        self.about = ""  # the port's text about itself
         self.awake = True  # something is under way or new: features are polled
         self.homed = False  # each axis with a sensor has been, since the position was lost
         self.known = 0  # mask of the axes that have
-        self.cautious = True  # the next motion beyond the reach of soft limits is told
+        self.cautious = True  # the next motion beyond the reach of soft limits brings a notice
         self.job = None  # a CountedJob, of the feature that plays commands or points; lines have numbers of their own
         self.alarm = 0
         self.checking = False  # commands are only checked
@@ -57,7 +57,7 @@ class MachineState:
         self.fresh = False  # such motion was queued since the last cycle
         self.drawing = False  # points are taken out of the point buffer
         self.presence = ""  # the input that is active while somebody is at the machine, see admission.py
-        self.unattended = False  # what is under way needs no host
+        self.unattended = False  # the work under way needs no host
         self.retracts = False  # after an alarm Z still goes up, before the tool goes off: see host_watch.py
         self.coolant = 0  # as it should be, see COOLANT
         self.spindle = commands.SPINDLE_OFF  # as it should be, see SPINDLE
@@ -69,10 +69,10 @@ class MachineState:
         self.lender = -1  # the link that commanded when a stored job began to run; -1: none runs
         self.guarded = guarded
         self._locks = bool(guarded)
-        self.events = []  # to be told: the app takes them
+        self.events = []  # waiting: the app takes them
         self._report = {"position": queue.here, "seen": queue.seen, "log": self.log}  # one for all: used up before the next
         self.blocks = queue.room  # blocks(): how many can be queued now
-        self.target = queue.target  # where the queue ends, steps of each axis: one array
+        self.target = queue.target  # the position at the queue's end, steps of each axis: one array
         self.arcs = queue.arcs
         self.handlers = {}  # of all features, by the kind of command
         self._features = ()
@@ -201,7 +201,7 @@ class MachineState:
             return 2 if door else 1
         return 1 if door and self.inputs.door_open() else 0
 
-    # --- what is told
+    # --- events
 
     def accepted(self, command, value=None):
         event = command.accepted or Event(ACCEPTED, command)
@@ -275,7 +275,7 @@ class MachineState:
         self.end_hold()
 
     def forget(self, also=0):
-        """Drop all work, begun or waiting. What is queued is left to the caller. `also`: what else features heed."""
+        """Drop all work, begun or waiting. The caller drops the queue. `also`: further masks for heed()."""
         self.inform(WORK_GONE | also)
         self.drawing = self.jogging = self.active = self.fresh = False
         self.awake = True
@@ -330,7 +330,7 @@ class MachineState:
         self.forget(SAFE | also)
 
     def raise_alarm(self, number, who=None, also=0):
-        """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log; `also`: what else features heed."""
+        """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log; `also`: further masks for heed()."""
         command = self.command
         if number in errors.AT_STAND:
             # It comes to its stand as it should: where it is remains known.
@@ -351,7 +351,7 @@ class MachineState:
             self.events.append(Event(REFUSED, command, errors.LOCKED))
 
     def require_homing(self, axes):
-        """Lock the machine until the others, `axes` in words, are homed. What else is under way goes on."""
+        """Lock the machine until the others, `axes` in words, are homed. Other work under way goes on."""
         self.guarded = 0
         self.alarm = errors.ALARM_HOMING_REQUIRED
         self.events.append(Event(ALARM, None, self.alarm))
@@ -369,7 +369,7 @@ class MachineState:
         self.cautious = True
 
     def caution(self):
-        """The first motion begins behind what has lost the position, or unlocked the machine."""
+        """The first motion begins after the position was lost, or the machine unlocked."""
         self.cautious = False
         self.warn()
 

@@ -1,4 +1,4 @@
-"""The queue of a machine that moves as it is told, not only what has been stored: lines at a feed, arcs, waits, power."""
+"""The queue of a machine that moves by commands, not only by stored points: lines at a feed, arcs, waits, power."""
 
 from micropython import const
 
@@ -22,7 +22,7 @@ class Chords:
 
     def __init__(self, ellipse, nm_s, tool, tag, steps_per_m, accelerations, slowest):
         """`ellipse`: a motion.ellipse.Ellipse; `accelerations`: of the plane's two axes, in nm/s², that v²/R stays within;
-        `slowest`: what the slowest axis can do, in nm/s. Raises ValueError if a step would last longer than the planner can say."""
+        `slowest`: the speed of the slowest axis, nm/s. Raises ValueError if a step would last longer than the planner can say."""
         if ellipse.flat_nm:
             nm_s = min(nm_s, isqrt(ellipse.inwards(accelerations) * ellipse.radius_nm) * ellipse.length_nm // ellipse.flat_nm)
         self._nm_s = nm_s or 1
@@ -104,7 +104,7 @@ class StreamQueue(Queue):
         the axes may. Raises ValueError if the planner cannot."""
         if tool != self.tool:
             if self.tool_ms(tool):
-                self.fits(self.deltas(target), nm_s, ticks)  # what is refused leaves the tool as it is
+                self.fits(self.deltas(target), nm_s, ticks)  # a refused motion leaves the tool as it is
             self._change_tool(tool, tag)
         if not self._planner.accelerates:
             ticks = self._ticks(self.deltas(target), nm_s, ticks)

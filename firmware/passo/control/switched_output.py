@@ -40,7 +40,7 @@ class SwitchedOutput(Feature):
         return handle
 
     def text(self):
-        """What a status says: 1 on, 0 off, and the number if M10 and M11 are another output's."""
+        """Return the status's text: 1 on, 0 off, and the number if M10 and M11 are another output's."""
         return "%d" % self.on + ("" if self._own or self._number < 0 else "P%d" % self._number)
 
     def _switch_on(self, command):

@@ -1,6 +1,6 @@
 """The switches that act by themselves, beside homing's work: hard limits, safety door, buttons.
 
-A limit whose pin has an interrupt stops the player there; what is looked at here once a cycle says why, and when it may again.
+A limit whose pin has an interrupt stops the player there; the look once a cycle finds the reason, and when the player may run again.
 """
 
 from passo import commands, errors
@@ -9,7 +9,7 @@ from passo.config.board_error import inputs_of
 from passo.control.feature import Feature
 from passo.control.sensor import Sensor
 
-_LIMIT_FILTER_US = 50  # where the board file gives none
+_LIMIT_FILTER_US = 50  # if the board file gives none
 
 
 class Switches(Feature):

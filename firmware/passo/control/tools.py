@@ -1,4 +1,4 @@
-"""What a programme switches beside motion: the spindle or laser, coolant, and the overrides."""
+"""The outputs that a programme switches beside motion: the spindle or laser, coolant, and the overrides."""
 
 from micropython import const
 
@@ -26,7 +26,7 @@ class Tools(Feature):
         self._lasing = False
         self._own = False  # jogs, probing and homing are under way: none of them is the programme's
         self._dark = False  # at a stand: a laser whose power follows the speed is off
-        self._cools = 0  # coolant as it is; what it should be is the machine's
+        self._cools = 0  # coolant as it is; the machine has it as it should be
         machine.overrides = [100, 100, 100]  # feed, rapid, spindle
 
     def heed(self, what):
@@ -168,7 +168,7 @@ class Tools(Feature):
             self._queue.restore_power()
 
     def report(self, report):
-        """What the status report says of spindle, coolant and overrides."""
+        """Add spindle, coolant and overrides to the status report."""
         power = 0
         machine = self._machine
         lit = self._queue.seen[SEEN_LIT]

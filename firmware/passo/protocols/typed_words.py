@@ -4,8 +4,8 @@
     command = words.take(ord("$"))      # None until the line ends: then its Command
     line_of("$100=48.5")                # b"$100=48.5*107\\n": the host's end
 
-A line begins with `$` and has digits, `=`, `.` and `-`; behind it stand `*` and the sum of its bytes modulo 256, then a line feed. No
-character is one of a document's orders, so that a controller of the document does nothing.
+A line begins with `$` and has digits, `=`, `.` and `-`; behind it stand `*` and the sum of its bytes modulo 256, then a line feed. The
+documents have other bytes for orders, so that a controller of a document does nothing.
 """
 
 from micropython import const

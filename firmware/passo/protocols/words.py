@@ -1,4 +1,4 @@
-"""Lines of text in languages that are not of lines: what options add to them.
+"""Lines of text in languages that are not of lines: the words that options add to them.
 
     words = Words.of(protocol)                          # made when it is asked for first
     words.learn("$F", JOB, understand, told)            # as Grbl.learn()

@@ -1,7 +1,7 @@
 """The queue of a machine with lost motion (motion/backlash.py): positions are the axes', what the feeder counts the motors'.
 
-Commands, travel, homing, halts and reports know nothing of what is taken up. A machine stopped while it takes up play is told where its
-axes are, and the next block takes up what is missing.
+Commands, travel, homing, halts and reports do not know of the play. A machine stopped while it takes up play knows where its axes are, and
+the next block takes up the rest.
 """
 
 from passo.control.stream_queue import StreamQueue
@@ -17,7 +17,7 @@ class Queue(StreamQueue):
         return self._feeder.found(self._player.played())
 
     def _see(self, ask):
-        """ask(), while no interrupt retires blocks: what was retired last then belongs to the position."""
+        """Return ask(), while no interrupt retires blocks: the block retired last then belongs to the position."""
         feeder = self._feeder
         fed = feeder.open
         feeder.open = False

@@ -14,8 +14,8 @@ there the axis may gain the speed at once with which a corner may be passed, √
 takes them as a whole. The planner limits both parts as any line, so no motor passes its limits, and the end of each block is
 the axis's to the step. Arcs come in chords: each quadrant turns an axis round.
 
-What a block takes up is exact at any step of it: an axis goes one way within a block, so
-taken = taken at its beginning + the motor's steps since, within 0 … play. `_begins` keeps both for each row of the queue.
+The play taken up is exact at any step of a block: an axis goes one way within a block, so taken = taken at its beginning + the motor's
+steps since, within 0 … play. `_begins` keeps both for each row of the queue.
 """
 
 from array import array
@@ -31,7 +31,7 @@ class Planner(planner.Planner):
         planner.Planner.__init__(self, axes)
         self._additions = board["additions"]
         self._plays, self._taken, self._offset, self._motors, self._first, self._rest = [array("i", [0] * axes) for _ in range(6)]
-        self._begins = zeros(QUEUE_SIZE * 2 * axes)  # of each row: where the motors are at its beginning, and what is taken up there
+        self._begins = zeros(QUEUE_SIZE * 2 * axes)  # of each row: the motors' positions at its beginning, and the play taken up there
         self._where = None
         self._lost = True  # `_motors` is to be asked for
         self.plays = False  # an axis has play
@@ -46,7 +46,7 @@ class Planner(planner.Planner):
             play = (self._additions.value(160 + axis) * limits.steps_per_m[axis] + 500_000) // 1_000_000
             taken = self._taken[axis]
             now = play if taken == self._plays[axis] and taken else min(taken, play)
-            self._offset[axis] += taken - now  # the axis stays where it is told to be
+            self._offset[axis] += taken - now  # the axis stays at its position
             self._taken[axis] = now
             self._plays[axis] = play
             self.plays = self.plays or play > 0
@@ -66,7 +66,7 @@ class Planner(planner.Planner):
         return motors
 
     def _along(self, at, axis, motor):
-        """What is taken up as `motor` stands there, in the row whose beginning is _begins[at:]."""
+        """Return the play taken up at the motor's position `motor`, in the row whose beginning is _begins[at:]."""
         taken = self._begins[at + self.axes + axis] + motor - self._begins[at + axis]
         return max(0, min(taken, self._plays[axis]))
 

@@ -1,4 +1,4 @@
-"""What the key `backlash` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `backlash` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {}
 MEANINGS = {

@@ -1,1 +1,1 @@
-"""What leads to an alarm or a crash is kept."""
+"""A record of the time before an alarm or a crash."""

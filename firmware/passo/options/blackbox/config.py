@@ -1,4 +1,4 @@
-"""What a black box is made of: its numbers, as control.py fills them, and the file that they are written to."""
+"""The contents of a black box: its numbers, as control.py fills them, and the file that they are written to."""
 
 import os
 import sys

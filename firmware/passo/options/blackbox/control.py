@@ -66,9 +66,9 @@ from passo.records import COUNT_MASK
 HALTED, DROPPED, STOOD, SAMPLE, INPUTS, LOGGED, ORDER = 1, 2, 3, 4, 5, 6, 7
 STATES = ("idle", "run", "hold", "jog", "home", "alarm", "door", "check", "sleep")
 ORDERS = commands.HOLD, commands.RESUME, commands.DOOR, commands.JOG_CANCEL, commands.RESET, commands.STOP
-_ROOM = const(2048)  # of the text, for what comes
+_ROOM = const(2048)  # of the text, for the next lines
 _MUCH = const(1200)  # bytes taken between two looks: the next one comes with the next cycle
-_KEPT = const(4096)  # of what was taken, as it slides
+_KEPT = const(4096)  # of the bytes taken, as the text slides
 _EACH = const(1000)  # bytes between snapshots
 HOMED, WAITS, ALARM = 1, 2, 4  # flags: it has homed; a line is under way, which no snapshot has; it is locked
 _SAMPLE_MS = const(250)
@@ -86,10 +86,10 @@ class Links(links.Links):
         self._now_ms = machine.port.machine_ms
         self._levels = machine.inputs.levels
         self._taken = getattr(queue, "taken", None)  # of a machine with backlash
-        self._seen = -1  # what they were
+        self._seen = -1  # the last levels
         self._link = self._log = self._fields = self._text = None
         self._at = self._end = 0  # of `_fields`
-        self._next = 0  # a snapshot when so many bytes of the text have been taken
+        self._next = 0  # a snapshot when this many bytes of the text have been taken
         self._before = 0  # bytes taken at the last look: fewer now, and the text has moved up without this box
         self._logged = 0  # entries of the log
         self._halted = None  # bytes that had come, and the position
@@ -127,7 +127,7 @@ class Links(links.Links):
 
     def _recording(self, kind, handler):
         def recorded(command):
-            if command.link is not None and self._log.orders:  # no button, whose input says so
+            if command.link is not None and self._log.orders:  # a button has no link, and its input is recorded
                 self._catch_up()  # by which it is understood
                 self._row(ORDER, kind)
             return handler(command)
@@ -194,7 +194,7 @@ class Links(links.Links):
 
     @micropython.native
     def _look(self, still):
-        """What is done once in some cycles: fewer while much comes."""
+        """Do the work of every few cycles: fewer while many bytes come."""
         machine = self._machine
         if machine.stood != self._stood or machine.homed != self._homed or machine.log.added != self._logged:
             self._changed(machine)
@@ -213,7 +213,7 @@ class Links(links.Links):
                 self._sampled_ms = now_ms
                 self._sample(machine)
         elif self._due:
-            machine.awake = True  # the alarm is told first
+            machine.awake = True  # the alarm goes out first
             self._due += 1
             if self._due > _LATER:
                 self.save("alarm")
@@ -256,7 +256,7 @@ class Links(links.Links):
 
     def _read_on(self, taken):
         numbers = self.numbers
-        if taken < self._before:  # the language has made room: of what came before nothing is left
+        if taken < self._before:  # the language has made room: the text of before is gone
             numbers[BOX_BASE] += 2 * BOX_TEXT
         by = taken - _KEPT
         if by > 0 and self._fields[self._end] > BOX_TEXT - _ROOM:
@@ -272,7 +272,7 @@ class Links(links.Links):
         self._where(SAMPLE + 256 * ((overrides[0] if overrides else 100) + 256 * state))
 
     def halt(self):
-        """The pins have stopped. What has stopped them comes first. A machine that stands, and has heard nothing since, is as it was."""
+        """The pins have stopped. The reason of the stop comes first. A machine that stands, and has heard nothing since, is as it was."""
         self._catch_up()
         here = self._come(), list(self._queue.found())
         if here != self._halted:
@@ -285,7 +285,7 @@ class Links(links.Links):
     # --- flash
 
     def close(self):
-        """The app ends. What has been written, and nothing has happened since, stays."""
+        """The app ends. A written record stays if nothing has happened since."""
         if self.numbers[BOX_ADDED] != self.numbers[BOX_WRITTEN]:
             self.save("end")
 
@@ -323,7 +323,7 @@ class Bytes:
         if data:
             end = self.fields[0] + len(data)
             if end > BOX_TEXT:
-                end = len(data)  # as a language that makes room: what came before is lost
+                end = len(data)  # as a language that makes room: the bytes of before are lost
             self.text[end - len(data) : end] = data
             self.fields[0] = end
         return data

@@ -1,5 +1,5 @@
-"""What a black box (control.py) wants to know of a link that speaks grbl: the lines that have come, and what the next one is
-understood by. Only boards that have one load it.
+"""A black box's (control.py) view of a link that speaks grbl: the lines that have come, and the state by which the next one is read. Only
+boards that have one load it.
 
     log = Log(*protocol.sources(), size)    # before the link's first line: the line buffer then keeps `size` bytes of what has come
     log.text, log.fields                    # bytes; fields[log.at]: those before it have been taken; fields[log.end]: all

@@ -1,4 +1,4 @@
-"""The key `blackbox`: what leads to an alarm or a crash is kept."""
+"""The key `blackbox`: a record of the time before an alarm or a crash."""
 
 from passo.options.blackbox.config import BOX_ADDED, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_TEXT, BOX_WRITTEN, keep
 

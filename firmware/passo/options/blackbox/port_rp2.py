@@ -1,4 +1,4 @@
-"""What a reset has left in memory of a black box (control/blackbox.py): watchdog and reset button leave it, a power cut does not."""
+"""A black box (control/blackbox.py) in memory after a reset: watchdog and reset button leave it, a power cut does not."""
 
 import sys
 from struct import pack
@@ -11,8 +11,8 @@ _MEMORY = 0x80000 if "RP2350" in sys.implementation._machine else 0x40000
 def keep(write, first, second, size, text_bytes, added, written):
     """Call write("reset", numbers, text) for a box that is not in flash yet. Only at the start, once.
 
-    `first`, `second`: what the numbers begin with, before the text's bytes; behind the text eight parts of the second. `size`, `text_bytes`: of both in bytes.
-    `added`, `written`: where in the numbers stand two that are the same if all is in flash."""
+    `first`, `second`: the beginning of the numbers, before the text's bytes; behind the text eight parts of the second. `size`,
+    `text_bytes`: of both in bytes. `added`, `written`: where in the numbers stand two that are the same if all is in flash."""
     memory = uctypes.bytearray_at(0x20000000, _MEMORY)
     at = _found(memory, pack("<ii", second, text_bytes), pack("<i", first))
     end = _found(memory, bytes([second >> shift & 0xFF for shift in range(1, 8)]), bytes([second & 0xFF]))
@@ -25,7 +25,7 @@ def keep(write, first, second, size, text_bytes, added, written):
 
 
 def _found(memory, tail, front):
-    """Where `front` and `tail` stand one behind the other, as they do nowhere here; -1: nowhere."""
+    """Return the offset of `front` right behind `tail`, a sequence that is nowhere else here; -1: there is none."""
     at = memory.find(tail)
     while at >= 0 and memory[at - len(front) : at] != front:
         at = memory.find(tail, at + 1)

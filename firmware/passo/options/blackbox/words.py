@@ -1,4 +1,4 @@
-"""What the key `blackbox` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `blackbox` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {}
 MEANINGS = {

@@ -17,7 +17,7 @@ from passo.options.jobs.config import HEAD_BYTES, JobStore, parse_first_line
 
 END_MARK = b"\n"
 _TORN = const(1)  # an upload that was cut off
-_DAMAGED = const(2)  # its first line is wrong: it stays, and is told
+_DAMAGED = const(2)  # its first line is wrong: it stays, and the list says so
 _COUNTS = const(3)
 
 
@@ -41,7 +41,7 @@ class CardStore(JobStore):
 
     def _known(self, name):
         _, state, head = self._best(name, True)
-        return state != _TORN, head  # a folder is told as damaged, too
+        return state != _TORN, head  # a folder counts as damaged, too
 
     def _best(self, name, tidy=False):
         """(path, state, first line) of the file that counts for a job; `tidy`: remove an upload that was cut off."""

@@ -1,4 +1,4 @@
-"""What the key `card` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `card` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "card": ("card", "A memory card (SD, FAT) on SPI, on which stored jobs are kept. See [jobs](../use/jobs.md#memory-card)."),

@@ -1,1 +1,1 @@
-"""Motors whose coils the board itself switches: what their drives have in common."""
+"""Motors whose coils the board itself switches: the common part of their drives."""

@@ -1,4 +1,4 @@
-"""What the manifests of coil drives have in common: no key of a board file. A drive's folder is drive_ and its name in `drive.kind`."""
+"""The common part of the manifests of coil drives: no key of a board file. A drive's folder is drive_ and its name in `drive.kind`."""
 
 from passo.config.board_error import BoardError
 

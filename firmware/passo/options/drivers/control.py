@@ -20,7 +20,7 @@ from passo.control.feature import Feature
 from passo.options.drivers import config as chip
 from passo.records import COUNT_HALF, COUNT_MASK
 
-_WORD = ("drives", "Dr")  # what is remarkable of which axis, in reports
+_WORD = ("drives", "Dr")  # warnings by axis, in reports
 ASKS = const(3)
 _WAIT_MS = const(20)  # for a reply
 PERIOD_MS = const(50)  # between two looks at a driver that is set up
@@ -35,7 +35,7 @@ class Motors(Feature):
             STATUS_WORDS.append(_WORD)
         self._motors = config["motors"]
         self._open(config)
-        self._told = [""] * len(self._motors)  # what is remarkable of each
+        self._told = [""] * len(self._motors)  # warnings of each
         self._text = None  # all of it
         self._failed = 0  # the alarm that was raised
         self._due_ms = machine.port.machine_ms()
@@ -80,7 +80,7 @@ class Motors(Feature):
     # --- telegrams
 
     def _ask(self, now_ms):
-        self._line.read()  # what nobody asked for
+        self._line.read()  # bytes that no request asked for
         address = self._motors[self._number]["address"]
         stage = self._stage
         data = b""

@@ -26,7 +26,7 @@ class Motors(drives.Motors):
         self._sensors = board["homing"]["sensors"]
         self._stalls = board["additions"].stalls
         self._set = 0
-        self._asked = self._feels = False  # whether they are to feel, and whether they have been told so
+        self._asked = self._feels = False  # whether they are to feel, and whether they have got that order
         drives.Motors.__init__(self, board, machine, queue)
 
     def heed(self, what):
@@ -70,6 +70,6 @@ class Motors(drives.Motors):
         drives.Motors._begin(self)
 
     def _rows(self, motor, feels):
-        """What chip.registers() says, and what a motor feels: those that can be read back are the last."""
+        """Return the rows of chip.registers(), and those for feeling: registers that can be read back are the last."""
         rows = chip.registers(motor, self._config["sense_mohm"])
         return rows[:-2] + ((_SGTHRS, motor["stall"] if feels else 0), (TCOOLTHRS, SLOWEST if feels else 0)) + rows[-2:]

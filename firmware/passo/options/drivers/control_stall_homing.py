@@ -33,7 +33,7 @@ _ROUNDS = const(12)  # times that X and Y home at most, taken together
 
 
 class StallSensor(Sensor):
-    """A DIAG pin. What it says before the axis is `blind` steps from `start` does not count. `late` once the axis has gone on for more than
+    """A DIAG pin. Its level before the axis is `blind` steps from `start` does not count. `late` once the axis has gone on for more than
     `full` steps behind a change, believed in the end or not. Its interrupt stops the player."""
 
     start = blind = full = 0
@@ -68,7 +68,7 @@ class Homing(homing.Homing):
             if motor["axis"] in board["additions"].stalls:
                 self._full[names.index(motor["axis"])] = motor["microsteps"]
         self._shared = board.get("kinematics") == "corexy" and 0 in self._full  # both motors move X, and Y
-        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, with what, the last,
+        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, the edge of these, the last,
         # how many have to, and whether a rotor may have slipped.
         self._located = self._agree = self._edge = self._last = self._enough = 0
         self._doubt = False

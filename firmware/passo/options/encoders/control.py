@@ -1,4 +1,4 @@
-"""What is done about following errors: an alarm, a correction at the end of a move, a position that is verified after a halt.
+"""The actions on following errors: an alarm, a correction at the end of a move, a position that is verified after a halt.
 
     [{"motor": "x", "pins": [14, 15], "pulses": 500, "steps": 400, "limit_steps": 8, "correct": True}]
 
@@ -7,8 +7,8 @@ The port compares counts and steps every 3 ms, and halts the player if a motor i
 lost steps or the encoder counts: after this alarm the machine has to be homed. How many are missing is exact once the
 motor has settled, settle_ms behind the last step:
 
-- at the end of a move steps that are missing are made up for, if the board file says so, thrice at most; what has been made up in
-  one direction since the axis homed counts toward limit_steps, for an encoder that loses counts looks the same, and the axis drifts;
+- at the end of a move steps that are missing are made up for, if the board file says so, thrice at most; corrections in one direction since the axis homed
+count toward limit_steps, for an encoder that loses counts looks the same, and the axis drifts;
 - after a halt the position becomes what the encoders say, and a machine that was homed still is, if each of its axes has
   one;
 - without current motors may be turned by hand: the position follows.
@@ -40,7 +40,7 @@ class EncoderWatch(Feature):
         self._still_ms = 0  # since when it stands
         self._checks = 0  # of the encoders as it came to stand, or as an error was last accounted for
         self._settled = False
-        self._halted = False  # what the encoders say is the position
+        self._halted = False  # the position is that of the encoders
         self._homed = False  # it was before the halt
         self._known = 0  # mask of the axes that were
         self._homing = False
@@ -91,8 +91,7 @@ class EncoderWatch(Feature):
         self._checks = self._encoders.checks
 
     def _look_at_indexes(self):
-        """An index pulse that is too far from whole turns is told once. What an interrupt is late moves it by up to 100 µs of
-        counts, so a 32nd of a turn is allowed."""
+        """Note an index pulse that is too far from whole turns, once. A late interrupt moves it by up to 100 µs of counts, so a 32nd of a turn is allowed."""
         for index in self._encoders.indexes:
             off = index.off()
             if abs(off) > index.turn // 32:
@@ -125,7 +124,7 @@ class EncoderWatch(Feature):
         self._settle()
 
     def _settle(self):
-        """It stands, and what the encoders say is exact."""
+        """Act at a stand, when the encoders' counts are exact."""
         encoders = self._encoders
         off = [encoders.steps(number) for number in range(len(encoders.names))]
         if self._halted:

@@ -1,4 +1,4 @@
-"""`$ENC`: what encoders have counted, and `$ENC=0`, which counts from here on."""
+"""`$ENC`: the encoders' counts, and `$ENC=0`, which counts from here on."""
 
 from passo import errors
 from passo.commands import HELLO, ZERO_COUNTS, Command

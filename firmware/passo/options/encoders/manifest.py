@@ -9,7 +9,7 @@ _ENCODER = {
     "steps": (int, ..., 1, 200_000),  # of the motor, a turn
     "reversed": (bool, False, 0, 1),
     "limit_steps": (int, 8, 1, 1000),  # a following error beyond it stops the machine
-    "correct": (bool, False, 0, 1),  # make up for what is missing at the end of a move
+    "correct": (bool, False, 0, 1),  # make up for missing steps at the end of a move
     "index": (str, "", 0, 16),  # input of its index pulse
     "settle_ms": (int, 50, 1, 10_000),  # after which a motor at rest has come to rest
 }

@@ -1,14 +1,13 @@
-"""Encoders at the pins, shared by all ports: they are counted, and compared with what the player has stepped.
+"""Encoders at the pins, shared by all ports: they are counted, and compared with the player's steps.
 
     port.encoders.check()           # from the interrupt that feeds the player, every 3 ms; on the virtual port too
     port.encoders.steps(0)          # what motor 0 has turned beyond what was stepped, in whole steps
     port.encoders.take(0, 3)        # these 3 steps are accounted for
 
-What is derived from it reads the counts: read(counts), modulo 2²⁹ each. A following error beyond its limit halts the player,
-if `armed`. How late that is: a motor that stands still is noticed once it has missed limit_steps, by the next check. Counts
-and steps are not read at one instant: the player is looked at before and behind them, some 30 µs apart on an RP2040, and what it
-has stepped in between is allowed for. A rotor lags its magnetic field by up to two full steps under load, more is lost: no limit
-should be lower.
+Subclasses read the counts: read(counts), modulo 2²⁹ each. A following error beyond its limit halts the player, if `armed`. How late that
+is: a motor that stands still is noticed once it has missed limit_steps, by the next check. Counts and steps are not read at one instant:
+the player is looked at before and behind them, some 30 µs apart on an RP2040, and its steps in between are allowed for. A rotor lags its
+magnetic field by up to two full steps under load, more is lost: no limit should be lower.
 
 On an RP2040 a check of four encoders and a gantry takes 0.34 to 0.41 ms of every 3 ms.
 """
@@ -120,7 +119,7 @@ class Encoders:
                 self._port.watch(item.pin, self.index(number, name).edge, edge)
 
     def join(self, feeder, player):
-        """Compare with what `player` steps. Called once, before anything is played."""
+        """Compare with the steps of `player`. Called once, before anything is played."""
         self._follower = Follower(feeder)
         self._player = player
 
@@ -158,12 +157,12 @@ class Encoders:
         self.armed = on
 
     def steps(self, number):
-        """What a motor has turned beyond what was stepped: steps, rounded."""
+        """Return how far a motor has turned beyond its steps: steps, rounded."""
         num = self.table[number * FOLLOW_FIELDS + FOLLOW_NUM]
         return (2 * self.table[number * FOLLOW_FIELDS + FOLLOW_ERROR] + num) // (2 * num)
 
     def lag(self):
-        """What a gantry's second motor has turned beyond the first: steps, rounded."""
+        """Return how far a gantry's second motor has turned beyond the first: steps, rounded."""
         num = self.table[self._first + FOLLOW_NUM]
         lag = self.table[self._second + FOLLOW_ERROR] - self.table[self._first + FOLLOW_ERROR]
         return (2 * lag + num) // (2 * num)
@@ -179,7 +178,7 @@ class Encoders:
         self.table[at + FOLLOW_SHIFT] = -self.table[at + FOLLOW_ERROR]
 
     def exempt(self, number, off):
-        """What the axis steps is not this motor's. Only at a stand, behind a check."""
+        """The axis's steps are not this motor's. Only at a stand, behind a check."""
         self.table[number * FOLLOW_FIELDS + FOLLOW_OFF] = 1 if off else 0
 
     def axis(self, number):

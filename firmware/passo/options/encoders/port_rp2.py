@@ -29,7 +29,7 @@ _LOOKS = const(300)  # at a FIFO that is filled every 1.3 µs
 @rp2.asm_pio(in_shiftdir=rp2.PIO.SHIFT_LEFT, out_shiftdir=rp2.PIO.SHIFT_RIGHT)
 def count():
     """Y is the count, OSR the pins as they were: B, A. 32 instructions long, so that it lies at address 0."""
-    # Where the pins have changed from the two bits in front to the two behind:
+    # The jumps for the change from the two bits in front to the two behind:
     jmp("same")  # 00 00
     jmp("up")  # 00 01
     jmp("down")  # 00 10

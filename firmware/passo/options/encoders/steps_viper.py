@@ -1,10 +1,10 @@
-"""Following error: what encoders have counted against what the player has stepped.
+"""Following error: the encoders' counts against the player's steps.
 
     beyond = follow(table, encoders, counts, position, after)      # mask of the encoders whose error is beyond its limit
 
-`counts` were read between two looks at the player, when the axes stood at `position` and at `after`: an error counts as beyond
-only if it is so for both. Each check adds what has changed since the one before, so nothing is rounded and nothing adds up; the
-counts between two checks have to stay below 2²⁸. Takes about 3 µs an encoder on an RP2040, and allocates nothing.
+`counts` were read between two looks at the player, when the axes stood at `position` and at `after`: an error counts as beyond only if it
+is beyond for both. Each check adds what has changed since the one before, so nothing is rounded and nothing adds up; the counts between two
+checks have to stay below 2²⁸. Takes about 3 µs an encoder on an RP2040, and allocates nothing.
 
 One text for all interpreters; see motion/block_viper.py.
 """
@@ -23,10 +23,10 @@ FOLLOW_NEGATIVE = const(3)  # 1: it counts backwards
 FOLLOW_LIMIT = const(4)  # the largest error
 FOLLOW_COUNT = const(5)  # as last read, modulo 2²⁹
 FOLLOW_PLACE = const(6)  # of the axis then
-FOLLOW_OFF = const(7)  # 1: what the axis steps is not this motor's
+FOLLOW_OFF = const(7)  # 1: the axis's steps are not this motor's
 FOLLOW_SHIFT = const(8)  # to be added to the error at the next check: the main loop writes it
 FOLLOW_TOTAL = const(9)  # counts since the start
-FOLLOW_ERROR = const(10)  # what it has turned, less what was stepped
+FOLLOW_ERROR = const(10)  # its turn, less its steps
 FOLLOW_MOST = const(11)  # largest amount of it since the main loop cleared it
 FOLLOW_FIELDS = const(12)
 
@@ -76,7 +76,7 @@ def follow(table: ptr32, encoders: int, counts: ptr32, position: ptr32, after: p
 
 
 class Follower:
-    """Where the axes stand, for an interrupt: as Position.position(), in an array of the caller's."""
+    """The axes' positions, for an interrupt: as Position.position(), in an array of the caller's."""
 
     def __init__(self, feeder):
         self._state = feeder.state

@@ -1,4 +1,4 @@
-"""What the key `encoders` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `encoders` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "encoders": ("encoders", "A list, one entry a motor. See [encoders](../use/encoders.md)."),

@@ -22,7 +22,7 @@ class Squaring:
         self._queue = queue
         self._homing = None
         self._rest = self._alone = 0  # steps that one side has to go alone, and which
-        self._stood = 0  # where the first side to trip stands
+        self._stood = 0  # the position of the first side to trip
 
     def phases(self, homing):
         self._homing = homing
@@ -46,7 +46,7 @@ class Squaring:
         homing.way(seeker, -self._rack_steps, seeker.locate_steps_s)
 
     def _together(self, seeker):
-        """Both go away from their sensors, the less of what each has to go."""
+        """Both go away from their sensors, by the lesser of their two ways."""
         homing = self._homing
         homing.until(None)
         if seeker.axis != self.axis:

@@ -1,4 +1,4 @@
-"""What the key `gantry` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `gantry` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "gantry": ("gantry", "One axis with a motor at each side. See [encoders](../use/encoders.md#gantries)."),

@@ -1,13 +1,13 @@
-"""Axes that run on their own: each so many steps, or for ever, at its own rate, from the moment it is asked.
+"""Axes that run on their own: each a number of steps, or for ever, at its own rate, from the moment it is asked.
 
 A RUN that may only begin at a stand is refused as BUSY while anything moves; one marked as a jog also extends a jog of
 the same axes in the same directions, without a gap, but only up to the board file's jog.ahead_ms of steps ahead of the pins:
 a button that is let go stops the axis within that time, or at the end of the one jog it asked for at least. One marked as
-live changes what moves: axes named set out, turn or take another rate, the others run on undisturbed. Where the board file
-asks for it (planning.independent_ramps), each axis keeps its own limits of speed and acceleration; otherwise the rate is
+live changes what moves: axes named set out, turn or take another rate, the others run on undisturbed. If the board file asks for it
+(planning.independent_ramps), each axis keeps its own limits of speed and acceleration; otherwise the rate is
 constant from the first step to the last.
 
-Where soft limits hold, an endless run and a turn on the way are refused: where they end is not known.
+If soft limits hold, an endless run and a turn on the way are refused: their end is not known.
 """
 
 import micropython
@@ -22,7 +22,7 @@ from passo.options.independent.motion import IndependentAxes
 from passo.options.independent.motion_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
 
-_SETTLE_MS = const(50)  # from the last step until the rotor is at rest: its coils hold it for so long
+_SETTLE_MS = const(50)  # from the last step until the rotor is at rest: its coils hold it for this time
 _STANDING = ("idle", "alarm", "check", "sleep")
 
 
@@ -198,7 +198,7 @@ class Independent(Feature):
         walker = self.walker
         target = self._queue.target
         if self._command is None:
-            self._from = target[:]  # where it stands
+            self._from = target[:]  # the position at its start
             self._jog = None
         if command.when == commands.AS_JOG:
             self._jog = self._directions(command)

@@ -10,9 +10,8 @@ nominal ones, so what sharing moves never accumulates: the mean rate is exact.
     axes.set(0, 50, 12_500, add=True)         # x goes 50 further, without a gap
     axes.stop(1)
 
-All of it may be asked for while they run: set() and stop() leave a request that the next word takes up, whole or not at
-all. Who writes what: the main loop `asked` (all steps ever asked for) and the request, only while it is marked as not
-there; the feeder's interrupt all else.
+All of it may be asked for while they run: set() and stop() leave a request that the next word takes up, whole or not at all. The main loop
+writes `asked` (all steps ever asked for) and the request, only while it is marked as not there; the feeder's interrupt writes all else.
 
 With limits() an axis speeds up and slows down along q, the square of its speed, which grows by `gain` a step: the unit
 of speed is the axis's fastest / top, the interval between two steps is span / √q in their middle. A stop, a turn or
@@ -45,7 +44,7 @@ class IndependentAxes:
         self.tool = -1  # as its block says
         self.index = 0  # there is none
         self.backward = False
-        self.ticks = self.levels = 0  # of what walk() wrote: its length, and the directions and tool at its end
+        self.ticks = self.levels = 0  # of walk()'s words: their length, and the directions and tool at their end
         self._state = array("i", [axes, least, setup + least if setup else 0, 0, 0, 0] + [0] * (AXIS_FIELDS * axes))
         for axis in range(axes):
             self._put(axis, AXIS_OVER, 1)

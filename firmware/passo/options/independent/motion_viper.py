@@ -1,4 +1,4 @@
-"""What every word of independent axes costs: which axes step in it, and when the next one is due.
+"""The cost of every word of independent axes: the axes that step in it, and the time of the next one.
 
     count = walk(words, at, room, bits, state, made)
 
@@ -143,7 +143,7 @@ def advance(state: ptr32, at: int, axis: int, made: ptr32) -> int:  # ISR: no al
 
 @micropython.viper
 def elapse(state: ptr32, ticks: int):  # ISR: no allocation
-    """So many ticks pass for all axes."""
+    """Let `ticks` pass for all axes."""
     axis = 0
     at = INDEPENDENT_AXIS + AXIS_DUE
     while axis < state[INDEPENDENT_AXES]:

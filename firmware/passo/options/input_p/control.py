@@ -17,7 +17,7 @@ from passo.commands import STATUS_WORDS
 from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 
-_WORD = ("found", "In")  # what M66 has found, in reports
+_WORD = ("found", "In")  # the result of M66, in reports
 _WAYS = const(5)  # to wait, L: odd ones want the input active, 1 and 2 a change
 
 

@@ -1,4 +1,4 @@
-"""What M66 says to people. No board has this file."""
+"""The texts of M66 for people. No board has this file."""
 
 STATUS = {"In": "input of M66"}
 PORTUGUESE = {

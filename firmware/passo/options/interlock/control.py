@@ -1,4 +1,4 @@
-"""The interlock's part in the main loop: what the pins' interrupts leave to it. See port.py for theirs.
+"""The interlock's part in the main loop: the work that the pins' interrupts leave to it. See port.py for theirs.
 
 It lets a changed input allow again what it forbade, once it has lasted release_ms; notices changes whose edge was missed;
 says why outputs went off; lets homing and probing come up to their sensors; switches on what the equations switch on by
@@ -91,7 +91,7 @@ class InterlockWatch(Feature):
             self._grant(now_ms)
 
     def _compare(self, now_ms):
-        """Compare the pins with what the interlock has, and let what differs for long enough be so."""
+        """Compare the pins with the interlock's states, and take over differences that have lasted long enough."""
         interlock = self._interlock
         raw = interlock.now()
         changed = raw ^ self._raw
@@ -118,7 +118,7 @@ class InterlockWatch(Feature):
         self._states ^= changed
         for number in range(len(self._names)):
             if changed >> number & 1:
-                self._since_ms[number] = now_ms  # what it forbids or allows holds for release_ms at least
+                self._since_ms[number] = now_ms  # its effect holds for release_ms at least
                 if self._states >> number & 1:
                     self._active_ms[number] = now_ms
                     self._lasted_ms[number] = -1
@@ -164,8 +164,9 @@ class InterlockWatch(Feature):
         report["forbids"] = self._told
 
     def pins(self):
-        """[(name, active, how often it stopped the machine, changes that did not last, when it last became active, ms it was so;
-        −1: it still is)] of the inputs that have done any of it."""
+        """[(name, active, how often it stopped the machine, changes that did not last, when it last became active, ms it was active; −1: it
+        still is)] of the inputs that have any of these.
+        """
         interlock = self._interlock
         found = []
         for number in range(len(self._names)):

@@ -1,4 +1,4 @@
-"""The key `interlock`: what inputs forbid. Only loaded if the board file has it."""
+"""The key `interlock`: motion and outputs that inputs forbid. Only loaded if the board file has it."""
 
 from passo.config.board_error import BoardError
 
@@ -9,8 +9,8 @@ RULES = {
         "signals": (dict, {}, 0, 40),
         "elsewhere": (str, "", 0, 400),
         "limits": (dict, {}, 0, 8),
-        "release_ms": (int, 20, 1, 1000),  # what a changed input allows is allowed once it has lasted so long
-        "unasked_ms": (int, 0, 0, 60_000),  # so long at rest before outputs go on that rows switch on by themselves; 0: never
+        "release_ms": (int, 20, 1, 1000),  # a changed input's permission counts after this time
+        "unasked_ms": (int, 0, 0, 60_000),  # the time at rest before outputs go on that rows switch on by themselves; 0: never
     },
 }
 

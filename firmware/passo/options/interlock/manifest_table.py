@@ -1,4 +1,4 @@
-"""Compiles the interlock of a board file: what its rows say of the inputs becomes masks.
+"""Compiles the interlock of a board file: its rows over the inputs become masks.
 
     masks = compile_rows(board)         # of a checked board; BoardError says which row is wrong, and why
 
@@ -53,7 +53,7 @@ def gates(board):
 
 
 class _Names:
-    """What the names of rows mean."""
+    """The meanings of the names of rows."""
 
     def __init__(self, board):
         section = board["interlock"]
@@ -67,7 +67,7 @@ class _Names:
                 raise BoardError("interlock.signals.%s: %r is no input, no output, and no axis's step or dir" % (name, meaning))
 
     def _asked(self, meaning):
-        """What a meaning asks for: (kind, its name); None if it is an input's name."""
+        """Return the request of a meaning: (kind, its name); None if it is an input's name."""
         axis, _, kind = meaning.partition(".")
         if axis in self.axes and kind in ("step", "dir"):
             return kind, axis
@@ -87,7 +87,7 @@ class _Names:
 
 
 def _masks(products, names, wanted, where):
-    """[(care, value)] over the inputs, of a row in which the board asks for what `wanted` says: {(kind, name): bool}."""
+    """[(care, value)] over the inputs, of a row in which the board asks for `wanted`: {(kind, name): bool}."""
     found = []
     for product in products:
         care = value = 0
@@ -127,7 +127,7 @@ def _reduced(products):
 
 
 def _targets(name, products, names):
-    """What a row gates: [(its bit's name, {request: True})]."""
+    """Return the bits that a row gates: [(its bit's name, {request: True})]."""
     asked = []
     for product in products:
         for each in product:

@@ -1,9 +1,9 @@
-"""The interlock at the pins, shared by all ports: which inputs are active, what they forbid, and who is stopped for it.
+"""The interlock at the pins, shared by all ports: the active inputs, the motion and outputs that they forbid, and the stop.
 
     port.veto.change(number, active)       # from an interrupt: an input has changed, and has lasted its filter's time
     port.veto.denied                       # mask of INTERLOCK_…, now
 
-What is derived from it, for chips and for the virtual port, tells it of changes, and has now(), lit() and put(mask, on).
+Subclasses, for chips and for the virtual port, bring it changes, and have now(), lit() and put(mask, on).
 
 A change that forbids acts at once, in the interrupt: outputs that are no longer allowed go off, and stay off until they are asked
 for anew; the player is halted if a step that is forbidden lies ahead, or the tool is on. Words made later are looked at before
@@ -46,10 +46,10 @@ class Interlock:
         self.glitches = array("i", [0] * len(self._names))  # changes of each input that did not last
         self.trips = array("i", [0] * len(self._names))
         self._lost_states = 0  # the inputs when the last was
-        self._wrong = self._wrong_states = 0  # of the last halt: what was forbidden, and the inputs then
+        self._wrong = self._wrong_states = 0  # of the last halt: the forbidden mask, and the inputs then
         self._player = self._state = self._segments = self._start = self._played = None  # see join()
         self.items = ()  # the port's inputs, in the board file's order
-        self.playing = None  # what tells of the words made, and stops them: all at once, for an interrupt that has no time to look
+        self.playing = None  # reads the words made, and stops them: all at once, for an interrupt that has no time to look
 
     def join(self, feeder, player):
         """From here on nothing is played that is forbidden. Called once, before anything is."""
@@ -83,7 +83,7 @@ class Interlock:
 
     @micropython.native
     def decide(self):  # ISR: no allocation
-        """What is forbidden now, and whether something has to stop."""
+        """Decide which steps and outputs are forbidden now, and whether the player has to stop."""
         exempt = self.exempt
         forbidden = denied(self.table, self.states & ~exempt | self.fall & exempt)
         self.denied = forbidden
@@ -131,10 +131,10 @@ class Interlock:
         self._lost_states = self.states
         self.put(lost, 0)
 
-    # --- main loop: what interrupts also write is written with the interrupts locked
+    # --- main loop: it writes the interrupts' fields with the interrupts locked
 
     def lock(self):
-        """No interrupt comes until unlock() of what this returns."""
+        """Lock out interrupts until unlock() of the value returned."""
 
     def unlock(self, state):
         """Interrupts may come again."""
@@ -153,7 +153,7 @@ class Interlock:
         return self._names[number]
 
     def cause(self, wrong, states):
-        """The number of the input to blame for what is `wrong`: of the product that wants the fewest changes, the first."""
+        """Return the number of the input to blame for the forbidden bits `wrong`: of the product that wants the fewest changes, the first."""
         table = self.table
         best, number = 99, 0
         for at in range(PERMIT_FIRST, len(table), PERMIT_FIELDS):
@@ -165,7 +165,7 @@ class Interlock:
         return number
 
     def blamed(self, wrong, lost=False):
-        """The name of the input that forbids `wrong` now; `lost`: that did so when an output was lost."""
+        """Return the name of the input that forbids `wrong` now; `lost`: of the one that forbade it when an output was lost."""
         return self._names[self.cause(wrong, self._lost_states if lost else self.states)]
 
     def stops(self, name):
@@ -194,7 +194,7 @@ class Interlock:
         self.decide()
 
     def refusal(self, steps, tool):
-        """What of a motion is forbidden: `steps` of each axis (None: none), `tool` on."""
+        """Return the forbidden part of a motion: `steps` of each axis (None: none), `tool` on."""
         wanted = INTERLOCK_TOOL if tool else 0
         for axis in range(len(steps)):
             if steps[axis]:

@@ -1,9 +1,9 @@
-"""The interlock on a chip: edges of pins, filtered, become changes of its inputs, and what it forbids goes off.
+"""The interlock on a chip: edges of pins, filtered, become changes of its inputs, and forbidden outputs go off.
 
-A change counts once it has lasted the input's filter_us. The interrupt waits for that, so on an RP2040 the last step comes at
-most that long and 0.12 ms after the edge (test_pico_interlock.py); an input that halts is quicker. What does not last is a
-glitch, and counted. Two spikes within one such interrupt count as one. A wire that is noisy all the time keeps the main loop
-from running, not the feeder and not the player; after 170 ms the feeder slows down to a stand.
+A change counts once it has lasted the input's filter_us. The interrupt waits for that, so on an RP2040 the last step comes at most that
+long and 0.12 ms after the edge (test_pico_interlock.py); an input that halts is quicker. A change that does not last is a glitch, and
+counted. Two spikes within one such interrupt count as one. A wire that is noisy all the time keeps the main loop from running, not the
+feeder and not the player; after 170 ms the feeder slows down to a stand.
 """
 
 from time import ticks_diff, ticks_us
@@ -96,7 +96,7 @@ class PinWatch(Latch):
             return
         if not (rise if active else fall):
             return  # it allows: the main loop sees to it
-        # Which steps this is going to forbid, and what stops them: looked up while the filter's time passes.
+        # The steps that this is going to forbid, and the player's stop: looked up while the filter's time passes.
         exempt = interlock.exempt
         forbidden = denied(table, (states ^ bit) & ~exempt | interlock.fall & exempt) & ~INTERLOCK_TOOL
         playing = interlock.playing

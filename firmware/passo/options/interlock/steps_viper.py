@@ -1,4 +1,4 @@
-"""The interlock's arithmetic: what the inputs forbid, and which steps lie ahead.
+"""The interlock's arithmetic: the bits that the inputs forbid, and the steps that lie ahead.
 
     forbidden = denied(table, states)               # mask of INTERLOCK_…; `states`: a bit an input, 1: active
     if ahead(state, marks, played, forbidden): …    # what is made and not yet played steps so, or has the tool on
@@ -28,13 +28,13 @@ PERMIT_GATED = const(1)  # mask of all that the table is about, INTERLOCK_…
 PERMIT_FIRST = const(2)
 PERMIT_CARE = const(0)  # of a product: the inputs that it looks at, a bit each
 PERMIT_VALUE = const(1)  # how these must be
-PERMIT_ALLOWS = const(2)  # what it then allows
+PERMIT_ALLOWS = const(2)  # the bits that it then allows
 PERMIT_FIELDS = const(3)
 
 
 @micropython.viper
 def denied(table: ptr32, states: int) -> int:  # ISR: no allocation
-    """Mask of what is gated and not allowed."""
+    """Return the mask of bits that are gated and not allowed."""
     left = table[PERMIT_PRODUCTS]
     result = table[PERMIT_GATED]
     at = PERMIT_FIRST

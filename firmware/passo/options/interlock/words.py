@@ -1,4 +1,4 @@
-"""What the key `interlock` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `interlock` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "interlock": (

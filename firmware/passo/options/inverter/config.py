@@ -1,4 +1,4 @@
-"""What inverters of several makes want to hear, from their public documentation.
+"""The requests of inverters of several makes, from their public documentation.
 
     forward, reverse, stop      (function, register, value) that start and stop the motor
     frequency                   (function, register, counts a hertz) of the speed asked for

@@ -2,11 +2,10 @@
 
     "inverter": {"make": "delta", "port": "uart1", "tx": 20, "rx": 21, "baud": 9600}
 
-The tool's pin leads. While it is on, the inverter is told to run at S; as soon as it is off, or the machine is in an alarm, it
-is told to stop, whatever has switched it off. No cut begins before the inverter says that it is at speed. One request at
-a time goes out, once a cycle of the main loop it is looked at, nothing waits: a request that has no good reply is sent three
-times. What then fails while the spindle turns, or should stop, is an alarm that brings the axes to a stand, the
-position kept, and switches the tool's pin off:
+The tool's pin leads. While it is on, the inverter gets the order to run at S; as soon as it is off, or the machine is in an alarm, the
+order to stop, whatever has switched it off. A cut begins only when the inverter says that it is at speed. One request at a time goes out,
+once a cycle of the main loop it is looked at, nothing waits: a request that has no good reply is sent three times. A third failure while
+the spindle turns, or should stop, is an alarm that brings the axes to a stand, the position kept, and switches the tool's pin off:
 
     240 silence     241 garbled replies     242 a fault of the inverter     243 a request refused     244 not at speed
     245 late replies
@@ -35,7 +34,7 @@ _AGAIN_MS = const(1000)  # to the next try, after the last of _ATTEMPTS
 _LONGEST = const(8)  # bytes of a reply
 _FRAMES_BITS = const(20 * 11)  # of a request and its reply, at most
 _STANDING = const(200)  # hundredths of a hertz: the other way round only below it
-# What a request is about.
+# The topics of requests.
 _STOP = const(0)
 _FREQUENCY = const(1)
 _START = const(2)
@@ -69,7 +68,7 @@ class Inverter(SpindleSpeed):
         self._due_ms = machine.port.machine_ms()  # the next request not before
         self._tries = 0
         self._noted = False  # that it does not answer, while nothing turns
-        self._asks = _OUTPUT  # what it is asked next
+        self._asks = _OUTPUT  # the topic of the next request
 
     def look(self, now_ms):
         self._want(now_ms)

@@ -1,4 +1,4 @@
-"""Modbus RTU, as much of it as a master needs to speak to an inverter: requests, and what is wrong with a reply.
+"""Modbus RTU, as much of it as a master needs to speak to an inverter: requests, and the faults of a reply.
 
     request = make_request(1, READ, 0x2103, 1)        # or WRITE_COIL, WRITE, WRITE_SEVERAL with a value
     reply = bytes of reply_length(request), or of ERROR_LENGTH if the function's high bit is set

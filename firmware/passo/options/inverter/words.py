@@ -1,4 +1,4 @@
-"""What the key `inverter` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `inverter` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "inverter": (

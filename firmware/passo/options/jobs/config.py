@@ -79,10 +79,10 @@ class JobFile:
         self.done = 0  # bytes read
         self._sum = 0  # their CRC-32
         self._stream = deflate.DeflateIO(self._file, deflate.RAW, WINDOW_BITS)
-        self._first = b""  # what has been read to make the window
+        self._first = b""  # the byte read to make the window
 
     def reader(self):
-        """What makes the window when it is called first, with one byte, for began()."""
+        """Return the function that makes the window at its first call, with one byte, for began()."""
         return self._stream.readinto
 
     def began(self, first):
@@ -107,7 +107,7 @@ class JobFile:
         return count
 
     def damaged(self, error):
-        """What reading has raised, as a Damaged: the stream is wrong or ends too soon, or its memory does not answer."""
+        """Return a Damaged for an error of reading: the stream is wrong or ends too soon, or its memory does not answer."""
         wrong = not error.args or error.args[0] == _EINVAL
         return Damaged(errors.JOB_DAMAGED if wrong else self._lost)
 
@@ -303,7 +303,7 @@ class JobStore:
             try:
                 file.close()
             except OSError:
-                pass  # a card that has gone: what was written last is lost
+                pass  # a card that has gone: the bytes written last are lost
             self._room.keep()
         if self._upload:
             self._remove(self._upload)

@@ -1,8 +1,8 @@
 """Stored jobs: uploaded, listed, deleted, and run by a command, by a button or at the start.
 
-A job is the bytes that a PC would send. It runs by a link of its own, whose serial line reads the file: the language
-understands it as it understands a PC, and the steps are the same. While it runs that link commands; whoever commanded before
-may hold, go on, override and stop. Nothing of a job is done behind the first line that is refused.
+A job is the bytes that a PC would send. It runs by a link of its own, whose serial line reads the file: the language understands it as it
+understands a PC, and the steps are the same. While it runs that link commands; the link that commanded before may hold, go on, override and
+stop. The first line of a job that is refused ends it: no line after it is carried out.
 
 Each time before it runs, a job is read to its end and its CRC compared: nothing of a damaged file moves the machine. It is
 read again while it runs, behind a line that is refused too; if it is not the same then, the machine comes to a stand, with an alarm.
@@ -34,11 +34,11 @@ class JobLine:
         self._protocol = protocol
         limits, self._frame, self._units, self._answers = protocol.stored
         self._most, piece = limits  # units that may be unanswered: lines, packets, codes
-        self.piece = memoryview(buffer(max(piece, _PIECE)))  # what a job is proven with
+        self.piece = memoryview(buffer(max(piece, _PIECE)))  # a job is checked with it
         self._view = self.piece[:piece]  # on the bytes read last
         self._look = look
         self._damaged = damaged
-        self._first = self._last = b""  # what is still to be given before the file, and behind it
+        self._first = self._last = b""  # the bytes before the file, and after it, that are still to be given
         self._file = None
         self.given = self.answered = 0  # units
 

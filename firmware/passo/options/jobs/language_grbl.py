@@ -16,7 +16,7 @@ from passo import commands, errors
 from passo.commands import Command
 
 _LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; bytes given at once
-_FRAME = (b"", b"")  # what stands before a job, and behind it
+_FRAME = (b"", b"")  # the bytes before a job, and after it
 
 
 def extend(protocol, board):

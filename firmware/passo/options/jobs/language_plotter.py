@@ -5,7 +5,7 @@ from passo.options.jobs.language_grbl import teach
 from passo.protocols.plotter.words import PacketWords
 
 LIMITS = (1, 6)  # packets not yet answered; bytes given at once
-FRAME = (b"", b"")  # what stands before a job, and behind it
+FRAME = (b"", b"")  # the bytes before a job, and after it
 
 
 def units(data):

@@ -6,7 +6,7 @@ from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW
 from passo.protocols.words import Words
 
 LIMITS = (WINDOW - CREDIT, CREDIT)  # codes not yet answered, from which on no more are given; bytes given at once
-FRAME = (b"{stream}\n", b"{end}")  # what stands before a job, and behind it
+FRAME = (b"{stream}\n", b"{end}")  # the bytes before a job, and after it
 
 
 def units(data):

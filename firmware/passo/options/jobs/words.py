@@ -1,4 +1,4 @@
-"""What the key `jobs` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `jobs` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "jobs": ("jobs", "Programs kept on the board, and run without a PC. See [jobs](../use/jobs.md)."),

@@ -1,1 +1,1 @@
-"""Where a job is, kept in flash."""
+"""The position in a job, kept in flash."""

@@ -9,14 +9,14 @@ each other through the blocks; the newest whole one counts, so a power cut at an
 An erase takes 45 to 400 ms. So blocks are erased only as a job is announced, whose answer comes after it, and one a second while the
 machine has stood for that long; never the one with the newest record.
 
-What is written while it moves is at most `every_ms` old, twice that once half of the slots are used, and so on; at a stand all is
+A position written while it moves is at most `every_ms` old, twice that once half of the slots are used, and so on; at a stand all is
 written. The job is a number that the PC makes of its file; lines are those of N words.
 
 A job of commands of a step program, or of points of a drawing, is counted instead, and announced before it comes: JOURNAL with (number,
 line, flags, lead, position), which become the first record, so that a job that is gone on with may be interrupted before it has moved.
-`lead`: commands or points that come first and are none of the job's, such as the way to the position. What is not announced is not
-written down. A step program's line is how many of its commands are done, and the position is that behind the last: a step is made or it
-is not. A drawing's line is the point under way. The position is known, as homed, as long as it has been counted since the job began. Of a
+`lead`: commands or points that come first and are none of the job's, such as the way to the position. A job that is not announced is not
+written down. A step program's line is how many of its commands are done, and the position is that behind the last: a step is made or it is
+not. A drawing's line is the point under way. The position is known, as homed, as long as it has been counted since the job began. Of a
 machine whose rotary axis homes at no sensor it is not known once the board has started anew.
 """
 
@@ -62,21 +62,21 @@ class JobJournal(Feature):
         self._pages = pages = machine.port.pages
         self._axes = len(board["axes"])
         self._sequence = 0
-        self._block = self._slot = 0  # where the next record goes
+        self._block = self._slot = 0  # the place of the next record
         self._job = self._line = self._flags = 0
         self._done = 0  # lines up to this one are none of the job's that began last, or were done when it was announced
         self._position = [0] * 4
-        self._written = None  # what the newest record holds
+        self._written = None  # the contents of the newest record
         self._written_ms = 0
         self._empty = [0] * pages.BLOCKS  # slots of each block that are erased
         self._left = 0  # and of all
         self._half = pages.SLOTS * pages.BLOCKS // 2
         self._newest = 0  # the block with the newest record
         self._rest_ms = 0  # since when the machine stands
-        self._late = False  # what is known at this stand is still to be written
+        self._late = False  # the position at this stand is still to be written
         self._retired = queue.retired()  # blocks, as seen last
         self._moving = False  # by a line of the job
-        self._broken = False  # what was queued has been dropped amid a line
+        self._broken = False  # the queue has been dropped amid a line
         self._counted = None  # a CountedJob, see handlers(); None: lines have numbers
         self._spot = array("i", [0] * (SPOT_AXES + self._axes))
         self._lead = self._times = 0  # as announced, of one that is counted
@@ -103,7 +103,7 @@ class JobJournal(Feature):
             self._sequence = newest[0] + 1 & 0xFFFF
             self._written = newest[1:]
             self._flags, self._job, self._line, self._position = newest[1:]
-            self._flags &= ~HOMED  # nothing is known of a rotor that nobody has watched
+            self._flags &= ~HOMED  # a rotor's position may have changed while the board was off
             self._astray = self._job and getattr(self._queue, "turns", 0) & 4
         self._next_free()
 
@@ -177,7 +177,7 @@ class JobJournal(Feature):
     # --- what is known: of lines of the job alone, which are those with a number
 
     def _counting(self):
-        """What is queued may be of the job: of lines those with a number are, others have been announced."""
+        """Return whether queued blocks may be of the job: of lines those with a number are, others have been announced."""
         return self._counted is None or self._counted.counting
 
     def _walks(self):
@@ -262,7 +262,7 @@ class JobJournal(Feature):
             self._write()
 
     def halt(self):
-        """The pins have stopped amid a word; what is queued is dropped next."""
+        """The pins have stopped amid a word; the queue is dropped next."""
         planner = self._queue.planner
         at = planner.row()
         if at >= 0 and planner.rows[at + ROW_TAG] > self._done and self._counting():

@@ -1,4 +1,4 @@
-"""What the key `journal` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `journal` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "journal": ("journal", "Keeps the state of a job in flash. See [jobs](../use/jobs.md#after-a-power-cut)."),

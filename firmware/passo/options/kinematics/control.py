@@ -9,7 +9,7 @@ from passo.steps.word import TICKS_PER_S
 
 
 class Pieces:
-    """A line as `count` chords of equal length: what Chords asks of an ellipse."""
+    """A line as `count` chords of equal length: with the attributes that Chords reads of an ellipse."""
 
     flat_nm = 0
 

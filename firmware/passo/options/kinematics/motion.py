@@ -22,7 +22,7 @@ class Planner(planner.Planner):
         self.kinematics = MAPS[board["kinematics"]]
         self.own = None  # the limits of the axes
         self._end, self._goal, self._motors, self._ways = [array("i", [0] * axes) for _ in range(4)]
-        self._inside = False  # line() and fits() are told steps of the motors
+        self._inside = False  # line() and fits() get steps of the motors
 
     def limits(self, limits):
         self.own = limits

@@ -1,4 +1,4 @@
-"""What the key `kinematics` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `kinematics` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {}
 MEANINGS = {

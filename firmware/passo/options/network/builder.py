@@ -1,4 +1,4 @@
-"""What a board with a network makes of its links: see machine_builder.lines_of().
+"""The links of a board with a network: see machine_builder.lines_of().
 
     load(board)                     # early, each module after the one that it imports: there is no room for several at once
     serials(board, port)            # the serial line of each link of the board file

@@ -1,9 +1,9 @@
-"""Who may move the machine over the network without a key: somebody at the machine admits it, for some minutes.
+"""Admission of motion over the network without a key: a person at the machine admits it, for some minutes.
 
 ADMIT on any cable says for how long, 0 ends it; or the input that the board file names in network.button, for network.minutes. It
 ends by itself, with a reset of the board, and with an alarm.
 
-Where the board file names network.presence, spindle on, resume and a stored job over the network are refused while that input is not active. It
+If the board file names network.presence, spindle on, resume and a stored job over the network are refused while that input is not active. It
 shows behind the letters of the inputs: N somebody is there, n nobody, for the page of a PC that serves a network beside a cable.
 """
 

@@ -1,1 +1,1 @@
-"""An output named `clamp`: what holds the work."""
+"""An output named `clamp`: it holds the work."""

@@ -1,4 +1,4 @@
-"""An output named `clamp`, or p0_clamp … p9_clamp: what holds the work, and lets it go only on M11."""
+"""An output named `clamp`, or p0_clamp … p9_clamp: it holds the work, and lets it go only on M11."""
 
 RULES = {}
 

@@ -1,4 +1,4 @@
-"""What the output `clamp` says to people. No board has this file."""
+"""The texts of the output `clamp` for people. No board has this file."""
 
 STATUS = {"Clamp": "clamp"}
 PORTUGUESE = {

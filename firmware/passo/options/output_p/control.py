@@ -112,7 +112,7 @@ class DigitalOutputs(Feature):
     # --- stops
 
     def _count(self):
-        """Take note of what marks have shown."""
+        """Note the marks that have shown."""
         for _ in range(self._marks.shown()):
             _, name, on = self._waiting.pop(0)
             self._note(name, on)

@@ -1,4 +1,4 @@
-"""What the output `vacuum` says to people. No board has this file."""
+"""The texts of the output `vacuum` for people. No board has this file."""
 
 STATUS = {"Vac": "vacuum cleaner"}
 PORTUGUESE = {

@@ -18,7 +18,7 @@ from passo.records import ROW_TAG, SETTING_PARKING, SETTING_PARKING_AXIS, SETTIN
 _PULL_OUT = const(56)
 _PULL_OUT_SPEED = const(57)
 _SPEED = const(59)
-# What the line under way is:
+# The kinds of the line under way:
 _PULLS = const(1)
 _RISES = const(2)
 _RETURNS = const(3)
@@ -32,7 +32,7 @@ class Pauses(pauses.Pauses):
         pauses.Pauses.__init__(self, board, machine, queue)
         self._detour = Detour(*queue.lend())
         self._way = 0
-        self._path = self._pulled = 0  # where the axis left the path, and where it was pulled out; while the machine is away
+        self._path = self._pulled = 0  # the axis's position as it left the path, and as it was pulled out; while the machine is away
         self._power = 0  # of the tool, there
 
     def heed(self, _=QUEUE_GONE):

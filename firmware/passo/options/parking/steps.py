@@ -5,9 +5,9 @@
     detour.done()                                               # it has been played to its end
     detour.end()                                                # the queue is as it was, and held
 
-Between begin() and end() nothing may be queued: the queue has no room. What is queued lies where it did; the row behind it is lent, and what
-planner, ramp and feeder know of the block under way is kept here. A hold meanwhile stops the line, and end() drops the rest of it.
-If all is dropped, forget(). Costs 2 kB of memory while it lasts.
+Between begin() and end() nothing may be queued: the queue has no room. The queue stays as it was; the row behind it is lent, and the fields
+of planner, ramp and feeder for the block under way are kept here. A hold meanwhile stops the line, and end() drops the rest of it. If all
+is dropped, forget(). Costs 2 kB of memory while it lasts.
 """
 
 from passo.records import *
@@ -86,7 +86,7 @@ class Detour:
         self._kept = None
 
     def _close(self):
-        """Have no interrupt feed; what was played is retired. Returns whether one may again."""
+        """Stop interrupts from feeding; retire the blocks played. Returns whether one may again."""
         feeder = self._feeder
         fed = feeder.open
         feeder.open = False

@@ -1,4 +1,4 @@
-"""Inputs and outputs behind shift registers: 74HC165 and 74HC595 on four pins, for what need not be quick.
+"""Inputs and outputs behind shift registers: 74HC165 and 74HC595 on four pins, for slow signals.
 
     registers = ShiftRegisters(board["registers"])
     registers.exchange()                # ISR: outputs out, inputs in
@@ -124,7 +124,7 @@ class ShiftRegisters:
 
 
 class RegisterInput:
-    """What chip_port.Input is to a pin."""
+    """Chip_port.Input, for a register's bit."""
 
     pin = None
 
@@ -140,7 +140,7 @@ class RegisterInput:
 
 
 class RegisterOutput:
-    """What machine.Pin is to an output."""
+    """Machine.Pin, for a register's bit."""
 
     def __init__(self, entry, registers):
         self._registers = registers
@@ -152,7 +152,7 @@ class RegisterOutput:
 
 
 class RegisterWatch:
-    """Tells the interlock of inputs behind registers. One with a filter has to be so in two readings: those of the feeder's
+    """Tells the interlock of inputs behind registers. A change of one with a filter has to show in two readings: those of the feeder's
     interrupt, or the two of an edge's, as far apart as the longest filter of the inputs that have one."""
 
     def __init__(self, interlock, registers):
@@ -203,7 +203,7 @@ class RegisterWatch:
                 if self._pending & bit:
                     self._pending &= ~bit
                     interlock.glitches[number] += 1
-            elif (interlock.rise if active else interlock.fall) & bit:  # what allows is the main loop's affair
+            elif (interlock.rise if active else interlock.fall) & bit:  # the main loop takes changes that allow
                 if self._filtered & bit and not self._pending & bit:
                     self._pending |= bit
                 else:

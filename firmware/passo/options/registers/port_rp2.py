@@ -56,7 +56,7 @@ class SioRegisters(ShiftRegisters):
 
     @micropython.viper
     def levels(self) -> int:
-        """What Port.levels() returns; the bits of pins 23 to 25 count the changes of inputs behind registers."""
+        """As Port.levels(); the bits of pins 23 to 25 count the changes of inputs behind registers."""
         return ptr32(0xD0000004)[0] & int(self.mask) | (int(self.changes) & 7) << 23
 
 

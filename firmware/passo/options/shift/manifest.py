@@ -33,8 +33,9 @@ def has_bit(pin):
 
 
 def prepare(board):
-    """What cannot be shifted, or would step or switch the tool on in a frame of zeros, which is what the chip sends by itself
-    if nothing more is handed to it."""
+    """Refuse a board that cannot be shifted, or would step or switch the tool on in a frame of zeros: the chip sends one by itself if it
+    gets no more frames.
+    """
     if board["chip"] not in CHIPS:
         raise BoardError("shift: an %s cannot; %s can" % (board["chip"], " and ".join(CHIPS)))
     drive = board["drive"]

@@ -3,8 +3,8 @@
     data = datagram(GSTAT)          # asks for a register
     data = datagram(GSTAT, 7)       # writes it
 
-A datagram is an address and 32 bits, highest bit first. What comes back meanwhile, a status byte and 32 bits, answers the datagram before: of a
-read the register, of a write what was written.
+A datagram is an address and 32 bits, highest bit first. The reply meanwhile, a status byte and 32 bits, answers the datagram before: of a
+read with the register, of a write with the value written.
 """
 
 from micropython import const

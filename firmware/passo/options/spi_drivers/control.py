@@ -24,7 +24,7 @@ class Motors(drives.Motors):
         self._config = config
         self._line = self._machine.port.make("spi_drivers", config)
         self._registers = [chip.registers(motor, config) for motor in self._motors]
-        self._chains = {}  # {cs: numbers of its drivers, the last first: that is the order of what is sent}
+        self._chains = {}  # {cs: numbers of its drivers, the last first: the order in which datagrams are sent}
         for number in range(len(self._motors)):
             pin = self._motors[number]["cs"]
             self._chains[pin] = [number] + self._chains.get(pin, [])
@@ -42,7 +42,7 @@ class Motors(drives.Motors):
             self._tries = 0
 
     def _send(self, data):
-        """What the driver answers to the datagram before; the others of its chain are asked for their version."""
+        """Return the driver's answer to the datagram before; the others of its chain are asked for their version."""
         pin = self._motors[self._number]["cs"]
         sent = b""
         for number in self._chains[pin]:
@@ -52,7 +52,7 @@ class Motors(drives.Motors):
         return found[at] << 24 | found[at + 1] << 16 | found[at + 2] << 8 | found[at + 3]
 
     def _silent(self):
-        """The number of the driver that is silent: of a chain the one nearest to `rx` of which nothing came. Those before it cannot be heard."""
+        """The number of the driver that is silent: of a chain the one nearest to `rx` of which nothing came. Replies of those before it cannot come through."""
         chain = self._chains[self._motors[self._number]["cs"]]
         for index in range(len(chain)):
             part = self._found[chip.BYTES * index : chip.BYTES * (index + 1)]

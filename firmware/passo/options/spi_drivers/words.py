@@ -1,4 +1,4 @@
-"""What the key `spi_drivers` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `spi_drivers` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "spi_drivers": (

@@ -1,6 +1,6 @@
 """Playing a step program: forward, backward, step by step, again and again, with manual moves in between and the way back.
 
-What a step program is: motion.py. How it comes, and what may be asked of it: control_orders.py. The machine stops only at
+motion.py has the form of a step program. control_orders.py has its arrival and its orders. The machine stops only at
 a step, and every start goes on from there: a pause takes the walk off the queue, so that a turn-round, a manual move or a single step may
 follow.
 
@@ -25,7 +25,7 @@ class StepProgramPlayer(StepProgramOrders):
     def __init__(self, board, machine, queue):
         StepProgramOrders.__init__(self, board, machine, queue)
         self._drives = False  # as the program or the operator left them
-        self._without = None  # where a walk began that no motor has current for
+        self._without = None  # the start of a walk for which no motor has current
         machine.job = CountedJob()
         machine.job.progress = self.progress
         self._dropped = False  # at its stand, and not yet cleared
@@ -33,7 +33,7 @@ class StepProgramPlayer(StepProgramOrders):
     def _stand(self):
         StepProgramOrders._stand(self)
         self._held = IDLE  # the mode that the machine's hold has interrupted
-        self._from = 0  # where the walk under way began
+        self._from = 0  # the start of the walk under way
 
     def handlers(self):
         return {commands.STEP_PROGRAM: self._do, commands.STEP_PROGRAM_ADD: self._add}
@@ -56,7 +56,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._drop()
 
     def _forget(self):
-        """All motion has been dropped, or is to be at its stand: back to the program's start; what was streamed is forgotten."""
+        """All motion has been dropped, or is to be at its stand: back to the program's start; streamed items are forgotten."""
         if self._machine.dropping and self._mode != IDLE:
             self._next = self._drop
             return
@@ -73,7 +73,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._dropped = self._machine.awake = True
 
     def _fail(self):
-        """What was stored is forgotten; what was played as it came stops, the tool off."""
+        """Forget a stored program; stop a streamed one, the tool off."""
         if not self._streaming:
             self._reset()
             return
@@ -118,7 +118,7 @@ class StepProgramPlayer(StepProgramOrders):
         self._most = most
         self._from = self._walker.index
         if backward and self._powers and not self._drives and not self._barred:
-            self._set_drives(True)  # as they were on the way forward, but for what lies before the program's first [
+            self._set_drives(True)  # as on the way forward, but for the part before the program's first [
         self._walk(self._walker, RUN, backward, most)
 
     def _walk(self, walker, mode, backward, most=ENDLESS):
@@ -228,7 +228,7 @@ class StepProgramPlayer(StepProgramOrders):
     def _end(self):
         program = self.program
         if self._backward:
-            forgotten = program.start != 0  # what was streamed first
+            forgotten = program.start != 0  # the items streamed first
             self._midway = forgotten and program.open
             if self._powers and not forgotten:
                 self._set_drives(False)
@@ -263,7 +263,7 @@ class StepProgramPlayer(StepProgramOrders):
             "asked": self._asked,
             "manual": self._hand.index,
             "wait_ms": walker.wait_ms,
-            # Tenths of a mm/min: what the whole microseconds of the first axis's period amount to.
+            # Tenths of a mm/min: the speed of the first axis's period in whole microseconds.
             "speed": self._lengths[1] * 10 // walker.step_us(1),
             "moving": seen.moving if stepping else 0,
             "negative": seen.negative if stepping else 0,

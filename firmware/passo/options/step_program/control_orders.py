@@ -1,4 +1,4 @@
-"""How a step program comes to the machine, stored whole or played as it comes, and what STEP_PROGRAM asks of it.
+"""The way of a step program to the machine, stored whole or played as it comes, and the orders of STEP_PROGRAM.
 
 Its items are those of passo/commands.py. Each order is checked here, and refused or begun; control.py carries it out.
 """
@@ -28,7 +28,7 @@ DRIVES_OFF = const(0)
 DRIVES_ON = const(1)
 ASK = const(2)  # the operator sets the speed
 
-# What is walked.
+# The walks.
 IDLE = const(0)
 RUN = const(1)
 HAND = const(2)  # manual moves
@@ -68,8 +68,8 @@ class StepProgramOrders(Feature):
         self._walker = StepProgramWalker(self.program, lengths, tool_ticks)
         self._manual = StepProgram(axes, _MANUAL_CELLS)
         self._hand = StepProgramWalker(self._manual, lengths, tool_ticks)
-        self._origin = [0] * axes  # where the program begins
-        self._command = None  # to be told when the program's end, or its start, is reached
+        self._origin = [0] * axes  # the position at the program's start
+        self._command = None  # to be answered when the program's end, or its start, is reached
         self._barred = False  # the operator wants no current: no move by hand switches the drives on
         self._reset()
 
@@ -84,7 +84,7 @@ class StepProgramOrders(Feature):
         self._default = min(settings.value(table.PROGRAM_SPEED), self.fastest)
 
     def _follow_settings(self):
-        """What is stored has speeds in it: once steps/mm, interval or speed have changed, which they do at a stand, it is forgotten."""
+        """A stored program has speeds in it: once steps/mm, interval or speed have changed, which they do at a stand, it is forgotten."""
         if self._settings_of != self._machine.settings.version:
             before = self._lengths[:], self._least_ticks, self._default
             self._take_settings()
@@ -105,8 +105,8 @@ class StepProgramOrders(Feature):
         self._midway = False  # has set out, and has not come to an end
         self._asked = False  # waits for the operator's speed
         self._hand_tool = self._backward = False
-        self._left_at = self._origin  # where it left the program, for moves by hand
-        self._next = None  # what to do at the stand: a function without arguments
+        self._left_at = self._origin  # the position at which it left the program, for moves by hand
+        self._next = None  # the work at the stand: a function without arguments
         self._most = ENDLESS
         self._pass = self._passes = 1
         self._forget_moves()
@@ -222,7 +222,7 @@ class StepProgramOrders(Feature):
         return self._machine.accepted(command, self.program.total)
 
     def _abort(self, command):
-        """The rest makes no sense: what was stored is forgotten, what was played as it came stops."""
+        """The rest makes no sense: forget a stored program, stop a streamed one."""
         self._fail()
         return command.error
 

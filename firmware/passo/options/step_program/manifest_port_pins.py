@@ -3,9 +3,9 @@
     "step_program": {…, "port_pins": [8, 5, 2, 6, 3, 7, 4, 9], "port_bits": "76543210", "port_invert": 0x00}
 
 `port_pins` are the GPIOs of the lines D0 to D7. `port_bits` says on which of them the bits 7 to 0 appear (drives on, Z pulse, Z dir, Y
-pulse, Y dir, X pulse, X dir, tool), "-" on none; `port_invert` is the mask of the bits that appear inverted. What the board file
-says of the pins of axes, tool and the output `enable` gives way to that; polarities there count as before, and are inverted by
-`port_invert`. A disabled bit has a line that is left over, which stays low.
+pulse, Y dir, X pulse, X dir, tool), "-" on none; `port_invert` is the mask of the bits that appear inverted. They replace the board file's
+pins of axes, tool and the output `enable`; polarities there count as before, and are inverted by `port_invert`. A disabled bit has a line
+that is left over, which stays low.
 
     board, masks = applied(board)       # a raw board file; masks: of a word's levels
 

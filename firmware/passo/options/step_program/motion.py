@@ -6,7 +6,7 @@
     program.append(mark(DWELL, 2000))
 
 An item is one integer below 2³⁰. `count << 8 | negative << 4 | mask` is a run of equal single steps: of the axes in
-`mask`, those in `negative` backwards. Where the mask is 0 it is a mark, `value << 8 | kind << 4`:
+`mask`, those in `negative` backwards. If the mask is 0 it is a mark, `value << 8 | kind << 4`:
 
     DWELL    stand for `value` milliseconds; walking backward it is skipped
     TOOL     bit 0: the tool from here on; bit 1, which append() adds: the tool up to here

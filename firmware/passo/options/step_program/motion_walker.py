@@ -9,12 +9,11 @@ A step is followed by its own period: its length along the path over the speed, 
 microsecond; half a tick left over goes to the next step, so that the mean is exact. `set_speed` may be called at any
 time: the interval under way lasts no longer than a new one would.
 
-A walk ends at `most` units, at the program's end, at its start, or before a STATION, which only pass_station() passes.
-At the end of an open program it goes on as soon as there is more. Its index is exact as the words made have it; whoever
-plays them knows how many have played.
+A walk ends at `most` units, at the program's end, at its start, or before a STATION, which only pass_station() passes. At the end of an
+open program it goes on as soon as there is more. Its index is exact as the words made have it; the player knows how many have played.
 
-What a segment may hold: the intervals of steps in the same directions, in about two milliseconds, up to the next mark; or
-a piece of a wait. Marks are passed between segments, so that within one the index advances by one a stepping word.
+A segment holds the intervals of steps in the same directions, in about two milliseconds, up to the next mark; or a piece of a wait. Marks
+are passed between segments, so that within one the index advances by one a stepping word.
 """
 
 from array import array
@@ -26,7 +25,7 @@ from passo.options.step_program.motion import DWELL, SPEED, STATION, TOOL, WAS
 from passo.records import COUNT_MASK, ENDLESS, KIND_STEP_PROGRAM, TICKS_PER_MS
 
 _SEGMENT_TICKS = const(25_000)
-_PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
+_PIECE_MS = const(2)  # longest word: the words ahead of the player stay short, and are never one alone
 _PIECE = const(25_000)
 _LONGEST_US = const(40_000_000)
 
@@ -37,11 +36,11 @@ class StepProgramWalker:
     kind = KIND_STEP_PROGRAM
 
     def __init__(self, program, lengths, tool_ticks):
-        """`lengths`: for each mask of axes how far a step goes, in nm × 60 and below 2³⁰; `tool_ticks`: what (off, on) take."""
+        """`lengths`: for each mask of axes how far a step goes, in nm × 60 and below 2³⁰; `tool_ticks`: the time of (off, on)."""
         self.program = program
         self.made = array("i", [0] * program.axes)  # signed steps since they were last cleared
         self.moving = self.negative = 0  # masks of the next run
-        self.ticks = self.levels = 0  # of what walk() wrote: its length, and the directions and tool at its end
+        self.ticks = self.levels = 0  # of walk()'s words: their length, and the directions and tool at their end
         self.tool = self.backward = False
         self.left = 0  # 0: the walk has come to its end, once the gap is over
         self.gap = 0  # ticks until the next step may come

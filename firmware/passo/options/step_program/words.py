@@ -1,4 +1,4 @@
-"""What the key `step_program` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `step_program` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "step_program": ("step_program", "Needed by the language `pulses`: paths written down step by step."),

@@ -2,7 +2,7 @@
 
     "tachometer": {"input": "turns", "pulses": 1}
 
-While the tool is on, the speed measured has to come within at_speed_percent of what is asked, in spin_up_ms, and then must not
+While the tool is on, the speed measured has to come within at_speed_percent of the one asked for, in spin_up_ms, and then must not
 fall below half of it: else alarm 244, which brings the axes to a stand, the position kept, and switches the tool off. Asked is
 S if `spindle.pwm` sets the speed; a spindle on a relay turns at $30. A lost wire is a spindle at 0: noticed after four turns and
 half a second. Override and S may change while it turns; from then on spin_up_ms count anew.
@@ -16,7 +16,7 @@ from passo.config import setting_numbers as table
 from passo.control.spindle_speed import PERIOD_MS, SpindleSpeed
 from passo.records import COUNT_MASK
 
-_QUIET_TURNS = const(4)  # without a pulse for so many turns at the speed that is asked it stands
+_QUIET_TURNS = const(4)  # without a pulse for this many turns at the speed asked for it stands
 
 
 class Tachometer(SpindleSpeed):

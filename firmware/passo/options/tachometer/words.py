@@ -1,4 +1,4 @@
-"""What the key `tachometer` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `tachometer` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "tachometer": (

@@ -1,4 +1,4 @@
-"""What the key `tool_change` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `tool_change` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "tool_change": (

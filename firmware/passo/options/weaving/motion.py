@@ -13,8 +13,8 @@ One pitch of each shape, amplitude to the left and to the right of the seam; d: 
                                        |/
 
 A whole number of pitches goes into the seam, so a pitch is a little longer or shorter than asked for. The speed is that along the
-path; with `along` that along the seam: the path's speed is then so much higher as the path of a pitch is longer. On an arc a point
-lies its offset inside or outside of the circle, and what is straight beside a line is bent with it, by chords within ¼ step.
+path; with `along` that along the seam: the path's speed is then higher by the ratio of the path of a pitch to the pitch. On an arc a point
+lies its offset inside or outside of the circle, and lines that are straight beside a line are bent with it, by chords within ¼ step.
 A dwell stops at the edge for exactly its time, beside the time of the path.
 
 Integers only: positions in nanometres, angles by CORDIC. Big integers, once a piece.
@@ -57,7 +57,7 @@ def wrong(spec):
 
 
 class Woven:
-    """`left`: 0 when all has been handed on. What Chords of control/stream_queue.py are to an arc."""
+    """`left`: 0 when all has been handed on. The counterpart of Chords of control/stream_queue.py for an arc."""
 
     def __init__(self, deltas, plane, circle, spec, nm_s, tool, tag, steps_per_m):
         """`deltas`: the seam's, steps of all axes; `plane`: its two axes; `circle`: None, or (centre in steps from here, clockwise,
@@ -127,7 +127,7 @@ class Woven:
         return rotate(self._arm[0], self._arm[1], -angle if self._clockwise else angle)
 
     def _sine(self):
-        """The points of a sine's pitch: so many that chords stay within ¼ step of it."""
+        """The points of a sine's pitch: enough to keep chords within ¼ step of it."""
         finest = max(self._steps_per_m[self._a], self._steps_per_m[self._b])
         steps = self._amplitude * finest // NM_PER_M + 1
         count = 4 * (isqrt(2 * steps) * 2 // 3 + 4)  # 2π·√(A/2) chords and more, a multiple of four
@@ -201,7 +201,7 @@ class Woven:
             self._pitch += 1
 
     def _parts(self, way):
-        """Chords on the way from one point to the next: on an arc so many that they stay within ¼ step of what is bent."""
+        """Chords on the way from one point to the next: on an arc enough to keep them within ¼ step of the bent line."""
         if not self._radius or not way:
             return 1
         angle = arc_length(1 << 20, self._sweep * way // (self._pitches * self._of_pitch))

@@ -1,4 +1,4 @@
-"""What the key `weaving` means: texts of docs/reference/board-file.md. No board has this file."""
+"""The texts on the key `weaving` for docs/reference/board-file.md. No board has this file."""
 
 SECTIONS = {
     "weaving": ("weaving", "Seams walked from side to side. See [weaving](../use/weaving.md)."),

@@ -1,7 +1,7 @@
 """The frames of docs/reference/languages/frames.md: numbers and bytes to a frame, and back. Board and PC use the same.
 
     wire = delimited(frame(DATA, 0, 0, 15, b"G1X1\\n"))
-    if sound(data, begin, end):                 # a bytearray; what stood between two delimiters
+    if sound(data, begin, end):                 # a bytearray; the bytes between two delimiters
         kind, number, ack, credit = header(data, begin)
         text = data[begin + HEAD : end - CHECK]
 """
@@ -44,7 +44,7 @@ def frame(kind, number=0, ack=0, credit=0, data=b""):
 
 
 def delimited(*frames):
-    """What goes over the wire for these frames, in one piece."""
+    """Return the bytes on the wire for these frames, in one piece."""
     return _DELIMITER + _DELIMITER.join(frames) + _DELIMITER
 
 

@@ -5,11 +5,11 @@
     text = late.quiet(now_ms)                   # the same if nothing has come
     late.found                                  # frames dropped; the caller's to clear
 
-00 begins a frame. It is dropped up to the next 00, and so is one that is cut off: after LONGEST bytes, when the rest of the line under
-way is spoilt by a 00, or after 100 ms without a byte. Else the first line of a late frame would be refused, and its second one
-carried out. A message that had begun before the 00 is spoilt by a 00, for what comes behind the frame is not its end; so is what comes
-within a second behind one that is cut off by silence, for it may be its rest. In a language in which 00 is a byte like others
-(`binary`) only sound frames are dropped, and what begins with 00 is kept back for 4 ms at most.
+00 begins a frame. It is dropped up to the next 00, and so is one that is cut off: after LONGEST bytes, when the rest of the line under way
+is spoilt by a 00, or after 100 ms without a byte. Else the first line of a late frame would be refused, and its second one carried out. A
+message that had begun before the 00 is spoilt by a 00, because the bytes after the frame are not its end; the bytes within a second after a
+frame that is cut off by silence are spoilt, too, because they may be its rest. In a language in which 00 is a byte like others (`binary`)
+only sound frames are dropped, and bytes from a 00 on are kept back for 4 ms at most.
 """
 
 from micropython import const
@@ -17,7 +17,7 @@ from micropython import const
 from passo.protocols.frames.codec import LONGEST, sound
 from passo.records import COUNT_MASK
 
-_CUT_MS = const(100)  # without a byte: what has begun is cut off
+_CUT_MS = const(100)  # without a byte: a frame begun is cut off
 _NO_REST_MS = const(1000)  # the same: no rest of it comes any more
 _BINARY_MS = const(4)  # less than idle_gap_ms, so that no RESEND overtakes it
 
@@ -27,9 +27,9 @@ class Late:
         """`amid(text)`: True if the language, once it has read `text`, is amid a message; None: it has none of several bytes."""
         self._binary = binary
         self._asked = amid
-        self.held = b""  # what may be a frame, from its 00 on
+        self.held = b""  # bytes that may be a frame, from its 00 on
         self._held_ms = 0
-        self._cut = False  # what was dropped last has not ended as a line does
+        self._cut = False  # the frame dropped last has not ended as a line does
         self.found = 0
 
     def without_frames(self, data, now_ms):

@@ -3,7 +3,7 @@
     link.serial = FramedLine(link, link.serial, baud, clock, note)
 
 To the app it is a serial line like the one below it; to the link's language nothing changes: it reads and writes the
-bytes inside the frames. What they look like, and what each end does: docs/reference/languages/frames.md.
+bytes inside the frames. docs/reference/languages/frames.md has their form, and the rules of each end.
 """
 
 import micropython
@@ -23,7 +23,7 @@ _PLAIN = const(0)
 _OPEN = const(1)
 _CLOSED = const(2)  # framed, but answers were lost: the host has to begin anew
 _BUFFER = const(512)
-_HOLD_MS = const(4)  # what could be the beginning of HELLO is kept so long: less than idle_gap_ms by default, so that no RESEND overtakes it
+_HOLD_MS = const(4)  # a possible beginning of HELLO is kept for this time: less than idle_gap_ms by default, so that no RESEND overtakes it
 _AGAIN_MS = const(30)  # between two requests for the same bytes
 _ANSWERS = const(48)  # bytes of answers that go out at once
 _ANSWER_MS = const(30)  # that fewer of them may wait
@@ -60,19 +60,19 @@ class FramedLine:
         self._drop_begun = getattr(link.protocol, "drop_begun", None)  # drops a message that has come in part
         self._sender = Sender(baud, _PIECE, True)
         self._state = _PLAIN
-        self._late = None  # plain once more: what takes out frames that come late
-        self._held = b""  # plain: what could be the beginning of HELLO
+        self._late = None  # plain once more: takes out frames that come late
+        self._held = b""  # plain: a possible beginning of HELLO
         self._held_ms = 0
         self._buffer = self._view = b""  # made by the first HELLO
         self._full = False  # the last read brought a packet or more
-        self._left = b""  # of what was read and found no room in the buffer
+        self._left = b""  # bytes read that found no room in the buffer
         self._heard = False  # something sound has come, see was_heard()
         self._confirmed = True  # the host has understood WELCOME
         self._begun_ms = 0
         self._clear()
 
     def _clear(self):
-        self._at = self._end = 0  # of the buffer: what has not been looked at
+        self._at = self._end = 0  # of the buffer: the first and the end of the bytes not looked at
         self._next = 0  # number of the byte wanted next
         self._urgent = 0  # number of the urgent frame wanted next
         self._new = True
@@ -145,7 +145,7 @@ class FramedLine:
     # --- until a host asks for frames
 
     def _plain(self, data):
-        """What of `data` is for the language; behind LEAVE without frames that come late."""
+        """Return the bytes of `data` for the language; after LEAVE without frames that come late."""
         late = self._late
         if data:
             self._heard = True
@@ -192,7 +192,7 @@ class FramedLine:
     # --- bytes to frames
 
     def _fill(self):
-        """Put what has come behind what is kept. False if there is nothing."""
+        """Put new bytes behind those that are kept. False if there is nothing."""
         data = self._left or self._serial.read()
         if not data:
             return False
@@ -244,7 +244,7 @@ class FramedLine:
         return self._take_urgent(kind, number, data)
 
     def _take(self, number, data):
-        """What is new of bytes from `number` on."""
+        """Return the new ones of bytes from `number` on."""
         known = (self._next - number) % NUMBERS
         if known > NUMBERS >> 1:
             self._ask_again()
@@ -298,7 +298,7 @@ class FramedLine:
         if self._space:
             return min(MOST_CREDIT, self._space() // CREDIT_BYTES)
         waiting = len(self._link.waiting)
-        return _FEW if not waiting else 1 if waiting < _MANY else 0  # STOP and STATUS do not wait for what waits
+        return _FEW if not waiting else 1 if waiting < _MANY else 0  # STOP and STATUS do not wait for commands in the queue
 
     def _frame(self, kind, number=0, data=b""):
         """A frame with the newest acknowledgement."""

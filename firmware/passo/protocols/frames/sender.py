@@ -28,7 +28,7 @@ _BITS_MS = const(10_000)  # ten bits a byte
 
 class Sender:
     def __init__(self, baud, piece=MOST, eager=False):
-        """`piece`: longer messages are cut into pieces of so many bytes; `eager`: frames do not wait until they are full."""
+        """`piece`: the size, in bytes, of the pieces into which longer messages are cut; `eager`: frames do not wait until they are full."""
         self._eager = eager
         self._baud = baud
         self._piece = piece
@@ -61,8 +61,9 @@ class Sender:
         return (self.first + self.kept) % NUMBERS
 
     def next(self, now_ms):
-        """The bytes of the next frame to send, from `number` on; None: none now. What does not fill a frame waits while
-        more than one is under way; what does not fill half of one, while any is."""
+        """The bytes of the next frame to send, from `number` on; None: none now. A part of a frame waits while more than one frame is under
+        way; a part below half of one, while any is.
+        """
         messages = self.messages
         at = self._at
         if at == len(messages):
@@ -88,7 +89,7 @@ class Sender:
         return b"".join(messages[at:end])
 
     def acknowledged(self, ack, credit, now_ms):
-        """The other end has everything before byte `ack`, and room for so many credits from there on."""
+        """The other end has everything before byte `ack`, and room for `credit` credits from there on."""
         count = (ack - self.first) % NUMBERS
         if count > self.kept:
             return  # an old one

@@ -57,7 +57,7 @@ GROUP = const(31)  # mask: its group
 AXES = const(32)
 CYCLE = const(64)
 ON = const(128)  # it is handed on
-LETTER = const(8)  # so far to the right is the letter of its number, 0: it has none
+LETTER = const(8)  # the letter of its number is this many bits to the right, 0: it has none
 
 G73 = const(7300)
 G80 = const(8000)

@@ -12,7 +12,7 @@ from passo.records import NM_PER_M
 MAX_STEPS = const(0x1FFFFFFF)
 _DEGREES = const(360_000_000)
 _LEAST_PECK = const(10_000)  # nm
-BACK_OFF_NM = const(254_000)  # 0.01 inch: what G73 goes back, and what G83 stays above the bottom so far
+BACK_OFF_NM = const(254_000)  # 0.01 inch: the retreat of G73, and the height of G83 above the bottom of the last peck
 _PLANES = {17: (0, 1), 18: (2, 0), 19: (1, 2)}
 # Of a series of canned cycles: 1 for G90 + 2 for G20; the height before it, R, and Z as they were read, in the program's coordinates, nm;
 # dwell; peck.
@@ -56,7 +56,7 @@ class Motions(Reader):
         return steps + self._steps[len(steps) :]
 
     def _target(self, machine_coordinates):
-        """Where the axis words lead, in machine coordinates."""
+        """Return the target of the axis words, in machine coordinates."""
         target = self.position[:]
         for axis in range(self.axes):
             letter = (X + axis) % 26
@@ -77,7 +77,7 @@ class Motions(Reader):
     # --- motion
 
     def _prepare(self, motion, feed, per_min, number, spindle, rpm):
-        """What every motion of this line has in common."""
+        """Set the fields that every motion of this line shares."""
         self._feed, self._per_min, self._number = feed, per_min, number
         self._cutting = 100 <= motion <= 300
         self._lit = spindle != 5 and rpm > 0 and (self._cutting or not self.laser)
@@ -114,7 +114,7 @@ class Motions(Reader):
         return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
     def _read_motion(self, motion, axis_words, machine_coordinates):
-        """Where the motion ends; None if the line has nothing to move."""
+        """Return the end of the motion; None if the line has nothing to move."""
         if motion == G80:
             raise Refused(errors.AXIS_WORDS_UNUSED)
         if motion >= 200 and not axis_words and not self._sweeps(motion):
@@ -209,7 +209,7 @@ class Motions(Reader):
 
     def _drill(self, motion):
         """G73, G81, G82, G83, an extension; returns where it ends. `commands` are the way to the tops and bottoms of the first and the
-        last hole, for the machine to check; what comes behind the first of them is made by `_drilling`, one by one: a hole of many
+        last hole, for the machine to check; `_drilling` makes those after the first, one by one: a hole of many
         pecks as a list would be more than a board has room for. As LinuxCNC's rs274: G98 goes back to the height before the first
         line of the series, whatever was between, and goes to the hole there. R and Z mean another place if G90 or G20 changes: such a line
         is refused without both."""

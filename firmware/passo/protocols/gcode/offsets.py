@@ -17,11 +17,11 @@ class Offsets:
         self._axes = axes
         self._memory = memory
         self.version = 0  # goes up with each change
-        self._reference = None  # where the first tool touched the sensor
+        self._reference = None  # the height at which the first tool touched the sensor
         self.load()
 
     def load(self):
-        """Everything as the memory has it; what it has not is 0."""
+        """Load all offsets from the memory; those that it does not have are 0."""
         self.systems = [self._recall("G%d" % (54 + number)) for number in range(SYSTEMS)]
         self.homes = {28: self._recall("G28"), 30: self._recall("G30")}
         self.reset()

@@ -2,7 +2,7 @@
 
 from micropython import const
 
-# GCode.fields: what plain lines are understood by, four numbers each if the axes'; positions from PARSE_LOW on have 2²⁹ added.
+# GCode.fields: the state by which plain lines are read, four numbers each if the axes'; positions from PARSE_LOW on have 2²⁹ added.
 PARSE_AXES = const(0)
 PARSE_RELATIVE = const(1)  # 1: G91
 PARSE_MODAL = const(2)  # the G that holds for lines without one: 0 … 3
@@ -11,10 +11,10 @@ PARSE_POSITION = const(4)  # machine coordinates, nm
 PARSE_OFFSET = const(8)  # machine position − programme position, nm
 PARSE_RESOLUTION = const(12)  # steps a metre
 PARSE_TARGET = const(16)  # steps
-PARSE_TO = const(20)  # where the line leads as far as it has been read, nm
+PARSE_TO = const(20)  # the target of the part of the line read so far, nm
 PARSE_INCHES = const(24)  # 1: G20
 PARSE_NUMBER = const(25)  # of the line
-PARSE_AFTER = const(26)  # where the next line begins
+PARSE_AFTER = const(26)  # the index of the next line
 PARSE_DELTAS = const(27)  # steps of the last one
 PARSE_LOW = const(31)  # the travel, steps
 PARSE_HIGH = const(35)
@@ -38,14 +38,14 @@ HAS_AXES = const(240)
 HAS_I = const(256)
 HAS_J = const(512)
 HAS_K = const(1024)
-PARSE_MOTION = const(50)  # and what they say, or what holds: G
+PARSE_MOTION = const(50)  # and their values, or the modal ones: G
 PARSE_SPEED = const(51)  # F, nm/s
 PARSE_TURNS = const(52)  # S
 PARSE_LINE = const(53)  # N
 PARSE_ARCS = const(54)  # 1: G2 and G3 are plain too, with I or J: arcs of X and Y
 PARSE_I = const(55)  # nm
 PARSE_J = const(56)
-PARSE_ARC = const(57)  # where the line behind an arc begins, if parse() has stopped at one; 0: it has not
+PARSE_ARC = const(57)  # the index of the line behind an arc, if parse() has stopped at one; 0: it has not
 PARSE_DOTS = const(58)  # powers that S has: a row of dots; 0: it has one
 PARSE_LAST = const(59)  # the last of them, thousandths
 PARSE_NO_ROOM = const(60)  # 1: parse() has stopped at a row for whose dots there is no room yet
@@ -54,11 +54,11 @@ PARSE_KNOWN = const(62)  # counts: odd while all these are filled in and count
 PARSE_FIELDS = const(63)
 
 # Lines.fields: bytes of Lines.text.
-LINES_AT = const(0)  # where the oldest line begins
+LINES_AT = const(0)  # the index of the oldest line
 LINES_WHOLE = const(1)  # behind the last line that has come to its end
 LINES_END = const(2)  # behind all that has come
 LINES_ASKED = const(3)  # 1: `?` was among it
-LINES_SLOWLY = const(4)  # 1: what comes has to be looked at byte by byte: see Lines.take_each()
+LINES_SLOWLY = const(4)  # 1: the next bytes have to be looked at one by one: see Lines.take_each()
 LINES_TAKEN = const(5)  # lines that the machine has taken at the last time
 LINES_FILLED = const(6)  # rows filled last
 LINES_WAITS = const(7)  # 1: the oldest line is not for the full parser, but waits for room

@@ -6,13 +6,12 @@ A laser is on at the power that the line's S says, and off in a G0. `S0:500:1000
 of Power.marks: a row that finds no room there ends the batch, and waits. `S=@@OT_H`, a packed row, ends its line: two characters a dot,
 `@` to `_`, are 32 · the first + the second, in thousandths of full power; S stays as it was.
 
-The first line begins at text[at]; each ends with a line feed or the text. `fields` says where the machine is and how lines
-count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and
-has not changed what counts. An arc, a G2 or G3 with I or J, ends the batch too: PARSE_ARC says that it is read, GCode.take_arc() does the
-rest. What is unusual (any other word or character, more than six
-decimals, a position beyond the travel or 2.1 m, a very slow feed, another speed of a spindle, a beam that changes
-without a step, a mistake) is left to parser.py, which alone knows the rules; what is understood here gives what it
-gives, to the nanometre. One text for all interpreters; see motion/block_viper.py for what that asks of integers.
+The first line begins at text[at]; each ends with a line feed or the text. `fields` says where the machine is and how lines count; after a
+plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and has not changed what counts.
+An arc, a G2 or G3 with I or J, ends the batch too: PARSE_ARC says that it is read, GCode.take_arc() does the rest. An unusual line (any
+other word or character, more than six decimals, a position beyond the travel or 2.1 m, a very slow feed, another speed of a spindle, a beam
+that changes without a step, a mistake) is left to parser.py, which alone knows the rules; a line read here gives the same as there, to the
+nanometre. One text for all interpreters; see motion/block_viper.py for its rules on integers.
 """
 
 import micropython
@@ -186,7 +185,7 @@ def read_number(text: ptr8, at: int, count: int, fields: ptr32) -> int:
 
 @micropython.viper
 def read_word(fields: ptr32, letter: int) -> int:
-    """What the word says; 0 if it is no plain one, or the line has it already."""
+    """Return the word's bit, having stored its value; 0 if it is no plain one, or the line has it already."""
     if letter >= 88:
         return int(axis_word(fields, letter - 88))
     if letter == 65:
@@ -229,7 +228,7 @@ def read_word(fields: ptr32, letter: int) -> int:
 
 @micropython.viper
 def with_decimals(value: int, decimals: int, wanted: int, most: int) -> int:
-    """`value` with so many decimals; -1 if it has more, or comes to ten times `most` and above."""
+    """Return `value` with `wanted` decimals; -1 if it has more, or comes to ten times `most` and above."""
     if decimals > wanted:
         return -1
     while decimals < wanted:
@@ -256,7 +255,7 @@ def feed_of(value: int, decimals: int, inches: int) -> int:
 
 @micropython.viper
 def axis_word(fields: ptr32, axis: int) -> int:
-    """PARSE_TO of the axis, in nanometres; 0 if it has none, is told twice, or leads beyond 2.1 m."""
+    """Set PARSE_TO of the axis, in nanometres; return 0 if there is no such axis, the line has it already, or it leads beyond 2.1 m."""
     have = fields[PARSE_HAVE]
     if axis >= fields[PARSE_NAMED] or have >> 4 + axis & 1:
         return 0
@@ -269,7 +268,7 @@ def axis_word(fields: ptr32, axis: int) -> int:
     most = 0x3FFFFFFF
     most = most << 1 | 1  # 2³¹ − 1: as a constant it would be no small integer of a board
     base = fields[PARSE_POSITION + axis] if fields[PARSE_RELATIVE] else fields[PARSE_OFFSET + axis]
-    if base >> 31 & 1:  # where viper is 64 bits wide it reads a negative number as a positive one
+    if base >> 31 & 1:  # if viper is 64 bits wide it reads a negative number as a positive one
         base = 0 - ((0 - base) & most)
         if value < 0 - most - base:
             return 0
@@ -398,7 +397,7 @@ def thousandths(part: int, full: int) -> int:
 
 @micropython.viper
 def accept(fields: ptr32, batch: ptr32, row: int):
-    """All is right: what the line says counts from here on, and its row is filled in."""
+    """All is right: the line's values count from here on, and its row is filled in."""
     axis = 0
     while axis < fields[PARSE_AXES]:
         fields[PARSE_POSITION + axis] = fields[PARSE_TO + axis]

@@ -5,14 +5,13 @@
     gcode.commands                              # a list that the next line overwrites, its commands too
     gcode.opens(batch), gcode.fields         # for parse_viper.parse(): much faster, for lines that are nothing but a G0 or G1
 
-A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
-execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
-for what a line can say in millimetres, or in inches to five decimals. `machine` has `target`, where the queue will end in
-steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its `arcs`
-knows the geometry of arcs (control.arcs).
+A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of execution is that of
+RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact for a line in millimetres, or in inches to
+five decimals. `machine` has `target`, where the queue will end in steps, and `steps_per_m` of each axis: whatever moved the machine
+meanwhile, the next line starts from there. Its `arcs` knows the geometry of arcs (control.arcs).
 
-Extensions: G73, G81, G82 and G83, G43 with a table of tools, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`, with the third axis a helix;
-more than 360 are more than one turn. The end comes from the machine's CORDIC.
+Extensions: G73, G81, G82 and G83, G43 with a table of tools, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`,
+with the third axis a helix; more than 360 are more than one turn. The end comes from the machine's CORDIC.
 """
 
 from array import array
@@ -54,7 +53,7 @@ class GCode(Motions):
         self.fields = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self.fields[PARSE_AXES] = len(axes)
         self._ends = memoryview(self.fields)[PARSE_TARGET : PARSE_TARGET + len(axes)]
-        # What _know_axes() has filled in: for this coordinate system (None: for none), version of the offsets, and travel.
+        # The state for which _know_axes() has filled them in: this coordinate system (None: for none), version of the offsets, and travel.
         self._system_known = None
         self._offsets_known = 0
         self._reach = None
@@ -81,7 +80,7 @@ class GCode(Motions):
         self._system_known = None
 
     def leave_batch(self):
-        """What the last plain lines have changed is known here, too; the next one finds out anew where it is."""
+        """Take over the changes of the last plain lines; the next one finds out its position anew."""
         if not self._unknown:
             self._unknown = True
             fields = self.fields
@@ -259,7 +258,7 @@ class GCode(Motions):
         if self.words.row:
             self._add_row(target and self._cutting and motion == 100, spindle)
 
-        # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
+        # Everything is right: from here on it counts. The motion's commands are there already; commands before it are put
         # before them.
         before = self._goes_before(spindle, rpm, motion, moves, tool, coolant, dwell, handed_on)
         if len(self.commands) > 1 and moves:
@@ -394,7 +393,7 @@ class GCode(Motions):
                 self._prepare(0, 0, 0, self.number, self.spindle, self.rpm)
                 target[axis] = height
                 self._go(commands.LINE, target, 0)
-        self.motion = 100  # from here on: what M2 and M30 put back
+        self.motion = 100  # from here on M2 and M30 restore the modal state
         self.plane = 17
         self.absolute = self.per_minute = self.initial = self.ended = True
         self.system = self.coolant = 0

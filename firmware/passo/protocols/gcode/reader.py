@@ -1,4 +1,4 @@
-"""What a line of G-code says, word by word: codes by modal group, values in nanometres. Each word is taken once."""
+"""The words of a line of G-code: codes by modal group, values in nanometres. Each word is taken once."""
 
 from micropython import const
 
@@ -133,7 +133,7 @@ class Reader:
         return command
 
     def _take_axes(self, old, system=None):
-        """A copy of the offsets `old` with what the axis words say; with `system`, what makes the words the position there."""
+        """Return a copy of the offsets `old` with the values of the axis words; with `system`, the offsets that make the words the position there."""
         changed = old[:]
         for axis in range(self.axes):
             letter = (X + axis) % 26

@@ -180,7 +180,7 @@ class Words:
 
 def bare(line, unfinished=False):
     """The characters of a line that count: without blanks and comments, but with each 00, and 7F, which stands for a byte that is no ASCII.
-    Where it is `unfinished`, marks of real-time bytes stay, and the beginning of a comment that has not ended as its last character."""
+    If it is `unfinished`, marks of real-time bytes stay, and the beginning of a comment that has not ended as its last character."""
     kept = bytearray()
     comment = 0
     for byte in line:

@@ -1,4 +1,4 @@
-"""What the grbl language says of how well homing repeats: a board that does not latch edges does not load this."""
+"""The grbl language's lines on how well homing repeats: a board that does not latch edges does not load this."""
 
 from micropython import const
 

@@ -30,15 +30,15 @@ from passo.records import LINES_BYTES
 
 RX_BYTES = const(512)  # that a sender may have under way
 ODD = const(0x7F)  # stands in a line for a byte from 0x80 on that is no real-time byte
-REAL_TIME = const(-1)  # what keep() says: there are real-time bytes but `?`; nothing is kept
+REAL_TIME = const(-1)  # Of keep(): there are real-time bytes but `?`; nothing is kept
 SLOWLY = const(-2)  # take_each() has to keep it
 LONG = const(-3)  # it is kept; the line that has not ended yet has grown long
 ARC = const(-5)  # and this: the oldest line is an arc, which GCode.take_arc() may take; LINES_TAKEN lines were before it
-LEFT = const(-4)  # what take_lines() says besides: the machine has not taken all rows, `accept` of the batch knows why
+LEFT = const(-4)  # Of take_lines() besides: the machine has not taken all rows, `accept` of the batch has the reason
 _RAW = const(256)  # bytes of one line: then blanks and comments are left out of it
 _TOO_LONG = b"\xff\n"  # stands for such a line
 
-# Bytes taken out of the stream as they come, and what each asks for.
+# Bytes taken out of the stream as they come, with the command of each.
 _PLAIN = {
     0x18: commands.RESET, 0x21: commands.HOLD, 0x3F: commands.STATUS, 0x7E: commands.RESUME, 0x84: commands.DOOR, 0x85: commands.JOG_CANCEL,
 }  # fmt: skip
@@ -49,7 +49,7 @@ _AMOUNTS = (100, 10, -10, 1, -1, 100, 50, 25)
 
 @micropython.viper
 def keep(data: ptr8, count: int, text: ptr8, lines: ptr32) -> int:
-    """Put `count` bytes behind what is kept, but for `?`. Returns 0, REAL_TIME, SLOWLY or LONG."""
+    """Put `count` bytes behind the kept ones, but for `?`. Returns 0, REAL_TIME, SLOWLY or LONG."""
     size = lines[LINES_SIZE]
     if lines[LINES_END] + count > size and lines[LINES_AT]:
         move_up(text, lines)
@@ -83,7 +83,7 @@ def keep(data: ptr8, count: int, text: ptr8, lines: ptr32) -> int:
 
 @micropython.viper
 def move_up(text: ptr8, lines: ptr32):
-    """Make room behind what is kept."""
+    """Make room behind the bytes that are kept."""
     begin = lines[LINES_AT]
     at = begin
     while at < lines[LINES_END]:
@@ -121,7 +121,7 @@ def mark_of(command):
 
 
 def what_acted(line, machine):
-    """What the real-time bytes within a line have changed, as text: letters beyond ASCII have done it."""
+    """Return the changes by real-time bytes within a line, as text: letters beyond ASCII have made them."""
     found = []
     for which, name in enumerate(("feed", "rapids", "spindle")):
         if bytes((which + 1,)) in line:
@@ -136,7 +136,7 @@ def what_acted(line, machine):
 
 
 def plain_text(line):
-    """A `$` line as text, capitals, without blanks and comments; what is no ASCII is left out."""
+    """Return a `$` line as text, capitals, without blanks and comments; bytes beyond ASCII are left out."""
     return bytes(bare(line)).decode().upper()
 
 
@@ -154,7 +154,7 @@ class Lines:
 
     def clear(self):
         fields = self.fields
-        fields[LINES_AT] = fields[LINES_WHOLE] = fields[LINES_END]  # what has come stays, for a black box
+        fields[LINES_AT] = fields[LINES_WHOLE] = fields[LINES_END]  # the bytes stay, for a black box
         for field in range(LINES_ASKED, LINES_SIZE):
             fields[field] = 0
         self.lost = 0  # lines that found no room

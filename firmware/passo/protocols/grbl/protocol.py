@@ -66,8 +66,8 @@ class Grbl:
         self._status = Status(self.gcode, settings, machine)
         self._lines = lines = Lines()
         self.prepare, self.drop_begun, self.space = lines.make, lines.drop_begun, lines.free
-        self._taker = self._arrays = None  # the batch's, and what take_lines() takes
-        asked = Command(commands.STATUS)  # what `?` says, used again and again
+        self._taker = self._arrays = None  # the batch's, and take_lines()' arguments
+        asked = Command(commands.STATUS)  # The commands of `?`, used again and again
         asked.accepted = Event(ACCEPTED, asked)
         self._asked = (asked,)
         self._marked = False  # lines that are kept may have marks of real-time bytes
@@ -111,7 +111,7 @@ class Grbl:
         return self._lines, self.gcode
 
     def begin_file(self):
-        """A stored job begins: modal state as after power-up, offsets stay; of what has come so far nothing is left."""
+        """Begin a stored job: modal state as after power-up, offsets stay; the bytes kept so far go."""
         self._forget()
         self._stale = 0
         self._stored = True
@@ -171,7 +171,7 @@ class Grbl:
         return True
 
     def _took(self, taken, data):
-        """The same of many lines, of none, and of what take_lines() could not do."""
+        """Return the answers to many lines, or to none, and go on if take_lines() could not."""
         if taken == REAL_TIME:
             return None
         lines = self._lines
@@ -381,7 +381,7 @@ class Grbl:
         return text + "\r\n"
 
     def push(self, event):
-        """The bytes of what the machine says unasked."""
+        """Return the bytes that the machine sends unasked."""
         if event.kind in (ALARM, DROPPED) and event.error != errors.ALARM_HOMING_REQUIRED:
             self.gcode.leave_batch()
             self.gcode.spindle, self.gcode.coolant = 5, 0  # the machine has switched them off: G1 without M3 must not light the tool
@@ -400,8 +400,9 @@ class Grbl:
         return text.encode()
 
     def drop(self, event):
-        """Nothing that has come so far is done any more. A stop from another link is said as a reset is, so that a sender
-        ends its job; each line is answered by an error in an alarm, or where another link has been given the command."""
+        """Drop all lines that have come so far. A stop from another link is answered as a reset is, so that a sender ends its job; each line
+        is answered by an error in an alarm, or if another link has been given the command.
+        """
         lines = self._lines
         self._why = event.error
         self._stale = 1 if lines.begun() else 0

@@ -38,7 +38,7 @@ _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
-_END = const(3)  # bytes of what ends a report
+_END = const(3)  # bytes of a report's end
 
 
 def message(text):
@@ -48,7 +48,7 @@ def message(text):
 def log(log):
     """The lines of $LOG, the oldest first: milliseconds, number, which link or input; then how many times each number
     has been since the start; of an interlock a line an input: name, active, how often it stopped the machine, glitches, when it
-    last became active, milliseconds it was so (-1: it still is)."""
+    last became active, milliseconds it was active (-1: it still is)."""
     lines = ["[LOG:%d,%d,%s]\r\n" % (ms, number, who or "") for ms, number, who in log.entries]
     if log.pins:
         lines += ["[PIN:%s,%d,%d,%d,%d,%d]\r\n" % pin for pin in log.pins()]
@@ -158,7 +158,7 @@ class Status:
     # In small pieces, whose variables do not go on the heap (see app.py).
 
     def text(self, report, room):
-        """As bytes that are good until the next report. `report`: the controller's; `room`: for so many bytes of lines."""
+        """As bytes that are good until the next report. `report`: the controller's; `room`: for lines, in bytes."""
         if self._offsets_of != self._gcode.offsets.version or self._system != self._gcode.system:
             self._wco = 0
             self._take_over()

@@ -1,4 +1,4 @@
-"""The `$` lines of the grbl language: settings, parameters, and what is asked of the machine beside motion.
+"""The `$` lines of the grbl language: settings, parameters, and questions to the machine beside motion.
 
     result = system.execute("$110=500")     # an error's number, or the commands to carry out; the first carries text
 
@@ -23,7 +23,7 @@ INFO = "I"
 
 
 def answer(text):
-    """A command whose only purpose is that `text` is said in its turn."""
+    """Return a command whose only purpose is that `text` is the answer in its turn."""
     command = Command(commands.HELLO)
     command.text = text
     return [command]
@@ -73,7 +73,7 @@ class System:
         if line == "$LOG":
             return told(grbl_report.log(self._machine.log))
         if line == "$MASKS":
-            # What the board file says of the settings that are masks, by which old ones are converted.
+            # The board file's values of the settings that are masks, by which old ones are converted.
             return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
         if line[:5] == "$LINK":
             return self._link(line[5:])
@@ -187,7 +187,7 @@ class System:
             return error
         if not self._settings.keeps(text):
             return errors.START_LINE_TOO_LONG
-        # Each is carried out once the one before has been accepted: what the machine refuses, or ends in an alarm, is not kept.
+        # Each is carried out once the one before has been accepted: a line that the machine refuses, or that ends in an alarm, is not kept.
         return self._gcode.commands + answer("") + [Command(commands.MORE, value=self._store(key, text))]
 
     def _store(self, key, text):
@@ -197,7 +197,7 @@ class System:
         yield None
 
     def start_lines(self):
-        """What is carried out after a reset and after homing."""
+        """Return the lines for execution after a reset and after homing."""
         return [line for line in [self._settings.get(key) for key in _START_LINES] if line]
 
     def _change(self, line):

@@ -24,7 +24,7 @@ def take_lines(
     data: ptr8, count: int, text: ptr8, lines: ptr32, fields: ptr32, rows, dots: ptr32, most: int, travel, queue_lines, target, blocks,
     scratch, indices, limits,
 ) -> int:
-    """Keep `count` bytes of `data`, and have the machine take the plain lines of what is kept: as many as it has room for, `most`
+    """Keep `count` bytes of `data`, and have the machine take the plain ones of the kept lines: as many as it has room for, `most`
     at most, none while `?` waits. Returns how many; or what keep() says, or LEFT or ARC, and LINES_TAKEN is how many."""
     machine = ptr32(travel)
     taken = 0

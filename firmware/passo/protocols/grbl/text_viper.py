@@ -1,4 +1,4 @@
-"""Numbers as text in a buffer that is used again and again: what a status report is made of, without garbage.
+"""Numbers as text in a buffer that is used again and again: a status report is made of them, without garbage.
 
     at = tell_report(out, form, fields, seen, steps, axes)   # all that is told each time, from what was seen of one moment (SEEN_…)
 
@@ -8,7 +8,7 @@
     lengths(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
     at = tell(out, 0, b"MPos:\\1,\\2\\0", fields)      # MPos:0.000,-1.250
 
-The fields are REPORT_… and NUMBER_… of report_records.py. Positions are told to 100 km, offsets too. One text for all interpreters; see
+The fields are REPORT_… and NUMBER_… of report_records.py. Positions are written up to 100 km, offsets too. One text for all interpreters; see
 motion/block_viper.py.
 """
 
@@ -90,8 +90,9 @@ def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
 
 @micropython.viper
 def lengths(fields: ptr32, steps: ptr32, axes: int):
-    """Where the axes are, less the offsets, as numbers in the report's unit: of whole nanometres, which are rounded as
-    they are, halves away from zero."""
+    """Set the positions of the axes, less the offsets, as numbers in the report's unit: of whole nanometres, which are rounded as they are,
+    halves away from zero.
+    """
     axis = 0
     number = REPORT_NUMBER
     at = REPORT_AXIS

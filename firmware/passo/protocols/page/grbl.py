@@ -1,5 +1,5 @@
-"""The page of a machine that is told G-code on its other links: keys and positions become commands, and so does the report; what belongs to
-the modal state of G-code (work zeros, spindle and coolant, settings, a line as typed) is said as a line of the page's own link.
+"""The page of a machine that gets G-code on its other links: keys and positions become commands, and so does the report; orders that belong
+to the modal state of G-code (work zeros, spindle and coolant, settings, a line as typed) become lines of the page's own link.
 
     machine = GrblPage(record, number, board, tell, spoken)     # `spoken`: what understands lines, and has their state
 """
@@ -15,12 +15,12 @@ from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_ROOM, SETTING_MA
 AXES = "xyza"
 _AXIS_SPEED = const(110)  # settings $110 …, thousandths
 _AXIS_ACCELERATION = const(120)
-_NM = const(1000)  # that a position of the page is told to: as three decimals of a millimetre
+_NM = const(1000)  # to which a position of the page is rounded: three decimals of a millimetre
 _OVERRIDES = {"feed": commands.FEED, "rapid": commands.RAPID, "spindle": commands.POWER}
 _PERCENT = ("100", "+10", "-10", "+1", "-1")
 _RAPID = ("100", "50", "25")
 OUTPUTS = {"spindle_cw": "M3", "spindle_ccw": "M4", "spindle_off": "M5", "mist": "M7", "flood": "M8", "coolant_off": "M9"}
-_MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # what a position counts from
+_MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # the origin of a position
 
 
 def override_of(what, to):
@@ -52,8 +52,8 @@ class GrblPage(PageMachine):
         if spoken and spoken.gcode.turns:
             self.turns = AXES[3:]
         self._settings = record.settings
-        self._version = -1  # of the settings that pages have been told
-        self._line = b""  # to be said
+        self._version = -1  # of the settings that pages have
+        self._line = b""  # to be carried out
         self._typing = False  # one is under way
         self._dwell = self._dwelt_ms = 0
         self.state["why"] = ""

@@ -29,10 +29,10 @@ class Limits:
 
 class Jog:
     def __init__(self, say):
-        """`say(position, mm/min)`: queue a straight jog to machine coordinates in mm; False if it cannot be said now."""
+        """`say(position, mm/min)`: queue a straight jog to machine coordinates in mm; False if it cannot be queued now."""
         self._say = say
         self.active = False
-        self.waiting = False  # a jog was said and is not answered
+        self.waiting = False  # a jog is queued and not answered
 
     def begin(self, direction, speed, limits, position):
         """Go from `position` (mm) along `direction`, at `speed` mm/min or what the axes allow."""

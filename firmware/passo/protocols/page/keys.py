@@ -12,7 +12,7 @@ from passo.commands import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
 from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.orders import Wrong, number, text
 
-# What each task is called, by motor; 0: both.
+# The byte of each task, by motor; 0: both.
 _ON = (b"I", b"C", b"D")
 _OFF = (b"J", b"E", b"F")
 _REVERSE = (b"", b"G", b"H")
@@ -20,7 +20,7 @@ _SPEED = (b"", b"A", b"B")
 
 
 class Kit:
-    """What keys make of the motors."""
+    """The state of the motors, as keys change it."""
 
     def __init__(self, write):
         """`write(bytes)`: keys."""
@@ -38,7 +38,7 @@ class Kit:
         ]
 
     def _say(self, key, which, name, value):
-        """A task of motor `which`, 0: both; what it makes of them."""
+        """Send the key of a task of motor `which`, 0: both, and note its effect."""
         self._write(key)
         for motor in range(KIT_MOTORS):
             if which in (0, motor + 1):

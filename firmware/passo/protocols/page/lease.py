@@ -5,8 +5,8 @@
     lease.renew(7, beat, now_ms)    # False: it has ended, whatever comes late
     lease.alive(now_ms)
 
-`beat` is the number of the newest report that the holder has seen. What says it has seen only older ones than FRESH_MS has been
-held up on its way, and counts for nothing: so a burst that a network lets go late moves nothing.
+`beat` is the number of the newest report that the holder has seen. A message whose sender has seen only reports older than FRESH_MS was
+held up on its way, and counts for nothing: a burst that a network lets go late moves nothing.
 """
 
 from micropython import const

@@ -1,11 +1,11 @@
-"""What a page may ask: an order as a dict in, an answer as a dict out. The only code that looks at what came from a network.
+"""The orders of a page: an order as a dict in, an answer as a dict out. The only code that checks orders from a network.
 
     orders = Orders(machine)
     orders.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
 
-What only one language has, its machine adds (`orders`), and looks at it with the functions of this module. STOP needs no proof. All
-else that does something wants a session that has proven its key; what is only looked at does not. A PC adds jobs that are streamed,
-teach-in and the choice of a machine (host_tools/page/orders.py).
+Orders of one language come from its machine (`orders`), which checks them with the functions of this module. STOP needs no proof. All
+other orders that act want a session that has proven its key; those that only read do not. A PC adds jobs that are streamed, teach-in and
+the choice of a machine (host_tools/page/orders.py).
 """
 
 import json
@@ -94,11 +94,11 @@ class Orders:
         }  # fmt: skip
 
     def can(self):
-        """What a page may ask for."""
+        """Return the orders that a page may give."""
         return list(self.machine.can)
 
     def hello(self):
-        """What a page is told first, a dict."""
+        """Return a page's first message, a dict."""
         machine = self.machine
         return {"can": self.can(), "axes": machine.axes, "turns": machine.turns, "language": machine.language, "travel": machine.travel}
 

@@ -5,9 +5,9 @@
     machine.report(report, now_ms)      # the machine's own, as any language has it
     machine.state
 
-`record`: the machine's state; `number`: of the page's link. Each language has a class of its own: what it adds to this one, and what a page of
-it may ask for (can). What a machine has no word for is refused with error 102, and the page hides it. On a PC the same classes are told by
-cable (host_tools/page).
+`record`: the machine's state; `number`: of the page's link. Each language has a class of its own, with its additions and the orders of its
+page (can). Orders without a word of the machine are refused with error 102, and the page hides them. On a PC the same classes get reports
+by cable (host_tools/page).
 """
 
 from micropython import const
@@ -36,11 +36,11 @@ class PageMachine:
     language = ""
     turns = ""  # axes that count degrees
     can = ()
-    tells = ("command",)  # what a page may ask for of any board that serves it
+    tells = ("command",)  # orders that a page may give to any board that serves it
     stood = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
     speaks = False  # a board's link for pages also understands lines of its language
     jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
-    untold = (errors.STOPPED,)  # what the machine logs and is no matter of pages
+    untold = (errors.STOPPED,)  # refusals of the machine that are no matter of pages
     from_here = ("jog", "step", "goto")  # orders that count from the newest report: one is made before them
 
     def __init__(self, record, number, board, tell):
@@ -60,26 +60,26 @@ class PageMachine:
         self.lease = Lease()
         self.jog = Jog(self._say_jog)
         self.settings = {}
-        self.orders = {}  # name: function of an order, for what only this language has
-        self.said = []  # (command, answered) to be carried out; answered(error): what came of it
+        self.orders = {}  # name: function of an order that only this language has
+        self.said = []  # (command, answered) to be carried out; answered(error): its result
         self.unanswered = []  # the same of those that have been
-        self.kinds = {}  # kind of command: heard(event), of who wants to know more of its answers
+        self.kinds = {}  # kind of command: heard(event), for its further answers
         self.position = None  # mm, machine coordinates
         self._now_ms = self._measured_ms = 0
         self._measured = None  # steps, by the report before
         self._log = []
-        self._refused = 0  # the number of the last refusal that was told, until the next report
+        self._refused = 0  # the number of the last refusal that pages have, until the next report
         self.state = {"link": True, "state": "", "sub": "0", "owner": "page", "alarm": 0, "job": None}
 
     # --- commands
 
     def do(self, command, answered=None):
-        """Have a command carried out behind those that have been said; answered(error), or else a refusal is told to all pages."""
+        """Have a command carried out after those before it; answered(error), or else all pages get a refusal."""
         self.said.append((command, answered))
         return 0
 
     def _behind(self, first, second):
-        """Have `second` carried out once `first` has been: which may drop what was said behind it."""
+        """Have `second` carried out once `first` has been: which may drop commands given after it."""
         return self.do(first, lambda error: self.finished(error) if error else self.do(second))
 
     def pending(self):
@@ -93,7 +93,7 @@ class PageMachine:
             yield said[0]
 
     def answered(self, event):
-        """What has come of a command. Returns its error."""
+        """Take the answer to a command. Returns its error."""
         command = event.command
         error = event.error if event.kind == commands.REFUSED else 0
         heard = self.kinds.get(command.kind)
@@ -126,7 +126,7 @@ class PageMachine:
     # --- what the machine says
 
     def now(self, now_ms):
-        """Look at the clock and at the machine: an order counts on what is so now. A jog that nobody holds any more ends."""
+        """Look at the clock and at the machine: an order counts on the present state. A jog that nobody holds any more ends."""
         record = self._record
         commander = record.commander if record.lender < 0 else record.lender
         self.state["owner"] = "page" if commander == self._number else "guest"
@@ -147,7 +147,7 @@ class PageMachine:
         return state[:1].upper() + state[1:]
 
     def report(self, report):
-        """The machine's report, a dict: what is shown is so from now on."""
+        """Take the machine's report, a dict, into the state for pages."""
         state = self.state
         settings = self._record.settings
         if settings and self._settings_of != settings.version:
@@ -160,10 +160,10 @@ class PageMachine:
         self._show(report)
 
     def _show(self, report):
-        """What only this machine has."""
+        """Add the fields of this machine alone."""
 
     def _follow_settings(self, settings):
-        """The settings have changed: so have steps/mm, and all pages are told."""
+        """Take changed settings over, with steps/mm, and send them to all pages."""
         self.scale = [resolution / 1000 for resolution in self._record.steps_per_m[: len(self.scale)]]
         self.travel = travel_of(self._board) if self.travel else None
         self._tell({"t": "settings", "axes": self.axes, "settings": self.told_settings()})
@@ -185,14 +185,14 @@ class PageMachine:
         self._measured_ms = self._now_ms
 
     def _tell_error(self, report):
-        """Of a machine that logs what goes wrong and says no more: all pages are told the last of it."""
+        """Send the last refusal to all pages, of a machine that logs refusals and has no answers."""
         error = report["error"]
         if error and error != self._refused and error not in self.untold and not self._record.alarm:
             self.note(error)
         self._refused = 0
 
     def pushed(self, event):
-        """What the machine says unasked."""
+        """Take an event that the machine sends unasked."""
         if event.kind == commands.ALARM:
             self.drop_jog()
             self.note(event.error)
@@ -200,14 +200,14 @@ class PageMachine:
             PageMachine.drop(self, event)
 
     def drop(self, event):
-        """What was said before is not done any more: another link, or an alarm, has stopped the machine."""
+        """Forget the commands given before: another link, or an alarm, has stopped the machine."""
         self.drop_jog()
         self.said = []
-        if event.kind == commands.RESTARTED:  # nothing that was under way is answered any more, but for what brought this about
+        if event.kind == commands.RESTARTED:  # commands under way get no answer any more, but for the one that brought this about
             self.jog.waiting = False
             self.unanswered = [said for said in self.unanswered if said[0] is event.value]
 
-    # --- what pages are told
+    # --- messages to pages
 
     def beat(self, number):
         """Report `number` goes out to the pages."""
@@ -230,7 +230,7 @@ class PageMachine:
         return list(self._log)
 
     def finished(self, error):
-        """An order has been answered: what was refused is told."""
+        """An order has been answered: send a refusal to all pages."""
         self._refused = error
         if error > 0:
             self.note(error)
@@ -256,7 +256,7 @@ class PageMachine:
         return 0
 
     def stop(self):
-        """Stop at once: who asks does not matter."""
+        """Stop at once, for any page."""
         self.drop_jog()
         self.said = []
         return self.do(Command(commands.STOP))
@@ -330,7 +330,7 @@ class PageMachine:
             self._brake()
 
     def drop_jog(self):
-        """End the jog without a word: what is said next stops the machine at once, and nothing may come before it."""
+        """End the jog without a command: the next command stops the machine at once, and nothing may come before it."""
         self.lease.end()
         self.jog.end()
 
@@ -342,7 +342,7 @@ class PageMachine:
         return Limits([_HUGE] * len(self.position), [_HUGE] * len(self.position))
 
     def _say_jog(self, position, speed):
-        """Queue a straight jog to machine coordinates in mm; False if it cannot be said now."""
+        """Queue a straight jog to machine coordinates in mm; return False if it cannot be queued now."""
         return False
 
     def jog_answered(self, error):

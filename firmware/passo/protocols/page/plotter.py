@@ -27,7 +27,7 @@ def signs(direction):
 
 class PlotterPage(PageMachine):
     language = "plotter"
-    # Damaged bytes of a cable may look like another command: nothing of what was sent was refused.
+    # Damaged bytes of a cable may look like another command: no packet of the sender was refused.
     untold = (errors.STOPPED, errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE, errors.UNKNOWN_COMMAND)
     can = ("place", "jog", "step", "goto", "home", "log", "points")
 

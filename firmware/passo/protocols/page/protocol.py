@@ -5,11 +5,11 @@
 
 A message of the server (web/page_line.py) is two bytes and text: the number of the page and FREE, PROVEN or GONE, and an order in JSON; or
 ALL and how many pages there are: the state is wanted. A message to it is two bytes and JSON: the number of a page, 0, and the answer; TOLD,
-0, and what all pages are told next; ALL, and a byte that is another one once more than places have changed, and the state. Several are
-separated by a line feed, which no number is.
+0, and a message for all pages; ALL, and a byte that is another one once more than places have changed, and the state. Several are separated
+by a line feed, which no number is.
 
-An order is looked at (orders.py), its commands are carried out one by one, and it is answered: what the machine refused at once is the
-answer, what it refuses later is in the log of the page.
+An order is checked (orders.py), its commands are carried out one by one, and it is answered: a refusal at once is in the answer, a later
+one in the log of the page.
 """
 
 import json
@@ -36,7 +36,7 @@ class Page:
     def __init__(self, machine_of, language):
         """`machine_of(tell)`: a PageMachine; `language`: the name of its link's."""
         self._language = language
-        self._messages = []  # to pages: what all are told, and answers to orders
+        self._messages = []  # to pages: messages to all, and answers to orders
         self._ordered = None  # the command of an order that is being carried out
         self._refused = 0  # the error of the order's commands
         self._pages = 0
@@ -53,7 +53,7 @@ class Page:
         self._jobs = None
         self._machine = machine_of(self.tell)
         self._orders = Orders(self._machine)
-        self.hello = self._orders.hello  # hello(): what a page is told first, a dict
+        self.hello = self._orders.hello  # hello(): a page's first message, a dict
 
     def keep(self, jobs_of):
         """The board stores jobs."""
@@ -85,7 +85,7 @@ class Page:
         return self._go_on(now_ms)
 
     def _look(self):
-        """What pages are shown; how far a stored job is, before that."""
+        """Yield the status command for the pages' state; before it the commands of a stored job."""
         if self._jobs:
             self._jobs.poll()
             for command in self._machine.commands():
@@ -117,7 +117,7 @@ class Page:
         yield self._hello
 
     def _go_on(self, now_ms):
-        """What was said since, and what a jog wants."""
+        """Yield the new commands, and those of a jog."""
         machine = self._machine
         if machine.jog.active and since(now_ms, self._asked_ms) >= _JOG_ASK_MS:
             self._asked_ms = now_ms
@@ -142,12 +142,12 @@ class Page:
         return b"\n".join(messages)
 
     def push(self, event):
-        """What pages are to know of it, the next feed() has said."""
+        """Take an event; the next feed() brings it to the pages."""
         self._machine.pushed(event)
         return b""
 
     def drop(self, event):
-        """What was held back is not done any more."""
+        """Forget the commands held back."""
         self._machine.drop(event)
         return b""
 
@@ -172,6 +172,6 @@ class Page:
 
 
 def at_once(state):
-    """What of a state pages are told at once, however rarely they want reports: what is no matter of places."""
+    """Return the parts of a state that pages get at once, however rarely they want reports: all but places."""
     job = state["job"]
     return state["state"], state["link"], state["alarm"], state.get("owner"), job and (job["name"], job["how"], job["pass"])

@@ -3,7 +3,7 @@
     machine = PulsesPage(record, number, board, tell, language)     # which knows the image of the parallel port
 
 Moves by hand are steps of one axis after the other, at the speed in force. A jog ends at the next step by a hold; the hold that is left
-behind it is taken off by a jog of no steps. What was moved by hand at a pause of the file, "return" undoes.
+behind it is taken off by a jog of no steps. Moves by hand at a pause of the file are undone by "return".
 """
 
 from micropython import const
@@ -36,14 +36,14 @@ class PulsesPage(PageMachine):
     def __init__(self, record, number, board, tell, language):
         self.can = can_of(board)
         PageMachine.__init__(self, record, number, board, tell)
-        self._image = language and language.port_byte  # None on a PC: it is told
+        self._image = language and language.port_byte  # None on a PC: the wire has it
         self._config = board["step_program"]
         self.axes = self.axes[:3]
         self._steps = None
-        self._begun = None  # steps up to which the jog is said
+        self._begun = None  # steps up to which the jog is queued
         self._ahead = None  # of the piece that is not answered
         self._cut = False  # a jog was cut: its hold is to be taken off
-        self._playing = False  # what moves is the file
+        self._playing = False  # the motion is that of the file
         self.orders = {"pace": self._pace}
 
     # --- what the machine says
@@ -81,7 +81,7 @@ class PulsesPage(PageMachine):
     # --- moves by hand
 
     def _by_hand(self, steps, answered):
-        """Move so many steps of each axis, one axis after the other."""
+        """Move each axis by its `steps`, one axis after the other."""
         if max([abs(part) for part in steps]) > _MOST_STEPS:
             return errors.TRAVEL
         if [part for part in steps if part]:
@@ -134,7 +134,7 @@ class PulsesPage(PageMachine):
     # --- orders
 
     def still(self):
-        """A hold may be said amid what is not answered."""
+        """A hold may come amid commands without an answer."""
         return errors.BUSY if self.jog.active or not self.stands() else 0
 
     def stop(self):

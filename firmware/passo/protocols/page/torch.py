@@ -2,8 +2,8 @@
 
     machine = TorchPage(record, number, board, tell, language)
 
-A move held by a button is a jog that is repeated; when it ends, STOP ends the jog at once, but where axes have ramps: there the board
-brakes at the end of what it was asked for, 100 ms or one jog.
+A move held by a button is a jog that is repeated; when it ends, STOP ends the jog at once; if axes have ramps, the board brakes at the end
+of the steps asked for, 100 ms or one jog.
 """
 
 from micropython import const
@@ -32,7 +32,7 @@ def can_of(board):
 
 
 def straight(steps, scale, speed):
-    """Steps/s of both axes that lead so many steps straight, at `speed` mm/min; None: there is no way to go."""
+    """Steps/s of both axes that lead `steps` straight, at `speed` mm/min; None: there is no way to go."""
     way = [steps[axis] / scale[axis] for axis in range(2)]
     length = sum([part * part for part in way]) ** 0.5
     return [max(1, round(abs(steps[axis]) * speed / 60 / length)) for axis in range(2)] if length else None
@@ -59,7 +59,7 @@ def preferences_of(order, scale):
 
 
 def preferences(jogs, speeds, scale):
-    """The same as a page is told them."""
+    """Return them as a page's message."""
     return {
         "t": "preferences", "do": "preferences", "error": 0, "scale": scale[:2],
         "jog": [round(jogs[axis] / scale[axis], 3) for axis in range(2)],
@@ -140,7 +140,7 @@ class TorchPage(PageMachine):
         return self._behind(Command(commands.HAND_OVER), Command(commands.CONNECT, value=1))
 
     def _run(self, steps, speeds, when, answered=None):
-        """Run so many steps, 0: not at all."""
+        """Run `steps` of each axis, 0: not at all."""
         error = 0 if max([abs(part) for part in steps]) < commands.FOREVER else errors.TRAVEL
         return error or self.do(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when), answered)
 

@@ -1,4 +1,4 @@
-"""The PC's end of the plotter's language: what it sends, and what it hears. No board needs it; the rest is in protocol.py.
+"""The PC's end of the plotter's language: its packets, and the answers to them. No board needs it; the rest is in protocol.py.
 
     wire.write(packet(COMMANDS["LINE"], 644, 454))
     ANSWERS[wire.read(1)[0]]                        # "NEXT"

@@ -78,12 +78,12 @@ def judge(data: ptr8, first: int, before: int, spare: int) -> int:
 
 @micropython.viper
 def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, room: int, most_x: int, most_y: int) -> int:
-    """The points at the start of `count` bytes, at most `room`, none beyond most_x, most_y: 4 × how many, and what comes
-    behind them: 0 less than a packet; 1 bytes that are none, or more than one; 2 a packet in which a byte repeats its
-    neighbour, so that more may come or the line be `quiet`; 3 any other packet.
+    """The points at the start of `count` bytes, at most `room`, none beyond most_x, most_y: 4 × how many, and the kind of the bytes behind
+    them: 0 less than a packet; 1 bytes that are none, or more than one; 2 a packet in which a byte repeats its neighbour, so that more may
+    come or the line be `quiet`; 3 any other packet.
 
     Each goes into `out`, from byte `at` on, as five bytes: 1 for a line or 0, x and y, high byte first. `before` is the
-    last byte of the packet before, or −1. Why which bytes are no packet is told above.
+    last byte of the packet before, or −1. The text above says why which bytes are no packet.
     """
     found = 0
     first = 0
@@ -139,7 +139,7 @@ class Plotter:
         self._latest = 0  # when the newest one came
 
     def take(self, data, now_ms):
-        """Keep `data`, and have the machine take the points at the start of what has come. Returns the answers to them."""
+        """Keep `data`, and have the machine take the points at its start. Returns the answers to them."""
         if data:
             self._hear(data, now_ms)
         batch = self.batch
@@ -184,7 +184,7 @@ class Plotter:
             self._before = HALT
             commands.append(Command(STOP))
         elif self._broken:
-            self._bytes = self._bytes[1 - PACKET :]  # where a STOP may have begun
+            self._bytes = self._bytes[1 - PACKET :]  # a STOP may have begun there
             if quiet:
                 commands.append(self._dropped(self._why))
         elif self._bytes and (now_ms - self._since) & COUNT_MASK >= RESYNC_MS:
@@ -257,7 +257,7 @@ class Plotter:
         self._broken = False
 
     def drop(self, event):
-        """What has come so far is not believed any more, and not asked for again."""
+        """Drop the bytes that have come so far, without a RESEND."""
         if self._bytes:
             self._broken = True
             self._why = errors.STOPPED

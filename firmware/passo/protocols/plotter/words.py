@@ -1,4 +1,4 @@
-"""Lines of text in packets, for what options add: `$`, number, three characters, checksum.
+"""Lines of text in packets, for additions of options: `$`, number, three characters, checksum.
 
 The packets of a line are numbered from 0; a line feed ends it. Each is answered by TAKEN, the last by the lines that answer it, of
 which the last is `ok` or `error:120`. One that comes a second time is answered again and not taken. One whose number does not

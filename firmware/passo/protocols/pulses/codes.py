@@ -11,7 +11,7 @@ from passo.commands import STEPS_DEFAULT, STEPS_DRIVES, STEPS_FASTEST, STEPS_TOO
 WAIT_MS = (0, 3_600_000)
 SPEED_MM_MIN = (0, 900_000)
 
-# What each letter steps, from A on: bits 0 to 2 the axes x, y, z, bits 4 to 6 those of them that go backward.
+# The steps of each letter, from A on: bits 0 to 2 the axes x, y, z, bits 4 to 6 those of them that go backward.
 CODES = bytes((
     0x01, 0x11, 0x02, 0x22, 0x04, 0x44,  # A X+, B X−, C Y+, D Y−, E Z+, F Z−
     0x03, 0x23, 0x13, 0x33,  # G X+Y+, H X+Y−, I X−Y+, J X−Y−

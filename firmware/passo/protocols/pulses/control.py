@@ -1,4 +1,4 @@
-"""The control commands of the language of pulse codes: what stands between braces, but for those that frame a file.
+"""The control commands of the language of pulse codes: the words between braces, but for those that frame a file.
 
     understand(["jog", "x", "100"], "xyz")      # a Command; BAD where there is no such command
 """

@@ -55,8 +55,8 @@ _LONGEST_COMMAND = const(80)  # of a control command
 
 _BLANKS = b" \t\r\n"
 
-# What becomes of the bytes of files.
-_TYPED = const(0)  # no {load} or {stream} has been said
+# The modes for the bytes of files.
+_TYPED = const(0)  # no {load} or {stream} has come
 _LOAD = const(1)
 _STREAM = const(2)
 _DROP = const(3)  # after an error, until the next control command or a quiet line
@@ -80,7 +80,7 @@ class Pulses:
         self._mode = _TYPED
         self._frame = None  # the bytes of a control command so far
         self._latest = 0
-        self._open = False  # STEPS_OPEN has been said, STEPS_CLOSE not yet
+        self._open = False  # STEPS_OPEN has gone out, STEPS_CLOSE not yet
         self._begin(0)
 
     def _begin(self, size, fresh=False):
@@ -241,7 +241,7 @@ class Pulses:
         return True
 
     def _hand_on(self, found):
-        """What has been collected so far becomes a command."""
+        """Make a command of the items collected so far."""
         if not self._items and self._taken < CREDIT or self._mode >= _DROP:
             return
         self._open_typed(found)
@@ -266,7 +266,7 @@ class Pulses:
         found.append(Command(STEP_PROGRAM_ADD, (self._line, self._column), STEPS_ABORT, error=error))
 
     def _drop_file(self):
-        """What is still coming of it is not for anybody."""
+        """Drop the rest of the file, which is still coming."""
         self._mode = _DROP if self._mode == _TYPED or self._mode == _DROP else _SHUT
         self._open = False
         self._size = 0
@@ -377,7 +377,7 @@ class Pulses:
         self._mode = min(self._mode, _DROP)
 
     def drop(self, event):
-        """Nothing that has come so far is done any more."""
+        """Drop the bytes that have come so far."""
         if self._frame is not None:
             self._frame = b"!"  # makes no sense, however it ends
         if self._open:
@@ -386,7 +386,7 @@ class Pulses:
         return b"stopped\n" if event.kind == DROPPED and event.error == errors.STOPPED else b""
 
     def push(self, event):
-        """What is said unasked."""
+        """Return the bytes sent unasked."""
         if event.kind == ALARM:
             return b"alarm:%d\n" % event.error
         if event.kind == NOTICE and self.words:

@@ -3,10 +3,11 @@
 A request is a byte that the answer begins with, a byte of flags (REQUEST_PROVEN, REQUEST_JSON), then path, blank and body:
 `/COMMAND x=100&y=100&xv=100&yv=100`. An answer is that byte and `code=254&state=running&error=0&…`, or the same as JSON.
 
-Each request becomes the frame of the same name, so that both links do the same. `code` is the frame's code, `state` what the
-machine does: stopped, running, finished, alarm … COMMAND and CONFIG repeat their numbers. INFO and HALT tell `x` and `y`, the
-signed steps since the last move or jog as the frames do, and `px` and `py`, the position in steps from the origin. What is refused
-moves nothing: `error` is its number. SETTING is Passo's own: it sets one and keeps it. ON takes the command too if nothing moves, because the program of 2020 has no word for that.
+Each request becomes the frame of the same name, so that both links do the same. `code` is the frame's code, `state` what the machine does:
+stopped, running, finished, alarm … COMMAND and CONFIG repeat their numbers. INFO and HALT tell `x` and `y`, the signed steps since the last
+move or jog as the frames do, and `px` and `py`, the position in steps from the origin. A refused request moves nothing: `error` has the
+number. SETTING is Passo's own: it sets one and keeps it. ON takes the command too if nothing moves, because the program of 2020 has no word
+for that.
 """
 
 from micropython import const
@@ -57,7 +58,7 @@ def form(body):
 
 class Forms(Torch):
     POSTS = tuple([path for path in PATHS if path != b"/INFO"])
-    GETS = (b"/INFO",)  # what a page is told, too
+    GETS = (b"/INFO",)  # the request for a page's events, too
     FREE = _FREE
     KEYED = (_SETTING,)
     PAGE = "torch.html"
@@ -188,7 +189,7 @@ class Forms(Torch):
         return state
 
     def drop(self, event):
-        """What was under way has been refused, and so answered."""
+        """A frame under way has been refused, and answered by that."""
         self._ended = False
         return b""
 

@@ -10,7 +10,7 @@ good frame is there with its last byte, but for two kinds: one that may yet grow
 silence, and one so short that the rest of a torn frame may begin like it (`short`) waits for another good frame or
 for SETTLE_MS without a byte.
 
-What `passo status` asks in another language is dropped too, but it is no fault of the line: QUESTIONS, alone between two silences.
+The questions of `passo status` in another language are dropped too, but are no fault of the line: QUESTIONS, alone between two silences.
 """
 
 import micropython
@@ -20,7 +20,7 @@ from passo.records import COUNT_MASK
 
 END = const(0xFF)
 SETTLE_MS = const(2)  # at 9600 baud the next byte of a torn frame comes within 1.1 ms
-_LONG_GAPS = const(20)  # so many gaps between two reads are a silence, even if nobody looked in between
+_LONG_GAPS = const(20)  # this many gaps between two reads are a silence, even if nobody looked in between
 
 
 QUESTIONS = b"?", b"\0\0\0\0?"  # of grbl, and with that the packet STATUS of a plotter

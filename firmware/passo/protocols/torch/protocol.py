@@ -4,18 +4,17 @@
     for command in torch.feed(serial.read(), now_ms): …
     serial.write(torch.reply(event))
 
-Each axis of a move runs at its own speed to its own target. Speeds are steps a second, their sign is the direction; counts
-are unsigned. Only STOP and INFO are answered, by their own code and the signed steps of X and Y since the last move or
-jog; the board says FINISHED when a move has ended, if it is asked to. A jog that is repeated while it runs goes on
-without a gap, as one jog, but asks for no more than the board file's jog.ahead_ms in advance. What comes while the
-machine moves and is no such jog, stop or question is dropped: `dropped` counts it, and the event log has the reason.
+Each axis of a move runs at its own speed to its own target. Speeds are steps a second, their sign is the direction; counts are unsigned.
+Only STOP and INFO are answered, by their own code and the signed steps of X and Y since the last move or jog; the board says FINISHED when
+a move has ended, if it is asked to. A jog that is repeated while it runs goes on without a gap, as one jog, but asks for no more than the
+board file's jog.ahead_ms in advance. A frame that comes while the machine moves, and is no repeated jog, stop or question, is dropped:
+`dropped` counts it, and the event log has the reason.
 
 WEAVE, `66 shape along way` and nine integers, is a seam (weave(), options/weaving/motion.py), refused unless the board file has `weaving`.
-PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, a jog's code for so
-many whole jogs as one, and LINE, a character of a line about settings (setting_lines.py, typed_words.py). Its answer comes in frames
-`77 24 count text 0xFF` of up to 13 bytes of text. What the frames'
-cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
-between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
+PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, a jog's code for a number of
+whole jogs as one, and LINE, a character of a line about settings (setting_lines.py, typed_words.py). Its answer comes in frames `77 24
+count text 0xFF` of up to 13 bytes of text. The frames' cutting (frames.py) cannot see a frame that lost bytes and was filled up by those of
+the next one, without a silence between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
 """
 
 import struct
@@ -62,7 +61,7 @@ _SHORTER = {_CONFIGURE: 14}  # the length of the document's table: one jog for b
 _MOVING = (0xF9, 0xF7, 0xF4, 0xF1, 0xEE, 0xCC, 0x88)  # two bytes that may not come about by a torn frame's end
 ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
 
-STATUS_OF = const(0x3F)  # what the frame PASSO asks for: `?`
+STATUS_OF = const(0x3F)  # The question of the frame PASSO: `?`
 UNLOCK_OF = const(0x75)  # leave an alarm: `u`
 LOG_OF = const(0x6C)  # the event log: its newest entry but `value` of them: `l`
 ADMIT_OF = const(0x68)  # for `value` minutes who sends no key may move it over the network: `h`
@@ -107,7 +106,7 @@ def weave(spec, x, y, speed_um_s, centre=(0, 0), clockwise=False):
 
 
 def passo(what, value=0):
-    """The extension's frame: what = STATUS_OF, UNLOCK_OF, LINK_OF, LOG_OF, or the code of a jog and how many, 1 … 255."""
+    """Return the extension's frame; `what`: STATUS_OF, UNLOCK_OF, LINK_OF, LOG_OF, or the code of a jog and their number, 1 … 255."""
     return frame("PASSO", bytes((what, value, what ^ value ^ _CHECK)))
 
 
@@ -127,8 +126,9 @@ def status_bytes(report, error, dropped):
 
 
 def log_bytes(entries, back):
-    """PASSO LOG's answer: `77 6C` number, how many entries are older, ms of the machine's clock, eight letters of who `FF`;
-    zeros where there is none."""
+    """PASSO LOG's answer: `77 6C` number, how many entries are older, ms of the machine's clock, eight letters of its link or input, `FF`;
+    zeros if there is none.
+    """
     at = len(entries) - 1 - back
     ms, number, who = entries[at] if at >= 0 else (0, 0, "")
     name = (who or "").encode()[:8]
@@ -145,7 +145,7 @@ def text_bytes(text):
 
 
 def answer_from(data):
-    """(name, fields) of a whole answer: STOP and INFO have x and y, PASSO what status_bytes says, TEXT a piece of what answers a line."""
+    """(name, fields) of a whole answer: STOP and INFO have x and y, PASSO the fields of status_bytes(), TEXT a piece of the answer to a line."""
     names = {code: name for name, code in CODES.items()}
     name = names[data[0]]
     if name == "PASSO" and data[1] == LINE_OF:
@@ -344,6 +344,6 @@ class Torch:
         return b""
 
     def drop(self, event):
-        """What has come so far is not believed any more."""
+        """Drop the bytes that have come so far."""
         self._cutter.drop()
         return b""
