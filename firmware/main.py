@@ -50,7 +50,7 @@ if WHOLE:
         if not (image and image.STAMP == STAMP):
             from passo.ports.rp2 import flash_code
 
-            flash_code.begin()  # what is imported from here on stays in flash
+            flash_code.begin()  # modules imported from here on stay in flash
             del flash_code
         from passo.ports.rp2.start import Start
     from passo.config.board_error import BoardError
@@ -67,7 +67,7 @@ def checked(board):
 
 def import_all(board):
     keep = getattr(board.get("additions"), "keep", None)
-    if keep:  # what a reset has left of a black box, before that memory is used anew
+    if keep:  # a black box that a reset has left, before its memory is used anew
         __import__(keep[0], None, None, ("keep",)).keep(*keep[1:])
     from passo.machine_builder import load_all
 

@@ -1,9 +1,9 @@
-"""Frozen into Passo's UF2 beside the package: what is in it, whether all of it is in the flash, and which package is to run.
+"""Frozen into Passo's UF2 beside the package: its contents, the check that all of it is in the flash, and the choice of the package to run.
 
     passo_image.whole()         # False: the UF2 was not copied to its end, or the flash has lost a bit
     passo_image.chosen()        # True: the frozen package; False: the one on the file system, which `passo flash --source` laid there
 
-The page of the flash before the file system says how long the image is, and what its words come to.
+The page of the flash before the file system has the length of the image, and the sum over its words.
 """
 
 import sys

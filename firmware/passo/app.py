@@ -37,7 +37,7 @@ _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 _LINES = const(4)  # of a batch
 _KEPT = const(8)  # lines that _heed() has kept: the next cycle begins without a sleep
-_REPLY_MS = const(3)  # a PC takes so long, most of them one, to send more when lines have been answered
+_REPLY_MS = const(3)  # a PC takes this long, most of them one, to send more when lines have been answered
 
 
 class Link:
@@ -48,12 +48,12 @@ class Link:
         self.name = config["name"]
         self.serial = serial
         self.protocol = protocol
-        self.batch = getattr(protocol, "batch", None)  # for what comes in great numbers, if the language has one
+        self.batch = getattr(protocol, "batch", None)  # for frequent motion, if the language has one
         if self.batch:
             self.take = protocol.take
             self.batch.join(*controller.batches(self.batch))
         self._log = controller.machine.note
-        self.heed = getattr(protocol, "heed", None)  # what keeps lines, and has real-time bytes carried out before these
+        self.heed = getattr(protocol, "heed", None)  # keeps lines, and has real-time bytes carried out before these
         self.heard = False  # bytes have come, see was_heard()
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
@@ -72,7 +72,7 @@ class Link:
 class App:
     def __init__(self, board, port, protocols=None, slots=None, rooms=()):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere; `rooms`: what was made while memory was free in large pieces, see keep(). Raises
+        settings are kept, None: nowhere; `rooms`: the arrays made while memory was free in large pieces, see keep(). Raises
         BoardError."""
         from passo import machine_builder  # here: it is forgotten again
 
@@ -104,16 +104,16 @@ class App:
         self._speaking = None  # the link whose bytes are being understood
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
         self.links = []
-        shared = {}  # what links of one language have in common
+        shared = {}  # the objects that links of one language share
         most = _SEVERAL if self.interrupt else _ALL
         self._make_links(machine_builder, languages, serials, own, shared, most)
-        self._prepare()  # before what links of files want
+        self._prepare()  # before the buffers for links of files
         if self.interrupt:  # a chip has little memory
             machine_builder = own = None
             forget("passo.machine_builder", True)
         for name, language in getattr(board.get("additions"), "file_links", ()):
             self._add_link(self.controller.features[name], languages, language, shared, most)
-        if self.interrupt:  # who wants more of them has them
+        if self.interrupt:  # their users have them
             board.pop("additions", None)
         self.controller.machine.restarted()
         self._answer()
@@ -243,8 +243,7 @@ class App:
         return False
 
     def _overtaken(self, heard):
-        """True while more bytes are coming, or a PC may be about to send them, and the machine may wait for them. What has been
-        asked for moves at once."""
+        """True while more bytes are coming, or a PC may be about to send them, and the machine may wait for them. The motion asked for begins at once."""
         now_ms = self.port.machine_ms()
         moves = self.feeder.open
         coming = heard == _PART or not (heard & _LINES and moves) and self._coming()
@@ -292,7 +291,7 @@ class App:
         self._looked_ms = self.port.machine_ms()
 
     def _go_on(self, link):
-        """What waits comes first."""
+        """Commands that wait come first."""
         while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
             self._answer()
@@ -379,7 +378,7 @@ class App:
                         self._listen(link)
                     break
             elif more and (answers is False and self.interrupt or answers == b"" and (len(data) >= _FULL or link.heed and self.interrupt and serial.any())):
-                more -= 1  # see Grbl.take(); so many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
+                more -= 1  # see Grbl.take(); this many reads at most: a serial line that is not read in time loses bytes, and a sender of `?` alone must not hold the machine up
                 if answers is False:
                     self._carry_out(link.protocol.feed(b"", now_ms), link)
             else:
@@ -414,7 +413,7 @@ class App:
                     link.serial.write(said)
 
     def _push(self, event):
-        """What the machine says unasked, to every link."""
+        """Send an event to every link."""
         if event.kind in (ALARM, DROPPED, RESTARTED):
             self._drop(event)
         for link in self.links:
@@ -425,8 +424,8 @@ class App:
     # --- what was sent before a stop, a reset, an alarm or a hand-over moves nothing after it
 
     def _drop(self, event):
-        """Refuse what waits, what has come and was not read, unless it is harmless, and what the languages hold back. Only
-        of the link that brought this about, what stands behind its word for it was sent after it, and counts."""
+        """Refuse the commands that wait, the bytes that have come and were not read, unless they are harmless, and those that the languages
+        hold back. Only of the link that brought this about, what stands behind its word for it was sent after it, and counts."""
         alarm = event.kind == ALARM
         if alarm and event.error in (errors.ALARM_RESET, errors.ALARM_HOMING_RESET, errors.ALARM_HOMING_REQUIRED):
             return  # RESTARTED follows; or what has come may home the other axes, and is refused if it does not

@@ -1,12 +1,11 @@
-"""What comes most often, several at a time on its way from a language to the machine: lines to go, points to draw.
+"""The most frequent commands, several at a time on their way from a language to the machine: lines to go, points to draw.
 
     batch.join(*controller.batches(batch))
     while answers := language.take(data, now_ms):   # opens the batch, fills rows, has the machine take them
         ...
     batch.close(batch)
 
-A batch belongs to one link. The controller fills in what a language has to know, the language the rows. What a row may not
-express comes as a Command.
+A batch belongs to one link. The controller fills in what a language has to know, the language the rows. A command that a row cannot hold comes as a Command.
 """
 
 from micropython import const
@@ -17,16 +16,16 @@ POINT_BYTES = const(5)
 
 
 class _Batch:
-    moves = True  # if the machine stands, begin the motion of what was taken before it is answered
+    moves = True  # if the machine stands, begin the motion of the rows taken before it is answered
 
     def __init__(self, link):
         self.link = link  # its number
         self.count = 0  # rows filled last
         self.begun = False  # open() has said yes, and close() has not been called since
-        self.room = 0  # the controller's, as what follows: for so many rows
+        self.room = 0  # the controller's, as the next ones: the number of rows
 
     def join(self, open, accept, close, arc=None):
-        """What Controller.batches() gives."""
+        """Take the functions of Controller.batches()."""
         self.open, self.accept, self.close, self.arc = open, accept, close, arc
 
 
@@ -45,7 +44,7 @@ class Lines(_Batch):
         self.dots = dots
         # the controller's:
         self.taker = None  # (TRACE_… array, the kernel that queues rows, what it takes behind rows and count): one until these change
-        self.target = None  # where the first row begins, steps of each axis: an array that is the machine's own
+        self.target = None  # the position of the first row's start, steps of each axis: an array that is the machine's own
         self.reach = None  # (lowest, highest) positions of the axes if the travel counts; one object until that changes
         self.tool = False  # the tool before the first row
         self.power = 0  # and its power, thousandths

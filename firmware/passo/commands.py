@@ -1,7 +1,7 @@
-"""The vocabulary that all languages share: what a command asks of the machine, and what the machine answers.
+"""The vocabulary that all languages share: the commands to the machine, and its answers.
 
-A protocol turns bytes into Commands and Events into bytes; the controller turns Commands into Events. What a protocol
-could not understand is a Command too, BAD with the number of the error, so that it is logged and answered like others.
+A protocol turns bytes into Commands and Events into bytes; the controller turns Commands into Events. Bytes that a protocol could not
+understand become a Command, too, BAD with the number of the error, so that it is logged and answered like others.
 
 Places are steps of each axis from machine position zero; speeds are nanometres a second along the path.
 """
@@ -35,7 +35,7 @@ OVERRIDE = const(23)  # `value`: one of FEED … ALL below, `power`: the percent
 TOGGLE = const(24)  # while moving: `value` as COOLANT, toggled; SPINDLE_STOP in a hold
 CHECK = const(25)  # `value` 1: commands are only checked from now on; 0: they are carried out again
 SLEEP = const(26)  # everything off until RESET
-SYNC = const(27)  # nothing but an answer, once everything before it has ended
+SYNC = const(27)  # an answer only, once everything before it has ended
 HAND_OVER = const(28)  # `value`: the link that may command from now on, the board file's first is 1; 0: this one
 RUN = const(29)  # axes run on their own from now on: see Run
 REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Run.unpowered
@@ -44,7 +44,7 @@ CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the o
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
 STILL = const(33)  # accepted at a stand, else refused as BUSY; `value`: (steps, steps/s) of a jog of each axis, which are kept, or 0
 SETTING = const(35)  # `target`: its number, None: which there are; `value`: in thousandths, None: tell it, or `tool`: as the board file has it
-ADMIT = const(39)  # `value` minutes: who sends no key may move the machine over the network, where the board file allows that
+ADMIT = const(39)  # `value` minutes: programs without a key may move the machine over the network, if the board file allows that
 WEAVE = const(37)  # `value`: how lines and arcs at a feed are woven from now on, a spec of options/weaving/motion.py; None: not at all
 SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in steps from here; the rest as of a Motion
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
@@ -67,7 +67,7 @@ INPUTS = (
     ("resume", "S", RESUME, "pauses"),
 )
 
-# What only some machines have to say in a status: its key in the report, to which a feature's report() puts a value, or None; the word
+# A word of some machines in a status: its key in the report, to which a feature's report() puts a value, or None; the word
 # for it in grbl's report, the status of pulses, the torch's /INFO and the page. The plotter's and the torch's packets have no room for
 # more words. A feature of few machines appends its own row.
 STATUS_WORDS = [
@@ -92,7 +92,7 @@ AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
 LIVE = const(2)  # or changes what the axes named do, while others run on
 FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
 
-# The kit of two motors that is told keys.
+# The kit of two motors, which is controlled by keys.
 KIT_MOTORS = const(2)
 KIT_STEP_MS = const(4)  # between steps at speed 1
 KIT_SLOWEST = const(127)  # speed
@@ -103,14 +103,14 @@ JOB_LIST = const(1)
 JOB_DELETE = const(2)
 JOB_OPEN = const(3)  # an upload begins: `target` is (name, language, bytes, their CRC-32, bytes that come)
 JOB_DATA = const(4)  # some of its bytes
-JOB_STATE = const(6)  # what runs, or how the last one has ended
+JOB_STATE = const(6)  # the job that runs, or the end of the last one
 JOB_CLOSE = const(5)  # it is complete; FINISHED once it has been read back
 
 # STEP_PROGRAM_ADD
 STEPS_OPEN = const(0)  # `tool`: it is played as it comes, else stored whole
 STEPS_ITEMS = const(1)  # `target`: list of items, see below
 STEPS_CLOSE = const(2)  # it is complete
-STEPS_ABORT = const(3)  # it cannot be understood: `error` says why; what is under way of it stops
+STEPS_ABORT = const(3)  # it cannot be understood: `error` has the reason; the part under way stops
 
 # An item: single steps are `count << 8 | negative << 4 | mask of axes`; without axes it is `value << 8 | one of these << 4`.
 STEPS_WAIT = const(1)  # ms
@@ -132,7 +132,7 @@ STEPS_JOG = const(6)  # `target`: steps of each axis, one axis after the other
 STEPS_HAND_TOOL = const(7)  # `tool`
 STEPS_HAND_DRIVES = const(8)  # `tool`: on
 
-# Where a job is, as a feature's progress() tells the journal: fields of an array, see control/job_journal.py.
+# The position in a job, as a feature's progress() gives it to the journal: fields of an array, see control/job_journal.py.
 SPOT_INDEX = const(0)  # units done
 SPOT_TIMES = const(1)  # times to be played, this one included
 SPOT_BACK = const(2)  # 1: towards the start
@@ -144,7 +144,7 @@ FINISHED = const(2)  # a command that takes time has done what it was asked
 ALARM = const(3)  # pushed to every link, `command` None: `error` is the alarm's number
 NOTICE = const(4)  # pushed to every link, `command` None: `error` is one of the notices of errors.py
 RESTARTED = const(5)  # pushed to every link after a RESET, `command` None
-DROPPED = const(6)  # pushed to every link, `command` None: what it sent before is not done any more; `error` says why,
+DROPPED = const(6)  # pushed to every link, `command` None: the commands it sent before are dropped; `error` has the reason,
 # `value` is the Command that brought it about
 
 
@@ -199,9 +199,9 @@ def thousandths(power):
 
 
 class Run(Command):
-    """RUN. `steps` of each axis, signed, ±FOREVER, 0 to change its rate only, None to leave it alone; `rates` of each:
-    so many (steps, in so many milliseconds). `when` it may be: AT_REST, AS_JOG or LIVE. Of a live one the steps are added
-    to those to come, or take their place where the direction is the other one. FINISHED follows when all axes stand.
+    """RUN. `steps` of each axis, signed, ±FOREVER, 0 to change its rate only, None to leave it alone; `rates` of each: (steps, in
+    milliseconds). `when` it may be: AT_REST, AS_JOG or LIVE. Of a live one the steps are added to those to come, or take their place where
+    the direction is the other one. FINISHED follows when all axes stand.
     """
 
     def __init__(self, steps, rates, when=AT_REST):

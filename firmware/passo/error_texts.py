@@ -1,4 +1,4 @@
-"""What the numbers of `errors` mean, a line each. A board loads this only if somebody asks, at the REPL.
+"""The meanings of the numbers of `errors`, a line each. A board loads this only if somebody asks, at the REPL.
 
     from passo.error_texts import text
     text(33)
@@ -141,5 +141,5 @@ TEXTS = {
 
 
 def text(number):
-    """What error or alarm `number` means, in one line."""
+    """Return the meaning of an error or alarm `number`, in one line."""
     return TEXTS.get(number) or "error %d" % number

@@ -1,8 +1,8 @@
-"""Every error and alarm by number: one table for the firmware, the host tools and the documents. What they
-mean stands in `error_texts`, which a board loads only when somebody asks.
+"""Every error and alarm by number: one table for the firmware, the host tools and the documents. Their meanings are in `error_texts`, which
+a board loads only when somebody asks.
 
 Numbers up to 199 are errors: a command was refused and nothing moved. From 200 they are alarms: the machine stopped
-and must be homed. Where grbl 1.1 has a number for the same thing it is that number, its alarms 200 higher.
+and must be homed. If grbl 1.1 has a number for the same thing it is that number, its alarms 200 higher.
 """
 
 from micropython import const

@@ -1,4 +1,4 @@
-"""The machine builder: what a board file and its links' languages ask for is made, and nothing else: drive, speeds, features.
+"""The machine builder: it makes the parts that a board file and its links' languages ask for, and no others: drive, speeds, features.
 
 A board forgets this module when that is done: it has better uses for the memory.
 """
@@ -28,7 +28,7 @@ _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp",
 
 
 # Every feature, in any order: its module of control, its class, and the rule by which a board file
-# asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is neither
+# asks for it. A feature is also made if a language of the board's links names it in its NEEDS; all others are neither
 # loaded nor, but for those with a rule, in the build.
 FEATURES = (
     ("switches", "Switches", lambda board: board["inputs"]),
@@ -177,7 +177,7 @@ def queue(board, streamed):
 
 
 def more_settings(languages):
-    """What the languages (modules) add to the settings: functions (board, table)."""
+    """Return the languages' (modules) additions to the settings: functions (board, table)."""
     return [language.settings for language in languages if hasattr(language, "settings")]
 
 

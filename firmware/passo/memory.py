@@ -1,4 +1,4 @@
-"""Large arrays, each in one piece of memory, made while there are pieces as large; and pieces kept for what is made later.
+"""Large arrays, each in one piece of memory, made while there are pieces as large; and pieces kept for later.
 
     keep([("i", array("i", bytearray(4096)))])      # at the start, before code is loaded: it leaves small pieces only
     zeros(1024)                                     # this one
@@ -17,13 +17,13 @@ from micropython import const
 
 _PART = const(128)
 FILE_BYTES = const(1148)  # of an open file, in one piece, on an RP2040
-_NAME_BYTES = const(48)  # what open() makes before the file: a copy of its name
+_NAME_BYTES = const(48)  # bytes that open() takes before the file: a copy of its name
 WINDOW_BITS = const(10)
 _kept = []  # see keep()
 
 
 def keep(kept):
-    """`kept`: a list of what was made while memory was free in large pieces: ("i", array) for zeros(), ("I", array) for
+    """`kept`: a list of the arrays made while memory was free in large pieces: ("i", array) for zeros(), ("I", array) for
     numbers(), ("b", bytearray) for buffer() and a FileRoom, ("d", DeflateIO) for stream(); () forgets them."""
     _kept.clear()
     _kept.append(kept)
@@ -78,7 +78,7 @@ class FileRoom:
 
     @classmethod
     def spare(cls):
-        """No piece is kept from here on: so much memory stays free that there is one at any time."""
+        """Keep no piece from here on: enough memory stays free for one at any time."""
         cls.none = True
 
     def __init__(self):
@@ -86,9 +86,9 @@ class FileRoom:
         self._name = None
 
     def open(self, path, mode):
-        """Open a file. What it raises leaves no room: call keep() then, too."""
+        """Open a file. Its errors leave no room: call keep() then, too."""
         self._kept = self._name = None
-        gc.collect()  # nothing is made from here on but what open() makes
+        gc.collect()  # open() alone takes memory from here on
         return open(path, mode)
 
     def keep(self):

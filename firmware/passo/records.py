@@ -22,7 +22,7 @@ HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is
 LONG_TICKS = const(375_000)  # 30 ms of motion queued: with less a stream is slowed down
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
-REST_MS = const(1000)  # a machine that stands for so long rests: a sender that counts has sent all it may
+REST_MS = const(1000)  # a machine that has stood for this time rests: a sender that counts has sent all it may
 LINES_BYTES = const(1024)  # of G-code lines that a link keeps
 JOURNAL_BYTES = const(32)  # of a record of the job's journal, see control/job_journal.py
 REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of the 74HC165 if inputs, of the 74HC595 if outputs
@@ -94,7 +94,7 @@ QUEUE_ARC = const(5)  # the block that the next arc's plan is in use for, until 
 QUEUE_FIELDS = const(6)
 QUEUE_SIZE = const(96)  # blocks: 64 that are looked ahead at, 32 in flight
 
-# Planner.work: the planner's scratch, and what passes from one block to the next.
+# Planner.work: the planner's scratch, and the values passed from one block to the next.
 SCRATCH_FEED = const(0)  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
 SCRATCH_GIVEN = const(1)  # ticks that a line is to last, as a float; 0: its length over its speed
 SCRATCH_GIVEN_SHIFT = const(2)
@@ -122,7 +122,7 @@ SCRATCH_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
 SCRATCH_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
 SCRATCH_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
 SCRATCH_ASKED = const(37)  # nm/s that SCRATCH_FEED is of; -1: of none
-SCRATCH_EAGER = const(38)  # 1: what comes while the machine is under way is released; 2: and a stream goes on: see percent()
+SCRATCH_EAGER = const(38)  # 1: blocks that come while the machine is under way are released; 2: and a stream goes on: see percent()
 SHORT_EXPONENT = const(1)  # from a short float, of 15 bits, to its exponent, 1000 too large
 SHORT_STEPS = const(39)
 SHORT_LENGTH = const(41)
@@ -134,7 +134,7 @@ SCRATCH_TAKEN = const(50)  # and of those that were fetched
 SCRATCH_CHANGE = const(51)  # the change of direction at a corner, one number an axis
 SCRATCH_FIELDS = const(55)
 
-# Limits.fields: what the axes can do, a number or a float as two (motion/limits.py).
+# Limits.fields: the limits of the axes, a number or a float as two (motion/limits.py).
 LIMIT_AXES = const(0)
 LIMIT_FINEST = const(1)  # exponent of the lengths of a step
 LIMIT_SPEED = const(2)
@@ -157,7 +157,7 @@ LIMIT_FIELDS = const(36)
 RAMP_STEPS = const(0)
 RAMP_TICKS = const(1)
 RAMP_PACE = const(2)  # its mean speed in the block's units; -1: the programmed one
-RAMP_Q = const(3)  # where the next one begins, in the block's units
+RAMP_Q = const(3)  # the beginning of the next one, in the block's units
 RAMP_V = const(4)  # its root, 7 fraction bits
 RAMP_START = const(5)  # q that takes no ramp, in the block's units
 RAMP_CARRY = const(6)  # of ticks
@@ -177,9 +177,9 @@ RAMP_FIELDS = const(17)
 # Behind it in Ramp.state if jerk is limited (s_curve.py). b is the square root of the speed, in the block's units, that would
 # come on top while the acceleration fades. Of the block:
 S_CURVE_B = const(17)
-S_CURVE_RATE = const(18)  # what b changes by in a tick: S_CURVE_RATE / 2 ** S_CURVE_RATE_SHIFT
+S_CURVE_RATE = const(18)  # the change of b in a tick: S_CURVE_RATE / 2 ** S_CURVE_RATE_SHIFT
 S_CURVE_RATE_SHIFT = const(19)
-S_CURVE_PUSH = const(20)  # what b does to q in a step: b · S_CURVE_PUSH / 2 ** 11
+S_CURVE_PUSH = const(20)  # the change of q by b in a step: b · S_CURVE_PUSH / 2 ** 11
 S_CURVE_MOST = const(21)  # b at the highest acceleration
 S_CURVE_LIMIT = const(22)  # no b is larger
 S_CURVE_W = const(23)  # the speed that acceleration takes to come and go
@@ -188,25 +188,25 @@ S_CURVE_SCALE = const(25)  # of need(), a step
 S_CURVE_FIRST = const(26)  # b and q after one step from rest; 0: step_from_rest() has not been asked yet
 S_CURVE_REST = const(27)
 S_CURVE_HALF = const(28)  # of the speed there to its mean one, · 2¹³
-S_CURVE_SPARE = const(29)  # what b has grown by less than one
-S_CURVE_CRUISE = const(30)  # a steady speed that need() has been asked for, and for which end, and what it has found
+S_CURVE_SPARE = const(29)  # the growth of b below one
+S_CURVE_CRUISE = const(30)  # a steady speed that need() has been asked for, the end, and the result
 S_CURVE_CRUISE_UNTIL = const(31)
 S_CURVE_CRUISE_NEED = const(32)
-S_CURVE_BEHIND = const(33)  # where the row of the block behind begins
+S_CURVE_BEHIND = const(33)  # the index of the row of the block behind
 S_CURVE_SPAN = const(34)  # its ROW_SPAN
 # Of the segment:
 S_CURVE_UNTIL = const(35)  # speed at the block's end
 S_CURVE_ON = const(36)  # 1: slowing down goes on in the block behind
-S_CURVE_ROOM = const(37)  # what is left of the block, in the units of need()
+S_CURVE_ROOM = const(37)  # the rest of the block, in the units of need()
 S_CURVE_FORCE = const(38)  # S_CURVE_PUSH along its path
 S_CURVE_FAST = const(39)  # the speed wanted
 S_CURVE_AIM = const(40)  # q last tried to end with
 S_CURVE_SPEED = const(41)  # its root; -1: not known
 S_CURVE_ABOVE = const(42)  # how much speed is above the one wanted then
 S_CURVE_LEAVE = const(43)  # the block's planned exit, q
-S_CURVE_GROW = const(44)  # what b may change by
+S_CURVE_GROW = const(44)  # the most change of b
 S_CURVE_GUESS = const(45)  # speed at its end if b stays
-S_CURVE_BRAKES = const(46)  # 1: it has to slow down for what lies ahead
+S_CURVE_BRAKES = const(46)  # 1: it has to slow down for the path ahead
 # Of the machine: √(jerk / 2) a tick, in fastest / 2²⁸: S_CURVE_ROOT / 2 ** S_CURVE_SHIFT; the planner's rows.
 S_CURVE_ROOT = const(47)
 S_CURVE_SHIFT = const(48)
@@ -217,7 +217,7 @@ S_CURVE_FIELDS = const(51)
 # Line.state: a walker along a line.
 LINE_AXES = const(0)
 LINE_DOMINANT = const(1)  # the axis with most steps
-LINE_FALL = const(2)  # twice the dominant steps: what a step takes off an axis's decision
+LINE_FALL = const(2)  # twice the dominant steps: a step takes them off an axis's decision
 LINE_NEGATIVE = const(3)  # mask of the axes that go backwards
 LINE_MOVING = const(4)  # mask of the axes that step
 LINE_RISE = const(5)  # three numbers an axis, `axes` times the first, then the second, then the third:
@@ -279,11 +279,11 @@ POWER_HEAD = const(0)
 POWER_TAIL = const(1)
 POWER_MASK = const(2)  # marks, a power of two, − 1
 POWER_WAIT = const(3)  # marks that may wait if another segment is made
-DOTS_AT = const(4)  # where the dots begin: powers, 0 … POWER_MOST, of the rows that are queued, three in a number, each of DOTS_COUNT bits
+DOTS_AT = const(4)  # the index of the first dot: powers, 0 … POWER_MOST, of the rows that are queued, three in a number, each of DOTS_COUNT bits
 DOTS_MASK = const(5)  # dots, a power of two, − 1; 0: this machine takes no rows
 DOTS_HEAD = const(6)  # index of the next dot to be put; the parser's
 DOTS_TAIL = const(7)  # and of the oldest one that has not been burnt; the feeder's
-POWER_PERCENT = const(8)  # every value counts so much of itself
+POWER_PERCENT = const(8)  # the percentage of every value
 POWER_LEAST = const(9)  # a value up to this one, but 0, shows as the weakest level
 POWER_MARKS = const(10)
 
@@ -299,20 +299,20 @@ POWER_UNKNOWN = const(32_000)
 DOTS_COUNT = const(10)  # the bit from which on stands how many dots there are, at most DOTS_MOST; 0: no row
 DOTS_FIRST = const(18)  # and the index of the first
 DOTS_MOST = const(255)
-DOTS_POWER = const(0x3FF)  # mask of what lies below
+DOTS_POWER = const(0x3FF)  # mask of the bits below
 
 # Program._trace: where the lines of a batch may lead. Positions have 2²⁹ added, so that none is negative; four numbers each.
 TRACE_LOW = const(0)
 TRACE_HIGH = const(4)
 TRACE_AXES = const(8)
-TRACE_ROOM = const(9)  # so many rows may still be queued
-TRACE_TAKEN = const(10)  # so many of the last rows have been
+TRACE_ROOM = const(9)  # the rows that may still be queued
+TRACE_TAKEN = const(10)  # the number of the last rows queued
 TRACE_MOVED = const(11)  # 1: some have been since the batch was opened; of the last of them:
 TRACE_FLAGS = const(12)  # BATCH_FLAGS
 TRACE_POWER = const(13)  # BATCH_POWER
 TRACE_FIELDS = const(14)
 
-# An arc's plan: what arc.plan() works out once a block, in steps. "Along the circle" means its length in steps of the path.
+# An arc's plan: the results of arc.plan(), once a block, in steps. "Along the circle" means its length in steps of the path.
 ARC_AXIS_A = const(0)  # the plane's axes: counter-clockwise is from A to B; then the third one, -1: none
 ARC_AXIS_B = const(1)
 ARC_AXIS_Z = const(2)
@@ -354,11 +354,11 @@ CIRCLE_Z_BETWEEN = const(31)  # its position between two steps, 21 fraction bits
 # Of the arc:
 CIRCLE_Z_LEFT = const(32)  # steps of the third axis to come after this run
 CIRCLE_Z_SUM = const(33)  # its position between two steps after the run, 21 fraction bits
-CIRCLE_Z_OVER = const(34)  # what rounding has left over for it, 2⁻²⁰ steps of path
+CIRCLE_Z_OVER = const(34)  # the rest of its rounding, 2⁻²⁰ steps of path
 CIRCLE_ERROR = const(35)  # u² + w² − R²
 CIRCLE_USED = const(36)  # length of the run, 2⁻²⁰ steps
 CIRCLE_NEXT = const(37)  # of the step after it; −1: not known yet
-CIRCLE_REST = const(38)  # what rounding has left over of CIRCLE_PATH, 2⁻²⁰ steps
+CIRCLE_REST = const(38)  # the rest of rounding CIRCLE_PATH, 2⁻²⁰ steps
 CIRCLE_ROOT = const(39)  # √(R² − u²) behind the steps measured last, · 2 ** ARC_SHIFT
 CIRCLE_LINE = const(40)  # the state of a line's walker, for the tail; here too the steps made are counted
 
@@ -394,10 +394,10 @@ AXIS_NEW_OVER = const(18)
 AXIS_NEW_NEGATIVE = const(19)
 AXIS_NEW_ENDLESS = const(20)
 AXIS_NEW_AIM = const(21)
-AXIS_NEW_BASE = const(22)  # what was asked for up to here is dropped; −1: nothing is
+AXIS_NEW_BASE = const(22)  # the steps asked for up to here are dropped; −1: none are
 AXIS_FIELDS = const(23)
 
-# What a look at the machine finds (steps/position_viper.py, motion/speed_viper.py): all of one moment.
+# The results of a look at the machine (steps/position_viper.py, motion/speed_viper.py): all of one moment.
 SEEN_ROOM = const(0)  # blocks that can be queued
 SEEN_ROW = const(1)  # row of the oldest block not played to its last word; -1: none
 SEEN_PACE = const(2)  # of the segment under way, as MARK_PACE; 0: none is

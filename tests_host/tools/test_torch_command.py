@@ -61,7 +61,7 @@ FAR = ["nan", "inf", "-inf", "1e400", "1e12", "-1e12", "89478486", str(2**32 / 4
 
 
 def test_no_number_becomes_another_one_in_a_frame():
-    """A frame has 32 bits, and the sign of a speed is the direction: what does not fit is refused before anything is sent, by name."""
+    """A frame has 32 bits, and the sign of a speed is the direction: a value that does not fit is refused by name before anything is sent."""
     with Board("--board", "torch_manipulator", "--time", "fast") as board:
         where = ("--port", board.port)
         assert passo("connect", *where)[0] == 0

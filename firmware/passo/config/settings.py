@@ -292,7 +292,7 @@ class Settings:
     # --- what the machine asks
 
     def frame(self):
-        """What positions are counted by: steps/m of each axis, and a mask of the ends that they home to."""
+        """Return the base of positions: steps/m of each axis, and a mask of the ends that they home to."""
         return self.steps_per_m[:], self.value(HOMING_DIRECTION)
 
     def jog_steps(self, axis):

@@ -68,7 +68,7 @@ class Homing(homing.Homing):
             if motor["axis"] in board["additions"].stalls:
                 self._full[names.index(motor["axis"])] = motor["microsteps"]
         self._shared = board.get("kinematics") == "corexy" and 0 in self._full  # both motors move X, and Y
-        # Of the axis that homes, for it does so alone: how often its end has been located, how many of the last agree, the edge of these, the last,
+        # Of the axis that homes, for it homes alone: how often its end has been located, how many of the last agree, the edge of these, the last,
         # how many have to, and whether a rotor may have slipped.
         self._located = self._agree = self._edge = self._last = self._enough = 0
         self._doubt = False
