@@ -124,7 +124,7 @@ class ShiftRegisters:
 
 
 class RegisterInput:
-    """Chip_port.Input, for a register's bit."""
+    """As chip_port.Input, for a register's bit."""
 
     pin = None
 
@@ -140,7 +140,7 @@ class RegisterInput:
 
 
 class RegisterOutput:
-    """Machine.Pin, for a register's bit."""
+    """As machine.Pin, for a register's bit."""
 
     def __init__(self, entry, registers):
         self._registers = registers

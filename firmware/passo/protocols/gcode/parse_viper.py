@@ -185,7 +185,7 @@ def read_number(text: ptr8, at: int, count: int, fields: ptr32) -> int:
 
 @micropython.viper
 def read_word(fields: ptr32, letter: int) -> int:
-    """Return the word's bit, having stored its value; 0 if it is no plain one, or the line has it already."""
+    """Store the word's value and return 1; return 0 if it is no plain one, or the line has it already."""
     if letter >= 88:
         return int(axis_word(fields, letter - 88))
     if letter == 65:
