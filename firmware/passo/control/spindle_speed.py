@@ -21,7 +21,7 @@ class SpindleSpeed(Feature):
         self._slow = 0
         self.at_speed = True  # or nobody asks for one; measured
         machine.gauge = self
-        self._rpm_of = None  # The rpm and override from which `_rpm` was computed
+        self._rpm_of = None  # the rpm and override from which `_rpm` was computed
         self._rpm = 0
 
     def asked_rpm(self):
