@@ -30,11 +30,11 @@ from passo.records import LINES_BYTES
 
 RX_BYTES = const(512)  # that a sender may have under way
 ODD = const(0x7F)  # stands in a line for a byte from 0x80 on that is no real-time byte
-REAL_TIME = const(-1)  # Of keep(): there are real-time bytes but `?`; nothing is kept
+REAL_TIME = const(-1)  # of keep(): there are real-time bytes but `?`; nothing is kept
 SLOWLY = const(-2)  # take_each() has to keep it
 LONG = const(-3)  # it is kept; the line that has not ended yet has grown long
 ARC = const(-5)  # and this: the oldest line is an arc, which GCode.take_arc() may take; LINES_TAKEN lines were before it
-LEFT = const(-4)  # Of take_lines() besides: the machine has not taken all rows, `accept` of the batch has the reason
+LEFT = const(-4)  # of take_lines() besides: the machine has not taken all rows, `accept` of the batch has the reason
 _RAW = const(256)  # bytes of one line: then blanks and comments are left out of it
 _TOO_LONG = b"\xff\n"  # stands for such a line
 

@@ -67,7 +67,7 @@ class Grbl:
         self._lines = lines = Lines()
         self.prepare, self.drop_begun, self.space = lines.make, lines.drop_begun, lines.free
         self._taker = self._arrays = None  # the batch's, and take_lines()' arguments
-        asked = Command(commands.STATUS)  # The commands of `?`, used again and again
+        asked = Command(commands.STATUS)  # the command of `?`, used again and again
         asked.accepted = Event(ACCEPTED, asked)
         self._asked = (asked,)
         self._marked = False  # lines that are kept may have marks of real-time bytes

@@ -61,7 +61,7 @@ _SHORTER = {_CONFIGURE: 14}  # the length of the document's table: one jog for b
 _MOVING = (0xF9, 0xF7, 0xF4, 0xF1, 0xEE, 0xCC, 0x88)  # two bytes that may not come about by a torn frame's end
 ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
 
-STATUS_OF = const(0x3F)  # The question of the frame PASSO: `?`
+STATUS_OF = const(0x3F)  # the question of the frame PASSO: `?`
 UNLOCK_OF = const(0x75)  # leave an alarm: `u`
 LOG_OF = const(0x6C)  # the event log: its newest entry but `value` of them: `l`
 ADMIT_OF = const(0x68)  # for `value` minutes who sends no key may move it over the network: `h`
@@ -106,7 +106,7 @@ def weave(spec, x, y, speed_um_s, centre=(0, 0), clockwise=False):
 
 
 def passo(what, value=0):
-    """Return the extension's frame; `what`: STATUS_OF, UNLOCK_OF, LINK_OF, LOG_OF, or the code of a jog and their number, 1 … 255."""
+    """Return the extension's frame; `what`: STATUS_OF, UNLOCK_OF, LINK_OF, LOG_OF, or the code of a jog; `value`: the number of jogs, 1 … 255."""
     return frame("PASSO", bytes((what, value, what ^ value ^ _CHECK)))
 
 
