@@ -214,7 +214,14 @@ class Settings:
         `before`, if there is one."""
         if self.dirty:
             try:
-                self._write(self._dump())
+                text = self._dump()
+                try:
+                    if self._writing:
+                        self._writing(True)
+                    self._journal.write(text)
+                finally:
+                    if self._writing:
+                        self._writing(False)
             except (OSError, MemoryError):
                 if before is not None:
                     self._changed, self._texts, dirty = before
@@ -224,15 +231,6 @@ class Settings:
                 return errors.MEMORY
             self.dirty = self.damaged = False
         return 0
-
-    def _write(self, text):
-        if self._writing:
-            self._writing(True)
-        try:
-            self._journal.write(text)
-        finally:
-            if self._writing:
-                self._writing(False)
 
     def _dump(self):
         lines = []

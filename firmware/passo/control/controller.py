@@ -73,7 +73,8 @@ class Controller:
         machine = self.machine
         if machine.hold and machine.stood:
             return False
-        if self._stood_ms < 0 or not self.queue.still() or machine.busy_with(commands.HOME):
+        command = machine.command
+        if self._stood_ms < 0 or not self.queue.still() or command is not None and command.kind == commands.HOME:
             return True
         for busy in self._busies:
             if busy():
@@ -167,26 +168,28 @@ class Controller:
                 poll()
         for poll in self._ends:
             poll(still)
+        command = machine.command
+        kind = -1 if command is None else command.kind
         if still:
+            machine.jogging = False
+            if kind == commands.STOP:
+                machine.finish(machine.report())
             self._stand(now_ms)
         else:
             self._stood_ms = -1
-            if machine.cautious and not machine.alarm and not machine.busy_with(commands.HOME):
+            if machine.cautious and not machine.alarm and kind != commands.HOME:
                 machine.caution()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             machine.note(errors.WORDS_LATE)
         if (
-            self._motors.poll(now_ms, (not still or machine.busy_with(commands.CODE + 66)) and not machine.sleeping, self.queue.tool)  # in each cycle
+            self._motors.poll(now_ms, (not still or kind == commands.CODE + 66) and not machine.sleeping, self.queue.tool)  # in each cycle
             or not still or machine.command is not None or machine.drawing or machine.hold or machine.dropping
         ):  # fmt: skip
             machine.awake = True
 
     def _stand(self, now_ms):
         machine = self.machine
-        machine.jogging = False
-        if machine.busy_with(commands.STOP):
-            machine.finish(machine.report())
         settings = machine.settings
         if self._stood_ms < 0:
             self._stood_ms = now_ms

@@ -26,8 +26,6 @@ _Z = const(2)
 
 
 class HostWatch(Feature):
-    heeds = WORK_GONE
-
     def __init__(self, board, machine, queue):
         Feature.__init__(self, board, machine, queue)
         self._links = board["links"]
@@ -117,7 +115,9 @@ class HostWatch(Feature):
             self._power = self._queue.planner.power
             machine.raise_alarm(errors.ALARM_HOST_LOST, link["name"])
             rises = self._rises and machine.homed and not machine.settings.value(table.LASER)
-            self._retracts = machine.retracts = rises and link["lost"] == "retract"
+            if rises and link["lost"] == "retract":
+                self._retracts = machine.retracts = True
+                self.heeds = WORK_GONE  # else there is nothing to end
         else:
             machine.note(errors.HOST_LOST, link["name"])
             machine.carry_out(commands.HOLD)
@@ -141,6 +141,6 @@ class HostWatch(Feature):
 
     def heed(self, _=WORK_GONE):
         """It is up, or all work is dropped."""
-        if self._retracts:
-            self._retracts = self._up = self._machine.retracts = False
-            self._machine.inform(OFF)
+        self.heeds = 0
+        self._retracts = self._up = self._machine.retracts = False
+        self._machine.inform(OFF)

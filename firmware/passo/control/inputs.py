@@ -9,6 +9,8 @@ from passo.config import setting_numbers as table
 class Inputs:
     def __init__(self, board, settings, port):
         self._settings = settings
+        self._turned = ()  # names of the inputs that the settings of this version turn round:
+        self._version = -1
         self.input = port.input  # input(name): as it is at the pin
         self.levels = port.levels  # levels(): of all inputs, as one integer
         names = [item["name"] for item in board["inputs"]]
@@ -25,12 +27,13 @@ class Inputs:
 
     def read(self, name):
         """True while the input is active; the settings can turn limits and probe round."""
-        active = self.input(name)
-        if name == "probe":
-            return active != bool(self._settings.turned(table.PROBE_INVERT))
-        if name in self.names:
-            return active != bool(self._settings.turned(table.LIMIT_INVERT))
-        return active
+        settings = self._settings
+        if self._version != settings.version:
+            self._version = settings.version
+            self._turned = [limit for limit in self.names if limit != "probe"] if settings.turned(table.LIMIT_INVERT) else []
+            if settings.turned(table.PROBE_INVERT):
+                self._turned.append("probe")
+        return self.input(name) != (name in self._turned)
 
     def limits_hit(self):
         """True if hard limits are watched and one is active."""
@@ -40,4 +43,4 @@ class Inputs:
         return self.has_probe and self.read("probe")
 
     def door_open(self):
-        return self.door and self.read("door")
+        return self.door and self.input("door")

@@ -10,7 +10,9 @@ _SIZE = const(32)
 class Log:
     """Takes its memory at the start: entries made one by one would lie where large pieces are wanted later, and stay there."""
 
-    def __init__(self):
+    def __init__(self, clock):
+        """`clock()`: machine milliseconds."""
+        self._clock = clock
         self._numbers = array("i", bytearray(4 * 2 * _SIZE))  # of each entry: machine milliseconds, number
         self._who = [""] * _SIZE
         self.added = 0  # entries since the start
@@ -18,9 +20,9 @@ class Log:
         self.pins = None  # a function that returns the counts of inputs that forbid motion; None: there is none
         self.counts = {}  # of each number: how many times since the start
 
-    def add(self, now_ms, number, who=""):
+    def add(self, number, who=None):
         index = self.added % _SIZE
-        self._numbers[2 * index] = now_ms
+        self._numbers[2 * index] = self._clock()
         self._numbers[2 * index + 1] = number
         self._who[index] = who
         self.added += 1

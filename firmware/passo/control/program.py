@@ -360,11 +360,12 @@ class Program(LineBatches):
         if queue.chords:
             queue.feed()
         if machine.command is not None:
-            if machine.busy_with(commands.PROBE):
+            kind = machine.command.kind
+            if kind == commands.PROBE:
                 self._poll_probe(still)
-            elif still and self._dwell_ms and machine.busy_with(commands.DWELL):
+            elif still and self._dwell_ms and kind == commands.DWELL:
                 self._go_on_dwelling()
-            elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.is_at_speed()):
+            elif still and (kind == commands.DWELL or kind == commands.SPINDLE and machine.is_at_speed()):
                 machine.finish()
         if queue.streams or machine.fresh:
             queue.stream(machine.fresh, machine.port.machine_ms())

@@ -20,7 +20,7 @@ class Queue:
         self._feeder = feeder
         self._player = player
         self.analogue = feeder.ring.power
-        self._port = port if board["spindle"]["pwm"] else None  # the port with power()
+        self.power = port.power if board["spindle"]["pwm"] else int  # power(level): show it, 0 … 1000, at once; int() does nothing: there is no output
         self._origin = array("i", [0] * len(self._axes))
         self.here = self._origin[:]  # see look()
         self.seen = array("i", [0] * SEEN_FIELDS)
@@ -61,11 +61,11 @@ class Queue:
 
     def set_origin(self, axes=-1):
         """Make this position machine zero, for the axes of a mask. Only at a stand, with nothing queued."""
-        position = self._feeder.position(self._player.played())
-        for axis in range(len(position)):
+        found = self._feeder.found(self._player.played())
+        for axis in range(len(found)):
             if axes >> axis & 1:
-                self._origin[axis] = position[axis]
-        self.settle()
+                self._origin[axis] = found[axis]
+            self.target[axis] = found[axis] - self._origin[axis]
 
     def shift(self, axis, steps):
         """An axis stands `steps` further than has been stepped. Only at a stand; the target stays."""
@@ -196,7 +196,7 @@ class Queue:
 
     def axis(self, axis, edge=None):
         """Return the position of an axis, now or at the moment of `edge`, a Latch, in steps from the place where the machine was switched on."""
-        return self.found(edge)[axis] + self._origin[axis]
+        return self._feeder.found(self._player.played(), edge)[axis]
 
     def begin(self):
         """Release what is queued: nothing more is coming for now. See StreamQueue."""
@@ -232,7 +232,7 @@ class Queue:
 
     def settle(self):
         """Say that the queue ends where the machine stands. Only at a stand."""
-        self.lead(self.position())
+        self.lead(self.found())
 
     # --- stopping
 
@@ -266,11 +266,6 @@ class Queue:
         at = planner.row()
         return planner.dynamic if at < 0 else planner.rows[at + ROW_DYNAMIC] > 0
 
-    def power(self, level):
-        """Show a power, 0 … 1000, at once, if the board has an output for it."""
-        if self._port is not None:
-            self._port.power(level)
-
     def restore_power(self):
         """Show the power of the last mark, as it counts now; at a stand it is none where it follows the speed."""
         if self._player.busy():
@@ -292,18 +287,17 @@ class Queue:
 
     def lit(self):
         """True while the tool's bit is on at the pins."""
-        if self._rested is not None and self._rested_at == self._player.played():
+        played = self._player.played()
+        if self._rested is not None and self._rested_at == played:
             return self._rested
-        return bool(self._levels() & self._feeder.layout.tool_mask)
-
-    def _levels(self):
         ring = self._feeder.ring
-        return ring.words[(self._player.played() - 1) & ring.mask] & self._feeder.layout.levels_mask
+        return bool(ring.words[(played - 1) & ring.mask] & self._feeder.layout.tool_mask)
 
     def pins(self, tool):
         """The pins as the last word has left them, no step's pulse among them, and the tool on or off."""
-        layout = self._feeder.layout
-        return self._levels() & ~(layout.pulse_mask | layout.tool_mask) | (layout.tool_mask if tool else 0)
+        layout, ring = self._feeder.layout, self._feeder.ring
+        levels = ring.words[(self._player.played() - 1) & ring.mask] & layout.levels_mask
+        return levels & ~(layout.pulse_mask | layout.tool_mask) | (layout.tool_mask if tool else 0)
 
     def rest(self, tool):
         """Tool on or off while the machine stands and nothing plays."""

@@ -23,18 +23,14 @@ class Sensor:
         self.active = self._read() if active is None else active
         self.pending = False  # a change has shown and is not yet believed
         self._against_ms = self._calm_ms = 0
-        self._last_ms = now_ms
+        self.last_ms = now_ms
         if self._latch:
             self._latch.begin(*self._kept[0].lend())
 
-    def pass_by(self, now_ms):
-        """Count changes from now on."""
-        self._last_ms = now_ms
-
     def sample(self, now_ms, position):
         """Look once; `position` is where the axis stands. Call it at least once a step and once a millisecond."""
-        passed_ms = (now_ms - self._last_ms) & 0x1FFFFFFF
-        self._last_ms = now_ms
+        passed_ms = (now_ms - self.last_ms) & 0x1FFFFFFF
+        self.last_ms = now_ms
         pending = self.pending
         same = self._read() == self.active
         if not pending and not self.active and self._latch and self._latch.seen:  # asked after the reading: the interrupt has seen every edge that the reading shows

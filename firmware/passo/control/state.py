@@ -33,7 +33,8 @@ class MachineState:
         self.motors = motors
         self.port = port
         self.inputs = Inputs(board, settings, port)
-        self.log = Log()
+        self.log = Log(port.machine_ms)
+        self.note = self.log.add  # note(number, who=None): add to the log
         self.veto = getattr(port, "veto", None)  # of the port, if the board file has an option that forbids motion
         self.squaring = None  # homes both sides of an axis, if an option does
         self.about = ""  # the port's text about itself
@@ -222,10 +223,6 @@ class MachineState:
     def notice(self, number, value=None):
         self.events.append(Event(NOTICE, None, number, value))
 
-    def note(self, number, who=None):
-        """Add to the log."""
-        self.log.add(self.port.machine_ms(), number, who)
-
     # --- what concerns all of it
 
     def carry_out(self, kind):
@@ -272,7 +269,8 @@ class MachineState:
         for halt in self._halts:
             halt()
         self.queue.drop()
-        self.end_hold()
+        if self.hold or self.dropping:
+            self.end_hold()
 
     def forget(self, also=0):
         """Drop all work, begun or waiting. The caller drops the queue. `also`: further masks for heed()."""
@@ -319,15 +317,13 @@ class MachineState:
             self.lose_position()
         return error
 
-    def shut_down(self, also=0):
-        """Stop at once, forget all work, outputs safe, no current. The position is no longer known."""
-        self._make_safe(also)
-        self.motors.release()
-
-    def _make_safe(self, also):
+    def shut_down(self, also=0, current=False):
+        """Stop at once, forget all work, outputs safe, no current, unless motors keep their `current`. The position is no longer known."""
         self.abort()
         self.lose_position()
         self.forget(SAFE | also)
+        if not current:
+            self.motors.release()
 
     def raise_alarm(self, number, who=None, also=0):
         """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log; `also`: further masks for heed()."""
@@ -338,7 +334,7 @@ class MachineState:
             self.forget(also)
         elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
             errors.ALARM_GANTRY):
-            self._make_safe(also | OFF)
+            self.shut_down(also | OFF, True)
         else:
             self.shut_down(also)
         self.guarded = 0

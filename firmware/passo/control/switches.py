@@ -73,7 +73,7 @@ class Switches(Feature):
         machine = self._machine
         for sensor in self._sensors:
             if not sensor.pending:
-                sensor.pass_by(now_ms)  # a change lasts from here on: a spike that is met by luck has not lasted a cycle
+                sensor.last_ms = now_ms  # a change lasts from here on: a spike that is met by luck has not lasted a cycle
         if self._settings_of != self._settings.version:
             self._settings_of = self._settings.version
             for sensor in self._sensors:
@@ -86,15 +86,15 @@ class Switches(Feature):
             sensor.sample(now_ms, 0)
             if sensor.active and not before:
                 machine.carry_out(kind)
-        self._poll_limits(now_ms)
+        if self._hard:
+            self._poll_limits(now_ms)
         self._calm = not any([sensor.pending for sensor in self._sensors])
         self._armed = None
 
     def _poll_limits(self, now_ms):
-        if not self._settings.value(table.HARD_LIMITS):
-            return
         machine = self._machine
-        watching = machine.alarm in errors.WATCHED and not machine.busy_with(commands.HOME)
+        command = machine.command
+        watching = machine.alarm in errors.WATCHED and (command is None or command.kind != commands.HOME)
         hit = None
         for name, sensor in self._limits:
             before = sensor.active

@@ -54,13 +54,14 @@ class Tools(Feature):
                 self._override_motion()
         if self._settings_of != machine.settings.version:
             self._settings_of = machine.settings.version
-            changes = self._lasing != self.laser()
+            lases = machine.settings.value(table.LASER)
+            changes = self._lasing != lases
             if changes and self._lasing:  # a laser was on, and is a spindle now, which M3 or M4 has to start
                 machine.spindle = SPINDLE_OFF
                 machine.power = 0
                 self.show_outputs(machine.hold != "door")
-            self._lasing = self.laser()
-            self._override_all()
+            self._lasing = lases
+            self._override_power()
             if changes and still and self._queue.lit():  # if it is a laser now, it is dark until a motion lights it
                 self._queue.rest(False)
         if not still:
@@ -77,12 +78,9 @@ class Tools(Feature):
             commands.OVERRIDE: self._override,
         }
 
-    def laser(self):
-        return self._machine.settings.value(table.LASER)
-
     def _turn_spindle(self, command):
         machine = self._machine
-        laser = self.laser()
+        laser = machine.settings.value(table.LASER)
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
         if laser and command.value == machine.spindle:
@@ -161,6 +159,9 @@ class Tools(Feature):
 
     def _override_all(self):
         self._override_motion()
+        self._override_power()
+
+    def _override_power(self):
         settings = self._machine.settings
         least = settings.value(table.MIN_RPM) * 1000 // settings.value(table.MAX_RPM)
         self._queue.analogue.adjust(self._machine.overrides[2], min(least, 999))

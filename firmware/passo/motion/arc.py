@@ -33,16 +33,19 @@ class Plans:
         self._users = array("i", [-1] * ARCS)  # the number of the block that each slot was last used for
         self.oldest = -1  # that of the next slot: there is no room until it has been played
         self._next = 0
+        self.used = False  # since clear()
         self.plans = zeros(ARC_FIELDS * ARCS)
 
     def clear(self):
         for slot in range(ARCS):
             self._users[slot] = -1
         self.oldest = -1
+        self.used = False
 
     def keep(self, number):
         """Keep `plan` for the block of this number; where it begins in `plans`."""
         slot = self._next
+        self.used = True
         self._users[slot] = number
         first = slot * ARC_FIELDS
         self.plans[first : first + ARC_FIELDS] = self.plan

@@ -117,7 +117,7 @@ class Planner:
         for which in range(len(self.indices)):
             self.indices[which] = 0
         self.indices[QUEUE_ARC] = -1
-        if self._arcs:
+        if self._arcs and self._arcs.used:
             self._arcs.clear()
         self.scratch[SCRATCH_TAKEN] = self.scratch[SCRATCH_LASTS]
         self.scratch[SCRATCH_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
@@ -298,7 +298,8 @@ class Planner:
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
         self.indices[QUEUE_FLUSHED] = self.indices[QUEUE_FROZEN] = self.indices[QUEUE_ADDED]
         self.scratch[SCRATCH_THROUGH] = 0
-        self.stream(False)
+        if self.scratch[SCRATCH_EAGER] > 1:
+            self.stream(False)
 
     def stream(self, on):
         """Line after line is coming, or no longer: while they do, a queue that runs short slows the machine down."""

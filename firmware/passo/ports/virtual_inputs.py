@@ -76,11 +76,24 @@ class VirtualLimits(VirtualInputs):
         self._levels = levels
         self._watches = {}
         self.output = world.output
+        self._pass_time()
         world.listen(self._changed)
 
     def watch_limit(self, name, filter_us):
         self._watches[name] = watch = _Watch(name, self._levels[name], int(filter_us * TICKS_PER_US))
         return watch
+
+    def _pass_time(self):
+        """As long as no change is on its way, time is the world's alone."""
+        self.run, self.next_event = self._world.run, self._world.next_event
+
+    def _run(self, tick):
+        VirtualInputs.run(self, tick)
+        if not self._due:
+            self._pass_time()
+
+    def _next_event(self):
+        return VirtualInputs.next_event(self)
 
     def _changed(self, tick, name, level):
         watch = self._watches.get(name)
@@ -92,6 +105,7 @@ class VirtualLimits(VirtualInputs):
             self._due.pop(name, None)
         elif watch.armed:
             self._due[name] = tick + watch.filter_ticks, True
+            self.run, self.next_event = self._run, self._next_event
             self._let(tick)
 
     def _lasted(self, key, active):

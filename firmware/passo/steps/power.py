@@ -111,9 +111,11 @@ class Power:
     def adjust(self, percent, least):
         """Every value counts `percent` of itself from now on; those up to `least`, but 0, show as the weakest level,
         those above it share the range that is left (a spindle's lowest speed at the weakest signal)."""
-        self.marks[POWER_PERCENT] = percent
-        self.marks[POWER_LEAST] = least
-        self._show()
+        marks = self.marks
+        if marks[POWER_PERCENT] != percent or marks[POWER_LEAST] != least:
+            marks[POWER_PERCENT] = percent
+            marks[POWER_LEAST] = least
+            self._show()
 
     def clear(self):
         """Forget all marks: everything not yet played is dropped. The power is off."""

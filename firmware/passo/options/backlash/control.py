@@ -44,6 +44,9 @@ class Queue(StreamQueue):
             return self._from_origin(self._planner.turn(self._feeder.found(self._player.played(), edge)))
         return self._from_origin(self._see(self._since_start))
 
+    def axis(self, axis, edge=None):
+        return self.found(edge)[axis] + self._origin[axis]
+
     def set_origin(self, axes=-1):
         found = self._see(self._since_start)
         for axis in range(len(found)):

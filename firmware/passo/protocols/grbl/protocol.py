@@ -70,6 +70,7 @@ class Grbl:
         asked = Command(commands.STATUS)  # the command of `?`, used again and again
         asked.accepted = Event(ACCEPTED, asked)
         self._asked = (asked,)
+        self._real_time = False  # take() has found real-time bytes in the data that feed() gets next
         self._marked = False  # lines that are kept may have marks of real-time bytes
         self._last = 0  # the last byte of the last data with real-time bytes
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
@@ -130,6 +131,7 @@ class Grbl:
                     lines.make()
                 kept = keep(data, len(data), lines.text, fields)
                 if kept == REAL_TIME:
+                    self._real_time = True
                     fields[LINES_WAITS] = 0  # feed() carries out a hold or reset even if the machine has no room for lines
                     return None
                 if kept:
@@ -173,6 +175,7 @@ class Grbl:
     def _took(self, taken, data):
         """Return the answers to many lines, or to none, and go on if take_lines() could not."""
         if taken == REAL_TIME:
+            self._real_time = True
             return None
         lines = self._lines
         if not taken:
@@ -206,7 +209,8 @@ class Grbl:
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
         if data:
-            if not self._lines.take(data):
+            if self._real_time or not self._lines.take(data):
+                self._real_time = False
                 return self._peel(data)  # the lines come with the next cycle, in a batch or not
         else:
             fields = self._lines.fields
@@ -282,7 +286,8 @@ class Grbl:
                     self._marked = True
                 yield command
         self._last = before
-        self._lines.take(plain)
+        if plain:
+            self._lines.take(plain)
 
     # --- lines to commands
 
