@@ -1,6 +1,6 @@
 """The job's journal: where a program is, kept in raw pages of flash that are written without an erase, also while it moves.
 
-    port.pages.read(block, slot) → 32 bytes; write(block, slot, data); erase(block); BLOCKS, SLOTS
+    port.pages.read(block, slot) → 32 bytes, b"" if the block is still to be made; write(block, slot, data); erase(block); BLOCKS, SLOTS
 
 A record is 32 bytes: sequence u16, flags u16, job u32, line u32, four positions i32 in steps, CRC-32 of all before. Records follow
 each other through the blocks; the newest whole one counts, so a power cut at any byte of a write leaves the one before. A page takes
@@ -90,15 +90,20 @@ class JobJournal(Feature):
         for block in range(pages.BLOCKS):
             for slot in range(pages.SLOTS):
                 data = pages.read(block, slot)
+                if not data:  # an erase makes the block
+                    break
                 if data == _EMPTY:  # most are: 512 of them would be garbage
+                    if pages.read(block, pages.SLOTS - 1) == _EMPTY:  # so are those between; else power went amid an erase
+                        self._empty[block] += pages.SLOTS - slot
+                        break
                     self._empty[block] += 1
-                    self._left += 1
                     continue
                 record = unpacked(bytes(data))
                 if record and (newest is None or (record[0] - newest[0]) & 0xFFFF < 0x8000):
                     newest = record
                     self._newest = self._block = block
                     self._slot = slot + 1
+        self._left = sum(self._empty)
         if newest:
             self._sequence = newest[0] + 1 & 0xFFFF
             self._written = newest[1:]
@@ -110,7 +115,7 @@ class JobJournal(Feature):
     def _next_free(self):
         """Go on to the next slot that has been erased; `_block` is −1 if there is none."""
         pages = self._pages
-        for _ in range(pages.BLOCKS + 1):
+        for _ in range(pages.BLOCKS + 1 if self._left else 0):
             while self._slot < pages.SLOTS:
                 if bytes(pages.read(self._block, self._slot)) == _EMPTY:
                     return
@@ -332,8 +337,14 @@ class JobJournal(Feature):
             if self._empty[block] < pages.SLOTS:
                 port = self._machine.port
                 port.writing(True)
-                pages.erase(block)
-                port.writing(False)
+                try:
+                    pages.erase(block)
+                except (OSError, MemoryError):  # there is no room: with the next start it is tried again
+                    self._half = 0
+                    self._machine.note(errors.MEMORY)
+                    return False
+                finally:
+                    port.writing(False)
                 self._left += pages.SLOTS - self._empty[block]
                 self._empty[block] = pages.SLOTS
                 if self._block < 0:

@@ -9,43 +9,62 @@ import os
 import rp2
 import vfs
 
+from passo.memory import FileRoom
 from passo.ports.rp2.flash_files import BLOCK, IOCTL_COUNT, IOCTL_ERASE, Blocks
 from passo.records import JOURNAL_BYTES
 
 _PAGE = BLOCK // 16
+_NAME = "journal.%d"
+
+
+def fits(number):
+    """True if there is the file of block `number`, whole."""
+    try:
+        return os.stat(_NAME % number)[6] == BLOCK
+    except OSError:
+        return False
 
 
 class Pages:
+    """A file is made as it is first erased: that takes 70 ms, and a board answers before it. Where memory is in small pieces, all are made
+    at the start."""
+
     BLOCKS = 4
     SLOTS = 128
 
     def __init__(self):
-        self._flash = flash = rp2.Flash()
+        self._flash = rp2.Flash()
         self._page = bytearray(b"\xff" * _PAGE)
         self._view = memoryview(self._page)
         self._record = bytearray(JOURNAL_BYTES)
-        self._numbers = []
-        for number in range(self.BLOCKS):
-            name = "journal.%d" % number
-            try:
-                fits = os.stat(name)[6] == BLOCK
-            except OSError:
-                fits = False
-            if not fits:
-                with open(name, "wb") as file:
-                    for _ in range(BLOCK // _PAGE):
-                        file.write(self._page)
+        self._numbers = [-1] * self.BLOCKS  # of their blocks; −1: there is no such file yet
+        if not FileRoom.none:
+            for number in range(self.BLOCKS):
+                if not fits(number):
+                    self._make(number)
+        self._find()
+
+    def _make(self, number):
+        with open(_NAME % number, "wb") as file:
+            for _ in range(BLOCK // _PAGE):
+                file.write(self._page)
         os.sync()
-        blocks = Blocks(flash, flash.ioctl(IOCTL_COUNT, 0), 0)
+
+    def _find(self):
+        """Ask littlefs where the files are."""
+        blocks = Blocks(self._flash, self._flash.ioctl(IOCTL_COUNT, 0), 0)
         files = vfs.VfsLfs2(blocks, readsize=JOURNAL_BYTES)
         for number in range(self.BLOCKS):
-            with files.open("journal.%d" % number, "rb") as file:
-                file.seek(BLOCK - 1)
-                file.read(1)
-                self._numbers.append(blocks.last)
+            if fits(number):
+                with files.open(_NAME % number, "rb") as file:
+                    file.seek(BLOCK - 1)
+                    file.read(1)
+                    self._numbers[number] = blocks.last
 
     def read(self, block, slot):
-        """32 bytes, good until the next call."""
+        """32 bytes, good until the next call; b"" if there is no such file yet."""
+        if self._numbers[block] < 0:
+            return b""
         self._flash.readblocks(self._numbers[block], self._record, slot * JOURNAL_BYTES)
         return self._record
 
@@ -57,7 +76,12 @@ class Pages:
         self._view[at : at + JOURNAL_BYTES] = b"\xff" * JOURNAL_BYTES
 
     def erase(self, block):
-        self._flash.ioctl(IOCTL_ERASE, self._numbers[block])
+        """Raises OSError if there is no room for a file, MemoryError."""
+        if self._numbers[block] < 0:
+            self._make(block)
+            self._find()
+        else:
+            self._flash.ioctl(IOCTL_ERASE, self._numbers[block])
 
 
 def create(board, port, inputs, outputs):
