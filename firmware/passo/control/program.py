@@ -250,7 +250,9 @@ class Program(LineBatches):
         if not self._queue.still():
             return
         self._limits_of = settings.version
-        self._take_over(self.reach())
+        reach = self.reach()
+        if self._reached is not reach:
+            self._take_over(reach)
         jerk = settings.value(table.JERK)
         axes = range(len(self._axes))
         limits = Limits(

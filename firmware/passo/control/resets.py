@@ -18,9 +18,10 @@ class Resets(Feature):
     def _reset(self, command):
         machine = self._machine
         alarm = 0
-        if machine.busy_with(commands.HOME):
+        kind = commands.RESET if machine.command is None else machine.command.kind
+        if kind == commands.HOME:
             alarm = errors.ALARM_HOMING_RESET
-        elif not (self._queue.still() or machine.hold and machine.stood or machine.command is not None and machine.command.kind in _STANDS):
+        elif not (self._queue.still() or machine.hold and machine.stood or kind in _STANDS):
             alarm = errors.ALARM_RESET
         elif machine.sleeping or machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED

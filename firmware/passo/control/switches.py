@@ -24,6 +24,7 @@ class Switches(Feature):
         self._limits = [(name, self._sensor(name)) for _, name in inputs.limits if name in inputs.names]
         self._buttons = [(name, kind, self._sensor(name)) for name, _, kind, _ in inputs_of(board) if kind and name in names]
         self._watches = self._watch(board, machine.port)
+        self._turned = -1  # 1: the settings turn limits round; 0: they do not; −1: not yet known
         self._armed = None  # True, False: the interrupts of limits are; None: some may be other
         self._turn()
         self._seen = -1  # the inputs' levels at the last cycle
@@ -42,8 +43,10 @@ class Switches(Feature):
     def _turn(self):
         self._hard = bool(self._settings.value(table.HARD_LIMITS))
         turned = 1 if self._settings.turned(table.LIMIT_INVERT) else 0
-        for watch, _, level in self._watches:
-            watch.turn(level ^ turned)
+        if turned != self._turned:
+            self._turned = turned
+            for watch, _, level in self._watches:
+                watch.turn(level ^ turned)
 
     def _arm(self, armed):
         """Limits stop the player while they are watched; one that has been active is no news."""

@@ -68,7 +68,7 @@ class Tools(Feature):
             self._dark = False
         elif not self._dark:
             self._dark = True
-            if self._queue.dynamic() and self._queue.lit():
+            if self._lasing and self._queue.dynamic() and self._queue.lit():
                 self._queue.rest(False)
 
     def handlers(self):

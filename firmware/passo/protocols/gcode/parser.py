@@ -364,9 +364,12 @@ class GCode(Motions):
             before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
             target[axis] = before + lengths[axis]
         try:
-            self._go(commands.JOG_TO, target, feed)
+            command = self._motion(self._moves[0], target, feed)
         except Refused as refusal:
             return refusal.args[0]
+        command.kind = commands.JOG_TO
+        self.commands = [command]
+        self.position, self._steps = target, command.target
         return 0
 
     # --- the rest of a line

@@ -281,10 +281,12 @@ class Lines:
         fields[LINES_END] = fields[LINES_WHOLE] = end
 
     def next(self):
-        """The oldest line, which leaves the queue; None for one that was too long, or found no room."""
+        """The oldest line, which leaves the queue; None for one that was too long, or found no room; False if there is none."""
         fields = self.fields
         at = fields[LINES_AT]
         if at == fields[LINES_WHOLE]:
+            if not self.lost:
+                return False
             self.lost -= 1
             self._note()
             return None

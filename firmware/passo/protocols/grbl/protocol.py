@@ -246,10 +246,11 @@ class Grbl:
         while self._under_way is None and most:
             most -= 1
             if not self._rest:
-                if not (self._start_lines or self._lines.waiting()):
-                    return
                 # A start-up line as text, or the oldest line, None for one that was too long; it leaves the queue.
-                self._rest = self._understand(self._start_lines.pop(0) if self._start_lines else self._lines.next())
+                line = self._start_lines.pop(0) if self._start_lines else self._lines.next()
+                if line is False:
+                    return
+                self._rest = self._understand(line)
             self._under_way = self._rest.pop(0)
             yield self._under_way
 
