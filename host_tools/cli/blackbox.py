@@ -26,15 +26,15 @@ def blackbox(
 
     Example: passo blackbox yesterday.zip
     """
-    from host_tools.programs.blackbox import Box, packed, unpacked
+    from host_tools.programs.blackbox import Box, pack, unpack
 
     if (file is None) == (port is None):
         raise Failure("which black box? Give --port, or a file that --save has written")
     if file and not file.is_file():
         raise Failure("no file {}", file)
-    files = unpacked(file.read_bytes()) if file else read_off(port, yes)
+    files = unpack(file.read_bytes()) if file else read_off(port, yes)
     if save:
-        save.write_bytes(packed(files))
+        save.write_bytes(pack(files))
         print(_("{}: all of it", save))
     box = Box.of(files, older)
     played = replayed(box) if replay else None
@@ -110,10 +110,10 @@ def replayed(box):
 
 def lines(box, played):
     """What people read: what happened when, and how the replay went."""
-    from host_tools.programs.timeline import happened, mm, reason
+    from host_tools.programs.timeline import lines_of, mm, reason
 
     yield _("{}, written behind {}. Seconds before its end:", box.board["name"], reason(box))
-    yield from happened(box)
+    yield from lines_of(box)
     if box.crash:
         yield box.crash.rstrip()
     if played is None:

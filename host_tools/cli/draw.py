@@ -68,7 +68,7 @@ def draw(**given):
     record = Journal(said.journal or Journal.beside(said.file[0]), job.digest, said.points, said.kept())
     if not said.resume:
         record.probe()
-        if record.begun():
+        if record.is_begun():
             console.print(_("  [yellow]begun before and not finished: it is drawn anew; --continue would go on[/yellow]"))
     job.run(console, record, said)
 

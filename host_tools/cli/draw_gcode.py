@@ -25,7 +25,7 @@ def cuts(machine, plan, said):
     given = {each.name: getattr(said, each.name) for each in fields(Cut) if getattr(said, each.name) is not None}
     if given.get("tool", TOOLS[0]) not in TOOLS:
         raise Failure("--tool takes {}, not {!r}", ", ".join(TOOLS), given["tool"])
-    usual = replace(gcode.usual(machine, given.get("tool")), **given).checked()
+    usual = replace(gcode.usual(machine, given.get("tool")), **given).validate()
     found = {part.number: usual for part in plan.parts}
     for text in said.layers or ():
         number, colon, changes = text.partition(":")
@@ -34,7 +34,7 @@ def cuts(machine, plan, said):
         if int(number) not in plan.layers:
             raise Failure("--for {}: there is no layer {}; it has {}", text, number, ", ".join(map(str, plan.layers)))
         if int(number) in found:
-            found[int(number)] = found[int(number)].changed(changes)
+            found[int(number)] = found[int(number)].with_values(changes)
     return found
 
 

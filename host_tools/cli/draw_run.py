@@ -126,7 +126,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                     raise
                 raise Failure(
                     "{}\n{} drawn for certain; when the machine is there again, {}",
-                    error, job.reached(), go_on(record),
+                    error, job.progress_text(), go_on(record),
                 ) from error
         if record:
             record.finish()

@@ -30,10 +30,10 @@ def prepared(client, lines, number, place=None, yes=False, end=None, sure=True):
     Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
     `sure`: see staged().
     Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
-    from host_tools.programs.interrupted import staged
+    from host_tools.programs.interrupted import plan_stages
     from host_tools.programs.replayed_machine import Machine
 
-    stages, rest, dot = staged(Machine.of_answers(client.command("$$"), client.command("$#"), client.command("$I")), lines, number, place, end, sure)
+    stages, rest, dot = plan_stages(Machine.of_answers(client.command("$$"), client.command("$#"), client.command("$I")), lines, number, place, end, sure)
     if dot:
         print(_("line {}: goes on at dot {} of {}", number, *dot))
     try:

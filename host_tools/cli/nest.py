@@ -32,7 +32,7 @@ def work(item):
 
     shapes = list(shapely.from_wkb(item.shapes))
     try:
-        spots = nesting.nested(shapes, item.width, item.height, item.gap, item.turn, item.order)
+        spots = nesting.nest(shapes, item.width, item.height, item.gap, item.turn, item.order)
     except Failure:
         return None
     return nesting.fullness(shapes, spots, item.width)

@@ -6,7 +6,7 @@ from host_tools.cli.lead_in import prepared
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
 from host_tools.language import _
-from host_tools.programs.interrupted import ended, interrupted
+from host_tools.programs.interrupted import end_position, resume_point
 from host_tools.programs.job_record import find_zero
 from passo import errors
 
@@ -39,7 +39,7 @@ def go_on(client, lines, name, stored, home, unverified, yes):
         if refused.number == errors.COMMANDED_ELSEWHERE:
             raise Failure("another link commands the machine: {}; $LINK=0 takes the command while it stands", refused) from None
         raise Failure("the board has no journal (docs/use/jobs.md): {}; passo stream --from LINE needs none", refused) from None
-    number, place, known = interrupted(said, lines, stored)
+    number, place, known = resume_point(said, lines, stored)
     print(_("{}: interrupted before line {}", name, number) if place is None else _("{}: interrupted in line {}", name, number))
     find_zero(known, home, unverified, lambda: _home(client))
     if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
@@ -53,7 +53,7 @@ def go_on(client, lines, name, stored, home, unverified, yes):
     if state != "Idle":
         raise Failure("the machine has to be idle, and its state is {}", state)
     ask_settings([row for row in lines if row[0] >= number])
-    rest = prepared(client, lines, number, place, yes, ended(said), known or unverified)
+    rest = prepared(client, lines, number, place, yes, end_position(said), known or unverified)
     with Panel(client, lines) as panel:
         for done in client.stream(rest, True, panel.cycle, True):
             panel.done(done)

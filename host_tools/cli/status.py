@@ -75,9 +75,9 @@ def _job(client, fields):
         record = Record.of(client.command("$JR"))
         if not record.job or not record.line:
             return []
-        name, last = begun.found(record.job)
+        name, last = begun.find(record.job)
         if not name and "F" in options:
-            name = stored_job.named(client.command("$F"), record.job)
+            name = stored_job.name_by_crc(client.command("$F"), record.job)
     except Refused:
         return []  # something has begun meanwhile
     if name and record.done and record.line >= last:
@@ -85,7 +85,7 @@ def _job(client, fields):
     name = name or _("a program that this PC has not begun ({})", f"{record.job:08x}")
     text = _("stopped after line {} of {}", record.line, name) if record.done else _("stopped amid line {} of {}", record.line, name)
     turns = _(", the spindle turns") if set("SC") & set(fields.get("A", "")) else _(", spindle off")
-    goes_on = _("; passo engrave --continue goes on with it") if begun.engraved(name) else _("; passo resume goes on with it")
+    goes_on = _("; passo engrave --continue goes on with it") if begun.is_engraving(name) else _("; passo resume goes on with it")
     return [(N_("job"), text + turns + goes_on)]
 
 

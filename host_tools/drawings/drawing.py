@@ -22,10 +22,10 @@ from shapely.affinity import affine_transform
 
 from host_tools import boards
 from host_tools.drawings import hatch, layout, placement, sources, svg_area
-from host_tools.drawings.line_order import followed, joined, travel
-from host_tools.drawings.page import moved
+from host_tools.drawings.line_order import join, join_in_order, travel
+from host_tools.drawings.page import move_lines
 from host_tools.drawings.placement import MM_PER_PX, Options, percent  # noqa: F401
-from host_tools.drawings.shorter import shortened
+from host_tools.drawings.shorter import shorten
 from host_tools.failure import Failure
 from host_tools.language import N_, _
 
@@ -129,12 +129,12 @@ def load(path, board, options=None, progress=None):
     progress(N_("reading"), 0.0)
     paths = [path] if isinstance(path, (str, Path)) else list(path)
     sheets = [_sheet(each, board, options, progress, len(paths) > 1) for each in paths]
-    sheet = sheets[0] if len(sheets) == 1 else layout.nested(sheets, placement.table_mm(board), options)
-    rules = hatch.parsed(options.hatch)
+    sheet = sheets[0] if len(sheets) == 1 else layout.nest_sheets(sheets, placement.table_mm(board), options)
+    rules = hatch.parse_rules(options.hatch)
     for number, areas in sheet.fills.items():
         rule = rules.get(number, rules.get(0))
         if rule and areas:
-            sheet.layers.setdefault(number, []).extend(hatch.hatched(areas, rule))
+            sheet.layers.setdefault(number, []).extend(hatch.hatch_lines(areas, rule))
     layout.copy(sheet, options)
     box = placement.box_of(sheet.layers.values())
     if options.marks:
@@ -142,7 +142,7 @@ def load(path, board, options=None, progress=None):
     layout.check_room(sheet, placement.table_mm(board), boards.steps_per_mm(board))
     steps_per_mm, most = boards.steps_per_mm(board), boards.travel_steps(board)
     numbers = sorted(number for number, lines in sheet.layers.items() if lines)
-    ordered, before_mm = _ordered([sheet.layers[number] for number in numbers], options, progress)
+    ordered, before_mm = _order_layers([sheet.layers[number] for number in numbers], options, progress)
     parts = [Part(number, sheet.names.get(number), _to_steps(lines, steps_per_mm, most)) for number, lines in zip(numbers, ordered)]
     return Drawing(
         ", ".join(map(str, paths)), parts, steps_per_mm, sheet.scale, MM_PER_PX * sheet.scale, sheet.corner_px, sheet.origin_mm,
@@ -158,10 +158,10 @@ def shapes(paths, board, options):
 
 def _sheet(path, board, options, progress, several):
     """One file, positioned on the table; of several each by itself, at 0;0."""
-    file = sources.opened(path)
+    file = sources.open_drawing(path)
     factor = options.scale or 1.0
     if options.place == "page" and options.fit and options.scale is None and not several:
-        factor = placement.fitted((0.0, 0.0, *file.size_px), board, options)
+        factor = placement.fit_factor((0.0, 0.0, *file.size_px), board, options)
     page = _read(file, path, factor, options, progress)
     if several:
         place = placement.Alone(page, options)
@@ -171,11 +171,11 @@ def _sheet(path, board, options, progress, several):
             page = _read(file, path, place.factor, options, progress)
             place = placement.Placement(page, board, options)
     names = {number: page.names.get(number) for number in sorted(page.layers)}
-    chosen = _chosen(page, path, options)
+    chosen = _select_layers(page, path, options)
     scale = MM_PER_PX * place.factor
     (left, bottom), (x, y) = place.corner_px, place.origin_mm
     layers = {
-        number: moved(lines, lambda places: (places - complex(left, bottom)).conjugate() * scale + complex(x, y)) for number, lines in chosen.items()
+        number: move_lines(lines, lambda places: (places - complex(left, bottom)).conjugate() * scale + complex(x, y)) for number, lines in chosen.items()
     }
     fills = {
         number: [affine_transform(area, [scale, 0, 0, -scale, x - left * scale, y + bottom * scale]) for area in page.fills.get(number, [])]
@@ -197,7 +197,7 @@ def _read(file, path, factor, options, progress):
     if options.crop:
         progress(N_("cropping"), 0.0)
         whole = _length(page.layers)
-        page.layers = {number: _cropped(lines, page.size_px) for number, lines in page.layers.items()}
+        page.layers = {number: _crop(lines, page.size_px) for number, lines in page.layers.items()}
         sheet = svg_area.rectangle(0, 0, *page.size_px)
         page.fills = {number: [area.intersection(sheet) for area in areas] for number, areas in page.fills.items()}
         page.layers = {number: lines for number, lines in page.layers.items() if lines or page.fills.get(number)}
@@ -207,15 +207,15 @@ def _read(file, path, factor, options, progress):
     return page
 
 
-def _cropped(lines, size_px):
+def _crop(lines, size_px):
     """The parts of lines on the page; lines outside by less than _EDGE_MM are moved onto its edge."""
     edge, (width, height) = _EDGE_MM / MM_PER_PX, size_px
     if lines:
         left, top, right, bottom = placement.box_of([lines])
         if left >= 0 and top >= 0 and right <= width and bottom <= height:
             return lines
-    inside = svg_area.clipped(lines, svg_area.rectangle(-edge, -edge, width + edge, height + edge))
-    return moved(inside, lambda places: numpy.clip(places.real, 0, width) + 1j * numpy.clip(places.imag, 0, height))
+    inside = svg_area.clip(lines, svg_area.rectangle(-edge, -edge, width + edge, height + edge))
+    return move_lines(inside, lambda places: numpy.clip(places.real, 0, width) + 1j * numpy.clip(places.imag, 0, height))
 
 
 def _length(layers):
@@ -228,7 +228,7 @@ def _length(layers):
     return float(ways.sum())
 
 
-def _chosen(page, path, options):
+def _select_layers(page, path, options):
     """The layers that are drawn."""
     if not options.layers:
         return page.layers
@@ -239,7 +239,7 @@ def _chosen(page, path, options):
 
 
 def _why_empty(page):
-    reasons = [_counted(page.left_out)] if page.left_out else []
+    reasons = [_count_text(page.left_out)] if page.left_out else []
     reasons += _unseen_of(page)
     if reasons:
         return _("of what it has, nothing can be drawn: {}", "; ".join(reasons))
@@ -253,14 +253,14 @@ def _unseen_of(page):
         yield _("a white background over the whole page is left out; --unseen draws its edge")
 
 
-def _counted(left_out):
+def _count_text(left_out):
     return ", ".join(f"{count} × {_(what)}" if count > 1 else _(what) for what, count in sorted(left_out.items()))
 
 
 def _notes_of(page, options):
     yield from page.notes
     if page.left_out:
-        yield _("left out, or not as it should be: {}", _counted(page.left_out))
+        yield _("left out, or not as it should be: {}", _count_text(page.left_out))
     if not options.unseen:
         yield from _unseen_of(page)
     if page.covered:
@@ -269,7 +269,7 @@ def _notes_of(page, options):
         yield _("{:g} mm of lines lie outside the page and are left out; --no-crop draws them", round(page.lost_mm, 1))
 
 
-def _ordered(layers, options, progress):
+def _order_layers(layers, options, progress):
     """(The lines of each layer, joined, thinned, and ordered for little pen-up travel from 0;0; the travel that the order of the file
     would take, in mm)."""
     ordered, pen = [], 0j
@@ -279,14 +279,14 @@ def _ordered(layers, options, progress):
         before_mm += travel(lines, old)
         old = lines[-1][-1]
         progress(N_("ordering"), done / count)
-        thin = _simplify(followed(lines, _JOIN_MM) if options.keep_order else joined(lines, _JOIN_MM), options.tolerance / 2)
-        thin = [_repeated(line, options.repeat) for line in thin] if options.repeat > 1 else thin
+        thin = _simplify(join_in_order(lines, _JOIN_MM) if options.keep_order else join(lines, _JOIN_MM), options.tolerance / 2)
+        thin = [_repeat(line, options.repeat) for line in thin] if options.repeat > 1 else thin
         if not options.keep_order:
 
-            def told(share, done=done, size=len(lines)):
+            def report(share, done=done, size=len(lines)):
                 progress(N_("ordering"), (done + (_JOINING + (1 - _JOINING) * share) * size) / count)
 
-            thin = shortened(thin, pen, told)
+            thin = shorten(thin, pen, report)
         ordered.append(thin)
         pen = thin[-1][-1]
         done += len(lines)
@@ -314,7 +314,7 @@ def _simplify(lines, tolerance):
     return lines
 
 
-def _repeated(line, times):
+def _repeat(line, times):
     """A line gone along several times: a closed one round and round, any other there and back."""
     closed = line[0] == line[-1]
     ways = [line if closed or index % 2 == 0 else line[::-1] for index in range(times)]

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy
 
-from host_tools.drawings.dxf_repair import repaired, section_cut_off
+from host_tools.drawings.dxf_repair import repair, section_cut_off
 from host_tools.drawings.page import Page
 from host_tools.failure import Failure, reason
 from host_tools.language import _
@@ -71,7 +71,7 @@ def _read(path):
     try:
         return recover.read(io.BytesIO(data))[0]
     except DXFError:
-        better = repaired(data)
+        better = repair(data)
         if better is None:
             raise
         return recover.read(io.BytesIO(better))[0]
@@ -94,7 +94,7 @@ class DxfFile:
         self._prepare()
         # As fine as most drawings are wanted: outlines() need not draw it anew then.
         self._fineness = _FIRST_MM / self._mm
-        self._first = self._drawn(self._fineness, False)
+        self._first = self._draw(self._fineness, False)
         left, bottom, right, top = self._box(self._first)
         size, far = max(right - left, top - bottom), max(map(abs, (left, bottom, right, top)))
         # A survey lies far from its zero.
@@ -131,7 +131,7 @@ class DxfFile:
         scale = self._mm * _MM_PX
         drawn, self._first = self._first, None
         if drawn is None or fills or not 0.5 < self._fineness * scale / deviation_px < 1.001:
-            drawn = self._drawn(deviation_px / scale, fills)
+            drawn = self._draw(deviation_px / scale, fills)
         left, bottom, *_others = box = self._box(drawn)
         page = Page(self._size(box), by_colour=by_colour)
         page.left_out = drawn.left_out
@@ -144,7 +144,7 @@ class DxfFile:
             page.add(number, name, drawn.inks[name])
         return page
 
-    def _drawn(self, deviation, fills):
+    def _draw(self, deviation, fills):
         from ezdxf.addons.drawing.config import Configuration, HatchPolicy, ImagePolicy, TextPolicy
 
         from host_tools.drawings.dxf_backend import Backend, Frontend

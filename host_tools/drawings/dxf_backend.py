@@ -108,11 +108,11 @@ class Backend(Base):
     def _area(self, lines, rule, properties):
         """Closed `lines` and what they enclose; in the background's colour, as a wipeout is, they cover what was drawn before."""
         if properties.color != self._background:
-            self._add(properties, lines, [svg_area.filled(lines, rule)] if self._fills and lines else ())
+            self._add(properties, lines, [svg_area.fill_area(lines, rule)] if self._fills and lines else ())
         elif lines:
-            covered = svg_area.filled(lines, rule)
+            covered = svg_area.fill_area(lines, rule)
             for ink in (ink for inks in self.inks.values() for ink in inks):
-                ink.lines = svg_area.uncovered(ink.lines, covered)
+                ink.lines = svg_area.subtract_area(ink.lines, covered)
                 ink.areas = [shapely.difference(area, covered) for area in ink.areas]
 
     def _flat(self, path):

@@ -31,18 +31,18 @@ def mend(document):
         elif isinstance(entity, (Hatch, MPolygon)):
             for edge in (each for path in entity.paths for each in getattr(path, "edges", ())):
                 if hasattr(edge, "knot_values"):
-                    found = clamped(edge.control_points, edge.knot_values, edge.weights, edge.degree)
+                    found = clamp_knots(edge.control_points, edge.knot_values, edge.weights, edge.degree)
                     if found:
                         edge.control_points, edge.knot_values, edge.weights = found
 
 
 def _clamp_spline(spline):
-    found = clamped(spline.control_points, spline.knots, spline.weights, spline.dxf.degree)
+    found = clamp_knots(spline.control_points, spline.knots, spline.weights, spline.dxf.degree)
     if found:
         spline.control_points, spline.knots, spline.weights = found
 
 
-def clamped(points, knots, weights, degree):
+def clamp_knots(points, knots, weights, degree):
     """(points, knots, weights) of the same curve with knots that begin and end with it, or None if they already do, or are no knots."""
     points, knots = [tuple(each) for each in points], numpy.array(knots, dtype=float)
     count = len(points)

@@ -225,9 +225,9 @@ def powers_of(picture, options, progress=None):
     if options.shade == "threshold":
         dark = (dark >= options.threshold).astype(np.float64)
     elif options.shade == "floyd":
-        dark = diffused(dark, *_FLOYD, progress)
+        dark = diffuse(dark, *_FLOYD, progress)
     elif options.shade == "jarvis":
-        dark = diffused(dark, *_JARVIS, progress)
+        dark = diffuse(dark, *_JARVIS, progress)
     else:
         dark = np.round(dark * options.greys) / options.greys
     return powers_of_darkness(dark, options)
@@ -243,7 +243,7 @@ def powers_of_darkness(dark, options):
     return np.where(dark > 0, options.least + wanted * (options.power - options.least), 0.0)
 
 
-def diffused(dark, parts, shares, progress=None):
+def diffuse(dark, parts, shares, progress=None):
     """Dots, 1 or 0, whose mean is that of `dark` everywhere: each dot's error goes to those that follow. Rows in turn from the left and
     from the right, so that no pattern leans."""
     height, width = dark.shape
@@ -352,7 +352,7 @@ def row_lines(row, options, machine):
             continue
         for dot in range(count):
             reached = begin + (end - begin) * (dot + 1) / count
-            dots.append(packed(power) if machine.packed else level(power, machine))
+            dots.append(pack_power(power) if machine.packed else level(power, machine))
             if len(dots) == machine.cluster or not machine.packed and len(":".join(dots)) + len(dots[-1]) >= _ROW_CHARACTERS:
                 yield from line()
                 mode = ""
@@ -380,7 +380,7 @@ def is_rapid(length, options, machine):
     return length / speed - (2 * (peak - speed) / machine.acceleration + max(0.0, length - ramps) / peak) > _SAVED_S
 
 
-def packed(power):
+def pack_power(power):
     """A power, 0 to 1 of full power, as a packed row has it."""
     value = min(1000, max(round(1000 * power), 1 if power else 0))
     return chr(64 + (value >> 5)) + chr(64 + (value & 31))
@@ -419,7 +419,7 @@ def read_curve(path):
     """(power, darkness) of each patch, 0 to 1: from a text of `POWER DARKNESS` in % a line, or from a picture of a burnt card that is cut
     to the card's frame. Raises Failure."""
     if str(path).lower().endswith((".txt", ".csv")):
-        return _typed(path)
+        return _read_curve(path)
     picture = open_picture(path)
     if not CARD_PATCHES / 2 * 0.9 < picture.width / picture.height < CARD_PATCHES / 2 * 1.1:
         raise Failure("{}: {} × {} dots are not the card's shape; cut the picture to the card's frame", path, *picture.size)
@@ -432,7 +432,7 @@ def read_curve(path):
     return tuple((n / (CARD_PATCHES - 1), max(0.0, (found[0] - value) / 255)) for n, value in enumerate(found))
 
 
-def _typed(path):
+def _read_curve(path):
     curve = []
     try:
         text = open(path, encoding="utf-8").read()

@@ -31,7 +31,7 @@ class Cut:
     lift: float = 2.0  # of Z above zero, on the way to the next line
     dwell: float = 0.0  # seconds that the tool takes to go down or up
 
-    def changed(self, text):
+    def with_values(self, text):
         """The same with "feed=600,power=300". Raises Failure."""
         kinds = {each.name: each.type for each in fields(Cut) if each.name != "tool"}
         values = {}
@@ -41,9 +41,9 @@ class Cut:
                 values[name.strip()] = kinds[name.strip()](value)
             except (KeyError, ValueError):
                 raise Failure("{!r} is no setting of a layer: NAME=NUMBER is, of {}", part, ", ".join(kinds)) from None
-        return replace(self, **values).checked()
+        return replace(self, **values).validate()
 
-    def checked(self):
+    def validate(self):
         """The same. Raises Failure if a figure cannot be."""
         for name, least in (("feed", 1e-3), ("plunge", 1e-3), ("power", 0), ("depth", 0), ("passes", 1), ("lift", 0), ("dwell", 0)):
             if not least <= getattr(self, name) <= 1e6:
@@ -84,8 +84,8 @@ class _Writer:
             self.put(line)
         return fresh
 
-    def changed(self):
-        """Another tool: what the last one was told no longer holds."""
+    def forget_tool(self):
+        """Another tool follows: repeat its state and feed."""
         self._tool = self._feed = None
 
     def at(self, place):
@@ -151,10 +151,10 @@ def lines_of(plan, cuts, change=None):
                 writer.put(f"({_PEN} {part.number})")
                 for line in change:
                     writer.put(line.replace("{}", str(part.number)))
-                writer.changed()
+                writer.forget_tool()
             elif (cut.tool, cut.power) != (before.tool, before.power):
                 writer.stop(before)
-                writer.changed()
+                writer.forget_tool()
         writer.begin(cut)
         for points in part.lines:
             writer.line(points, cut)

@@ -1,7 +1,7 @@
 """Fills of areas by parallel lines.
 
-    rules = parsed(["45,1", "2:0,0.5,crossed"])     # of all layers, and of layer 2
-    lines = hatched(areas, rules[0])                # complex arrays
+    rules = parse_rules(["45,1", "2:0,0.5,crossed"])     # of all layers, and of layer 2
+    lines = hatch_lines(areas, rules[0])                # complex arrays
 """
 
 import math
@@ -22,7 +22,7 @@ class Rule(NamedTuple):
     crossed: bool
 
 
-def parsed(texts):
+def parse_rules(texts):
     """{layer, or 0 for all others: Rule} of texts as --hatch has them. Raises Failure."""
     rules = {}
     for text in texts or ():
@@ -38,7 +38,7 @@ def parsed(texts):
     return rules
 
 
-def hatched(areas, rule):
+def hatch_lines(areas, rule):
     """The lines of a Rule in areas, shapely geometries in mm, which may lie on each other."""
     whole = shapely.unary_union([area.buffer(0) for area in areas])
     lines = []

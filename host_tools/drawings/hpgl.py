@@ -19,7 +19,7 @@ import numpy
 from host_tools.drawings import hpgl_encoded
 from host_tools.drawings.hpgl_pen import Pen, TooMany
 from host_tools.drawings.hpgl_symbols import SymbolSets
-from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Ink, Page, moved
+from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Ink, Page, move_lines
 from host_tools.failure import Failure, reason
 from host_tools.language import N_
 
@@ -58,10 +58,10 @@ class HpglFile:
         if len(data) > _MOST:
             raise Failure("{} has more than {} bytes", path, _MOST)
         self._left_out = Counter()
-        self._instructions = list(self._parsed(data.decode("latin-1")))
+        self._instructions = list(self._parse(data.decode("latin-1")))
         if not self._instructions:
             raise Failure("{} has no instruction of HPGL", path)
-        pen = self._drawn(1.0)
+        pen = self._draw(1.0)
         self._straight = None if pen.curved else pen  # then it is as fine as any
         farthest = abs(self._lay(pen)).max() / UNITS_PER_MM
         if not farthest < _FARTHEST_MM:
@@ -80,36 +80,36 @@ class HpglFile:
 
     def outlines(self, deviation_px, progress=None, by_colour=False, fills=False, unseen=False):
         """The page; chords are at most `deviation_px` from their curves. A pen is a layer and a colour."""
-        pen = self._straight or self._drawn(deviation_px / UNIT_PX)
+        pen = self._straight or self._draw(deviation_px / UNIT_PX)
         self._lay(pen)
         page = Page(self.size_px, by_colour=by_colour)
         page.left_out = self._left_out + pen.left_out
         for number in sorted(pen.inks):
-            lines = moved([line for ink in pen.inks[number] for line in ink.lines], self._placed)
-            areas = [self._placed_area(area) for ink in pen.inks[number] for area in ink.areas] if fills else []
+            lines = move_lines([line for ink in pen.inks[number] for line in ink.lines], self._place)
+            areas = [self._place_area(area) for ink in pen.inks[number] for area in ink.areas] if fills else []
             page.add(max(1, number), None, [Ink(str(number), lines, areas)])
         return page
 
-    def _placed(self, line):
+    def _place(self, line):
         return (line.real - self._left) * UNIT_PX + 1j * (self.size_px[1] - (line.imag - self._bottom) * UNIT_PX)
 
-    def _placed_area(self, area):
+    def _place_area(self, area):
         from shapely.affinity import affine_transform
 
         return affine_transform(area, [UNIT_PX, 0, 0, -UNIT_PX, -self._left * UNIT_PX, self.size_px[1] + self._bottom * UNIT_PX])
 
-    def _drawn(self, deviation):
+    def _draw(self, deviation):
         pen, sheets = Pen(deviation), []
         for name, given in self._instructions:
             if name == "PG":
-                sheets.append(pen.finished().inks)
+                sheets.append(pen.finish().inks)
                 pen.inks = {}
             else:
                 try:
                     pen.do(name, given)
                 except TooMany as error:
                     raise Failure("{}: its arcs have more than {} chords: give them longer ones", self._path, error) from error
-        sheets = [inks for inks in [*sheets, pen.finished().inks] if inks]
+        sheets = [inks for inks in [*sheets, pen.finish().inks] if inks]
         pen.inks = sheets[0] if sheets else {}
         without = pen.inks.get(0) if len(pen.inks) > 1 else None
         if without:  # a plotter has put its pen away; of a file that names no pen all is drawn
@@ -119,7 +119,7 @@ class HpglFile:
             pen.left_out[N_("sheet behind the first")] += len(sheets) - 1
         return pen
 
-    def _parsed(self, text):
+    def _parse(self, text):
         """(instruction, numbers, or the text of a label)."""
         text = _ESCAPE.sub("", text)
         at, end_of_label, drawn_end, buffered, symbols = 0, "\x03", "", "", SymbolSets()

@@ -2,7 +2,7 @@
 
     pen = Pen(deviation)            # of curves from their chords
     pen.do("PA", [100, 200])
-    pen.finished().inks             # {pen: [Ink]}
+    pen.finish().inks             # {pen: [Ink]}
 """
 
 import cmath
@@ -63,7 +63,7 @@ class Pen:
         """Carry out an instruction of WORDS."""
         self.WORDS[name](self, given)
 
-    def finished(self):
+    def finish(self):
         """Itself, the last line ended."""
         self._lift()
         return self
@@ -76,7 +76,7 @@ class Pen:
             self._ink([numpy.array(line)])
 
     def _ink(self, lines, areas=()):
-        lines, areas = self.sheet.inked(lines, areas)
+        lines, areas = self.sheet.cut_to_window(lines, areas)
         self.inks.setdefault(self._number, []).append(Ink(str(self._number), lines, list(areas)))
 
     def _go(self, place):
@@ -93,9 +93,9 @@ class Pen:
     def _moves(self, given):
         for x, y in zip(given[::2], given[1::2]):
             self._go(self.sheet.units(x, y) if self._absolute else self._place + self.sheet.units(x, y, True))
-            self._marked()
+            self._mark()
 
-    def _marked(self):
+    def _mark(self):
         if self._letters.symbol and self._polygon is None:
             self._letters.mark(self._place)
 
@@ -128,7 +128,7 @@ class Pen:
         self._lift()
         self._number = int(given[0]) if given else 0
 
-    def _encoded(self, moves):
+    def _draw_encoded(self, moves):
         """PE: down unless a move says otherwise, and as it was before, behind it."""
         absolute, down = self._absolute, self._down
         for move in moves:
@@ -216,7 +216,7 @@ class Pen:
             b, c, d = (self.sheet.units(*given[each : each + 2], relative) + (a if relative else 0) for each in range(at, at + 6, 2))
             for place in cubic(a, b, c, d, self._deviation):
                 self._go(place)
-            self._marked()
+            self._mark()
 
     # --- shapes: `filled` adds the area
 
@@ -226,7 +226,7 @@ class Pen:
             self._polygon[-1:] = [*([self._polygon[-1]] if self._polygon[-1] else []), *whole, []]
             return
         rings = [numpy.array(ring) for ring in rings]
-        self._ink(rings, [svg_area.filled(rings, "evenodd")] if filled else ())
+        self._ink(rings, [svg_area.fill_area(rings, "evenodd")] if filled else ())
 
     def _rectangle(self, given, relative, filled):
         if len(given) < 2:
@@ -270,7 +270,7 @@ class Pen:
                     lines.append([start, end])
         rings = [numpy.array([place for place, _ in ring]) for ring in self._rings]
         if lines or filled and rings:
-            self._ink([numpy.array(line) for line in lines], [svg_area.filled(rings, "evenodd")] if filled else ())
+            self._ink([numpy.array(line) for line in lines], [svg_area.fill_area(rings, "evenodd")] if filled else ())
 
     # --- text and ticks
 
@@ -306,7 +306,7 @@ class Pen:
     WORDS = {
         "IN": _initialize, "DF": _default, "PU": _up, "PD": _downs, "PA": _absolutes, "PR": _relatives, "SP": _select,
         "IP": _of_sheet(Sheet.input_ends), "IR": _of_sheet(Sheet.relative_ends), "SC": _of_sheet(Sheet.scale),
-        "RO": _of_sheet(Sheet.rotate), "IW": _of_sheet(Sheet.clip), "PS": _of_sheet(Sheet.paper), "PE": _encoded, "CI": _circle,
+        "RO": _of_sheet(Sheet.rotate), "IW": _of_sheet(Sheet.clip), "PS": _of_sheet(Sheet.paper), "PE": _draw_encoded, "CI": _circle,
         "BZ": lambda self, given: self._bezier(given, False), "BR": lambda self, given: self._bezier(given, True),
         "AA": lambda self, given: self._arc(given, False), "AR": lambda self, given: self._arc(given, True),
         "AT": lambda self, given: self._three_points(given, False), "RT": lambda self, given: self._three_points(given, True),

@@ -46,23 +46,23 @@ class Sheet:
             place = complex(x * across, y * up) + (0 if relative else origin)
         return place
 
-    def inked(self, lines, areas):
+    def cut_to_window(self, lines, areas):
         """(lines, areas) where they are drawn: cut by the window, and turned with it."""
         if self._window:
-            lines = svg_area.clipped(lines, self._window)
+            lines = svg_area.clip(lines, self._window)
             areas = [area.intersection(self._window) for area in areas]
         if self._turn:
-            lines = [line * self._turned for line in lines]
+            lines = [line * self._turn_factor for line in lines]
             areas = [affinity.rotate(area, self._turn, origin=(0, 0)) for area in areas]
         return lines, areas
 
     @property
-    def _turned(self):
+    def _turn_factor(self):
         return cmath.exp(1j * math.radians(self._turn))
 
     def corners(self):
         """Two opposite ones of the sheet as it is drawn; 0 and 0 if the file does not say how large it is."""
-        return 0j, complex(*self._page()) * self._turned
+        return 0j, complex(*self._page()) * self._turn_factor
 
     def _page(self):
         """Width and height as turned numbers have it: untouched by RO, the sheet's long side is x."""

@@ -1,6 +1,6 @@
 """What stands on the table: one drawing or several, copies in rows and columns, registration marks.
 
-    sheet = nested([Sheet(…), Sheet(…)], (400, 300), options)
+    sheet = nest_sheets([Sheet(…), Sheet(…)], (400, 300), options)
     copy(sheet, options)
     mark(sheet, box, (400, 300))
 """
@@ -36,11 +36,11 @@ class Sheet:
     notes: list
 
 
-def nested(sheets, table, options):
+def nest_sheets(sheets, table, options):
     """Several drawings on one table, `options.gap` between them. Raises Failure if there is no room."""
     (x, y), (width, height) = room(table, options)
     shapes = [shape_of(sheet) for sheet in sheets]
-    spots = nesting.nested(shapes, width, height, options.gap, options.turn, options.nesting)
+    spots = nesting.nest(shapes, width, height, options.gap, options.turn, options.nesting)
     boxes = [shapely.box(*shape.bounds) for shape in shapes]
     used, full = nesting.fullness(shapes, spots, width)
     boxed = sum(box.area for box in boxes)
@@ -58,7 +58,7 @@ def nested(sheets, table, options):
         whole.notes += sheet.notes
     shares = full * 100, boxed / (used * width) * 100
     try:
-        by_boxes = nesting.fullness(boxes, nesting.nested(boxes, width, height, options.gap, options.turn), width)[0]
+        by_boxes = nesting.fullness(boxes, nesting.nest(boxes, width, height, options.gap, options.turn), width)[0]
         text = _("{} drawings on one sheet use {:.0f} mm of its height, {:.0f} % of that full, boxes {:.0f} %; by their boxes they would use {:.0f} mm")
         whole.notes.append(text.format(len(sheets), used, *shares, by_boxes))
     except Failure:

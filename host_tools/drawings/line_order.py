@@ -1,6 +1,6 @@
 """Joins polylines whose ends meet.
 
-    lines = joined(lines, 0.05)             # join ends this close, in the lines' own unit
+    lines = join(lines, 0.05)             # join ends this close, in the lines' own unit
 
 A line is a numpy array of complex numbers, x + yj. Lines that no other meets are found over arrays: of a hundred thousand lines only
 those that meet take time.
@@ -89,7 +89,7 @@ def _ring(x, y, ring):
     return [(x + i, y + j) for i in side for j in (-ring, ring)] + [(x + i, y + j) for i in (-ring, ring) for j in inner]
 
 
-def joined(lines, tolerance):
+def join(lines, tolerance):
     """Join lines whose ends are at most `tolerance` apart; drops lines of less than two points.
 
     If several lines meet, the result lifts the pen as seldom as possible: half as many lines as there are nodes where an odd
@@ -98,7 +98,7 @@ def joined(lines, tolerance):
     lines = [line for line in lines if len(line) > 1]
     alone = _alone(lines, tolerance)
     meet = numpy.flatnonzero(~alone).tolist()
-    made = [(meet[first], line) for first, line in _met([lines[number] for number in meet], tolerance)]
+    made = [(meet[first], line) for first, line in _join_met([lines[number] for number in meet], tolerance)]
     made += [(number, lines[number]) for number in numpy.flatnonzero(alone).tolist()]
     return [line for _, line in sorted(made, key=itemgetter(0))]
 
@@ -127,11 +127,11 @@ def _alone(lines, tolerance):
     return alone
 
 
-def _met(lines, tolerance):
+def _join_met(lines, tolerance):
     """[(the least number of a line in it, line)] of lines that meet others."""
     trails = _trails(lines, tolerance / 2)
     numbers = [min(number for number, _ in trail) for trail in trails]
-    lines = [_chained([(lines[number], turned) for number, turned in trail]) for trail in trails]
+    lines = [_chain([(lines[number], turned) for number, turned in trail]) for trail in trails]
     # Ends that are near each other, but not near one place.
     ends = Ends(lines, max(tolerance, 1e-9))
     result = []
@@ -141,11 +141,11 @@ def _met(lines, tolerance):
             while (found := ends.nearest(_last(lines[parts[-1][0]], parts[-1][1]), tolerance)) is not None:
                 parts.append(found)
             parts = [(number, not turned) for number, turned in reversed(parts)]
-        result.append((min(numbers[number] for number, _ in parts), _chained([(lines[number], turned) for number, turned in parts])))
+        result.append((min(numbers[number] for number, _ in parts), _chain([(lines[number], turned) for number, turned in parts])))
     return result
 
 
-def followed(lines, tolerance):
+def join_in_order(lines, tolerance):
     """The lines in their order; one that begins where the one before ended goes on from it."""
     result = []
     for line in lines:
@@ -160,7 +160,7 @@ def _last(line, turned):
     return line[0] if turned else line[-1]
 
 
-def _chained(parts):
+def _chain(parts):
     """One line of [(line, turned round)]."""
     return numpy.concatenate([line[::-1] if turned else line for line, turned in parts])
 

@@ -1,8 +1,8 @@
 """Finds room for several drawings on one sheet: each as low as it goes, then as far left, turned by quarters if that helps. Then in lower and
 lower strips: each as far left as it goes, then as low; the lowest strip counts in which all have room.
 
-    spots = nested(shapes, 400, 300, gap=5)         # [(x, y, quarter turns)], where the corner of each shape's box stands
-    spots = nested(shapes, 400, 300, order=417)     # another nesting
+    spots = nest(shapes, 400, 300, gap=5)         # [(x, y, quarter turns)], where the corner of each shape's box stands
+    spots = nest(shapes, 400, 300, order=417)     # another nesting
     outline([line, ...])                            # the shape of a drawing: a shapely geometry
 
 A shape's place is sought on a grid of a millimetre, or more on large sheets, by FFT; shapes are covered by whole cells, so they keep the
@@ -39,19 +39,19 @@ def outline(lines):
     return shapely.unary_union([shapely.Polygon(part.exterior) for part in shapely.get_parts(whole)])
 
 
-def nested(shapes, width, height, gap=0.0, turn=True, order=0):
+def nest(shapes, width, height, gap=0.0, turn=True, order=0):
     """Where each shape stands: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
     there is no room for one. `order`: 0, the largest first; each other number is an order of its own, the same on every computer."""
     chance = random.Random(order)
     turns = sorted(range(len(shapes)), key=lambda each: -shapes[each].area * (chance.uniform(_LEAST_CHANCE, 1) if order else 1))
-    spots = _placed(shapes, turns, width, height, gap, turn, False)
+    spots = _place_shapes(shapes, turns, width, height, gap, turn, False)
     sides = [(right - left, top - bottom) for left, bottom, right, top in (shape.bounds for shape in shapes)]
     least = max(min(side) if turn else side[1] for side in sides)
     used, _ = fullness(shapes, spots, width)
     for _strip in range(_STRIPS):
         limit = (least + used) / 2
         try:
-            lower = _placed(shapes, turns, width, limit, gap, turn, True)
+            lower = _place_shapes(shapes, turns, width, limit, gap, turn, True)
         except Failure:
             least = limit
         else:
@@ -59,7 +59,7 @@ def nested(shapes, width, height, gap=0.0, turn=True, order=0):
     return spots
 
 
-def _placed(shapes, turns, width, height, gap, turn, across):
+def _place_shapes(shapes, turns, width, height, gap, turn, across):
     """The same in one go; `turns`: indices of the shapes, as they come; `across`: as far left as it goes, then as low."""
     cell = max(_LEAST_MM, math.sqrt(width * height / _MOST_CELLS))
     sheet = numpy.zeros((int(height / cell + 1e-9), int(width / cell + 1e-9)), bool)
@@ -67,7 +67,7 @@ def _placed(shapes, turns, width, height, gap, turn, across):
     for index in turns:
         best = None
         for quarters in range(4 if turn else 1):
-            shape = turned(shapes[index], quarters)
+            shape = turn_shape(shapes[index], quarters)
             left, bottom, right, top = shape.bounds
             if right - left > width + 1e-9 or top - bottom > height + 1e-9:
                 continue
@@ -84,7 +84,7 @@ def _placed(shapes, turns, width, height, gap, turn, across):
     return [found[index] for index in range(len(shapes))]
 
 
-def turned(shape, quarters):
+def turn_shape(shape, quarters):
     """A shape turned to the left by quarters, its box's lower left corner at 0;0."""
     shape = affinity.rotate(shape, 90 * quarters, origin=(0, 0))
     left, bottom, _, _ = shape.bounds
@@ -137,5 +137,5 @@ def _put(sheet, mask, row, column):
 
 def fullness(shapes, spots, width):
     """(height used, share of the strip below it that the shapes cover)."""
-    used = max(spot[1] + turned(shape, spot[2]).bounds[3] for shape, spot in zip(shapes, spots))
+    used = max(spot[1] + turn_shape(shape, spot[2]).bounds[3] for shape, spot in zip(shapes, spots))
     return used, sum(shape.area for shape in shapes) / (used * width)

@@ -61,7 +61,7 @@ class Page:
         self.fills = {number: self.fills.get(number, []) for number in numbers}
 
 
-def moved(lines, change):
+def move_lines(lines, change):
     """Lines whose places, one array, have gone through `change`."""
     return numpy.split(change(numpy.concatenate(lines)), numpy.cumsum([len(line) for line in lines[:-1]])) if lines else []
 
@@ -73,13 +73,13 @@ def cut(inks, area, left_out):
 
 
 def _cut(ink, area, left_out):
-    lines = svg_area.clipped(ink.lines, area) if ink.lines else []
+    lines = svg_area.clip(ink.lines, area) if ink.lines else []
     whole = len(lines) == len(ink.lines) and all(kept is line for kept, line in zip(lines, ink.lines))
     areas = [each.intersection(area) for each in ink.areas]
     if whole:
         return replace(ink, areas=areas)
     if ink.rule:
-        lines = svg_area.edges(svg_area.filled(ink.lines, ink.rule).intersection(area))
+        lines = svg_area.edges(svg_area.fill_area(ink.lines, ink.rule).intersection(area))
     elif ink.under and not lines:
         return _cut(ink.under, area, left_out)
     under = ink.under and _cut(ink.under, area, left_out)

@@ -36,7 +36,7 @@ class Options:
     copies: str = ""  # columns and rows, as 3x2
     gap: float = 5.0  # between copies, and between drawings on one sheet
     turn: bool = True  # drawings on one sheet may be turned
-    nesting: int = 0  # the order in which they are placed, see nesting.nested()
+    nesting: int = 0  # the order in which they are placed, see nesting.nest()
     marks: bool = False  # crosses at the corners, of each pen
     repeat: int = 1  # how often each line is gone along
     keep_order: bool = False
@@ -61,7 +61,7 @@ def percent(factor):
     return text if text != "100.0" or factor == 1 else f"{factor * 100:.4f}".rstrip("0").rstrip(".")
 
 
-def fitted(box_px, board, options):
+def fit_factor(box_px, board, options):
     """The factor that makes a box fill the table within the margin."""
     room = [table - 2 * options.margin for table in table_mm(board)]
     if min(room) <= 0:
@@ -94,7 +94,7 @@ class Placement:
         box_px = (0.0, 0.0, *page.size_px) if options.place == "page" else outlines_px
         self._box_px = box_px
         self.corner_px = (box_px[0], box_px[3])
-        self.factor = options.scale or (fitted(box_px, board, options) if options.fit else 1.0)
+        self.factor = options.scale or (fit_factor(box_px, board, options) if options.fit else 1.0)
         self._stand(options)
         free = options.origin is None and options.scale is None and not options.fit
         if free and not self._has_room(outlines_px):

@@ -1,6 +1,6 @@
 """Orders lines so that the pen's ways between them get short: lines are turned round, and closed lines begin at the vertex that suits.
 
-    lines = shortened(lines, 0j)            # in drawing order, from a place on
+    lines = shorten(lines, 0j)            # in drawing order, from a place on
 
 It begins by the nearest end, again and again, or by the order that is given, if that is shorter. 2-opt and or-opt (Croes, 1958; Or, 1976)
 follow, over the nearest ends of each line. Then two neighbouring pieces change places, again and again, and what follows of it is kept if
@@ -32,7 +32,7 @@ _MORTON = 8  # neighbours on a curve that are tried, in each direction
 _SHIFTED = 0, 9157  # of the two curves: units
 
 
-def shortened(lines, place, progress=None):
+def shorten(lines, place, progress=None):
     """The lines, in an order and directions of less travel. A line is a complex array. Calls `progress(share)` now and then, 0…1."""
     lines = list(lines)
     if not lines:
@@ -93,7 +93,7 @@ class _Tour:
             self._locate()
         self._set_tour(2 * numpy.arange(count))
         given = self.lines()
-        chain, state[order_viper.SHIFT] = _chained(self._xs, self._ys, count)
+        chain, state[order_viper.SHIFT] = _chain_ends(self._xs, self._ys, count)
         left = _array(numpy.concatenate([numpy.arange(count), numpy.arange(count)]))
         state[order_viper.LEFT] = count
         self._kernels.add_nearest(*self._places, self._near, self._tour, chain, _numbers(count + 1), left, count)
@@ -246,7 +246,7 @@ def _morton(numbers):
     return spread
 
 
-def _chained(xs, ys, count):
+def _chain_ends(xs, ys, count):
     """(chains of ends in the cells of a grid: of each end the next one of its cell, and behind them the first of each cell; the grid's shift)"""
     shift = 14
     while shift > 6 and (32768 >> shift) ** 2 < 2 * count:

@@ -1,6 +1,6 @@
 """Finds the reader of a drawing by what stands in the file.
 
-    file = opened("map.plt")
+    file = open_drawing("map.plt")
     file.size_px, file.outlines(0.1)        # a Page
 """
 
@@ -16,7 +16,7 @@ _MARKUP = re.compile(rb"(\xef\xbb\xbf|\xff\xfe|\xfe\xff)?[\s\0]*<")
 _FIRST = 4096  # bytes that say what a file is
 
 
-def opened(path):
+def open_drawing(path):
     """A reader. Raises Failure."""
     path = Path(path)
     try:

@@ -1,7 +1,7 @@
 """Polylines (complex numbers, x + iy) cut by areas, and areas made of closed polylines.
 
-    area = filled(rings, "evenodd")                 # a shapely geometry
-    inside = clipped(lines, area)
+    area = fill_area(rings, "evenodd")                 # a shapely geometry
+    inside = clip(lines, area)
 
 Lines are cut segment by segment, so that a line that crosses itself stays one line.
 """
@@ -17,7 +17,7 @@ def rectangle(left, top, right, bottom):
     return shapely.box(left, top, right, bottom)
 
 
-def filled(rings, rule):
+def fill_area(rings, rule):
     """What `rings`, closed or to be closed, enclose by the rule "nonzero" or "evenodd"."""
     closed = []
     for ring in rings:
@@ -51,7 +51,7 @@ def _check_crossings(rings):
             raise ValueError(f"an area whose edges cross more than {_MOST_CROSSINGS // 2} times")
 
 
-def grown(area, by):
+def grow(area, by):
     """`area`, its edges `by` further out: a line along an edge lies within it for certain."""
     return shapely.buffer(area, by, join_style="mitre", cap_style="square")
 
@@ -65,7 +65,7 @@ def edges(area):
     return [numpy.array([complex(*place) for place in ring.coords]) for ring in rings]
 
 
-def clipped(lines, area):
+def clip(lines, area):
     """The parts of `lines` inside `area`, in their order and direction. A dot is a line of the same position twice."""
     shapely.prepare(area)
     left, top, right, bottom = area.bounds if not area.is_empty else (0.0, 0.0, -1.0, -1.0)
@@ -83,7 +83,7 @@ def clipped(lines, area):
     return kept
 
 
-def uncovered(lines, area):
+def subtract_area(lines, area):
     """The parts of `lines` outside `area`."""
     if area.is_empty:
         return lines
@@ -95,7 +95,7 @@ def uncovered(lines, area):
             kept.append(line)
         else:
             around = rectangle(min(xs.min(), left), min(ys.min(), top), max(xs.max(), right), max(ys.max(), bottom))
-            kept += _cut(line, shapely.difference(grown(around, max(right - left, bottom - top)), area))
+            kept += _cut(line, shapely.difference(grow(around, max(right - left, bottom - top)), area))
     return kept
 
 

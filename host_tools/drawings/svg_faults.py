@@ -1,6 +1,6 @@
 """What is wrong in an SVG file is told by the element it is in.
 
-    with told(path, element):
+    with name_faults(path, element):
         …       # what goes wrong with its numbers becomes a Failure that names the element
     page.left_out[N_("…")] += unreadable(element)       # attributes that are no numbers: as in a browser, they are as if missing
 """
@@ -35,7 +35,7 @@ def by_letters(element):
 
 
 @contextlib.contextmanager
-def told(path, element):
+def name_faults(path, element):
     try:
         yield
     except TooFar as error:

@@ -19,7 +19,7 @@ import shapely
 
 from host_tools.drawings import svg_area, svg_geometry, svg_paint, svg_style, svg_text, svg_transform
 from host_tools.drawings.page import LONGEST_TEXT, TOO_LONG, Page, cut
-from host_tools.drawings.svg_faults import by_letters, name_of, told, unreadable
+from host_tools.drawings.svg_faults import by_letters, name_faults, name_of, unreadable
 from host_tools.drawings.svg_page import page_size, root_of, view_box
 from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
 from host_tools.drawings.svg_style import local_name
@@ -72,7 +72,7 @@ class SvgFile:
         self._sheet = svg_style.Sheet(sheets, self._root)
         self._animations += self._sheet.animations
         self._shapes = Shapes()
-        with told(self._path, self._root):
+        with name_faults(self._path, self._root):
             self.size_px = page_size(self._root, self._sheet.style(self._root, {}))
 
     def _lead(self, element, count=1):
@@ -97,7 +97,7 @@ class SvgFile:
         width, height = self.size_px
         if width <= 0 or height <= 0:
             return self._page
-        with told(self._path, self._root):
+        with name_faults(self._path, self._root):
             context = self._inside(self._root, _Context(svg_geometry.IDENTITY, {"font-size": 16.0}, self.size_px))
             if context:
                 self._layers(self._in_view_box(self._root, context, 0.0, 0.0, width, height))
@@ -112,7 +112,7 @@ class SvgFile:
             tag = local_name(child.tag)
             if tag in ("switch", "a") and not child.get("clip-path"):
                 inner = self._inside(child, around)
-                pending += [(each, inner) for each in reversed(self._chosen(child))] if inner else []
+                pending += [(each, inner) for each in reversed(self._visible_children(child))] if inner else []
                 continue
             number, name = 1, None
             if tag in ("g", "svg"):
@@ -120,12 +120,12 @@ class SvgFile:
                     continue
                 groups += 1
                 number, name = svg_style.layer_of(child, groups)
-            self._page.add(number, name, self._clipped(self._lines(child, around), self._root, context))
+            self._page.add(number, name, self._clip(self._lines(child, around), self._root, context))
 
     # --- elements; each returns Inks in px of the page
 
     def _lines(self, element, context):
-        with told(self._path, element):
+        with name_faults(self._path, element):
             return self._lines_of(element, context)
 
     def _lines_of(self, element, context):
@@ -141,7 +141,7 @@ class SvgFile:
         elif tag == "text":
             lines = self._text(element, inner)
         elif tag in ("g", "a", "switch"):
-            lines = self._children(self._chosen(element), inner)
+            lines = self._children(self._visible_children(element), inner)
         elif tag == "svg":
             lines = self._viewport(element, element, inner)
         elif tag == "use":
@@ -151,7 +151,7 @@ class SvgFile:
             return []
         if lines:
             self._name_paints(inner.style, tag)
-        return self._clipped(lines, element, inner) if lines else lines
+        return self._clip(lines, element, inner) if lines else lines
 
     def _inside(self, element, context, ink=True):
         """The context of an element's own coordinates and style; None if nothing of it is shown. `ink`: False of a clip path's shapes,
@@ -189,7 +189,7 @@ class SvgFile:
     def _children(self, children, context):
         return [line for child in children for line in self._lines(child, context)]
 
-    def _chosen(self, element):
+    def _visible_children(self, element):
         """The children that are shown; of a <switch> the first that suits and can be drawn."""
         if local_name(element.tag) != "switch":
             return list(element)
@@ -215,11 +215,11 @@ class SvgFile:
         stretch = svg_geometry.stretch(context.matrix)
         if not stretch:
             return []
-        if not svg_style.painted(context.style, "fill") and not svg_style.painted(context.style, "stroke"):
+        if not svg_style.is_painted(context.style, "fill") and not svg_style.is_painted(context.style, "stroke"):
             self._page.unseen += 1
             if not self._unseen:
                 return []
-        svg_geometry.bounded(context.style["font-size"] * stretch)
+        svg_geometry.check_bound(context.style["font-size"] * stretch)
         count = sum(map(len, element.itertext()))
         if count > LONGEST_TEXT:
             self._page.left_out[TOO_LONG] += 1
@@ -228,8 +228,8 @@ class SvgFile:
             self._lead(element, _OF_LETTER * count)
         letters = svg_text.collect(element, context.style, self._style, context.viewport, self._page.left_out, self._way_of(context))
         lines = svg_text.outlines(letters, self._deviation / stretch, self._page.left_out)
-        lines = svg_geometry.placed(lines, context.matrix)
-        return self._shapes.inks(lines, lines if self._fills and svg_style.painted(context.style, "fill") else [], context.style)
+        lines = svg_geometry.transform_lines(lines, context.matrix)
+        return self._shapes.inks(lines, lines if self._fills and svg_style.is_painted(context.style, "fill") else [], context.style)
 
     def _way_of(self, context):
         """A function from a <textPath> to the path that its letters stand on, polylines, or None."""
@@ -242,7 +242,7 @@ class SvgFile:
             matrix = self._matrix(target, style, replace(context, matrix=svg_geometry.IDENTITY))
             stretch = svg_geometry.stretch(svg_geometry.compose(context.matrix, matrix))
             segments = self._shapes.segments(local_name(target.tag), target, replace(context, style=style), stretch)
-            return svg_geometry.placed(svg_geometry.flattened(segments, _WAY_PX / stretch), matrix) if stretch else None
+            return svg_geometry.transform_lines(svg_geometry.flatten(segments, _WAY_PX / stretch), matrix) if stretch else None
 
         return way
 
@@ -261,7 +261,7 @@ class SvgFile:
         inner = self._inside(target, inner)
         if inner is None:
             return []
-        return self._clipped(self._viewport(target, element, inner), target, inner)
+        return self._clip(self._viewport(target, element, inner), target, inner)
 
     def _viewport(self, element, sized, context):
         """A <symbol>, or an <svg> inside the file: its viewBox fitted to its size, or to that of the <use>."""
@@ -274,8 +274,8 @@ class SvgFile:
         if context.style.get("overflow", "hidden") in ("visible", "auto"):
             return lines
         edge = numpy.array([x + 1j * y, x + width + 1j * y, x + width + 1j * (y + height), x + 1j * (y + height)])
-        area = svg_area.filled(svg_geometry.placed([edge], context.matrix), "nonzero")
-        return cut(lines, svg_area.grown(area, _CLIP_PX), self._page.left_out)
+        area = svg_area.fill_area(svg_geometry.transform_lines([edge], context.matrix), "nonzero")
+        return cut(lines, svg_area.grow(area, _CLIP_PX), self._page.left_out)
 
     def _in_view_box(self, element, context, x, y, width, height):
         """The context inside a viewport."""
@@ -283,12 +283,12 @@ class SvgFile:
         if box is None:
             matrix = svg_geometry.compose(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y))
             return replace(context, matrix=matrix, viewport=(width, height))
-        fitted = svg_geometry.fitted(box, element.get("preserveAspectRatio"), x, y, width, height)
+        fitted = svg_geometry.view_box_matrix(box, element.get("preserveAspectRatio"), x, y, width, height)
         return replace(context, matrix=svg_geometry.compose(context.matrix, fitted), viewport=(box[2], box[3]))
 
     # --- clip paths
 
-    def _clipped(self, inks, element, context):
+    def _clip(self, inks, element, context):
         value = context.style.get("clip-path", "none")
         match = _URL.match(value)
         lines = [line for ink in inks for line in ink.lines]
@@ -300,7 +300,7 @@ class SvgFile:
         if clip is None or local_name(clip.tag) != "clipPath":
             self._page.left_out[N_("clip path that is not in the file")] += 1
             return inks
-        return cut(inks, svg_area.grown(self._area(clip, lines, context), _CLIP_PX), self._page.left_out)
+        return cut(inks, svg_area.grow(self._area(clip, lines, context), _CLIP_PX), self._page.left_out)
 
     def _area(self, clip, lines, context):
         """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
@@ -314,7 +314,7 @@ class SvgFile:
             matrix = svg_geometry.compose(matrix, svg_geometry.box_matrix(lines, matrix))
         style = self._style_in_place(clip)
         around = replace(context, matrix=self._matrix(clip, style, replace(context, matrix=matrix)), style=style, used=(*context.used, clip))
-        area = svg_area.filled([], "nonzero")
+        area = svg_area.fill_area([], "nonzero")
         for child in clip:
             part = self._area_of(child, around)
             area = area if part is None else area.union(part)
@@ -341,11 +341,11 @@ class SvgFile:
         if tag == "text":
             rings = [line for ink in self._text(child, inner) for line in ink.lines]
         elif tag in SHAPES and stretch:
-            rings = svg_geometry.flattened(self._shapes.segments(tag, child, inner, stretch), self._deviation / stretch)
-            rings = svg_geometry.placed(rings, inner.matrix)
+            rings = svg_geometry.flatten(self._shapes.segments(tag, child, inner, stretch), self._deviation / stretch)
+            rings = svg_geometry.transform_lines(rings, inner.matrix)
         else:
             return None
-        area = svg_area.filled(rings, inner.style.get("clip-rule", "nonzero"))
+        area = svg_area.fill_area(rings, inner.style.get("clip-rule", "nonzero"))
         match = _URL.match(inner.style.get("clip-path", "none"))
         if match and self._by_id.get(match[1]) is not None:
             area = area.intersection(self._area(self._by_id[match[1]], rings, inner))
@@ -388,19 +388,19 @@ class SvgFile:
         if key not in self._boxes:
             page, self._page = self._page, Page(self.size_px)
             self._shapes.begin(self._page, self._deviation, False, True)
-            inner = replace(context, matrix=self._unmoved(element, style, context), style=style, depth=context.depth + 1)
+            inner = replace(context, matrix=self._own_matrix(element, style, context), style=style, depth=context.depth + 1)
             fine = self._deviation / (svg_geometry.stretch(context.matrix) or 1.0)
             places = numpy.concatenate([numpy.zeros(0, complex), *self._extent(element, inner, fine)])
             self._page = page
             self._shapes.begin(page, self._deviation, self._fills, self._unseen)
-            grown = length(style.get("stroke-width", "1"), None, inner) / 2 if with_stroke and svg_style.painted(style, "stroke") else 0.0
+            grown = length(style.get("stroke-width", "1"), None, inner) / 2 if with_stroke and svg_style.is_painted(style, "stroke") else 0.0
             sides = (places.real, places.imag) if len(places) else ()
             lows, sizes = [each.min() - grown for each in sides], [each.max() - each.min() + 2 * grown for each in sides]
             self._boxes[key] = (*map(float, lows), *map(float, sizes)) or None
         return self._boxes[key]
 
     @staticmethod
-    def _unmoved(element, style, context):
+    def _own_matrix(element, style, context):
         """The matrix of an element's own coordinates; of a <use>, as browsers have it, without its x and y."""
         if local_name(element.tag) != "use":
             return svg_geometry.IDENTITY
@@ -412,13 +412,13 @@ class SvgFile:
         tag = local_name(element.tag)
         if tag in SHAPES:
             segments = self._shapes.segments(tag, element, context, svg_geometry.stretch(context.matrix))
-            return svg_geometry.placed(svg_geometry.flattened(segments, fine), context.matrix)
+            return svg_geometry.transform_lines(svg_geometry.flatten(segments, fine), context.matrix)
         if tag == "text":
             return [line for ink in self._text(element, context) for line in ink.lines]
         if tag == "use":
             return [line for ink in self._use(element, context) for line in ink.lines]
         lines = []
-        for child in self._chosen(element) if tag in ("g", "a", "svg", "switch") else ():
+        for child in self._visible_children(element) if tag in ("g", "a", "svg", "switch") else ():
             inner = self._inside(child, context)
             lines += self._extent(child, inner, fine) if inner else []
         return lines

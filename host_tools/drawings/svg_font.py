@@ -41,25 +41,25 @@ def of(style, left_out, text=""):
     named = tuple(part.strip().strip("'\"") for part in style.get("font-family", "").split(",") if part.strip())
     families = named or tuple(_USUAL.split(","))
     slant = style.get("font-style", "normal")
-    chosen, font, replaced = _found(families, style.get("font-weight", 400), slant)
+    chosen, font, replaced = _find_font(families, style.get("font-weight", 400), slant)
     if slant in _SLANTED and not _is_slanted(font):
         left_out[N_("slanted letters that the font has not (drawn upright)")] = 1
     strange = "".join(sorted(each for each in set(text) if missing(font, each)))
     if strange:
-        font = _with(font, (chosen, *(_installed(families, f":charset={ord(each):x}") for each in strange)))
+        font = _with(font, (chosen, *(_load_installed(families, f":charset={ord(each):x}") for each in strange)))
     if replaced and named:
         left_out[_("the font {}, which is not on this computer ({} is drawn)", families[0], replaced)] = 1
     return font
 
 
 @lru_cache(maxsize=256)
-def _found(families, weight, slant):
+def _find_font(families, weight, slant):
     """(name, matplotlib's font) of a CSS family list, and the name of what stands for it if none of them is installed."""
     from matplotlib import font_manager
 
-    known = _known()
+    known = _font_names()
     wanted = families[0].lower()
-    found = known.get(wanted) or _GENERIC.get(wanted) or _installed(families)
+    found = known.get(wanted) or _GENERIC.get(wanted) or _load_installed(families)
     listed = next((name.lower() for name in families if name.lower() in known or name.lower() in _GENERIC), None)
     chosen = found or known.get(listed) or _GENERIC.get(listed, "sans-serif")
     font = font_manager.FontProperties(family=[chosen], style=slant if slant in _SLANTED else "normal", weight=weight, size=EM)
@@ -68,23 +68,23 @@ def _found(families, weight, slant):
     return chosen, font, None if wanted in _GENERIC or chosen.lower() == wanted else name
 
 
-def _known():
+def _font_names():
     """{name in small letters: name} of matplotlib's list."""
     from matplotlib import font_manager
 
     return {name.lower(): name for name in font_manager.get_font_names()}
 
 
-def _installed(families, of_which=""):
+def _load_installed(families, of_which=""):
     """The family that fontconfig takes for a list, made known to matplotlib, whose own list may be older; "" without one."""
     from matplotlib import font_manager
 
     name = _fontconfig(families, of_which)
-    if name and name.lower() not in _known():
+    if name and name.lower() not in _font_names():
         for file in _files_of(name):
             with contextlib.suppress(OSError, RuntimeError, ValueError, KeyError):  # a kind of font that matplotlib does not read
                 font_manager.fontManager.addfont(file)
-    return _known().get(name.lower(), "")
+    return _font_names().get(name.lower(), "")
 
 
 def _with(font, families):
@@ -122,19 +122,19 @@ def _is_slanted(font):
 @lru_cache(maxsize=1024)
 def _fontconfig(families, of_which=""):
     """Name of the font that fontconfig takes for a family list, "" without it. `of_which`: what more is asked of it."""
-    return _asked("fc-match", "-f", "%{family[0]}", _pattern(families) + of_which)
+    return _ask("fc-match", "-f", "%{family[0]}", _pattern(families) + of_which)
 
 
 def _files_of(name):
     """The files of a family, as fontconfig lists them."""
-    return [file for file in _asked("fc-list", "-f", "%{file}\n", _pattern([name])).splitlines() if file]
+    return [file for file in _ask("fc-list", "-f", "%{file}\n", _pattern([name])).splitlines() if file]
 
 
 def _pattern(families):
     return ",".join(re.sub(r"([\\,:=-])", r"\\\1", name) for name in families)
 
 
-def _asked(*words):
+def _ask(*words):
     try:
         return subprocess.run(words, capture_output=True, text=True, timeout=10, check=True).stdout.strip()
     except (OSError, subprocess.SubprocessError):

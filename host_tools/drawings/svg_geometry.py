@@ -1,8 +1,8 @@
 """Shapes of an SVG file as polylines: arrays of complex numbers x + iy.
 
     segments, whole = svg_path.read("M0 0C1 1 2 2 3 0")
-    lines = flattened(segments, 0.1)        # chords at most 0.1 from their curves
-    lines = placed(lines, compose(parent, matrix("rotate(30)")))
+    lines = flatten(segments, 0.1)        # chords at most 0.1 from their curves
+    lines = transform_lines(lines, compose(parent, matrix("rotate(30)")))
 
 A matrix is (a, b, c, d, e, f) as in SVG's matrix(): x' = ax + cy + e, y' = bx + dy + f.
 """
@@ -35,7 +35,7 @@ class TooFar(ValueError):
     """A number that is none, or too large for a drawing. Its text says which."""
 
 
-def bounded(value, most=_FARTHEST_PX):
+def check_bound(value, most=_FARTHEST_PX):
     """The same number, of px on the page. Raises TooFar."""
     if not -most <= value <= most:
         raise TooFar(f"{value:g}")
@@ -44,12 +44,12 @@ def bounded(value, most=_FARTHEST_PX):
 
 def finite(value):
     """The same number, in units of the file's own. Raises TooFar."""
-    return bounded(value, _LARGEST)
+    return check_bound(value, _LARGEST)
 
 
-def reached(size):
+def check_reach(size):
     """The same size of a shape, in px. Raises TooFar."""
-    return bounded(size, _MOST_REACH_PX)
+    return check_bound(size, _MOST_REACH_PX)
 
 
 def on_page(lines):
@@ -57,7 +57,7 @@ def on_page(lines):
     if lines:
         every = numpy.concatenate(lines)
         for places in (every.real, every.imag) if len(every) else ():
-            bounded(float(places[abs(places).argmax()]))
+            check_bound(float(places[abs(places).argmax()]))
     return lines
 
 
@@ -190,7 +190,7 @@ def box_matrix(lines, matrix):
     back = inverse(matrix)
     if back is None:
         return IDENTITY
-    positions = numpy.concatenate(placed(lines, back))
+    positions = numpy.concatenate(transform_lines(lines, back))
     left, top = positions.real.min(), positions.imag.min()
     return (positions.real.max() - left, 0.0, 0.0, positions.imag.max() - top, left, top)
 
@@ -201,12 +201,12 @@ def stretch(of):
     return float(numpy.linalg.norm(numpy.array([[of[0], of[2]], [of[1], of[3]]]), 2))
 
 
-def placed(lines, by):
+def transform_lines(lines, by):
     a, b, c, d, e, f = by
     return [a * line.real + c * line.imag + e + 1j * (b * line.real + d * line.imag + f) for line in lines]
 
 
-def fitted(view_box, aspect, x, y, width, height):
+def view_box_matrix(view_box, aspect, x, y, width, height):
     """The matrix that shows `view_box` (x, y, width, height) in a viewport, by a preserveAspectRatio."""
     left, top, wide, high = view_box
     across, down = width / wide, height / high
@@ -269,7 +269,7 @@ def _data(*parts):
     return " ".join(part if isinstance(part, str) else repr(part) for part in parts)
 
 
-def flattened(segments, deviation):
+def flatten(segments, deviation):
     """Polylines of a path's segments, one a subpath, no chord further than `deviation` from its curve. A subpath without
     length is its position twice; a move that nothing follows is nothing."""
     lines, line = [], []
@@ -345,7 +345,7 @@ def _arc(segment, end, deviation):
     return [*(positions[:, 0] + 1j * positions[:, 1]), end]
 
 
-def dashed(lines, pattern, offset, left_out=None):
+def dash(lines, pattern, offset, left_out=None):
     """The dashes of polylines, by a stroke-dasharray (lengths) and its offset. A line of too many stays whole, and `left_out` counts it."""
     if not pattern or min(pattern) < 0 or sum(pattern) <= 0:
         return lines

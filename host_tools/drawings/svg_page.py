@@ -33,7 +33,7 @@ def root_of(path):
 
 def page_size(root, style):
     """Width and height; from the viewBox if they are missing or in %. Raises TooFar."""
-    return tuple(map(svg_geometry.bounded, _size(root, style)))
+    return tuple(map(svg_geometry.check_bound, _size(root, style)))
 
 
 def _size(root, style):

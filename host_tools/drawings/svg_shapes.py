@@ -40,15 +40,15 @@ class Shapes:
         if not stretch:
             return []
         segments = self.segments(tag, element, context, stretch)
-        lines = svg_geometry.flattened(segments, self._deviation / stretch)
-        stroked, filled = svg_style.painted(style, "stroke"), svg_style.painted(style, "fill")
+        lines = svg_geometry.flatten(segments, self._deviation / stretch)
+        stroked, filled = svg_style.is_painted(style, "stroke"), svg_style.is_painted(style, "fill")
         if not stroked and not filled:
             self._page.unseen += 1
             if not self._unseen:
                 return []
         if filled and not stroked:  # the edge of an area is closed
             lines = [numpy.append(line, line[0]) if len(line) > 2 and line[0] != line[-1] else line for line in lines]
-        edges = svg_geometry.placed(lines, context.matrix) if filled and tag != "line" else []
+        edges = svg_geometry.transform_lines(lines, context.matrix) if filled and tag != "line" else []
         if edges and self._is_background(style, stroked, edges):
             self._page.backgrounds += 1
             if svg_style.opaque(style):
@@ -62,8 +62,8 @@ class Shapes:
         if stroked and style.get("stroke-linecap", "butt") == "butt":
             lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
         if stroked:
-            lines = self._dashed(lines, element, context)
-        return self.inks(svg_geometry.placed(lines, context.matrix), rings, style, edges)
+            lines = self._dash(lines, element, context)
+        return self.inks(svg_geometry.transform_lines(lines, context.matrix), rings, style, edges)
 
     def _is_background(self, style, stroked, edges):
         """True of a white area over the whole page, a px at its edge aside."""
@@ -74,18 +74,18 @@ class Shapes:
         if places.real.min() > _EDGE_PX or places.imag.min() > _EDGE_PX or places.real.max() < width - _EDGE_PX or places.imag.max() < height - _EDGE_PX:
             return False
         inner = svg_area.rectangle(_EDGE_PX, _EDGE_PX, max(width - _EDGE_PX, _EDGE_PX), max(height - _EDGE_PX, _EDGE_PX))
-        return svg_area.filled(edges, style.get("fill-rule", "nonzero")).covers(inner)
+        return svg_area.fill_area(edges, style.get("fill-rule", "nonzero")).covers(inner)
 
     def inks(self, lines, rings, style, edges=()):
         """Lines in the colour of their stroke, or else of their fill, and the area that is filled. `edges`: of the area under a stroke."""
         rule = style.get("fill-rule", "nonzero")
         svg_geometry.on_page(lines)
         self._page.drawn += bool(lines)
-        if svg_style.painted(style, "stroke"):
+        if svg_style.is_painted(style, "stroke"):
             inks = [Ink(_colour(style, "stroke"), lines, under=Ink(_colour(style, "fill"), edges, rule=rule) if edges else None)]
         else:
-            inks = [Ink(_colour(style, "fill"), lines, rule=rule if svg_style.painted(style, "fill") else "")]
-        area = svg_area.filled(rings, rule) if rings else None
+            inks = [Ink(_colour(style, "fill"), lines, rule=rule if svg_style.is_painted(style, "fill") else "")]
+        area = svg_area.fill_area(rings, rule) if rings else None
         if area is not None and not area.is_empty:
             inks.append(Ink(_colour(style, "fill"), [], [area]))
         return inks
@@ -102,7 +102,7 @@ class Shapes:
                 whole = svg_geometry.up_to_a_mistake(element.get("points"))[1]
             self._segments[key] = segments, whole, reach
         segments, whole, reach = self._segments[key]
-        svg_geometry.reached(reach * stretch)
+        svg_geometry.check_reach(reach * stretch)
         if not whole:
             self._page.left_out[N_("rest of a path behind a mistake in it")] += 1
         return segments
@@ -113,7 +113,7 @@ class Shapes:
 
         return svg_geometry.shape_path(tag, lengths, element.get("points"))
 
-    def _dashed(self, lines, element, context):
+    def _dash(self, lines, element, context):
         style = context.style
         text = style.get("stroke-dasharray", "none")
         if text == "none":
@@ -124,7 +124,7 @@ class Shapes:
         if counted > 0:  # the author's own measure of the whole path
             share = sum(float(abs(numpy.diff(line)).sum()) for line in lines) / counted
             pattern, offset = [share * part for part in pattern], share * offset
-        return svg_geometry.dashed(lines, pattern, offset, self._page.left_out)
+        return svg_geometry.dash(lines, pattern, offset, self._page.left_out)
 
 
 def _colour(style, what):

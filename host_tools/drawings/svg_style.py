@@ -87,7 +87,7 @@ def _declare(found, name, value, geometry):
     for each in _SHORTHANDS.get(name, (name,)):
         if each in geometry or each in _OF_SHEETS:
             path = _PATH.fullmatch(value)
-            if value in _KEYWORDS or (svg_transform.checked(each, value) if each in _OF_SHEETS else value == "none" or path if each == "d" else _is_side(each, value)):
+            if value in _KEYWORDS or (svg_transform.is_valid(each, value) if each in _OF_SHEETS else value == "none" or path if each == "d" else _is_side(each, value)):
                 found[each] = path[2] if path else value
             else:
                 found[UNREAD] = found.get(UNREAD, 0) + 1
@@ -108,7 +108,7 @@ class Sheet:
         self._of = {}  # id of an element: [(specificity, order, body)]
         for text in texts:
             text, media = (text, "") if isinstance(text, str) else text
-            if self._taken(media):
+            if self._media_applies(media):
                 try:
                     self._sheet(text)
                 except RecursionError:
@@ -137,14 +137,14 @@ class Sheet:
                     self.unknown.append(tinycss2.serialize(rule.prelude).strip())  # rules in rules
                 self._rules += [(each, body) for each in selectors if each.pseudo_element is None]
             elif rule.type == "at-rule" and rule.lower_at_keyword == "media" and rule.content is not None:
-                if self._taken(tinycss2.serialize(rule.prelude)):
+                if self._media_applies(tinycss2.serialize(rule.prelude)):
                     self._add(tinycss2.parse_rule_list(rule.content, skip_comments=True, skip_whitespace=True))
             elif rule.type == "at-rule" and rule.lower_at_keyword in ("keyframes", "-webkit-keyframes"):
                 self.animations += 1
             elif rule.type == "error" or rule.type == "at-rule" and rule.lower_at_keyword not in _SILENT:
                 self.unknown.append(getattr(rule, "at_keyword", None) or rule.message)
 
-    def _taken(self, media):
+    def _media_applies(self, media):
         """True if a screen takes rules of a list of media."""
         return not media.strip() or any(self._query(each.strip().lower()) for each in media.split(","))
 
@@ -218,7 +218,7 @@ def font_weight(text, parent):
     return number if 1 <= number <= 1000 else 400
 
 
-def painted(style, what):
+def is_painted(style, what):
     """True if a "stroke" or a "fill" can be seen."""
     value = style.get(what, "none" if what == "stroke" else "black")
     if value in ("none", "transparent") or invisible(style.get(f"{what}-opacity")):

@@ -248,8 +248,8 @@ def outlines(letters, deviation, left_out):
         x -= before
         for run, way in zip(chunk.runs, ways):
             x, y = x + run.dx, y + run.dy
-            drawn = _drawn(run, x, y - run.up, deviation, left_out)
-            lines += svg_geometry.placed(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y - run.up})")) if run.rotate else drawn
+            drawn = _letter_outlines(run, x, y - run.up, deviation, left_out)
+            lines += svg_geometry.transform_lines(drawn, svg_geometry.matrix(f"rotate({run.rotate} {x} {y - run.up})")) if run.rotate else drawn
             x += way
     return lines
 
@@ -264,7 +264,7 @@ def _on_way(chunk, at, ways, deviation, left_out):
         if found is not None:
             place, direction = found
             turned = direction * complex(numpy.exp(1j * numpy.radians(run.rotate)))
-            for line in _drawn(run, -wide / 2, -run.up, deviation, left_out):
+            for line in _letter_outlines(run, -wide / 2, -run.up, deviation, left_out):
                 lines.append(place + 1j * direction * off + line * turned)
         elif run.text.strip():
             left_out[N_("letters beyond the end of their path")] += 1
@@ -322,7 +322,7 @@ def _kerning(font, pair):
     return (whole - sum(parts)) / svg_font.EM
 
 
-def _drawn(run, x, y, deviation, left_out):
+def _letter_outlines(run, x, y, deviation, left_out):
     """The outlines of letters whose line begins at a place; none if they are hidden."""
     if run.style.get("visibility", "visible") != "visible":
         return []

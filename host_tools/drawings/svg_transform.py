@@ -1,7 +1,7 @@
 """The matrix of an SVG element: `translate`, `rotate`, `scale` and `transform`, in this order, about the element's transform-origin.
 
     matrix = of_style(style, viewport, box)     # `box()`: of the element in its own coordinates, for transform-box
-    checked("transform", "rotate(45)")          # False: a style sheet wants units, an attribute does not
+    is_valid("transform", "rotate(45)")          # False: a style sheet wants units, an attribute does not
 
 CSS Transforms 1 and 2, flat: what turns a shape out of its plane is drawn as it is seen from in front.
 """
@@ -38,7 +38,7 @@ _TURNS = {"deg": math.pi / 180, "grad": math.pi / 200, "rad": 1.0, "turn": math.
 _BOXES = {"fill-box": "fill-box", "content-box": "fill-box", "stroke-box": "stroke-box", "border-box": "stroke-box"}
 
 
-def checked(name, value):
+def is_valid(name, value):
     """True of a value that a style sheet may give a property of OF_STYLE, or `transform`."""
     return bool(_CHECKS[name].fullmatch(value.strip()))
 
@@ -51,7 +51,7 @@ def of_style(style, viewport, box):
     size = style["font-size"]
     kind = _BOXES.get(style.get("transform-box", "view-box").strip().lower())
     left, top, width, height = (box(kind == "stroke-box") if kind else None) or (0.0, 0.0, *viewport)
-    found = compose(_translated(steps[0], (width, height), size), compose(_rotated(steps[1]), _scaled(steps[2])))
+    found = compose(_translation(steps[0], (width, height), size), compose(_rotation(steps[1]), _scaling(steps[2])))
     found = compose(found, svg_geometry.matrix(_flat(steps[3]), (width, height), size))
     origin = style.get("transform-origin")
     if not origin and not kind:
@@ -66,14 +66,14 @@ def _flat(text):
     return _TILT.sub(lambda match: f"scale{'Y' if match[1] in 'Xx' else 'X'}({math.cos(_radians(match[2])):.12f})", text)
 
 
-def _translated(text, whole, size):
+def _translation(text, whole, size):
     if text == "none":
         return IDENTITY
     x, y = ([svg_geometry.length(part, side, size) for part, side in zip(text.split(), whole)] + [0.0])[:2]
     return (1.0, 0.0, 0.0, 1.0, x, y)
 
 
-def _rotated(text):
+def _rotation(text):
     """Of an angle, and an axis by its name or three numbers, what is seen from in front."""
     if text == "none":
         return IDENTITY
@@ -90,7 +90,7 @@ def _rotated(text):
     return (cosine + x * x * rest, x * y * rest + z * sine, x * y * rest - z * sine, cosine + y * y * rest, 0.0, 0.0)
 
 
-def _scaled(text):
+def _scaling(text):
     if text == "none":
         return IDENTITY
     shares = [float(word.rstrip("%")) / (100 if word.endswith("%") else 1) for word in text.split()]

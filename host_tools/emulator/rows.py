@@ -10,7 +10,7 @@ A sender has `WINDOW` bytes under way, which `$I` tells, and takes `think_us` to
 import copy
 
 from host_tools import boards
-from host_tools.drawings.engraving import packed
+from host_tools.drawings.engraving import pack_power
 from host_tools.emulator import gcode
 from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.queries import Asking
@@ -62,7 +62,7 @@ def dots(kind, times=1):
         lines.append(f"G0Y{sign * 0.1:g}")
         for first in range(0, count, each):
             part = powers[first : first + each]
-            row = "=" + "".join(packed(power / 1000) for power in part) if kind == "packed" else ":".join(map(str, part))
+            row = "=" + "".join(pack_power(power / 1000) for power in part) if kind == "packed" else ":".join(map(str, part))
             lines.append(f"{'' if first else 'G1'}X{sign * dot_mm * each:.2f}S{row}")
     rows = -(-DOTS[kind] * times // count)
     return ["$X", "G21G91G94", f"M4S0F{60 * mm_s}", "G0"], (lines * rows)[: rows * (len(lines) // 2)], rows * count

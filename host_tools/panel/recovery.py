@@ -16,7 +16,7 @@ begin tells none: the one that was interrupted before is still to be offered.
 
 from host_tools.failure import Failure
 from host_tools.programs import begun, replay
-from host_tools.programs.interrupted import ended, interrupted, number_of, staged
+from host_tools.programs.interrupted import end_position, number_of, plan_stages, resume_point
 from host_tools.programs.job_record import Record
 from host_tools.programs.replayed_machine import Machine
 from passo import errors
@@ -106,7 +106,7 @@ class RecoverableJobs(StoredJobs):
     def _offer(self, said):
         for name, lines, crc in self._files.programs():
             try:
-                number, _, known = interrupted(said, lines, crc)
+                number, _, known = resume_point(said, lines, crc)
             except Failure:
                 continue
             left = b"".join(line.upper() for known, line in lines if known >= number)
@@ -121,7 +121,7 @@ class RecoverableJobs(StoredJobs):
             record = Record.of(said)
         except Failure:
             return None
-        name, last = begun.found(record.job)
+        name, last = begun.find(record.job)
         if not name or not record.line or record.done and record.line >= last or (name, record.line) == self._left:
             return None
         return {"name": name, "line": record.line, "known": record.known, "next": "", "absent": True}
@@ -243,9 +243,9 @@ class RecoverableJobs(StoredJobs):
             if not program:
                 raise Failure("{} has gone", name)
             lines, crc = program[0]
-            number, place, _ = interrupted(said, lines, crc)
+            number, place, _ = resume_point(said, lines, crc)
             settings = [f"${key}={value}" for key, value in dict(self._machine.settings).items()]
-            stages, rest, _dot = staged(Machine.of_answers(settings, said, [self._machine.rotary]), lines, number, place, ended(said))
+            stages, rest, _dot = plan_stages(Machine.of_answers(settings, said, [self._machine.rotary]), lines, number, place, end_position(said))
         asks = replay.DOWN if any(what == replay.DOWN for what, _ in stages) else replay.GO
         parts, next_ = ([], []), ""
         for what, sent in stages:

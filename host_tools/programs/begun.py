@@ -3,7 +3,7 @@ has died can be told of by name.
 
     begun.remember_program(lines, "rings.gcode")    # of gcode_file.read(); returns the number
     begun.remember(number, "rings.gcode", 251)      # the last line that moves
-    begun.found(number)             # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
+    begun.find(number)              # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
 """
 
 import json
@@ -18,7 +18,7 @@ CARD = "card"  # the program of the test card of `passo engrave`
 _MOST = 100
 
 
-def _known():
+def _read_kept():
     try:
         known = json.loads(KEPT.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -35,7 +35,7 @@ def remember_program(lines, name):
 
 def remember(number, name, last):
     """The oldest are forgotten. A folder that cannot be written is no reason not to begin."""
-    known = _known()
+    known = _read_kept()
     known.pop(f"{number:08x}", None)
     known[f"{number:08x}"] = [name, last]
     new = KEPT.with_suffix(".new")
@@ -47,14 +47,14 @@ def remember(number, name, last):
         pass
 
 
-def found(number):
-    kept = _known().get(f"{number:08x}")
+def find(number):
+    kept = _read_kept().get(f"{number:08x}")
     if not isinstance(kept, list) or len(kept) != 2 or not isinstance(kept[0], str) or not isinstance(kept[1], int):
         return "", 0
     return kept[0], kept[1]
 
 
-def engraved(name):
+def is_engraving(name):
     """True if `name` is what `passo engrave` calls its program: that of a picture, or of its test card."""
     kind = mimetypes.guess_type(name)[0] or ""
     return name == CARD or kind.startswith("image/") and kind != "image/svg+xml"

@@ -1,8 +1,8 @@
 """A board's black box, as firmware/passo/options/blackbox/control.py keeps it: read, and said as text.
 
     files = {name: bytes}                   # blackbox.bin, board.py, settings.0, settings.1, crash.txt, as far as the board has them
-    path.write_bytes(packed(files))         # one file
-    box = Box.of(unpacked(path.read_bytes()))
+    path.write_bytes(pack(files))         # one file
+    box = Box.of(unpack(path.read_bytes()))
     box.rows, box.snapshots, box.text       # Row, Snapshot; the bytes of the link from `box.base` on
     box.start()                             # the snapshot from which it can be replayed
 """
@@ -130,12 +130,12 @@ def board_of(text):
         raise Failure("the board file beside the black box: {}", error if isinstance(error, Failure) else reason(error)) from error
 
 
-def written(why, numbers, text):
+def file_of(why, numbers, text):
     """The bytes of a file blackbox.bin, as a board of this computer writes them."""
     return head(why) + numbers + text
 
 
-def packed(files):
+def pack(files):
     """{name: bytes} as the bytes of one file, a ZIP archive."""
     made = io.BytesIO()
     with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -144,7 +144,7 @@ def packed(files):
     return made.getvalue()
 
 
-def unpacked(data):
+def unpack(data):
     """{name: bytes} of such a file. Raises Failure."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:

@@ -114,7 +114,7 @@ def _row(where, fields):
     return Row(axis, tuple(map(float, sides)), float(rest[1]), sigma, int(readings), after == "turn")
 
 
-def pooled(rows, reading=READING_MM):
+def pool_rows(rows, reading=READING_MM):
     """[(commanded, turn, mean, its standard uncertainty)] of equal lengths. `reading`: what a reading is uncertain by, in mm.
     The uncertainty of what was read once, without sigma, is `reading` alone."""
     groups = {}
@@ -132,7 +132,7 @@ def pooled(rows, reading=READING_MM):
 
 def fit_axis(rows, steps_per_mm, reading=READING_MM):
     """The Fit of one axis's rows, measured at `steps_per_mm`. Raises Failure if there are too few lengths."""
-    points = pooled(rows, reading)
+    points = pool_rows(rows, reading)
     axis = rows[0].axis
     lengths = np.array([commanded[0] for commanded, _, _, _ in points])
     if len(set(lengths)) < 2:
@@ -186,7 +186,7 @@ def squareness(rows, scales, reading=READING_MM):
     found = []
     kinds = {}
     for commanded, turn, mean, sigma, axis in [
-        (*point, axis) for axis in sorted({row.axis for row in rows}) for point in pooled([row for row in rows if row.axis == axis], reading)
+        (*point, axis) for axis in sorted({row.axis for row in rows}) for point in pool_rows([row for row in rows if row.axis == axis], reading)
     ]:
         kinds.setdefault((axis[:2], commanded), {})[axis[2]] = mean, sigma
     for (axes, (first, second)), both in kinds.items():

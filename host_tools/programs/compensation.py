@@ -116,7 +116,7 @@ def offset(contour, side, radius):
             elif turn > _SMOOTH or origin != number - 1:
                 path[-1], beside = _meet(path[-1], beside, number)
             else:
-                beside = _shortened(beside, before.end, beside.end, beside.whole)
+                beside = _shorten(beside, before.end, beside.end, beside.whole)
         path.append((beside, number))
     return path
 
@@ -183,10 +183,10 @@ def _beside(piece, left):
     if piece.centre is not None:
         if piece.radius + (left if piece.clockwise else -left) < SMALL:
             return None
-    return _shortened(piece, piece.beside(piece.start, left), piece.beside(piece.end, left), piece.whole)
+    return _shorten(piece, piece.beside(piece.start, left), piece.beside(piece.end, left), piece.whole)
 
 
-def _shortened(piece, start, end, whole=False):
+def _shorten(piece, start, end, whole=False):
     moved = Piece.__new__(Piece)
     moved.start, moved.end, moved.centre, moved.clockwise, moved.whole = start, end, piece.centre, piece.clockwise, whole
     return moved
@@ -202,10 +202,10 @@ def _meet(before, beside, number):
         raise _misfit(origin, number)
     # Of two crossings the first one on the way: what lies behind it would be cut into.
     point = min(found, key=lambda point: _along(beside, point) - _along(first, point))
-    cut = _shortened(first, first.start, point)
+    cut = _shorten(first, first.start, point)
     if abs(cut.start - cut.end) < SMALL and first.whole:
         raise _misfit(origin, number)
-    return (cut, origin), _shortened(beside, point, beside.end)
+    return (cut, origin), _shorten(beside, point, beside.end)
 
 
 def _along(piece, point):

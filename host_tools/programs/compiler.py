@@ -68,10 +68,10 @@ class Program:
 
     def rows(self):
         """(number, bytes) one by one: of the file, or of the listing. Raises Failure as it comes to what is wrong."""
-        rows = gcode_file.lines(self.path, self._ended) if self.listing is None else iter(self.listing.lines())
+        rows = gcode_file.lines(self.path, self._note_end) if self.listing is None else iter(self.listing.lines())
         return self.flat(rows) if self.flat else rows
 
-    def _ended(self, number, behind):
+    def _note_end(self, number, behind):
         self.behind = _("{} ends at line {}; what stands behind it is no part of the program: {}", self.name, number, count_text(behind, "line"))
 
     def advice(self):

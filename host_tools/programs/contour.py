@@ -69,7 +69,7 @@ class Contour:
             return
         if None in ends:
             self._path.place = begin
-            self._path.known(first), self._path.known(second)
+            self._path.position(first), self._path.position(second)
         piece = Piece(self._flat(begin), self._flat(end))
         if piece.length > SMALL:
             self._motions.append(_Motion(source, piece, heights, rapid, feed))
@@ -160,19 +160,19 @@ class Contour:
             motion = entry or self._told[number]
             if _above(motion, self._told[against]) or entry and _on_top(motion, self._told[against]):
                 continue
-            kept = self._kept_under(motion)
-            disputed = motion in (self._told[0], self._told[-1]) and kept.disputed(path[at][0], self.radius)
-            if kept.known and not kept.reached(path[at][0], self.radius) and not kept.doubtful and not disputed:
+            kept = self._remainder_under(motion)
+            disputed = motion in (self._told[0], self._told[-1]) and kept.reaches_disputed(path[at][0], self.radius)
+            if kept.known and not kept.reaches(path[at][0], self.radius) and not kept.doubtful and not disputed:
                 continue
             line = self._told[against].source.line
-            if kept.reached(path[at][0], self.radius) if kept.known else entry or abs(number - against) <= LOOK_AHEAD:
+            if kept.reaches(path[at][0], self.radius) if kept.known else entry or abs(number - against) <= LOOK_AHEAD:
                 raise ProgramError(error, "{:.3f} mm from line {}, with a tool of radius {:g}", far, line, self.radius, place=motion.source)
             if (motion.source, self._told[against].source) not in warned:
                 warned.add((motion.source, self._told[against].source))
                 warning = _("{}: the tool comes to {:.3f} mm from line {}, with a tool of radius {:g}", motion.source, far, line, self.radius)
                 self._path.listing.warnings.append(warning)
 
-    def _kept_under(self, motion):
+    def _remainder_under(self, motion):
         """What the pieces leave that the motion is not above."""
         from host_tools.programs.kept import Kept  # which needs shapely
 

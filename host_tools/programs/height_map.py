@@ -153,7 +153,7 @@ class _Levelled:
         self._place = to
         code = "G0" if self._motion == 0 else "G1"
         for point in points:
-            self.lines.append(others + code + self._told(point))
+            self.lines.append(others + code + self._point_text(point))
             others = ""
 
     def _others(self, words):
@@ -170,7 +170,7 @@ class _Levelled:
                 told += "%s%s " % (letter, ("%.4f" % value).rstrip("0").rstrip("."))
         return told
 
-    def _told(self, point):
+    def _point_text(self, point):
         x, y, z = point
         text = "".join([" %s%.3f" % (letter, value) for letter, value in (("X", x), ("Y", y)) if value is not None])
         if z is None:

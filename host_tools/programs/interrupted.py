@@ -11,7 +11,7 @@ def number_of(lines):
     return binascii.crc32(b"\n".join(line for _, line in lines)) or 1
 
 
-def interrupted(said, lines, stored=0):
+def resume_point(said, lines, stored=0):
     """(line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. `stored`: the CRC-32 of the same
     program as a stored job. Raises Failure if the journal is of another program, or this one has been done."""
     record = Record.of_job(said)
@@ -27,13 +27,13 @@ def interrupted(said, lines, stored=0):
     return line, record.place, record.known
 
 
-def ended(said):
+def end_position(said):
     """Where the line ended, steps, that an answer to `$JR` says is done; before the first line where the program began; None amid a line."""
     record = Record.of(said)
     return record.place if record.done or not record.line else None
 
 
-def staged(machine, lines, number, place=None, end=None, sure=True):
+def plan_stages(machine, lines, number, place=None, end=None, sure=True):
     """(stages, rest, dot) as a Replay gives them, of a `machine` as it says it is, for line `number`, or `place` (steps) on its way. `end`: where
     a program that was interrupted had been before that line, steps. `sure`: the position is known, also that of an axis without a sensor.
     Raises Failure."""
@@ -53,7 +53,7 @@ def staged(machine, lines, number, place=None, end=None, sure=True):
         number, place = row, end
     if place or end:
         state.check_offsets(number)
-        state = state.begun(number, place or end, place is None)
+        state = state.from_start(number, place or end, place is None)
     stages, rest = state.from_line(number, end) if place is None else state.from_place(number, place)
     return stages, rest, state.dot
 

@@ -76,14 +76,14 @@ class Job:
         client = self.client
         stored = 0
 
-        def counted(status):
+        def count_drawn(status):
             """Points of this object drawn for certain. Until its first point is stored, the controller still counts the
             previous object."""
             sure = min(status["drawn"] - client.repeated_points, stored) - lead
             return skip + max(sure, 0)
 
         def report(status):
-            drawn = counted(status)
+            drawn = count_drawn(status)
             if (number, drawn) > self._at:
                 self._save(number, drawn)
             if progress:
@@ -101,7 +101,7 @@ class Job:
             client.end(len(points), report)
         except (Cancelled, LinkError) as reason:
             try:
-                self._save(number, counted(client.stop()))
+                self._save(number, count_drawn(client.stop()))
             except LinkError:
                 pass  # out of reach: the journal has what was drawn at the last status
             if isinstance(reason, Cancelled):
@@ -110,7 +110,7 @@ class Job:
         if progress:
             progress(number + 1, 0)
 
-    def reached(self):
+    def progress_text(self):
         """Progress as text."""
         number, drawn = self._at
         points = sum(len(points) for points in self.objects[:number]) + drawn

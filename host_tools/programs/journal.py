@@ -53,7 +53,7 @@ class Journal:
         except OSError as error:
             raise self._unwritable(error) from error
 
-    def begun(self):
+    def is_begun(self):
         """True if the file is of this drawing, begun and not finished."""
         try:
             return Journal(self.path, self.digest, self.most)._take()

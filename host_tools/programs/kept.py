@@ -2,7 +2,7 @@
 
     kept = Kept(pieces, LEFT)
     kept.known                  # False: the contour encloses nothing, each of its pieces has material behind it
-    kept.reached(piece, 3.0)    # does a tool of this radius on its way along `piece` cut into what is left?
+    kept.reaches(piece, 3.0)    # does a tool of this radius on its way along `piece` cut into what is left?
 
 The pieces, as chords, divide the plane into areas. Each piece says of the area on the tool's side that it goes, of the other that it
 stays; what only stays is left. Ends that divide nothing, such as lead-ins, lead-outs and edges longer than the part, lie in the air. An
@@ -81,11 +81,11 @@ class Kept:
         taken = [area for area, this in zip(areas, disputed[:-1]) if this and not area.buffer(-TOUCH / 2).is_empty]
         self._disputed = shapely.union_all(taken) if taken else None
 
-    def disputed(self, piece, radius):
+    def reaches_disputed(self, piece, radius):
         """True if the tool's centre, on `piece`, comes nearer than its radius to what other pieces leave and the first or the last takes."""
         return _nearer(piece, self._disputed, radius)
 
-    def reached(self, piece, radius):
+    def reaches(self, piece, radius):
         """True if the tool's centre, on `piece`, comes nearer to what is left than its radius."""
         return _nearer(piece, self._area, radius)
 

@@ -147,7 +147,7 @@ class LongFile:
             begin = self._index[index]
             if begin.at < state.at:
                 end = min(state.at, self._index[index + 1].at if index + 1 < len(self._index) else self._end.at)
-                yield self._turned(begin, self._read(begin.at, end))
+                yield self._reverse(begin, self._read(begin.at, end))
         if self.powers and state.drives:
             yield b"]"  # as before the file's first [
 
@@ -178,7 +178,7 @@ class LongFile:
         drives = b"[" if backward and self.powers and state.drives else state.drives
         return drives + state.speed + state.tool
 
-    def _turned(self, begin, block):
+    def _reverse(self, begin, block):
         """A block played backward."""
         state = State(begin.at, 0, begin.place, begin.tool, begin.speed, begin.drives)
         parts = []

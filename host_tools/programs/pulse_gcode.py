@@ -193,7 +193,7 @@ class _Compensated(_Writer):
     def _write_contour(self):
         from host_tools.programs import compensation
         from host_tools.programs.program_errors import ProgramError
-        from host_tools.programs.toolpath import rounded_end
+        from host_tools.programs.toolpath import round_end
 
         contour, self._contour = self._contour, None
         if not contour:
@@ -216,7 +216,7 @@ class _Compensated(_Writer):
             word, centre, end = "G1", "", _units(piece.end)
             if piece.centre is not None:
                 middle = _units(piece.centre - piece.start)
-                last = rounded_end(here, end, middle, piece.clockwise, piece.sweep)
+                last = round_end(here, end, middle, piece.clockwise, piece.sweep)
                 if last is not None:
                     word, end = "G2" if piece.clockwise else "G3", last
                     centre = f" I{_text(middle[0] / 1e5)} J{_text(middle[1] / 1e5)}"

@@ -114,9 +114,9 @@ class _Maker:
                 limit[at : at + piece.count] = np.minimum(limit[at : at + piece.count], math.sqrt(self._accel * radius))
             at += piece.count
             out = end
-        return self._ramped(limit, gates, way)
+        return self._ramp(limit, gates, way)
 
-    def _ramped(self, limit, gates, way):
+    def _ramp(self, limit, gates, way):
         """Forward and backward: v² grows by 2 a s at most. The first and last step of a ramp from rest take their own length."""
         double = 2 * self._accel * way
         top = np.where(limit > 0, limit, self._fastest / 60) ** 2
@@ -157,8 +157,8 @@ class _Maker:
         masks = np.zeros(len(moves), np.int64)
         for axis in range(moves.shape[1]):
             masks |= (moves[:, axis] != 0).astype(np.int64) << axis | (moves[:, axis] < 0).astype(np.int64) << (4 + axis)
-        letters = np.array([letter_of(mask & 15, mask >> 4) if mask else " " for mask in range(128) if _known(mask)])
-        index = np.cumsum([_known(mask) for mask in range(128)]) - 1
+        letters = np.array([letter_of(mask & 15, mask >> 4) if mask else " " for mask in range(128) if _is_step(mask)])
+        index = np.cumsum([_is_step(mask) for mask in range(128)]) - 1
         text = letters[index[masks]]
         changes = set((np.flatnonzero(np.diff(levels)) + 1).tolist()) | {0}
         marks = {}
@@ -177,6 +177,6 @@ class _Maker:
             self.parts += [mark + "\n" for mark in rest]
 
 
-def _known(mask):
+def _is_step(mask):
     """True of the masks that are a step's: axes 0 to 2, and directions of these only."""
     return not mask & 8 and not (mask >> 4) & ~mask & 7

@@ -200,9 +200,9 @@ class _Finder:
 
     def _follows(self, at, centre, clockwise, plane):
         """How many steps from `at` the walk of the full circle about `centre` makes, too."""
-        return self._walked(at, centre, clockwise, plane, [0] * self._moves.shape[1], True)[0]
+        return self._walk_arc(at, centre, clockwise, plane, [0] * self._moves.shape[1], True)[0]
 
-    def _walked(self, at, centre, clockwise, plane, deltas, over_half):
+    def _walk_arc(self, at, centre, clockwise, plane, deltas, over_half):
         """(steps that the walk of an arc shares with those from `at`, whether that is all of the walk)."""
         from passo.motion import arc
         from passo.motion.circle import Circle
@@ -245,7 +245,7 @@ class _Finder:
             end_x, end_y = deltas[plane[0]] + x, deltas[plane[1]] + y
             cross = (x * end_y - y * end_x) * (-1 if clockwise else 1)
             over_half = cross < 0 or cross == 0 and x * end_x + y * end_y > 0
-            if self._walked(at, centre, clockwise, plane, deltas, over_half) == (count, True):
+            if self._walk_arc(at, centre, clockwise, plane, deltas, over_half) == (count, True):
                 piece = Piece(count, deltas, plane, centre, clockwise)
                 if at + count == len(self._moves):
                     return piece

@@ -75,7 +75,7 @@ class Replay:
         if end and not _close(end, self._board.target):
             raise Failure(
                 "before line {} the machine was at {}, and by the file it is at {}: the file or zero has changed, or it began elsewhere",
-                number, self._shown(end), self._shown(self._board.target),
+                number, self._position_text(end), self._position_text(self._board.target),
             )
         return self._stages(self._level(), None), self._rest(at)
 
@@ -99,7 +99,7 @@ class Replay:
         if motion is None or list(place) == start:
             return before, self._rest(at)
         if not self._loose and not self._on_path(motion, start, place):
-            raise Failure("line {}: the place {} is not on its path; the file, or zero, has changed", number, self._shown(place))
+            raise Failure("line {}: the place {} is not on its path; the file, or zero, has changed", number, self._position_text(place))
         self._board.target = list(motion.target)
         if list(place) == list(motion.target):
             return self._stages(list(place), None), self._rest(at + 1)
@@ -108,10 +108,10 @@ class Replay:
         else:
             *modes, last = self._remainder(motion, start, place)
             moving, after = [last], []
-        moving = [self._numbered(at, line) for line in moving]
+        moving = [self._with_number(at, line) for line in moving]
         return self._stages(list(place), [*modes, *moving, *after]), self._rest(at + 1)
 
-    def _numbered(self, at, line):
+    def _with_number(self, at, line):
         """`line` with the number of line `at`: to the journal it is that line."""
         return number_line(self._lines[at][0], line.encode()).decode()
 
@@ -120,7 +120,7 @@ class Replay:
     def check_offsets(self, number):
         """Raise Failure if from line `number` on the program relies on offsets that it changes later, or has changed: what they were
         when it began is not known."""
-        changed = self._changed()
+        changed = self._find_changes()
         if not changed:
             return
         at = self._index(number)
@@ -139,7 +139,7 @@ class Replay:
                 if first._offsets.systems == second._offsets.systems and first._offsets.homes == second._offsets.homes:
                     return
 
-    def _changed(self):
+    def _find_changes(self):
         """{"G54": axes} of the places that the program changes for good."""
         changed = {}
         for _, line in self._lines:
@@ -170,7 +170,7 @@ class Replay:
         tools = {name: machine.tools.get(name, 0.0) + _OTHER_MM for name in changed if name[0] == "T"}
         return replace(machine, systems=systems, tools={**machine.tools, **tools})
 
-    def begun(self, number, place, done):
+    def from_start(self, number, place, done):
         """The replay that begins where the machine stood when the program did, as far as that decides anything: found from `place`, where it was
         when the line before `number` was `done`, or amid line `number`. Raises Failure if that does not tell."""
         at = self._index(number)
@@ -273,7 +273,7 @@ class Replay:
     def _words(self, steps, axes=None):
         return "".join(f"{AXES[axis]}{self._mm(steps, axis):.5f}" for axis in (axes if axes is not None else range(len(steps))))
 
-    def _shown(self, place):
+    def _position_text(self, place):
         return self._words(place) + " mm"
 
     def _feed(self, motion):

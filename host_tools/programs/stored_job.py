@@ -20,7 +20,7 @@ from passo.options.jobs.manifest import RULES
 LISTED = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")  # a row of the answer to $F
 
 
-def named(said, number):
+def name_by_crc(said, number):
     """The name of the job with this CRC-32 in the answer to `$F`, or ""."""
     return next((name for name, _, _, crc, _ in LISTED.findall("\n".join(said)) if int(crc, 16) == number), "")
 

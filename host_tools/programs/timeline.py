@@ -1,6 +1,6 @@
 """A black box as people read it: what happened, line by line, and a picture of it.
 
-    happened(box)                       # lines of text
+    lines_of(box)                       # lines of text
     draw(path, box, replay)             # PNG: lines, states, inputs, position and speed of each axis
 """
 
@@ -45,7 +45,7 @@ def seconds(box, ms):
     return (ms - box.end_ms) / 1000
 
 
-def told(box, row, before):
+def row_text(box, row, before):
     """What a row says; `before`: inputs until then, {} at first."""
     if row.kind == INPUTS:
         changed = [f"{name} {_('on') if on else _('off')}" for name, on in row.levels.items() if on != before.get(name, False)]
@@ -57,7 +57,7 @@ def told(box, row, before):
     return _words()[row.kind].format(mm(box.board, row.position)) + (f", {row.state}, {row.override} %" if row.kind == SAMPLE else "")
 
 
-def happened(box):
+def lines_of(box):
     """Each row, and the lines that had come before it."""
     rows = sorted(box.rows + box.samples, key=lambda row: row.ms)
     come, levels = box.base, {}
@@ -66,7 +66,7 @@ def happened(box):
             text = box.text[come - box.base : row.come - box.base]
             yield "         > " + (text.decode("ascii", "backslashreplace").strip().replace("\r", "").replace("\n", " | ") if _plain(text) else text.hex(" "))
             come = row.come
-        yield f"{seconds(box, row.ms):9.3f}  {told(box, row, levels)}"
+        yield f"{seconds(box, row.ms):9.3f}  {row_text(box, row, levels)}"
         levels = row.levels or levels
 
 
@@ -185,6 +185,6 @@ def _draw_events(plot, box, states):
     for count, row in enumerate(said):
         plot.axvline(seconds(box, row.ms), color="0.5", linewidth=0.6)
         height = len(labels) + 0.8 * (count % _ROWS)
-        plot.text(seconds(box, row.ms), height, told(box, row, {}).split(":")[0] + " ", ha="right", va="center", fontsize=7, bbox=_PAPER)
+        plot.text(seconds(box, row.ms), height, row_text(box, row, {}).split(":")[0] + " ", ha="right", va="center", fontsize=7, bbox=_PAPER)
     plot.set_yticks(range(len(labels)), labels)
     plot.set_ylim(-0.6, len(labels) + 0.8 * _ROWS)

@@ -38,7 +38,7 @@ class Toolpath:
         self.source = None  # the program's line under way
         self.place = start  # of the program
         self.contour = None  # while the radius is compensated
-        self._there = [_rounded(value) for value in start]  # of the machine, as the listing has it
+        self._there = [_round(value) for value in start]  # of the machine, as the listing has it
         self._feed = None
         self._inverse = False  # the listing is in G93
         self._turned = None  # of the work coordinates in XY, as a unit vector; None: they are not
@@ -46,7 +46,7 @@ class Toolpath:
 
     # --- what programs ask for
 
-    def known(self, axis):
+    def position(self, axis):
         """Where an axis stands, in mm, A in degrees. Raises ProgramError if that is not known."""
         if self.place[axis] is None:
             raise ProgramError(UNKNOWN_PLACE, "{}", AXES[axis])
@@ -62,10 +62,10 @@ class Toolpath:
     def now_at(self, axis, value):
         """The axis has not moved, but its coordinate is `value` from now on: an offset changed."""
         self.place[axis] = value
-        self._there[axis] = _rounded(value)
+        self._there[axis] = _round(value)
 
-    def turned_at(self):
-        """now_at() has been told the board's coordinates: those of the program are turned."""
+    def turn_place(self):
+        """Turn a place that now_at() took in the board's coordinates into the program's."""
         self.place = self._program(self.place)
 
     def turn(self, degrees):
@@ -109,7 +109,7 @@ class Toolpath:
 
     def changes(self, target):
         """The axes that a straight line to `target` moves, as far as the listing tells places apart."""
-        return [axis for axis, value in enumerate(target) if value is not None and (self.place[axis] is None or _rounded(value) != _rounded(self.place[axis]))]
+        return [axis for axis, value in enumerate(target) if value is not None and (self.place[axis] is None or _round(value) != _round(self.place[axis]))]
 
     def move(self, target, rapid, feed=0.0, inverse=False, relative=False):
         """A straight line; axes that are None or left out stay. `inverse`: the feed is that of G93, 1/min; `relative`: the program has G91,
@@ -120,7 +120,7 @@ class Toolpath:
         before = self.place[:]
         self.place = [old if new is None else new for old, new in zip(self.place, target)]
         if self._turned is not None and (target[0] is not None or target[1] is not None):
-            self.known(0), self.known(1)
+            self.position(0), self.position(1)
             target = [*self._board(self.place)[:2], *target[2:]]
         if self.contour:
             self.contour.line(self._board(before), self._board(self.place), target, rapid, feed, self.source)
@@ -136,7 +136,7 @@ class Toolpath:
         changes. `sweep`: sweep_of() it; `slack`: of circle_through(). Raises ProgramError if the ends do not lie on one circle."""
         first, second, _ = PLANES[plane]
         target = _four(target)
-        begin = [self.known(first), self.known(second)]
+        begin = [self.position(first), self.position(second)]
         end = [old if new is None else new for old, new in zip(self.place, target)]
         centre = circle_through(begin, (end[first], end[second]), centre, slack)
         if sweep is None:
@@ -187,12 +187,12 @@ class Toolpath:
         """Append a line to `target`; axes that are None stay. `inverse`, `relative`: of move()."""
         begin = self._there[:]
         words = []
-        if relative and target[3] is not None and abs(_rounded(target[3]) - begin[3]) > _HALF_TURN:
+        if relative and target[3] is not None and abs(_round(target[3]) - begin[3]) > _HALF_TURN:
             self._put_relative(target, rapid, feed, source, inverse)
             return
         for axis, value in enumerate(target):
-            if value is not None and _rounded(value) != self._there[axis]:
-                self._there[axis] = _rounded(value)
+            if value is not None and _round(value) != self._there[axis]:
+                self._there[axis] = _round(value)
                 words.append(AXES[axis] + number(self._there[axis] / 1e5))
         if words:
             self._put_words(words, begin, rapid, feed, source, inverse)
@@ -201,8 +201,8 @@ class Toolpath:
         begin = self._there[:]
         words = ["G91"]
         for axis, value in enumerate(target):
-            if value is not None and _rounded(value) != begin[axis]:
-                self._there[axis] = _rounded(value)
+            if value is not None and _round(value) != begin[axis]:
+                self._there[axis] = _round(value)
                 words.append(AXES[axis] + number((self._there[axis] - begin[axis]) / 1e5))
         self._put_words(words, begin, rapid, feed, source, inverse)
         self.listing.add("G90", source or self.source)
@@ -218,17 +218,17 @@ class Toolpath:
         if begin[:3] == self._there[:3]:
             self.listing.add(code, source or self.source)
         else:
-            self._add(code, source, rapid, [_shown(begin, self._there), _shown(self._there, self._there)])
+            self._add(code, source, rapid, [_picture_point(begin, self._there), _picture_point(self._there, self._there)])
 
     def put_arc(self, plane, clockwise, end, centre, feed, sweep, turns=1, source=None):
         """Append an arc of `sweep` radians, and `turns` - 1 whole ones; a line in place of one that is so short that its rounded ends
         would make a whole turn of it."""
         first, second, third = PLANES[plane]
         begin = self._there[:]
-        ends = [_rounded(each) for each in end]
-        around = _rounded(centre[0]), _rounded(centre[1])
+        ends = [_round(each) for each in end]
+        around = _round(centre[0]), _round(centre[1])
         chord = math.hypot(end[first] - begin[first] / 1e5, end[second] - begin[second] / 1e5)
-        last = rounded_end((begin[first], begin[second]), (ends[first], ends[second]), around, clockwise, sweep)
+        last = round_end((begin[first], begin[second]), (ends[first], ends[second]), around, clockwise, sweep)
         if last is None and turns > 1:
             sweep, turns = math.tau, turns - 1
             last = begin[first], begin[second]
@@ -252,7 +252,7 @@ class Toolpath:
             self._inverse, self._feed = False, None
             words.insert(0, "G94")
         code = f"G{2 if clockwise else 3} {' '.join(words)}" + self._feed_word(feed)
-        points = arc_points(_shown(begin, self._there), _shown(self._there, self._there), plane, clockwise,
+        points = arc_points(_picture_point(begin, self._there), _picture_point(self._there, self._there), plane, clockwise,
                             [each / 1e5 for each in middle], sweep + math.tau * (turns - 1))  # fmt: skip
         self._add(code, source, False, points)
 
@@ -285,7 +285,7 @@ def sweep_of(begin, end, centre, clockwise, long=None):
     return max(turn, 0.0)
 
 
-def rounded_end(begin, end, centre, clockwise, sweep):
+def round_end(begin, end, centre, clockwise, sweep):
     """The end of an arc of `sweep` radians, in units of the listing: `end`, or up to three units before it, if rounding has brought the
     end of a nearly whole turn ahead of its start. None: a short arc that would become a whole turn."""
     if sweep == math.tau and math.dist(begin, end) < 1.5:
@@ -354,7 +354,7 @@ def number(value, decimals=5):
     return "0" if text in ("-0", "") else text
 
 
-def _rounded(value):
+def _round(value):
     """A place in units of the listing. Raises ProgramError if no machine reaches it."""
     if value is None:
         return None
@@ -368,7 +368,7 @@ def _four(target):
     return [*target, None, None, None, None][:4]
 
 
-def _shown(place, otherwise):
+def _picture_point(place, otherwise):
     """X, Y and Z in mm; axes that are not known do not change in a picture."""
     return tuple((next_ if here is None else here) / 1e5 if (here, next_) != (None, None) else 0.0
                  for here, next_ in zip(place[:3], otherwise))  # fmt: skip

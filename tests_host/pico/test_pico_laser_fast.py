@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from emulated import uf2  # noqa: F401
 
-from host_tools.drawings.engraving import packed
+from host_tools.drawings.engraving import pack_power
 from host_tools.emulator import rows
 from host_tools.emulator.cycles import CYCLES_PER_US
 from test_pico_laser import Laser
@@ -45,7 +45,7 @@ class Fast(Laser):
         for sign in (1, -1):
             for first in range(0, len(powers), DOTS_A_LINE):
                 part = powers[first : first + DOTS_A_LINE]
-                lines.append(f"G1X{sign * len(part) / dots_mm:g}S={''.join(packed(power / 1000) for power in part)}")
+                lines.append(f"G1X{sign * len(part) / dots_mm:g}S={''.join(pack_power(power / 1000) for power in part)}")
             lines.append("G4P0.02")
         self.say(mode + "S0", f"F{60 * MM_S}")
         del self.steps[:], self.tool[:], self.pulses[:], self.writes[:-1]

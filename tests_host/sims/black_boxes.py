@@ -10,7 +10,7 @@ from kills import FEED_MS, FREEZE_MS, HEARTBEAT_MS
 from probing import Wall
 
 from host_tools import boards
-from host_tools.programs.blackbox import written
+from host_tools.programs.blackbox import file_of
 from host_tools.sim.machine import VirtualMachine
 from passo.config.journal import MemorySlots
 from passo.protocols.plotter.host import COMMANDS, packet
@@ -69,7 +69,7 @@ class Doomed:
 
     def files(self, why, numbers, text):
         settings = {f"settings.{slot}": self.slots.read(slot) for slot in range(2)}
-        return {"blackbox.bin": written(why, numbers, text), "board.py": f"BOARD = {self.board!r}\n".encode(), **settings}
+        return {"blackbox.bin": file_of(why, numbers, text), "board.py": f"BOARD = {self.board!r}\n".encode(), **settings}
 
     def path(self):
         machine = self.machine

@@ -4,7 +4,7 @@ import random
 
 from host_tools import boards
 from host_tools.cli import jobs, stream
-from host_tools.drawings.engraving import packed
+from host_tools.drawings.engraving import pack_power
 from kills import BAUD, LOST_MS
 
 
@@ -98,7 +98,7 @@ def _packed(rows=6, dots=80):
         side = 2 if begin < end else -2
         lines += [f"G0X{begin - side:g}Y{5 + row * 0.3:.2f}", f"G1X{begin:g}S0"]
         for to in ((begin + end) / 2, end):
-            lines.append(f"X{to:g}S=" + "".join(packed(rng.choice((0, 0.1, 0.35, 0.7, 1))) for _ in range(dots // 2)))
+            lines.append(f"X{to:g}S=" + "".join(pack_power(rng.choice((0, 0.1, 0.35, 0.7, 1))) for _ in range(dots // 2)))
         lines.append(f"X{end + side:g}S0")
     return "\n".join([*lines, "M5", "G0X2Y2", "M30", ""]).encode()
 

@@ -201,7 +201,7 @@ def test_an_unplugged_board_costs_a_second_of_drawing(tmp_path, room):
     again.resume()
     kept = again.drawn
     assert 100 < kept <= done < kept + 100
-    assert job.reached() == f"{kept} of 300 points"
+    assert job.progress_text() == f"{kept} of 300 points"
     with FakePlotter() as fake, PlotterClient(fake.path) as client:
         Job(client, [points], again).run()
         lead = points[kept][0]  # a line goes on from the point before it
@@ -225,10 +225,10 @@ def test_a_journal_is_tried_before_anything_moves(tmp_path):
     Journal(tmp_path / "journal", "one", 1000).save(3, 4)
     Journal(tmp_path / "journal", "two", 1000).probe()
     kept = Journal(tmp_path / "journal", "one", 1000)
-    assert kept.begun() and (kept.object, kept.drawn) == (0, 0)
+    assert kept.is_begun() and (kept.object, kept.drawn) == (0, 0)
     kept.resume()
     assert (kept.object, kept.drawn) == (3, 4)
-    assert not Journal(tmp_path / "journal", "two", 1000).begun()
+    assert not Journal(tmp_path / "journal", "two", 1000).is_begun()
     assert sorted(path.name for path in tmp_path.iterdir()) == ["journal"]
     for path in (tmp_path / "none" / "journal", tmp_path):
         with pytest.raises(Failure, match="cannot be written: .*; --journal names another place"):

@@ -69,7 +69,7 @@ class Reader:
 @settings(max_examples=80, deadline=None)
 @given(st.lists(LINES, min_size=1, max_size=3), CUTS, st.booleans())
 def test_every_line_is_drawn_in_each_pass_and_nothing_else(parts, cut, pens):
-    cut = cut if cut.tool != "m3" else cut.changed(f"power={cut.power + 1}")
+    cut = cut if cut.tool != "m3" else cut.with_values(f"power={cut.power + 1}")
     plan = plan_of(parts)
     lines = gcode.lines_of(plan, {part.number: cut for part in plan.parts}, ["M0"] if pens else None)
     reader = Reader(lines, cut.tool)
@@ -287,20 +287,20 @@ def test_a_board_file_decides_the_tool():
     tools = {name: gcode.usual(boards.load(name)).tool for name in ("laser_xy", "router_3axis", "mill_2004", "plotter_2014")}
     assert tools == {"laser_xy": "laser", "router_3axis": "z", "mill_2004": "z", "plotter_2014": "m3"}
     with pytest.raises(Failure):
-        gcode.Cut("z").changed("passes=two")
+        gcode.Cut("z").with_values("passes=two")
 
 
 @settings(max_examples=40, deadline=None)
 @given(st.lists(LINES, min_size=1, max_size=2), CUTS)
 def test_g_code_is_a_drawing_again(tmp_path_factory, parts, cut):
-    cut = cut.changed(f"power={cut.power + 1}")
+    cut = cut.with_values(f"power={cut.power + 1}")
     plan = plan_of(parts)
     path = tmp_path_factory.mktemp("again") / "a.gcode"
     path.write_text("\n".join(gcode.lines_of(plan, {part.number: cut for part in plan.parts})))
     wanted = {frozenset(pair) for part in parts for line in part for pair in zip(line, line[1:]) if pair[0] != pair[1]}
     if not wanted:
         return
-    (lines,) = sources.opened(path).outlines(0.1).layers.values()
+    (lines,) = sources.open_drawing(path).outlines(0.1).layers.values()
     left = min(x for pair in wanted for x, _ in pair)
     top = max(y for pair in wanted for _, y in pair)
     found = [[(left + round(p.real * 25.4 / 96 * 320), top - round(p.imag * 25.4 / 96 * 320)) for p in line] for line in lines]
@@ -310,12 +310,12 @@ def test_g_code_is_a_drawing_again(tmp_path_factory, parts, cut):
 def test_arcs_and_cycles_of_g_code(tmp_path):
     path = tmp_path / "a.ngc"
     path.write_text("G21 G90\nM3 S100\nG0 X10 Y0\nG3 X-10 Y0 I-10 J0 F100\nM5\nG1 X50\n")
-    (line,) = sources.opened(path).outlines(0.1).layers[1]
+    (line,) = sources.open_drawing(path).outlines(0.1).layers[1]
     middle = complex(10, 10) * 96 / 25.4
     assert abs(abs(line - middle) - 10 * 96 / 25.4).max() < 0.05
     path.write_text("G0 X10\nG0 Y3\n")
     with pytest.raises(Failure, match="draws nothing"):
-        sources.opened(path)
+        sources.open_drawing(path)
 
 
 def test_a_pen_a_layer_waits_and_says_which(tmp_path, monkeypatch, capsys):

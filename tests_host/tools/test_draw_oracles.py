@@ -383,12 +383,12 @@ def hp2xx_lines(path, box):
 
 def hpgl_agreement(path, near=0.5, window=None):
     """`window`: the part that hp2xx draws, in plotter units."""
-    file = sources.opened(path)
+    file = sources.open_drawing(path)
     page = file.outlines(0.01)
     lines = [line for lines in page.layers.values() for line in lines]
     if window:
-        places = file._placed(numpy.array([complex(*window[:2]), complex(*window[2:])]))
-        lines = svg_area.clipped(lines, shapely.box(places[0].real, places[1].imag, places[1].real, places[0].imag))
+        places = file._place(numpy.array([complex(*window[:2]), complex(*window[2:])]))
+        lines = svg_area.clip(lines, shapely.box(places[0].real, places[1].imag, places[1].real, places[0].imag))
     return agreement(samples(hp2xx_lines(path, box_of([lines]))), lines, near), page
 
 
@@ -441,13 +441,13 @@ def test_hpgl_s_window_as_hp2xx_has_it(tmp_path, words):
 def test_a_turned_sheet_is_as_large_as_the_file_says(tmp_path):
     path = tmp_path / "a.plt"
     path.write_text("IN;PS8000,4000;RO90;SP1;PU100,100;PD3000,7000;PU;")
-    assert sources.opened(path).size_px == pytest.approx((8000 * UNIT_PX, 4000 * UNIT_PX))
+    assert sources.open_drawing(path).size_px == pytest.approx((8000 * UNIT_PX, 4000 * UNIT_PX))
 
 
 def test_hpgl_s_later_sheets_are_named(tmp_path):
     path = tmp_path / "a.plt"
     path.write_text("PG;IN;SP1;PU0,0;PD400,0;PG;PU0,0;PD0,400;PG;PG;PU0,0;PD9,9;PG;")
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     assert len(page.layers[1]) == 1 and page.left_out == {"sheet behind the first": 2}
 
 
@@ -456,7 +456,7 @@ def test_hpgl_labels_stand_where_hp2xx_has_them(tmp_path, words):
     """Letters are others; cells and directions are the same."""
     path = tmp_path / "a.plt"
     path.write_text(f"{FRAME}IP0,0,9000,7000;SI0.5,0.7;{words}PU3000,3000;LBHEH\x03;PD;PU;SP0;")
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     ours = [line for lines in page.layers.values() for line in lines]
     theirs = hp2xx_lines(path, box_of([ours]))
     letters = [[line for line in lines if 200 < line.real.mean() < 700] for lines in (ours, theirs)]
@@ -469,7 +469,7 @@ def test_hpgl_labels_go_on_where_the_last_one_ended(tmp_path):
     def begins(text):
         path = tmp_path / "a.plt"
         path.write_text(f"IN;SI0.4,0.5;PU3000,3000;{text}")  # a cell is 240 by 400 units
-        lines = sources.opened(path).outlines(0.01).layers[1]
+        lines = sources.open_drawing(path).outlines(0.01).layers[1]
         left, low = box_of([lines])[0], box_of([lines])[3]
         return sorted({(round((line.real.min() - left) / UNIT_PX / 240), round((low - line.imag.max()) / UNIT_PX / 400)) for line in lines})
 
@@ -484,14 +484,14 @@ def test_hpgl_labels_go_on_where_the_last_one_ended(tmp_path):
     star = "".join(f"DI{way};LB  I\r\x03" for way in ("1,0", "0,1", "-1,0", "0,-1"))
     path = tmp_path / "b.plt"
     path.write_text(f"IN;SI0.4,0.5;PU3000,3000;{star}")
-    box = box_of([sources.opened(path).outlines(0.01).layers[1]])
+    box = box_of([sources.open_drawing(path).outlines(0.01).layers[1]])
     assert abs((box[2] - box[0]) - (box[3] - box[1])) < 1 < 500 * UNIT_PX < box[2] - box[0], "four ways from one place"
 
 
 def test_hpgl_s_symbols_stand_on_the_places(tmp_path):
     path = tmp_path / "a.plt"
     path.write_text("IN;SI0.4,0.5;PU0,0;PD3000,0;SMX;PU1000,2000;PD2000,2000;SM;PU;PA2500,1000;")
-    lines = [line / UNIT_PX for line in sources.opened(path).outlines(0.01).layers[1]]
+    lines = [line / UNIT_PX for line in sources.open_drawing(path).outlines(0.01).layers[1]]
     left, bottom = min(line.real.min() for line in lines), max(line.imag.max() for line in lines)
     strokes = [line for line in lines if line.imag.min() != line.imag.max()]
     middles = sorted({(round((line[0].real + line[-1].real) / 2 - left), round(bottom - (line[0].imag + line[-1].imag) / 2)) for line in strokes})
@@ -502,7 +502,7 @@ def hpgl_words(tmp_path, words):
     """(ours, hp2xx's) lines of instructions, but for the frame's."""
     path = tmp_path / "a.plt"
     path.write_text(f"{FRAME}IP0,0,9000,7000;SI0.5,0.7;{words}PU;SP0;")
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     assert not page.left_out
     ours = [line for lines in page.layers.values() for line in lines]
     return [[line / UNIT_PX for line in lines if 10 < line.real.mean() < 840] for lines in (ours, hp2xx_lines(path, box_of([ours])))]
@@ -547,10 +547,10 @@ def test_hpgl_labels_have_the_signs_of_measures(tmp_path, name, words, codec):
     sign = {"hp-roman8": "\u2014", "latin-1": "\u00ad", "cp437": "-", "utf-8": "\u2212"}[codec] if name == "minus" else MEASURES[name]
     path = tmp_path / "a.plt"
     path.write_bytes(b"IN;SP1;%sSI0.5,0.7;PU1000,1000;LBI%sI\3PU;" % (words.encode(), sign.encode(codec)))
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     lines = page.layers[1]
     path.write_bytes(b"IN;SP1;SI0.5,0.7;PU1000,1000;LBI I\3PU;")
-    without = sources.opened(path).outlines(0.01).layers[1]
+    without = sources.open_drawing(path).outlines(0.01).layers[1]
     (left, _, right, _), inner = box_of([without]), lines[1:-1]
     assert not page.left_out and len(without) == 2 and len(inner) == {"minus": 1, "degree": 1, "plus or minus": 3, "micro": 3}[name]
     assert left < box_of([inner])[0] and box_of([inner])[2] < right, "between its neighbours"
@@ -560,18 +560,18 @@ def test_hpgl_that_is_too_much_is_refused_or_named(tmp_path):
     """A label of 120 000 letters is named; arcs that ask for 20 million chords are refused in a second or two."""
     path = tmp_path / "a.plt"
     path.write_text("IN;SP1;PU0,0;PD400,0;LB" + "Passo " * 20_000 + "\3PU;")
-    page = sources.opened(path).outlines(0.05)
+    page = sources.open_drawing(path).outlines(0.05)
     assert page.left_out == {"text of more than 10000 letters": 1} and len(page.layers[1]) == 1
     path.write_text("IN;SP1;PU0,0;" + "CI5000,0.36;" * 20_000)
     with pytest.raises(Failure, match="a.plt: its arcs have more than 1000000 chords"):
-        sources.opened(path)
+        sources.open_drawing(path)
 
 
 def test_the_page_of_an_hpgl_file_holds_all_that_is_drawn(tmp_path):
     path = tmp_path / "a.plt"
     path.write_text("IN;SP1;PU300,200;CI200;PU900,400;CI333;PU0,500;PD900,400,700,30;PU;")
     for deviation in (0.5, 0.01, 0.0005):
-        page = sources.opened(path).outlines(deviation)
+        page = sources.open_drawing(path).outlines(deviation)
         box = box_of(page.layers.values())
         assert min(box[:2]) >= -1e-9 and box[2] <= page.size_px[0] + 1e-9 and box[3] <= page.size_px[1] + 1e-9
     for board in ("plotter_2014", "router_3axis"):
@@ -582,28 +582,28 @@ def test_an_hpgl_comment_without_quotes_ends_at_its_semicolon(tmp_path):
     for comment in ("CO circles; of these;", 'CO "circles; of these";'):
         path = tmp_path / "a.plt"
         path.write_text(f"{comment}PU500,500;CI100;")
-        assert len(sources.opened(path).outlines(0.01).layers[1]) == 1
+        assert len(sources.open_drawing(path).outlines(0.01).layers[1]) == 1
 
 
 @pytest.mark.parametrize("text", ["PU0,0;PD400,0;", "\x1b.(;IN;PU0,0\nPD400,0", "in;pu0 0;pd400 0;", "IN;PUPA0,0;PDPA400,0;PU", "IN;PA;PU0,0;PR;PD400,0;", "\x03INCA2PAPU0,0PD400,0"])
 def test_hpgl_as_people_write_it(tmp_path, text):
     path = tmp_path / "a.plt"
     path.write_text(text)
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     assert [[round(place.real / UNIT_PX) for place in line] for line in page.layers[1]] == [[0, 400]]
 
 
 def test_three_points_make_their_circle(tmp_path):
     path = tmp_path / "a.plt"
     path.write_text("IN;PU1000,1000;PD;AT2000,2000,3000,1000;")
-    (line,) = sources.opened(path).outlines(0.01).layers[1]
+    (line,) = sources.open_drawing(path).outlines(0.01).layers[1]
     assert abs(abs(line / UNIT_PX - (2000 + 1j * (2000 - 1000))) - 1000).max() < 1 and len(line) > 100
 
 
 def test_what_hpgl_has_and_no_pen_draws_is_named(tmp_path):
     path = tmp_path / "a.plt"
     path.write_text("IN;LT2;QQ5;PU0,0;PD99,1e30;PD400,0;LB\u00e3\x03;SC0,0,1,1;", encoding="latin-1")
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     assert sum(page.left_out.values()) == 5, page.left_out
 
 
@@ -647,7 +647,7 @@ def test_what_is_no_drawing_is_refused(tmp_path, name, text, message):
 def test_a_style_sheet_nested_too_deep_is_named(tmp_path):
     path = tmp_path / "a.svg"
     path.write_text(PAGE.format("<style>" + "a{" * 5000 + '</style><path d="M1 1L50 50"/>'))
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     assert len(page.layers[1]) == 1 and page.left_out == {"style rule that cannot be read": 1}
 
 
@@ -705,7 +705,7 @@ def dxf(tmp_path, seed=1, units=4):
 @pytest.mark.parametrize("seed, units, mm", [(seed, 4, 1.0) for seed in range(8)] + [(9, 1, 25.4), (10, 5, 10.0), (11, 0, 1.0)])
 def test_dxf_entities_are_drawn_where_they_are(tmp_path, seed, units, mm):
     path, points = dxf(tmp_path, seed, units)
-    page = sources.opened(path).outlines(0.02)
+    page = sources.open_drawing(path).outlines(0.02)
     lines = [line for lines in page.layers.values() for line in lines]
     scale = mm * 96 / 25.4
     theirs = box_of([points])
@@ -723,7 +723,7 @@ def test_a_dxf_survey_far_from_its_zero(tmp_path):
     document.modelspace().add_lwpolyline([(550_000, 7_500_000), (550_000.4, 7_500_000), (550_000.4, 7_500_000.3)])
     path = tmp_path / "a.dxf"
     document.saveas(path)
-    page = sources.opened(path).outlines(0.02)
+    page = sources.open_drawing(path).outlines(0.02)
     assert page.size_px == pytest.approx((400 * 96 / 25.4, 300 * 96 / 25.4), rel=1e-4)
     (line,) = page.layers[1]
     assert abs(line - [0 + 300j * 96 / 25.4, (400 + 300j) * 96 / 25.4, 400 * 96 / 25.4]).max() < 0.01
@@ -753,7 +753,7 @@ def test_dxf_blocks_that_were_made_flat(tmp_path):
         document.modelspace().add_blockref("O", place, dxfattribs={"zscale": 0})
     path = tmp_path / "a.dxf"
     document.saveas(path)
-    lines = sources.opened(path).outlines(0.02).layers[1]
+    lines = sources.open_drawing(path).outlines(0.02).layers[1]
     scale = 96 / 25.4
     assert sorted(round(float(line.real.min() / scale), 1) for line in lines) == [0, 30]
     assert all(line.real.max() - line.real.min() == pytest.approx(8 * scale, rel=0.01) for line in lines)
@@ -770,7 +770,7 @@ def test_dxf_hatches_are_areas_and_text_is_outlines(tmp_path):
     space.add_text("Passo", height=8, dxfattribs={"insert": (40, 0)})
     path = tmp_path / "a.dxf"
     document.saveas(path)
-    page = sources.opened(path).outlines(0.02, fills=True)
+    page = sources.open_drawing(path).outlines(0.02, fills=True)
     ((number, areas),) = page.fills.items()
     scale = 96 / 25.4
     assert sum(area.area for area in areas if area.bounds[2] < 21 * scale) == pytest.approx((400 - 100) * scale**2)
@@ -785,7 +785,7 @@ def test_a_binary_dxf_is_drawn(tmp_path):
     document.modelspace().add_line((0, 0), (30, 40))
     path = tmp_path / "a.dxf"
     document.saveas(path, fmt="bin")
-    page = sources.opened(path).outlines(0.02)
+    page = sources.open_drawing(path).outlines(0.02)
     assert page.size_px == pytest.approx((30 * 96 / 25.4, 40 * 96 / 25.4)) and len(page.layers[1]) == 1
 
 
@@ -804,7 +804,7 @@ def test_a_wipeout_covers_what_was_drawn_before(tmp_path, below):
     space.add_line((12, 0), (18, 0))
     path = tmp_path / "a.dxf"
     document.saveas(path)
-    page = sources.opened(path).outlines(0.02, fills=True)
+    page = sources.open_drawing(path).outlines(0.02, fills=True)
     scale = 96 / 25.4
     bottom = sorted(
         sorted((round(float(a.real / scale)), round(float(b.real / scale)))) for line in page.layers[1] for a, b in zip(line, line[1:])
@@ -822,7 +822,7 @@ def test_a_picture_of_a_dxf_is_named_and_nothing_is_written_in_its_place(tmp_pat
     document.modelspace().add_line((0, 0), (30, 40))
     path = tmp_path / "a.dxf"
     document.saveas(path)
-    page = sources.opened(path).outlines(0.02)
+    page = sources.open_drawing(path).outlines(0.02)
     assert page.left_out == {"picture": 1} and [len(lines) for lines in page.layers.values()] == [5], "a line, and the picture's frame"
 
 
@@ -836,7 +836,7 @@ def test_dxf_bodies_are_named(tmp_path):
     document.modelspace().add_line((0, 0), (30, 40))
     path = tmp_path / "a.dxf"
     document.saveas(path)
-    page = sources.opened(path).outlines(0.02)
+    page = sources.open_drawing(path).outlines(0.02)
     assert page.left_out == {"3DSOLID": 1} and len(page.layers[1]) == 1
 
 
@@ -861,7 +861,7 @@ def test_a_dxf_line_without_a_place_is_left_out_and_named(tmp_path):
         words += [0, "LINE", 8, 0, 10, x, 20, 1, 11, 5, 21, 5]
     path = tmp_path / "a.dxf"
     path.write_text("\n".join(map(str, [*words, 0, "ENDSEC", 0, "EOF", ""])))
-    page = sources.opened(path).outlines(0.1)
+    page = sources.open_drawing(path).outlines(0.1)
     assert [len(lines) for lines in page.layers.values()] == [1] and page.left_out == {"number that is none, or that cannot be read": 1}
 
 
@@ -875,5 +875,5 @@ def test_splines_of_old_inkscape_are_drawn(tmp_path, subclass):
         words += [word for x in (0, 10, 20, 30) for word in (10, x, 20, y, 30, 0)]
     path = tmp_path / "a.dxf"
     path.write_text("\n".join(map(str, [*words, 0, "ENDSEC", 0, "EOF", ""])))
-    lines = [line for lines in sources.opened(path).outlines(0.1).layers.values() for line in lines]
+    lines = [line for lines in sources.open_drawing(path).outlines(0.1).layers.values() for line in lines]
     assert sorted((round(line.real.min()), round(line.real.max()), round(line.imag[0])) for line in lines) == [(0, 113, 0), (0, 113, 38)]

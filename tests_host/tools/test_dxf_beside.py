@@ -168,7 +168,7 @@ def compare(path, folder):
     from ezdxf import recover  # noqa: F401  that ezdxf.recover is there
 
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     lines, theirs = [line for lines in page.layers.values() for line in lines], drawn_by_ezdxf(path, folder)
     here, there = box_of([lines]), box_of([theirs])
     scale = (there[2] - there[0]) / (here[2] - here[0])
@@ -197,5 +197,5 @@ def test_units_of_a_file(tmp_path, unit, mm):
     document.modelspace().add_line((0, 0), (30, 40))
     path = tmp_path / "a.dxf"
     document.saveas(path)
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     assert page.size_px == pytest.approx((30 * mm * 96 / 25.4, 40 * mm * 96 / 25.4), rel=1e-4) and not page.notes

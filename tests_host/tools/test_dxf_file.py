@@ -33,7 +33,7 @@ def saved(tmp_path, draw, units=4, version="R2010", measurement=None):
 
 def lines_mm(path, deviation_px=0.02):
     """(lines in mm, y up, their page)."""
-    page = sources.opened(path).outlines(deviation_px)
+    page = sources.open_drawing(path).outlines(deviation_px)
     lines = [(line.real + 1j * (page.size_px[1] - line.imag)) * MM_PER_PX for lines in page.layers.values() for line in lines]
     return lines, page
 
@@ -66,7 +66,7 @@ def test_a_clamped_spline_is_the_same_curve(data):
     steps = data.draw(st.lists(st.integers(0, 3), min_size=count + degree, max_size=count + degree))
     knots = [-2.0 + float(each) for each in numpy.cumsum([0, *steps])]
     points = data.draw(st.lists(st.builds(complex, st.integers(-50, 50), st.integers(-50, 50)), min_size=count, max_size=count))
-    found = dxf_entities.clamped([(each.real, each.imag) for each in points], knots, [], degree)
+    found = dxf_entities.clamp_knots([(each.real, each.imag) for each in points], knots, [], degree)
     begin, end = knots[degree], knots[count]
     if found is None:
         assert not begin < end or knots[0] == begin and knots[-1] == end
@@ -204,7 +204,7 @@ def test_a_file_that_ends_amid_a_section_is_cut_off(tmp_path, section, line_end)
     for at in (begin + 2, (begin + end) // 2, end - 1):
         path.write_bytes(line_end.join(lines[:at]).encode())
         with pytest.raises(Failure, match=f"cut off: it ends amid its section {section}"):
-            sources.opened(path)
+            sources.open_drawing(path)
 
 
 def test_a_file_without_its_last_lines_is_drawn(tmp_path):
@@ -225,7 +225,7 @@ def test_a_binary_file_that_is_cut_off_is_refused(tmp_path):
     amid = data.index(b"ENTITIES") + 2000
     path.write_bytes(data[:amid])
     with pytest.raises(Failure, match="cut off"):
-        sources.opened(path)
+        sources.open_drawing(path)
 
 
 def test_curves_that_leave_no_ink_are_named(tmp_path):
@@ -269,7 +269,7 @@ def test_the_page_holds_all_that_is_drawn(tmp_path, options):
         assert plan.box_mm[0] >= -1e-6 and plan.box_mm[1] >= -1e-6
         assert plan.box_mm[2] <= table[0] + 1e-6 and plan.box_mm[3] <= table[1] + 1e-6
         for deviation in (0.5, 0.02, 0.001):
-            page = sources.opened(path).outlines(deviation)
+            page = sources.open_drawing(path).outlines(deviation)
             assert box_of(page.layers.values()) == pytest.approx((0, 0, *page.size_px), abs=1e-6)
 
 
@@ -305,7 +305,7 @@ def test_blocks_that_multiply_are_refused_at_once(tmp_path, draw):
     path = saved(tmp_path, draw)
     begun = time.process_time()
     with pytest.raises(Failure, match="block B.*more entities than can be drawn"):
-        sources.opened(path)
+        sources.open_drawing(path)
     assert time.process_time() - begun < 2
 
 

@@ -95,7 +95,7 @@ def test_each_dot_is_burnt_once_with_its_power(powers, one_way, offset, speed, d
 @settings(max_examples=30)
 @given(st.floats(0, 1), st.sampled_from((engraving._FLOYD, engraving._JARVIS)))
 def test_diffused_dots_are_as_dark_as_the_picture(darkness, way):
-    dots = engraving.diffused(np.full((40, 60), darkness), *way)
+    dots = engraving.diffuse(np.full((40, 60), darkness), *way)
     assert set(np.unique(dots)) <= {0.0, 1.0}
     assert abs(dots.mean() - darkness) < 0.04
 
@@ -105,11 +105,11 @@ def test_diffused_dots_are_as_dark_as_the_picture(darkness, way):
 def test_dots_by_c_are_those_of_python(way, monkeypatch):
     """And a million of them take less than a second there: in Python seven."""
     dark = np.random.default_rng(2).random((40, 70)) * np.linspace(0, 1, 70)
-    plain = engraving.diffused(dark, *way)
+    plain = engraving.diffuse(dark, *way)
     monkeypatch.setenv(pc_kernels.CHOICE, "c")
-    assert np.array_equal(engraving.diffused(dark, *way), plain)
+    assert np.array_equal(engraving.diffuse(dark, *way), plain)
     begun = time.process_time()
-    dots = engraving.diffused(np.full((1000, 1000), 0.3), *way)
+    dots = engraving.diffuse(np.full((1000, 1000), 0.3), *way)
     assert time.process_time() - begun < 3 and abs(dots.mean() - 0.3) < 0.001
 
 

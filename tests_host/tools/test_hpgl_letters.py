@@ -14,7 +14,7 @@ SETS = {  # by the number of CS: the plotter's letters for #$@[\]^`{|}~, as ISO 
 def drawn(folder, words):
     path = folder / "a.plt"
     path.write_bytes(b"IN;SP1;SI0.5,0.8;PU1000,1000;" + words.encode("latin-1") + b"PU;")
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     return [line.round(3).tolist() for lines in page.layers.values() for line in lines], dict(page.left_out)
 
 
@@ -74,5 +74,5 @@ def test_lines_without_a_pen_are_left_out_and_named(tmp_path):
     assert len(lines) == 1 and left_out == {"line without a pen (SP0)": 2}
     path = tmp_path / "b.plt"
     path.write_text("IN;SP0;PU0,0;PD400,0;")
-    page = sources.opened(path).outlines(0.01)
+    page = sources.open_drawing(path).outlines(0.01)
     assert len(page.layers[1]) == 1 and not page.left_out

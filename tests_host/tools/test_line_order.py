@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from host_tools.drawings import line_order
-from host_tools.drawings.line_order import joined, travel
+from host_tools.drawings.line_order import join, travel
 
 TOLERANCE = 0.05
 coordinates = st.one_of(st.integers(-20, 20).map(lambda value: value / 4), st.floats(-300, 300))
@@ -23,7 +23,7 @@ def length(lines):
 
 @given(many)
 def test_joining_loses_and_adds_nothing(lines):
-    found = joined(lines, TOLERANCE)
+    found = join(lines, TOLERANCE)
     assert sum(map(len, found)) == sum(map(len, lines))
     gaps = len(lines) - len(found)
     assert gaps >= 0 and abs(length(found) - length(lines)) <= gaps * TOLERANCE + 1e-6
@@ -33,7 +33,7 @@ def test_joining_loses_and_adds_nothing(lines):
 
 @given(many)
 def test_no_two_ends_that_meet_are_left(lines):
-    found = joined(lines, TOLERANCE)
+    found = join(lines, TOLERANCE)
     for index, line in enumerate(found):
         for other in found[index + 1 :]:
             apart = min(abs(a - b) for a in (line[0], line[-1]) for b in (other[0], other[-1]))
@@ -57,7 +57,7 @@ def test_as_few_lines_as_there_can_be(pairs):
         group.update(dict.fromkeys(both, both))
     degrees = {node: sum(pair.count(node) for pair in pairs) for node in group}
     wanted = sum(max(1, sum(degrees[node] % 2 for node in nodes) // 2) for nodes in {frozenset(g) for g in group.values()})
-    found = joined(lines, TOLERANCE)
+    found = join(lines, TOLERANCE)
     assert len(found) == wanted and abs(length(found) - length(lines)) < 1e-6
 
 
@@ -65,13 +65,13 @@ def test_a_chain_in_any_order_and_direction_is_one_line():
     corners = [complex(i, i % 2) for i in range(30)]
     parts = [numpy.array([a, b] if i % 3 else [b, a]) for i, (a, b) in enumerate(zip(corners, corners[1:]))]
     parts = parts[::2] + parts[1::2]
-    (line,) = joined(parts, TOLERANCE)
+    (line,) = join(parts, TOLERANCE)
     assert math.isclose(length([line]), length(parts))
 
 
 @pytest.mark.parametrize("lines", [[], [numpy.array([1j])]])
 def test_nothing(lines):
-    assert joined(lines, TOLERANCE) == []
+    assert join(lines, TOLERANCE) == []
 
 
 def test_lines_that_meet_no_other_stay_as_they_are(monkeypatch):
@@ -84,7 +84,7 @@ def test_lines_that_meet_no_other_stay_as_they_are(monkeypatch):
     looked_at = []
     trails = line_order._trails
     monkeypatch.setattr(line_order, "_trails", lambda some, radius: looked_at.append(len(some)) or trails(some, radius))
-    found = joined(lines, TOLERANCE)
+    found = join(lines, TOLERANCE)
     assert looked_at[0] < 60
     assert len(found) == 5000 - 1 + 20 and sum(map(len, found)) == sum(map(len, lines))
     assert travel([numpy.array([0j, 3j]), numpy.array([3 + 3j, 0j])], 4 + 0j) == 4 + 3

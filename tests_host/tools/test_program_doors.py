@@ -359,7 +359,7 @@ def test_a_file_for_another_verb_is_told_by_kind(verb, name, tmp_path):
     content, text = FILES[name]
     path.write_bytes(content)
     with pytest.raises(Failure, match=text):
-        {"draw": sources.opened, "engrave": engraving.open_picture, "compile": lambda each: compiler.compile_file(each, None)}.get(verb, lambda each: DOORS[verb](each, None))(path)
+        {"draw": sources.open_drawing, "engrave": engraving.open_picture, "compile": lambda each: compiler.compile_file(each, None)}.get(verb, lambda each: DOORS[verb](each, None))(path)
 
 
 @pytest.mark.parametrize("text", [b"M48\nG21\nG1 X1 F100\n", b"; solid\nG1X1F100\n", b"%\nO100\nG1X1F100\n%\n", b"(PDF)\nG1X1F100\n", b"N0 SECTION\n", b"IN X1\n", b"G4P1\nG1X1F1\n"])

@@ -232,12 +232,12 @@ def test_a_row_is_interrupted_a_second_time(tmp_path):
     lines = lines_of(b"G21G90\nM3S0\nG1X2F1200S0\nX3.6S10:20:30:40:50:60:70:80\nX5S0\nM2\n", tmp_path)
     machine = facts(ready(spindle=LASER))
     target, row = (round(mm * machine.steps_per_mm[0]) for mm in (2, 3.6))
-    _, _, dot = interrupted.staged(machine, lines, 5, None, [(target + row) // 2, 0, 0])
+    _, _, dot = interrupted.plan_stages(machine, lines, 5, None, [(target + row) // 2, 0, 0])
     assert dot == (5, 8)
-    _, rest, dot = interrupted.staged(machine, lines, 5, None, [row, 0, 0])
+    _, rest, dot = interrupted.plan_stages(machine, lines, 5, None, [row, 0, 0])
     assert dot is None and [number for number, _ in rest] == [5, 6]
     with pytest.raises(Failure, match="before line 5 the machine was at"):
-        interrupted.staged(machine, lines, 5, None, [row + 100, 0, 0])
+        interrupted.plan_stages(machine, lines, 5, None, [row + 100, 0, 0])
 
 
 def test_what_cannot_be_replayed(tmp_path):

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from host_tools.build import pc_kernels
 from host_tools.drawings import order_viper, shorter
 from host_tools.drawings.line_order import travel
-from host_tools.drawings.shorter import shortened
+from host_tools.drawings.shorter import shorten
 
 POINTS = st.builds(complex, st.integers(0, 100), st.integers(0, 100))
 OPEN = st.lists(POINTS, min_size=2, max_size=5).map(numpy.array)
@@ -43,12 +43,12 @@ def greedy(lines, place):
 @settings(deadline=None)
 @given(MANY, POINTS)
 def test_the_same_ink_on_no_longer_a_way(lines, place):
-    made = shortened(lines, place)
+    made = shorten(lines, place)
     assert len(made) == len(lines) and ink(made) == ink(lines)
     assert travel(made, place) <= travel(lines, place) + 1e-6
     for line in made:
         assert any(len(line) == len(each) and ink([line]) == ink([each]) for each in lines)
-    again = shortened(lines, place)
+    again = shorten(lines, place)
     assert all((a == b).all() for a, b in zip(made, again))
 
 
@@ -61,9 +61,9 @@ def test_c_gives_the_same_order(lines, place):
         patch.setattr(shorter, "_KICKS_A_LINE", 2)
         patch.setattr(shorter, "_STARTS", 3)
         patch.setattr(shorter, "_PLAIN", 1)
-        plain = shortened(lines, place)
+        plain = shorten(lines, place)
         patch.setenv(pc_kernels.CHOICE, "c")
-        assert [line.tolist() for line in shortened(lines, place)] == [line.tolist() for line in plain]
+        assert [line.tolist() for line in shorten(lines, place)] == [line.tolist() for line in plain]
 
 
 @settings(deadline=None)
@@ -90,9 +90,9 @@ def test_the_nearest_end_is_next(places, near):
 
 def test_a_closed_line_is_entered_where_it_suits():
     square = numpy.array([0, 10, 10 + 10j, 10j, 0])
-    (line,) = shortened([square], 11 + 11j)
+    (line,) = shorten([square], 11 + 11j)
     assert line[0] == line[-1] == 10 + 10j and ink([line]) == ink([square])
-    made = shortened([square, numpy.array([12 + 10j, 20 + 10j])], -1 + 10j)
+    made = shorten([square, numpy.array([12 + 10j, 20 + 10j])], -1 + 10j)
     assert travel(made, -1 + 10j) <= 1 + abs(12 + 10j - 10j) + 1e-9
 
 
@@ -109,7 +109,7 @@ def test_a_field_of_lines_takes_a_quarter_less_than_greedy(closed, share, in_c):
     lines = [one() for _ in range(800)]
     if closed:
         lines = [numpy.append(line[:-1], line[0]) for line in lines]
-    assert travel(shortened(lines, 0j), 0j) < share * travel(greedy(lines, 0j), 0j)
+    assert travel(shorten(lines, 0j), 0j) < share * travel(greedy(lines, 0j), 0j)
 
 
 def field(count, side):
@@ -124,7 +124,7 @@ def test_without_a_compiler_there_are_fewer_tries(monkeypatch):
     kick = shorter._Tour.kick
     monkeypatch.setattr(shorter._Tour, "kick", lambda self, *given: kick(self, *given) or counts.append(self._state[order_viper.TRIED]))
     shares = []
-    made = shortened(lines, 0j, shares.append)
+    made = shorten(lines, 0j, shares.append)
     assert ink(made) == ink(lines) and travel(made, 0j) < 0.85 * travel(greedy(lines, 0j), 0j)
     assert counts[0] < shorter._MOST_TRIED // shorter._PLAIN + 50_000 and shares[0] == 0 and shares == sorted(shares) and shares[-1] <= 1
 
@@ -136,7 +136,7 @@ def test_a_move_takes_no_more_lines_along_than_it_may(monkeypatch):
     moved, turn = [], order_viper.turn
     monkeypatch.setattr(order_viper, "turn", lambda state, tour, at, log, low, high: moved.append(high - low + 1) or turn(state, tour, at, log, low, high))
     lines = greedy(field(1500, 100), 0j)
-    made = shortened(lines, 0j)
+    made = shorten(lines, 0j)
     assert ink(made) == ink(lines) and travel(made, 0j) < 0.95 * travel(lines, 0j)
     assert len(moved) > 100 and max(moved) <= 50 + order_viper.LONGEST
 
@@ -168,9 +168,9 @@ def test_eight_thousand_lines_take_a_second(heap, in_c):
     lines = field(8000, 300)
     if heap:
         lines = [line / 1000 for line in lines] + [numpy.array([299 + 299j, 300 + 300j])]
-    shortened(lines[:10], 0j)  # the kernels are made
+    shorten(lines[:10], 0j)  # the kernels are made
     begun = time.process_time()
-    made = shortened(lines, 0j)
+    made = shorten(lines, 0j)
     assert time.process_time() - begun < 10  # 1; in Python, with as many tries, 150
     assert ink(made) == ink(lines)
 
@@ -180,6 +180,6 @@ def test_eight_thousand_lines_take_a_second(heap, in_c):
 def test_a_hundred_thousand_lines_take_seconds(in_c):
     lines = field(100_000, 300)
     begun = time.process_time()
-    made = shortened(lines, 0j)
+    made = shorten(lines, 0j)
     assert time.process_time() - begun < 20  # 2
     assert travel(made, 0j) < 46_700  # 1.29 times as much by the nearest end alone

@@ -31,7 +31,7 @@ def written(folder, name, text):
 
 def drawn(path):
     """Return (width and height in mm of the lines that `passo draw` draws, the Page)."""
-    page = sources.opened(path).outlines(0.02)
+    page = sources.open_drawing(path).outlines(0.02)
     left, top, right, bottom = box_of(list(page.layers.values()))
     return ((right - left) * MM_PER_PX, (bottom - top) * MM_PER_PX), page
 

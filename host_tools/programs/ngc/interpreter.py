@@ -53,7 +53,7 @@ def compile_program(name, text, listing, tools=None, start=(), bound=1_000_000, 
 class Interpreter(Motions):
     def __init__(self, path, tools, linear=False):
         Motions.__init__(self, path, tools, linear)
-        self.values = State(self._told())
+        self.values = State(self._readable_parameters())
         self.saved = SavedModes(self)
         self.flow = None
 
@@ -62,12 +62,12 @@ class Interpreter(Motions):
         parts = (self, self.path, self.values, self.saved)
         return tuple(plain({key: each for key, each in vars(part).items() if key not in _NO_STATE}) for part in parts)
 
-    def _told(self):
+    def _readable_parameters(self):
         """Parameters by which the program can ask for its state."""
         told = {5220: lambda: self.system, 5400: lambda: self.tool, 5403: lambda: self.length[0] or 0.0}
         told[5410] = lambda: self.tools[self.tool].diameter / self.scale if self.tool in self.tools else 0.0
         for axis, name in enumerate("xyza"):
-            told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.known(axis) / self.unit(axis)
+            told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.position(axis) / self.unit(axis)
         told.update(
             _feed=lambda: self.feed / self.scale,
             _rpm=lambda: self.rpm,

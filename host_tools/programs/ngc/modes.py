@@ -228,7 +228,7 @@ class Modes:
                 else:
                     self.path.forget((axis,))
             if table == 20 and degrees:
-                self.path.turned_at()
+                self.path.turn_place()
 
     def _turn(self, system, table):
         """R of G10: how far a system is turned."""
@@ -249,7 +249,7 @@ class Modes:
             if axis not in positions:
                 if system != self.system:
                     raise ProgramError(MISSING, "{}", AXES[axis])
-                positions[axis] = self.path.known(axis)
+                positions[axis] = self.path.position(axis)
         moved = complex(positions[0], positions[1]) * cmath.rect(1.0, math.radians(degrees))
         positions[0], positions[1] = moved.real, moved.imag
 

@@ -27,7 +27,7 @@ class Motions(Modes):
             if value is not None:
                 value *= self.unit(axis)
                 if not self.absolute:
-                    value += self.path.known(axis)
+                    value += self.path.position(axis)
             position.append(value)
         if "@" in self.words or "^" in self.words:
             self._polar(position)
@@ -38,9 +38,9 @@ class Motions(Modes):
         if position[0] is not None or position[1] is not None:
             raise ProgramError(RANGE, "@ and ^ in place of X and Y")
         distance, angle = (self.words.pop(letter, None) for letter in "@^")
-        x, y = self.path.known(0) if None in (distance, angle) or not self.absolute else 0.0, 0.0
+        x, y = self.path.position(0) if None in (distance, angle) or not self.absolute else 0.0, 0.0
         if None in (distance, angle) or not self.absolute:
-            y = self.path.known(1)
+            y = self.path.position(1)
         before = math.hypot(x, y), math.degrees(math.atan2(y, x))
         if self.absolute:
             radius = before[0] if distance is None else distance * self.scale
@@ -138,7 +138,7 @@ class Motions(Modes):
     def _spline(self, code, leaving):
         if self.plane != 17:
             raise ProgramError(PLANE, "splines")
-        here = complex(self.path.known(0), self.path.known(1))
+        here = complex(self.path.position(0), self.path.position(1))
         if code == 50:
             way = self._way("i", "j", leaving)
             back = self._way("p", "q")
@@ -200,7 +200,7 @@ class Motions(Modes):
 
     def _arc(self, clockwise):
         first, second, third = PLANES[self.plane]
-        begin = [self.path.known(first), self.path.known(second)]
+        begin = [self.path.position(first), self.path.position(second)]
         height = self.path.place[third]
         target = self.target()
         turns = self.whole("p", 1) if "p" in self.words else 1
@@ -250,7 +250,7 @@ class Motions(Modes):
                 raise ProgramError(MISSING, "{}", letter.upper())
         self.cycle = kept
         times = self.whole("l", 1) if "l" in words else 1
-        height = self.path.known(third)
+        height = self.path.position(third)
         self.level = height if self.level is None else self.level
         above = kept["r"] if self.absolute else self.level + kept["r"]
         bottom = kept[along] if self.absolute else above + kept[along]
@@ -267,7 +267,7 @@ class Motions(Modes):
         cycle.back = self.level if self.initial and self.level > above else None
         for axis, letter in zip((first, second), across):
             if letter not in words:
-                self.path.known(axis)
+                self.path.position(axis)
         way = {letter: words.pop(letter) for letter in (*across, "@", "^") if letter in words}
         if height < above:
             target = [None] * 3

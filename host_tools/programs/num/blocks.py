@@ -108,7 +108,7 @@ class _Reader:
                 self._at += len(name)
                 if name in block.words:
                     raise ProgramError(REPEATED, "{}", name)
-                block.words[name] = self._signed()
+                block.words[name] = self._number_with_sign()
             else:
                 raise ProgramError(NOT_IN_DIALECT if letter.isalpha() else SYNTAX, "{}", self._rest())
         for number, value in assigned:
@@ -144,7 +144,7 @@ class _Reader:
         raise ProgramError(SYNTAX, "= < > <= >= or <> before {}", self._rest())
 
     def _expression(self):
-        value = self._signed()
+        value = self._number_with_sign()
         added = False
         while True:
             if self._take("+"):
@@ -165,7 +165,7 @@ class _Reader:
                     raise ProgramError(DOMAIN, "a number without bounds")
                 return value
 
-    def _signed(self):
+    def _number_with_sign(self):
         if self._take("-"):
             return -self._term()
         self._take("+")
@@ -180,7 +180,7 @@ class _Reader:
             self._depth += 1
             if self._depth > _DEEPEST:
                 raise ProgramError(DEPTH, "{} at most", _DEEPEST)
-            argument = self._signed()
+            argument = self._number_with_sign()
             self._depth -= 1
             if letter == "R" and argument < 0:
                 raise ProgramError(DOMAIN, "R{:g}", argument)

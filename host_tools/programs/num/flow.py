@@ -23,7 +23,7 @@ class _Part:
         self.numbers = {}
 
 
-def _placed(read, text, source):
+def _read_at(read, text, source):
     """read(text), whose error names where it stands."""
     try:
         return read(text)
@@ -54,7 +54,7 @@ class Flow:
             elif words and not (skip and words.startswith("/")):
                 part = part or self._parts.setdefault(0, _Part())
                 main = main or part
-                number = _placed(number_of, words, source)
+                number = _read_at(number_of, words, source)
                 if number is not None:
                     if number in part.numbers:
                         raise ProgramError(LABEL, "N{}", number, place=source)
@@ -66,7 +66,7 @@ class Flow:
         """The number behind a %."""
         if not (label.isascii() and label.isdigit()):
             raise ProgramError(SYNTAX, "% and a number before {}", "%" + label, place=source)
-        number = _placed(whole, label, source)
+        number = _read_at(whole, label, source)
         if number in self._parts and self._parts[number].rows:
             raise ProgramError(LABEL, "%{}", label, place=source)
         return number

@@ -70,7 +70,7 @@ class Interpreter:
         """One block. Raises ProgramError."""
         block = read(text, self._variables)
         words = self._words = block.words
-        g, m = self._grouped(block.g, _GROUPS, "G"), self._grouped(block.m, _M, "M")
+        g, m = self._group(block.g, _GROUPS, "G"), self._group(block.m, _M, "M")
         if 77 in g or 79 in g:
             self._branch(g, m, block)
             return
@@ -93,7 +93,7 @@ class Interpreter:
         self._stop(m)
 
     @staticmethod
-    def _grouped(codes, groups, letter):
+    def _group(codes, groups, letter):
         """The codes as a set. Raises ProgramError if one is not known, or two exclude each other."""
         taken = set()
         for code in codes:
@@ -239,7 +239,7 @@ class Interpreter:
         for axis, name in enumerate(_AXES):
             value = self._words.pop(name, None)
             if value is not None:
-                value = value * self._scale + (self._offset[axis] if self._absolute else self.path.known(axis))
+                value = value * self._scale + (self._offset[axis] if self._absolute else self.path.position(axis))
             position.append(value)
         return position
 
@@ -247,7 +247,7 @@ class Interpreter:
         if not self._feed:
             raise ProgramError(NO_FEED)
         first, second, _ = PLANES[self._plane]
-        begin = [self.path.known(first), self.path.known(second)]
+        begin = [self.path.position(first), self.path.position(second)]
         target = self._target()
         end = [begin[0] if target[first] is None else target[first], begin[1] if target[second] is None else target[second]]
         if "R" in self._words:
@@ -280,17 +280,17 @@ class Interpreter:
                 kept[name] = self._take(name) * self._scale
         if "ER" in self._words:
             value = self._take("ER") * self._scale
-            kept["above"] = value + (self._offset[2] if self._absolute else self.path.known(2))
+            kept["above"] = value + (self._offset[2] if self._absolute else self.path.position(2))
         above = kept.setdefault("above", self.path.place[2])
         if above is None:
-            self.path.known(2)
+            self.path.position(2)
         if "Z" in self._words:
             value = self._take("Z") * self._scale
             kept["bottom"] = value + (self._offset[2] if self._absolute else above)
         if "bottom" not in kept:
             raise ProgramError(MISSING, "Z")
         target = self._target()
-        position = [self.path.known(axis) if target[axis] is None else target[axis] for axis in (0, 1)]
+        position = [self.path.position(axis) if target[axis] is None else target[axis] for axis in (0, 1)]
         if kept["bottom"] >= above:
             raise ProgramError(RANGE, "Z{} is above ER{}", number(kept["bottom"]), number(above))
         if self.path.place[2] is not None and self.path.place[2] < above:

@@ -8,8 +8,8 @@ from black_boxes import CAUSES, COMBINED, Doomed, amid, parked, pieces
 from host_tools import boards
 from host_tools.cli.blackbox import lines
 from host_tools.failure import Failure
-from host_tools.programs.blackbox import HALTED, LOGGED, Box, packed, unpacked
-from host_tools.programs.timeline import clock, draw, happened
+from host_tools.programs.blackbox import HALTED, LOGGED, Box, pack, unpack
+from host_tools.programs.timeline import clock, draw, lines_of
 from host_tools.sim.blackbox import Replay
 from passo import errors
 from passo.config.boardfile import check
@@ -25,7 +25,7 @@ ALARMS = {
 
 def replayed(files):
     """(box, replay) of the files as somebody else gets them."""
-    box = Box.of(unpacked(packed(files)))
+    box = Box.of(unpack(pack(files)))
     return box, Replay(box, box.settings).run()
 
 
@@ -72,7 +72,7 @@ def test_ways_of_parking_are_not_replayed():
     """The list shows them, and the replay says why it stops."""
     files, _ = parked()
     box = Box.of(files)
-    assert "door on" in "\n".join(happened(box))
+    assert "door on" in "\n".join(lines_of(box))
     with pytest.raises(Failure, match="has parked"):
         Replay(box, box.settings)
 
@@ -139,7 +139,7 @@ def test_nothing_is_written_while_it_moves():
 def test_what_people_read(tmp_path):
     files, _ = CAUSES["door_then_reset"]()
     box, replay = replayed(files)
-    text = "\n".join([*happened(box), *lines(box, replay)])
+    text = "\n".join([*lines_of(box), *lines(box, replay)])
     for wanted in ("door on", "door off", "hold", "reset, Ctrl-X", "stood at X", "G1X", "> $SLP", "the same way"):
         assert wanted in text, wanted
     draw(tmp_path / "timeline.png", box, replay)
@@ -177,4 +177,4 @@ def test_files_that_are_none_are_refused(name, data, wanted):
     with pytest.raises(Failure, match=wanted):
         Box.of({**files, name: data})
     with pytest.raises(Failure, match="passo blackbox has written"):
-        unpacked(b"PK no")
+        unpack(b"PK no")

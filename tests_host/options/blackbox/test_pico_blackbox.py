@@ -13,7 +13,7 @@ from host_tools import boards
 from host_tools.cli.blackbox import files_of
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.machine import EmulatedMachine
-from host_tools.programs.blackbox import Box, packed, unpacked
+from host_tools.programs.blackbox import Box, pack, unpack
 from host_tools.sim.blackbox import Replay
 
 START = 1500, 1200, -900
@@ -176,5 +176,5 @@ def test_it_is_read_off_the_port(router, tmp_path):
 
     files = on_a_copy(run)
     assert set(files) >= {"blackbox.bin", "board.py"} and "blackbox.old" not in files
-    box = Box.of(unpacked(packed(files)))
+    box = Box.of(unpack(pack(files)))
     assert box.why == "alarm" and box.board["name"] == "router_3axis" and Replay(box, box.settings).run().faults == []

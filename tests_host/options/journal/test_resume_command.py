@@ -8,7 +8,7 @@ from host_tools.cli import jobs, resume
 from host_tools.cli.main import app
 from host_tools.drawings import engraving
 from host_tools.drawings.engraving import Machine, Options
-from host_tools.programs.interrupted import interrupted, number_of
+from host_tools.programs.interrupted import number_of, resume_point
 from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
@@ -161,11 +161,11 @@ def test_a_stored_job_has_a_journal_too(part, tmp_path, capsys):
 def test_what_the_journal_says(part):
     lines = gcode_file.read(part)
     job = f"{number_of(lines):08x}"
-    assert interrupted([f"[JOURNAL:{job}|3|2|6400,1700,0]"], lines) == (3, [6400, 1700, 0], True)
-    assert interrupted([f"[JOURNAL:{job}|3|1|6400,4800,0]"], lines) == (4, None, False)
-    assert interrupted([f"[JOURNAL:{job}|0|0|0,0,0]"], lines) == (1, None, False)
+    assert resume_point([f"[JOURNAL:{job}|3|2|6400,1700,0]"], lines) == (3, [6400, 1700, 0], True)
+    assert resume_point([f"[JOURNAL:{job}|3|1|6400,4800,0]"], lines) == (4, None, False)
+    assert resume_point([f"[JOURNAL:{job}|0|0|0,0,0]"], lines) == (1, None, False)
     with pytest.raises(Failure, match="does not say"):
-        interrupted(["ok"], lines)
+        resume_point(["ok"], lines)
 
 
 def test_a_board_without_a_journal(part):

@@ -8,7 +8,7 @@ from asked import Asked
 from host_tools import boards
 from host_tools.failure import Failure
 from host_tools.programs import gcode_file, replay
-from host_tools.programs.interrupted import interrupted, number_of, staged
+from host_tools.programs.interrupted import number_of, plan_stages, resume_point
 from host_tools.programs.replayed_machine import ENDLESS, Machine
 from host_tools.sim.pages import Pages
 
@@ -162,18 +162,18 @@ def test_a_board_that_has_started_anew_does_not_know_its_table(lines):
     machine.stand()
     machine.machine.run_ms(3000)
     said = machine.ask("$JR").splitlines()
-    assert interrupted(said, lines)[2], "known while it is on"
+    assert resume_point(said, lines)[2], "known while it is on"
     machine.do("$H")
-    assert interrupted(machine.ask("$JR").splitlines(), lines)[2], "and as long as it stays on"
+    assert resume_point(machine.ask("$JR").splitlines(), lines)[2], "and as long as it stays on"
 
     again = table(pages=pages)
     said = again.ask("$JR").splitlines()
-    number, place, known = interrupted(said, lines)
+    number, place, known = resume_point(said, lines)
     assert (number, place, known) == (5, None, False)
     end = [int(each) for each in said[0].split("|")[3].rstrip("]").split(",")]
     with pytest.raises(Failure, match=r"A homes at no sensor .* left it at -45\.\d+ degrees"):
-        staged(facts(again), lines, number, place, end, known)
-    stages, rest, _ = staged(facts(again), lines, number, place, end, True)
+        plan_stages(facts(again), lines, number, place, end, known)
+    stages, rest, _ = plan_stages(facts(again), lines, number, place, end, True)
     assert stages and rest[0][0] == 5
     again.do("$JR=12345678")
     assert "[JOURNAL:12345678|0|2|" in again.ask("$JR"), "the next job's is known"
@@ -192,4 +192,4 @@ def test_three_axes_are_known_once_they_have_homed(lines):
             machine.do(f"$JR={number_of(job):08x}", *(f"N{number}" + line.decode() for number, line in job[:count]))
             machine.stand()
             machine.machine.run_ms(3000)
-    assert interrupted(machine.ask("$JR").splitlines(), job)[2]
+    assert resume_point(machine.ask("$JR").splitlines(), job)[2]
