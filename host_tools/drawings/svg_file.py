@@ -58,7 +58,7 @@ class SvgFile:
         self._path = path
         self._uses = 0
         self._root = root_of(path)
-        self._by_id = {}
+        self._by_id, self._paints = {}, {}
         self._parents = {child: parent for parent in self._root.iter() for child in parent}
         sheets = []
         self._count = self._animations = 0
@@ -181,7 +181,7 @@ class SvgFile:
             if style.get(what, "none") != "none":
                 self._page.left_out[name] += 1
         if tag in SHAPES or tag == "text":
-            kinds = [svg_paint.of(style.get(what, "none"), self._by_id)[1] for what in ("fill", "stroke")]
+            kinds = [self._paint(style.get(what, "none"))[1] for what in ("fill", "stroke")]
             for kind, named in _FLAT.items():
                 if kind in kinds:
                     self._page.left_out[named] += 1
@@ -361,8 +361,19 @@ class SvgFile:
             style[name] = number(own, around) if isinstance(own, str) else own
         for what in ("fill", "stroke"):
             if what in style:
-                style[what] = svg_paint.of(style[what], self._by_id)[0]
+                style[what] = self._paint(style[what])[0]
         return style
+
+    def _paint(self, value):
+        """What svg_paint.of() says of a paint, worked out once."""
+        if value not in self._paints:
+            self._paints[value] = svg_paint.of(value, self._by_id, self._plain_style)
+        return self._paints[value]
+
+    def _plain_style(self, element):
+        """The properties of an element where it stands, as texts."""
+        parent = self._parents.get(element)
+        return self._sheet.style(element, {} if parent is None else self._plain_style(parent))
 
     def _style_in_place(self, element):
         """The style of what is drawn elsewhere than it stands."""

@@ -20,7 +20,7 @@ _INHERITED = frozenset(
     "marker-mid marker-end font-family font-size font-style font-weight text-anchor letter-spacing word-spacing white-space "
     "writing-mode font-stretch font-variation-settings stroke-opacity fill-opacity fill-rule color text-transform direction font-variant dominant-baseline".split()
 )
-_OWN = frozenset("display clip-path mask filter overflow baseline-shift alignment-baseline text-decoration shape-inside opacity transform transform-origin transform-box offset-path".split())
+_OWN = frozenset("display clip-path mask filter overflow baseline-shift alignment-baseline text-decoration shape-inside opacity stop-color stop-opacity transform transform-origin transform-box offset-path".split())
 _KNOWN = _INHERITED | _OWN
 _GEOMETRY = {  # of which elements an attribute is a property, too
     "rect": frozenset("x y width height rx ry".split()), "svg": frozenset("width height".split()), "use": frozenset("x y".split()),
@@ -251,6 +251,8 @@ def invisible(opacity):
 
 def opaque(style):
     """True of a fill through which nothing shines, as far as the element itself says."""
+    if _alpha(style.get("fill", "black")) != 1:
+        return False
     shares = [_SHARE.match(style.get(name, "1")) for name in ("opacity", "fill-opacity")]
     return all(match and (match[0].strip() == "100%" or float(match[1]) >= 1 and "%" not in match[0]) for match in shares)
 

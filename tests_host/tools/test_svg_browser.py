@@ -141,6 +141,10 @@ PAGES = {
     "of an svg inside": '<svg width="200" height="120" viewBox="0 0 20 12"><rect width="100%" height="100%" fill="white" stroke="none"/></svg>',
     "of a symbol": '<symbol id="s" viewBox="0 0 10 6" overflow="visible"><rect width="10" height="6" fill="#fff" stroke="none"/></symbol><use href="#s"/>',
     "round corners of a px": '<rect width="200" height="120" rx="1" fill="white" stroke="none"/>',
+    "a gradient": '<linearGradient id="g"><stop stop-color="#fff"/><stop offset="1" style="stop-color:white"/></linearGradient><rect width="200" height="120" fill="url(#g)" stroke="none"/>',
+    "a gradient of another": '<style>stop{stop-color:rgb(255,255,255)}</style><radialGradient id="h"><stop/><stop offset="1"/></radialGradient><linearGradient id="g" href="#h"/><rect width="200" height="120" fill="url(#g)" stroke="none"/>',
+    "a clear gradient": '<linearGradient id="g"><stop stop-color="#fff"/><stop offset="1" stop-color="#fff" stop-opacity="0"/></linearGradient><rect width="200" height="120" fill="url(#g)" stroke="none"/>',
+    "a pattern": '<pattern id="g" width="9" height="9" patternUnits="userSpaceOnUse"><g fill="white" stroke="white"><path d="M0 0h9v9z"/><circle r="4"/></g></pattern><rect width="200" height="120" fill="url(#g)" stroke="none"/>',
     "by currentColor": '<g color="white"><rect width="200" height="120" fill="currentColor" stroke="none"/></g>', "by a use": '<defs><rect id="r" width="200" height="120"/></defs><use href="#r" fill="#fff" stroke="none"/>',
 }  # fmt: skip
 
@@ -164,10 +168,13 @@ def test_what_nobody_sees_is_left_out_and_named(tmp_path, name):
     plan = drawing.load(tmp_path / "a.svg", boards.load("plotter_2014"), Options(unseen=True, crop=False, place="outlines"))
     assert len(plan.lines) > 1 and not any("--unseen" in note for note in plan.notes)
 
+GREY_AT_THE_END = '<linearGradient id="g"><stop stop-color="#fff"/><stop offset="1" stop-color="#eee"/></linearGradient><rect width="200" height="120" fill="url(#g)" stroke="none"/>'
+GREY_DOTS = '<pattern id="g" width="9" height="9" patternUnits="userSpaceOnUse"><path d="M0 0h9v9z" fill="white" stroke="none"/><circle r="4" fill="#eee"/></pattern><rect width="200" height="120" fill="url(#g)" stroke="none"/>'
+
 
 @pytest.mark.parametrize("body", [
     '<rect width="200" height="120" fill="#fff"/>', '<rect width="200" height="120" fill="#eee" stroke="none"/>', '<rect width="150" height="120" fill="#fff" stroke="none"/>',
-    '<rect x="9" y="9" width="182" height="102" fill="#fff" stroke="none"/>', '<path d="M0 0L200 120V0L0 120Z" fill="#fff" stroke="none"/>', '<rect width="200" height="120"/>',
+    '<rect x="9" y="9" width="182" height="102" fill="#fff" stroke="none"/>', GREY_AT_THE_END, GREY_DOTS, '<path d="M0 0L200 120V0L0 120Z" fill="#fff" stroke="none"/>', '<rect width="200" height="120"/>',
 ])  # fmt: skip
 def test_frames_and_smaller_areas_are_drawn(tmp_path, body):
     page, lines = page_of(tmp_path, body)
@@ -184,6 +191,12 @@ def test_what_lies_below_a_white_page_is_drawn_and_named(tmp_path, more, covered
         found = [note for note in plan.notes if "no viewer shows it" in note]
         assert found == ([f"{covered} × a shape below a white area over the whole page, where no viewer shows it, is drawn all the same"] if covered else [])
         assert len(plan.lines) > 3
+
+
+@pytest.mark.parametrize("opacity, covered", [("1", 1), ("100%", 1), (".9", 0), ("0", 0)])
+def test_a_gradient_hides_what_lies_below_if_it_is_not_clear(tmp_path, opacity, covered):
+    page, lines = page_of(tmp_path, f'<path d="M9 9h9"/><linearGradient id="g"><stop stop-color="#fff" stop-opacity="{opacity}"/></linearGradient><rect width="200" height="120" fill="url(#g)" stroke="none"/>')
+    assert page.covered == covered and page.backgrounds == 1 and len(lines) == 2
 
 
 OTHERWISE = {  # (what is drawn, the same in other words)
