@@ -112,25 +112,30 @@ def draw_sketch(folder, seed):
     return path, sketch
 
 
-def black_on_a_page(folder, paths):
-    """Which pixels Chromium has black in each file, on one page of all."""
+def screenshots(folder, paths, side=SIDE, columns=COLUMNS):
+    """Each file as Chromium draws it in `side` px, grey, all on one page."""
     if not shutil.which("chromium"):
         pytest.skip("chromium is not installed")
     frames = ""
     for number, path in enumerate(paths):
-        left, top = number % COLUMNS * SIDE[0], number // COLUMNS * SIDE[1]
-        frames += f'<iframe src="{path.name}" style="position:absolute;border:0;left:{left}px;top:{top}px;width:{SIDE[0]}px;height:{SIDE[1]}px"></iframe>'
+        left, top = number % columns * side[0], number // columns * side[1]
+        frames += f'<iframe src="{path.name}" style="position:absolute;border:0;left:{left}px;top:{top}px;width:{side[0]}px;height:{side[1]}px"></iframe>'
     (folder / "page.html").write_text(f'<body style="margin:0">{frames}</body>')
-    size = COLUMNS * SIDE[0], -(-len(paths) // COLUMNS) * SIDE[1]
+    size = columns * side[0], -(-len(paths) // columns) * side[1]
     subprocess.run(
         ["chromium", "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--allow-file-access-from-files", f"--force-device-scale-factor={SCALE}",
          f"--window-size={size[0]},{size[1]}", f"--user-data-dir={folder / 'profile'}", f"--screenshot={folder / 'page.png'}", (folder / "page.html").as_uri()],
         check=True, capture_output=True, timeout=240,
     )  # fmt: skip
-    black = numpy.asarray(Image.open(folder / "page.png").convert("L")) < 128
-    wide, high = SIDE[0] * SCALE, SIDE[1] * SCALE
-    tops, lefts = [n // COLUMNS * high for n in range(len(paths))], [n % COLUMNS * wide for n in range(len(paths))]
-    return [black[top : top + high, left : left + wide] for top, left in zip(tops, lefts)]
+    grey = numpy.asarray(Image.open(folder / "page.png").convert("L"))
+    wide, high = side[0] * SCALE, side[1] * SCALE
+    tops, lefts = [n // columns * high for n in range(len(paths))], [n % columns * wide for n in range(len(paths))]
+    return [grey[top : top + high, left : left + wide] for top, left in zip(tops, lefts)]
+
+
+def black_on_a_page(folder, paths):
+    """Which pixels Chromium has black in each file."""
+    return [grey < 128 for grey in screenshots(folder, paths)]
 
 
 @pytest.fixture(scope="module")

@@ -30,20 +30,24 @@ SCALE = 4  # pixels a px
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="200" height="120" fill="none" stroke="black">'
 
 
-def rsvg_ink(path, tmp_path):
-    """Places of black pixels, in px."""
+def rsvg_page(path, tmp_path):
+    """The page as rsvg-convert draws it, grey, row by row."""
     if not shutil.which("rsvg-convert"):
         pytest.skip("rsvg-convert is not installed: apt-get install librsvg2-bin")
     out = tmp_path / "oracle.png"
     subprocess.run(["rsvg-convert", "-z", str(SCALE), "-b", "white", "-o", out, path], check=True, env={**os.environ, "LANG": "en_US.UTF-8", "LANGUAGE": "en", "LC_ALL": "en_US.UTF-8", "PATH": "/usr/bin:/bin"})
-    rows, columns = numpy.nonzero(numpy.asarray(Image.open(out).convert("L")) < 128)
-    return numpy.column_stack((columns + 0.5, rows + 0.5)) / SCALE
+    return numpy.asarray(Image.open(out).convert("L"))
 
 
 def svg_page_black(path, tmp_path):
     """Which pixels rsvg-convert has black, row by row."""
-    rsvg_ink(path, tmp_path)
-    return numpy.asarray(Image.open(tmp_path / "oracle.png").convert("L")) < 128
+    return rsvg_page(path, tmp_path) < 128
+
+
+def rsvg_ink(path, tmp_path):
+    """Places of black pixels, in px."""
+    rows, columns = numpy.nonzero(svg_page_black(path, tmp_path))
+    return numpy.column_stack((columns + 0.5, rows + 0.5)) / SCALE
 
 
 def chromium_ink(path, tmp_path):
