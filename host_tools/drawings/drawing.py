@@ -37,7 +37,7 @@ _EDGE_MM = 0.1  # a line outside the page by less is moved onto its edge
 
 @dataclass
 class Part:
-    """What one layer, or one pen, draws: lines in drawing order, each a list of (x, y) steps, of two points or more."""
+    """The lines of one layer, or of one pen, in drawing order, each a list of (x, y) steps, of two points or more."""
 
     number: int
     name: str | None
@@ -53,8 +53,8 @@ class Drawing:
     steps_per_mm: tuple[float, float]
     scale: float  # of the real size
     mm_per_px: float
-    corner_px: tuple[float, float]  # lower left, in the file, of what is placed
-    origin_mm: tuple[float, float]  # where that corner stands on the machine
+    corner_px: tuple[float, float]  # lower left corner of the drawing, in the file
+    origin_mm: tuple[float, float]  # position of that corner on the machine
     page_mm: tuple[float, float, float, float]  # the page on the machine: left, bottom, right, top
     box_mm: tuple[float, float, float, float]  # the same of the outlines
     layers: dict = field(default_factory=dict)  # number: name or None, of all in the file
@@ -117,7 +117,7 @@ def _cut(lines, most):
 
 def load(path, board, options=None, progress=None):
     """Read, position and order a drawing: a path, or several, which are nested on the sheet. Raises Failure if there is nothing to draw,
-    or no room. Calls `progress(text, share)` now and then: what is being done, and its share done, 0…1."""
+    or no room. Calls `progress(text, share)` now and then: the step under way, and its share done, 0…1."""
     options = options or Options()
     progress = progress or (lambda text, share: None)
     if options.place not in ("page", "outlines"):
@@ -151,7 +151,7 @@ def load(path, board, options=None, progress=None):
 
 
 def shapes(paths, board, options):
-    """What is nested of several drawings: (shapes, (width, height) of the room for them). Raises Failure."""
+    """The shapes of several drawings to nest: (shapes, (width, height) of the room for them). Raises Failure."""
     found = [layout.shape_of(_sheet(path, board, options, lambda text, share: None, True)) for path in paths]
     return found, layout.room(placement.table_mm(board), options)[1]
 

@@ -92,7 +92,7 @@ class Backend(Base):
         super().__init__()
         self._deviation, self._fills = deviation, fills
         self.inks = {}
-        self.count = 0  # of what was drawn
+        self.count = 0  # of the lines drawn
         self.left_out = Counter()
         self._background = None
 

@@ -41,7 +41,7 @@ _FLOYD = 16, ((1, 0, 7), (-1, 1, 3), (0, 1, 5), (1, 1, 1))
 _JARVIS = 48, (
     (1, 0, 7), (2, 0, 5), (-2, 1, 3), (-1, 1, 5), (0, 1, 7), (1, 1, 5), (2, 1, 3), (-2, 2, 1), (-1, 2, 3), (0, 2, 5), (1, 2, 3), (2, 2, 1),
 )  # fmt: skip
-_SAVED_S = 0.01  # a rapid move amid a row saves at least so much
+_SAVED_S = 0.01  # a rapid move amid a row saves at least this time
 LINES_S = 1700  # dots a second over USB, if the PC answers after 1 ms: docs/reference/benchmarks.md
 DOTS_S = 5000  # the same in rows
 PACKED_S = 10_000  # and in packed ones
@@ -135,7 +135,7 @@ class Row:
 
     @property
     def begin(self):
-        """Where the first run begins, in mm."""
+        """The start of the first run, in mm."""
         return self.left + int(self.cuts[0]) * self.pitch
 
     @property
@@ -234,7 +234,7 @@ def powers_of(picture, options, progress=None):
 
 
 def powers_of_darkness(dark, options):
-    """Darkness 0 to 1 as power: by the curve of a test card if there is one. What is white stays dark."""
+    """Darkness 0 to 1 as power: by the curve of a test card if there is one. White stays dark."""
     wanted = dark
     if options.curve:
         powers, found = (np.array(column) for column in zip(*sorted(options.curve)))

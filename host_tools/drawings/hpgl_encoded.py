@@ -7,7 +7,7 @@ _LARGEST_SHIFT = 64
 
 
 def moves(text):
-    """[(down, absolute, x, y) or the number of a pen]. What follows a number too large, or a pair cut off, is left out."""
+    """[(down, absolute, x, y) or the number of a pen]. The rest behind a number too large, or behind a pair cut off, is left out."""
     found, pair, flags, base, bits, waits = [], [], set(), 64, 0, ""
     value = shift = 0
     for letter in text:

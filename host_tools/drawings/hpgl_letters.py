@@ -21,7 +21,7 @@ class Letters:
         self._along, self._slant, self._origin = 1 + 0j, 0.0, 1
         self._space = 0.0, 0.0  # ES: more between letters and lines, in cells
         self.symbol = ""  # SM: a letter at each place
-        self._return, self._labelled = 0j, None  # where a carriage return goes, and where the last label ended
+        self._return, self._labelled = 0j, None  # targets of a carriage return; end of the last label
 
     def label(self, place, text):
         """Draw `text` and return where the pen is behind it. A line feed goes one line down, a carriage return to where labels have

@@ -1,4 +1,4 @@
-"""What HPGL's instructions make of a pen: lines of each pen, in plotter units (1/40 mm), y up.
+"""HPGL's instructions, carried out by a pen: lines of each pen, in plotter units (1/40 mm), y up.
 
     pen = Pen(deviation)            # of curves from their chords
     pen.do("PA", [100, 200])

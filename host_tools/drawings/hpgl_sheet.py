@@ -1,4 +1,4 @@
-"""Where HPGL's numbers lie on the paper: P1 and P2, scales, rotation, window, the sheet's size. All in plotter units (1/40 mm), y up."""
+"""HPGL's numbers on the paper: P1 and P2, scales, rotation, window, the sheet's size. All in plotter units (1/40 mm), y up."""
 
 import cmath
 import math

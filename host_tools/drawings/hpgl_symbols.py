@@ -12,7 +12,7 @@ _KIND = 1  # the first number of a pair of SD: the symbol set follows
 _ROMAN_8 = "hp-roman8"
 _CODECS = {14: "latin-1", 277: _ROMAN_8, 309: "cp1252", 341: "cp437", 405: "cp850", 629: "cp1252"}
 _PLACES = "#$@[\\]^`{|}~"  # of ASCII, where each country has letters of its own (ISO 646)
-_NATIONAL = {  # by the number of CS: what stands there
+_NATIONAL = {  # by the number of CS: the letters there
     30: "#¤@ÄÖÅ^`äöå~", 31: "#¤ÉÄÖÅÜéäöåü", 32: "#$@ÆØÅ^`æøå~", 33: "#$§ÄÖÜ^`äöüß", 34: "£$à°ç§^µéùè¨", 35: "£$@[\\]^`{|}~",
     36: "£$§°çé^ùàòèì", 37: "£$§¡Ñ¿^`°ñç~", 38: "#$§ÃÇÕ^`ãçõ°", 39: "§$@ÆØÅ^`æøå|",
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""What stands on the table: one drawing or several, copies in rows and columns, registration marks.
+"""The drawings on the table: one drawing or several, copies in rows and columns, registration marks.
 
     sheet = nest_sheets([Sheet(…), Sheet(…)], (400, 300), options)
     copy(sheet, options)
@@ -68,7 +68,7 @@ def nest_sheets(sheets, table, options):
 
 
 def room(table, options):
-    """(corner, size) of what drawings are nested in, in mm."""
+    """(corner, size) of the room for nested drawings, in mm."""
     x, y = options.origin or (options.margin, options.margin)
     return (x, y), (table[0] - x - options.margin, table[1] - y - options.margin)
 
@@ -92,7 +92,7 @@ def copy(sheet, options):
 
 
 def mark(sheet, box, table):
-    """A cross at each corner of what is drawn, by each pen: where they fall on each other, the pens do."""
+    """A cross at each corner of the drawing, by each pen: crosses that fall on each other show that the pens do."""
     left, bottom, right, top = box
     for number in sheet.layers:
         for x in (max(left - _AWAY_MM, _CROSS_MM / 2), min(right + _AWAY_MM, table[0] - _CROSS_MM / 2)):

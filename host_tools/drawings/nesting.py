@@ -25,7 +25,7 @@ _STRIPS = 5  # tried: each takes as long as the nesting itself, or less
 
 
 def outline(lines):
-    """What lines enclose and cover."""
+    """The area that lines enclose and cover."""
     parts = []
     for line in lines:
         pairs = numpy.column_stack((line.real, line.imag))
@@ -40,7 +40,7 @@ def outline(lines):
 
 
 def nest(shapes, width, height, gap=0.0, turn=True, order=0):
-    """Where each shape stands: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
+    """The position of each shape: (x, y, quarters turned to the left), x and y of its box's lower left corner then, in mm. Raises Failure if
     there is no room for one. `order`: 0, the largest first; each other number is an order of its own, the same on every computer."""
     chance = random.Random(order)
     turns = sorted(range(len(shapes)), key=lambda each: -shapes[each].area * (chance.uniform(_LEAST_CHANCE, 1) if order else 1))

@@ -198,7 +198,7 @@ def queue_gap(state: ptr32, tour: ptr32, queue: ptr32, gap: int):
 
 @micropython.viper
 def put(state: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, first: int, last: int, gap: int, turned: int):
-    """Put the lines of the indices `first` to `last` into a gap. What lies in between moves along, in its direction."""
+    """Put the lines of the indices `first` to `last` into a gap. The lines in between move along, in their direction."""
     size = last - first + 1
     low = first
     high = gap

@@ -1,4 +1,4 @@
-"""What the readers of drawings give: lines and filled areas, layer by layer, in px of 1/96 inch, y down.
+"""The result of the readers of drawings: lines and filled areas, layer by layer, in px of 1/96 inch, y down.
 
     page = Page((width_px, height_px))
     page.add(1, "cut", [Ink("#ff0000", lines, areas)])
@@ -32,7 +32,7 @@ class Ink:
 class Page:
     size_px: tuple[float, float]
     layers: dict = field(default_factory=dict)  # number: lines
-    names: dict = field(default_factory=dict)  # number: what its groups are called
+    names: dict = field(default_factory=dict)  # number: name of its groups
     fills: dict = field(default_factory=dict)  # number: areas
     left_out: Counter = field(default_factory=Counter)
     notes: list = field(default_factory=list)  # sentences about the whole file
@@ -67,8 +67,8 @@ def move_lines(lines, change):
 
 
 def cut(inks, area, left_out):
-    """Inks as far as they lie in an area: lines end at its edge, and areas get a new one there. It is not drawn, and `left_out` is told so,
-    if the area has a stroke and something of that is left."""
+    """Inks as far as they lie in an area: lines end at its edge, and areas get a new one there. `left_out` counts a new edge that is not drawn
+    because the area has a stroke and a part of that is left."""
     return [_cut(ink, area, left_out) for ink in inks]
 
 

@@ -53,7 +53,7 @@ def show_box(axes, box, label, color, style="-"):
 
 
 def save(path, strokes, title, table=None, page=None, order=False):
-    """Write the picture of `strokes` to `path`, with what the machine can reach and the page around it, each left, bottom,
+    """Write the picture of `strokes` to `path`, with the reach of the machine and the page around it, each left, bottom,
     right, top in mm or None; `order`: colours from the first line to the last. Raises Failure if there are no strokes or it
     cannot be written."""
     from matplotlib.collections import LineCollection

@@ -70,7 +70,7 @@ class _Tour:
         self._locate()
 
     def _locate(self):
-        """Where ends lie, in units, and which are near each other."""
+        """Positions of ends, in units, and the ends near each other."""
         places = (self._ends - self._low) * self._unit
         xs, ys = (numpy.clip(numpy.rint(part), 0, _SIDE).astype(numpy.int32) for part in (places.real, places.imag))
         self._xs, self._ys = _array(xs), _array(ys)
@@ -148,7 +148,7 @@ class _Tour:
 
 
 class _Closed:
-    """Where closed lines begin: any vertex will do."""
+    """The first vertex of closed lines: any will do."""
 
     def __init__(self, lines):
         self._numbers = numpy.array([number for number, line in enumerate(lines) if len(line) > 3 and line[0] == line[-1]], dtype=int)

@@ -1,4 +1,4 @@
-"""Finds the reader of a drawing by what stands in the file.
+"""Finds the reader of a drawing by the content of the file.
 
     file = open_drawing("map.plt")
     file.size_px, file.outlines(0.1)        # a Page

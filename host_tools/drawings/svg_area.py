@@ -18,7 +18,7 @@ def rectangle(left, top, right, bottom):
 
 
 def fill_area(rings, rule):
-    """What `rings`, closed or to be closed, enclose by the rule "nonzero" or "evenodd"."""
+    """The area that `rings`, closed or to be closed, enclose by the rule "nonzero" or "evenodd"."""
     closed = []
     for ring in rings:
         ring = _without_repeats(numpy.append(ring, ring[0]))
@@ -126,7 +126,7 @@ def _append(runs, a, b):
 
 
 def _pieces(geometry, start):
-    """The lines of what is left of a segment, as pairs of positions in its direction."""
+    """The remaining parts of a segment, as pairs of positions in its direction."""
     found = []
     for part in shapely.get_parts(geometry):
         if part.geom_type == "LineString" and not part.is_empty:

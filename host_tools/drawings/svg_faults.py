@@ -1,4 +1,4 @@
-"""What is wrong in an SVG file is told by the element it is in.
+"""Faults of an SVG file are named by the element they are in.
 
     with name_faults(path, element):
         …       # what goes wrong with its numbers becomes a Failure that names the element

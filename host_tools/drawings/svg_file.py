@@ -43,12 +43,12 @@ _POINTS, _OF_LETTER = 50, 5  # points of a line that count as a shape; shapes th
 
 @dataclass(frozen=True)
 class _Context:
-    """What an element inherits: style, matrix, clip paths."""
+    """Properties that an element inherits: style, matrix, clip paths."""
 
     matrix: tuple
     style: dict
     viewport: tuple[float, float]
-    used: tuple = ()  # what <use> has led to
+    used: tuple = ()  # targets of <use> so far
     depth: int = 0
 
 
@@ -376,7 +376,7 @@ class SvgFile:
         return self._sheet.style(element, {} if parent is None else self._plain_style(parent))
 
     def _style_in_place(self, element):
-        """The style of what is drawn elsewhere than it stands."""
+        """The style of an element that is drawn elsewhere than it stands."""
         parent = self._parents.get(element)
         return self._style(element, {} if parent is None else self._style_in_place(parent))
 
@@ -391,7 +391,7 @@ class SvgFile:
             self._page.left_out[N_("transform that cannot be read")] += 1
             return context.matrix
 
-    # --- boxes, of what a transform is about
+    # --- boxes that transforms refer to
 
     def _box(self, element, style, context, with_stroke):
         """Left, top, width and height of an element in its own coordinates, painted or not; None if it has no extent."""

@@ -121,7 +121,7 @@ def _is_slanted(font):
 
 @lru_cache(maxsize=1024)
 def _fontconfig(families, of_which=""):
-    """Name of the font that fontconfig takes for a family list, "" without it. `of_which`: what more is asked of it."""
+    """Name of the font that fontconfig takes for a family list, "" without it. `of_which`: further conditions."""
     return _ask("fc-match", "-f", "%{family[0]}", _pattern(families) + of_which)
 
 

@@ -24,7 +24,7 @@ _NEXT = re.compile(rf"[\s,]*({_NUMBER.pattern})")
 _APART = re.compile(r"[\s,]+|(?<=[\d.])(?=[-+])(?<![eE])")
 _TURN = {"deg": 1.0, "rad": 180 / math.pi, "grad": 0.9, "turn": 360.0}
 _STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
-_FARTHEST_PX = 1e7  # 2.6 km: what lies beyond is a mistake in the file
+_FARTHEST_PX = 1e7  # 2.6 km: a position beyond is a mistake in the file
 _LARGEST = 1e15  # of numbers in units of the file's own: KiCad's are nanometres
 _MOST_REACH_PX = 1e10  # of a shape that a matrix takes back to the page: a curve of it has 300 000 chords at most
 _MOST_KEPT = 100  # chords of a curve whose weights are kept: 300 kB in all

@@ -4,7 +4,7 @@
     style = sheet.style(element, inherited)         # {"stroke": "#000", …}
 
 Supports the properties that decide whether, where and how an outline is drawn. tinycss2 reads the sheets and cssselect2 matches
-their selectors; rules of @media hold if a screen would take them. What cannot be read goes to `unknown`.
+their selectors; rules of @media hold if a screen would take them. Rules that cannot be read go to `unknown`.
 """
 
 import math
@@ -194,7 +194,7 @@ class Sheet:
                 value = inherited.get(each) if value == "inherit" or value == "unset" and each in _INHERITED else None
                 style.pop(each, None)
                 if value is None and each in geometry:
-                    value = ""  # what the property is at first, not what the attribute says
+                    value = ""  # the first value of the property, not that of the attribute
             if value is not None:
                 style[each] = value
         return style

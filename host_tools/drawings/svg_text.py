@@ -36,7 +36,7 @@ class Letter:
     style: dict
     size: float
     keep_space: bool
-    x: float | None = None  # where it stands, if the file says so
+    x: float | None = None  # its position, if the file gives one
     y: float | None = None
     dx: float = 0.0
     dy: float = 0.0
@@ -48,7 +48,7 @@ class Letter:
 
 @dataclass
 class Way:
-    """What letters stand on: polylines one behind the other, and how far along them they begin."""
+    """The line below letters: polylines one behind the other, and how far along them they begin."""
 
     lines: list
     begin: float
@@ -86,7 +86,7 @@ class _Run:
 
 @dataclass
 class _Chunk:
-    """What stands from one place that the file gives to the next: text-anchor counts for the whole of it."""
+    """The text from one position that the file gives to the next: text-anchor counts for the whole of it."""
 
     x: float
     y: float
@@ -149,13 +149,13 @@ def _collect(element, style, found_by, viewport, left_out, letters, keep_space, 
     for name, whole in (("x", viewport[0]), ("y", viewport[1]), ("dx", viewport[0]), ("dy", viewport[1])):
         positions = [svg_geometry.length(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
         for letter, position in zip(letters[first:], positions):
-            if getattr(letter, name) in (None, 0.0):  # what a <tspan> inside says goes before
+            if getattr(letter, name) in (None, 0.0):  # a <tspan> inside goes before
                 setattr(letter, name, position)
     _stretch(element, _without_end(letters[first:]), viewport[0], size, left_out)
 
 
 def _name_others(element, style, left_out):
-    """What is drawn, but not as the file has it."""
+    """Note text that is drawn otherwise than the file has it."""
     text = "".join((element.text or "", *(child.tail or "" for child in element)))
     if text.strip() and (style.get("direction") == "rtl" or any(unicodedata.bidirectional(each) in ("R", "AL") for each in text)):
         left_out[N_("text from right to left (drawn from left to right)")] += 1

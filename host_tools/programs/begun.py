@@ -1,5 +1,5 @@
-"""The names of the programs that this PC has begun, by the number that a board's journal knows them by: so that a board whose sender
-has died can be told of by name.
+"""The names of the programs that this PC has begun, by the number that a board's journal knows them by: so that messages about a board
+whose sender has died name its program.
 
     begun.remember_program(lines, "rings.gcode")    # of gcode_file.read(); returns the number
     begun.remember(number, "rings.gcode", 251)      # the last line that moves

@@ -115,8 +115,8 @@ def _row(where, fields):
 
 
 def pool_rows(rows, reading=READING_MM):
-    """[(commanded, turn, mean, its standard uncertainty)] of equal lengths. `reading`: what a reading is uncertain by, in mm.
-    The uncertainty of what was read once, without sigma, is `reading` alone."""
+    """[(commanded, turn, mean, its standard uncertainty)] of equal lengths. `reading`: the uncertainty of a reading, in mm.
+    A length read once, without sigma, has the uncertainty `reading` alone."""
     groups = {}
     for row in rows:
         groups.setdefault((row.commanded, row.turn), []).append(row)

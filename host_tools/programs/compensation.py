@@ -18,7 +18,7 @@ from host_tools.programs.program_errors import DOES_NOT_FIT, ENTRY, ProgramError
 LEFT, RIGHT = 1, -1
 SMALL = 1e-6  # mm: less is no distance
 _SMOOTH = 1e-4  # sine of a corner that is none
-TOUCH = 0.005  # mm that a path may come nearer than the radius: what arcs of a program are inexact by
+TOUCH = 0.005  # mm that a path may come nearer than the radius: the inexactness of a program's arcs
 _SAG = 0.0005  # mm between an arc and the chords that it is checked by
 
 

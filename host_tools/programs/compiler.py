@@ -26,7 +26,7 @@ HEADER = "G21 G17 G90 G94 G40 G80"
 _SUFFIXES = {".num": "num"}
 
 _NAMES = re.compile(r"<[^<>]*>")
-# What no controller of plain G-code understands. The first that is met decides.
+# Words that no controller of plain G-code understands. The first that is met decides.
 _SIGNS = {
     "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|G5(\.[123])?(?![.\d])|M(98|7[0-3])(?!\d)|[@^]"),
     "num": re.compile(r"G(77|79)(?!\d)|G45(?!\d)|^(N\d+)?L\d+=|[A-Z]L\d|(?<![A-Z])E[RHXYBPQIJ]-?[\d.]"),
@@ -64,7 +64,7 @@ class Program:
         self.dialect, self.reason = dialect, reason
         self.listing, self.texts = listing, texts
         self.flat = None  # takes rows, and gives them without Z
-        self.behind = ""  # what is said of lines behind the program's end, once rows() has come to it
+        self.behind = ""  # a note on lines behind the program's end, once rows() has come to it
 
     def rows(self):
         """(number, bytes) one by one: of the file, or of the listing. Raises Failure as it comes to what is wrong."""
@@ -75,14 +75,14 @@ class Program:
         self.behind = _("{} ends at line {}; what stands behind it is no part of the program: {}", self.name, number, count_text(behind, "line"))
 
     def advice(self):
-        """What to choose in the program that made the file, if its lines are refused; "": nothing is known."""
+        """Advice on settings of the program that made the file, if its lines are refused; "" if there is none."""
         return advice_of(self.path)
 
     def last_number(self):
         return gcode_file.last_number(self.path) if self.listing is None else len(self.listing.codes)
 
     def origin(self, number):
-        """Where line `number` comes from, as text: "line 12", of a compiled program "part.ngc:12, listing line 40"."""
+        """The origin of line `number`, as text: "line 12", of a compiled program "part.ngc:12, listing line 40"."""
         if self.listing is None:
             return line_text(number)
         return _("{}, listing line {}", self.listing.origin(number) or self.name, number)

@@ -40,7 +40,7 @@ class Contour:
         self._motions = []
         self._told = []  # of them, the pieces of the contour itself
         self._end = None  # of the contour
-        self._kept = {}  # by height: what the contour leaves there
+        self._kept = {}  # by height: the areas that the contour leaves
 
     def word(self, code, source):
         self._motions.append(_Motion(source, code=code))
@@ -173,7 +173,7 @@ class Contour:
                 self._path.listing.warnings.append(warning)
 
     def _remainder_under(self, motion):
-        """What the pieces leave that the motion is not above."""
+        """The areas that the pieces leave and the motion is not above."""
         from host_tools.programs.kept import Kept  # which needs shapely
 
         heights = [height for height in motion.heights if height is not None]

@@ -27,7 +27,7 @@ class Spot(NamedTuple):
     position: Optional[tuple] = None
 
     def start(self, objects):
-        """Where the pen is when it goes on: x, y. Only if anything is done."""
+        """Position of the pen when the drawing goes on: x, y. Only if anything is done."""
         before = objects[self.number][self.drawn - 1] if self.drawn else objects[self.number - 1][-1]
         return self.position or before[1:]
 
@@ -79,7 +79,7 @@ def numbers_of_stored(objects, speed):
 
 
 def spot_of(record, objects):
-    """Where a drawing goes on, by what the board's journal says of it. Raises Failure if it is done, or the position is not on its lines."""
+    """The point at which a drawing goes on, by the board's journal. Raises Failure if it is done, or the position is not on its lines."""
     points = [point for each in objects for point in each]
     line, position = record.line, tuple(record.place[:2])
     if record.done and line >= len(points) and (not points or points[-1][1:] == position):

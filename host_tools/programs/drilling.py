@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from passo.protocols.gcode.motion import BACK_OFF_NM
 
-BACK_OFF_MM = BACK_OFF_NM / 1_000_000  # of G73, and what G83 stays above the bottom so far
+BACK_OFF_MM = BACK_OFF_NM / 1_000_000  # retract of G73, and distance of G83 from the bottom so far
 
 
 @dataclass

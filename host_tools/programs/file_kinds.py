@@ -13,7 +13,7 @@ PICTURE, SVG, DXF, HPGL = "picture", "svg", "dxf", "hpgl"
 DRAWINGS = SVG, DXF, HPGL
 HPGL_START = re.compile(rb"\s*(\x1b|(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*)\s*(;|[-\d.]+\s*,|$))", re.IGNORECASE)
 
-# Kind, how its files begin, and what takes it.
+# Kind, first bytes of its files, and the verb that takes it.
 _KINDS = (
     (PICTURE, re.compile(rb"\x89PNG|\xff\xd8\xff|GIF8|BM.{4}\0\0\0\0|II\*\0|MM\0\*|RIFF.{4}WEBP", re.DOTALL), N_("a picture: passo engrave burns it")),
     (SVG, re.compile(rb"(\xef\xbb\xbf|\xff\xfe|\xfe\xff)?[\s\0]*<.*?s\0?v\0?g", re.DOTALL), N_("a drawing (SVG): passo draw draws it, or makes G-code of it")),

@@ -22,7 +22,7 @@ _OFF = 5  # M5
 
 
 class _Heights:
-    """Follows a program: where Z is, and what the program says of the tool."""
+    """Follows Z and the tool of a program."""
 
     def __init__(self):
         machine = Machine([_STEPS_PER_MM] * 4, 0.0, True, False, 1e6)

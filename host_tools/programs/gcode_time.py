@@ -53,7 +53,7 @@ def settings_of(lines):
 
 
 class _State:
-    """What stays from line to line."""
+    """The state that stays from line to line."""
 
     def __init__(self):
         self.motion = 0

@@ -16,7 +16,7 @@ from host_tools.programs.program_lines import WrongLetter, program_lines, raw_li
 
 MOST_POINTS = 400
 _LEAST_PIECE_MM = 0.5
-_CLOSED = 5e-7  # radians: an end that is so near closes the circle
+_CLOSED = 5e-7  # radians: an end this near closes the circle
 _MOST_LINES = 1_000_000
 _ELSEWHERE = (28, 30, 53)  # the place is another one behind them
 _REFUSED = (10, 38.2, 38.3, 38.4, 38.5, 73, 81, 82, 83, 92, 92.1, 93, 43.1)

@@ -1,4 +1,4 @@
-"""Where a program of G-code was interrupted, by the board's journal, and how it is gone on with."""
+"""Finds the line at which a program of G-code was interrupted, by the board's journal, and the way to go on."""
 
 import binascii
 
@@ -28,7 +28,7 @@ def resume_point(said, lines, stored=0):
 
 
 def end_position(said):
-    """Where the line ended, steps, that an answer to `$JR` says is done; before the first line where the program began; None amid a line."""
+    """The end, in steps, of the line that an answer to `$JR` says is done; before the first line where the program began; None amid a line."""
     record = Record.of(said)
     return record.place if record.done or not record.line else None
 

@@ -1,4 +1,4 @@
-"""What a board's journal says of the job that it knows, and what follows for the machine's zero."""
+"""The job in a board's journal, and the consequences for the machine's zero."""
 
 import re
 from typing import NamedTuple
@@ -10,7 +10,7 @@ _JOURNAL = re.compile(r"\[JOURNAL:([0-9a-f]+)\|(\d+)\|(\d+)\|([-\d,]+)\]")
 
 
 class Record(NamedTuple):
-    """What a board's journal says. `place`: steps of each axis."""
+    """An entry of a board's journal. `place`: steps of each axis."""
 
     job: int
     line: int

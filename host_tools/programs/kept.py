@@ -1,4 +1,4 @@
-"""What a contour leaves standing: the areas beside it that no piece of it wants gone.
+"""The areas that a contour leaves standing: the areas beside it that no piece of it wants gone.
 
     kept = Kept(pieces, LEFT)
     kept.known                  # False: the contour encloses nothing, each of its pieces has material behind it
@@ -29,7 +29,7 @@ class Kept:
         ends = [point for piece in pieces for pair in _chords(piece) for point in pair]
         starts, stops = numpy.array(ends[::2]), numpy.array(ends[1::2])
         ahead = (stops - starts) / numpy.abs(stops - starts)
-        starts[0] -= ahead[0] * _BESIDE  # what ends on another piece, but for rounding, crosses it
+        starts[0] -= ahead[0] * _BESIDE  # a piece that ends on another one, but for rounding, crosses it
         stops[-1] += ahead[-1] * _BESIDE
         chords = _lines(starts, stops)
         edges = shapely.get_parts(shapely.unary_union(chords, grid_size=_GRID))

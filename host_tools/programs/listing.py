@@ -1,4 +1,4 @@
-"""What a program compiles to: lines of plain G-code, each with the line of the program that it came from, and its path.
+"""The result of compiling a program: lines of plain G-code, each with the line of the program that it came from, and its path.
 
     listing = Listing()
     listing.add("G1 X5", source, stroke)

@@ -37,7 +37,7 @@ class State:
 
 class LongFile:
     def __init__(self, path, axes):
-        """`axes`: names of those that the machine has. Raises Failure with line and column of what is wrong."""
+        """`axes`: names of those that the machine has. Raises Failure with line and column of the fault."""
         self._path = path
         self._axes = len(axes[:3])
         self._vectors = _vectors(self._axes)

@@ -24,7 +24,7 @@ _MAKERS = (
 
 
 def advice_for(first):
-    """What to choose in the program that wrote the file which begins with `first`; "" if none of them did."""
+    """The settings to choose in the program that wrote the file which begins with `first`; "" if none of them did."""
     for begins, text in _MAKERS:
         if found := begins.search(first):
             return _(text, *(each.decode("ascii", "replace") for each in found.groups()[: text.count("{}")]))

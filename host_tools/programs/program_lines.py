@@ -130,7 +130,7 @@ def latin_bytes(text):
 
 
 def name_letter(letter):
-    """What Unicode calls it: “U+2212 MINUS SIGN”."""
+    """Its name in Unicode: “U+2212 MINUS SIGN”."""
     code = "U+%04X" % ord(letter)
     if unicodedata and "\x80" <= letter <= "\x9f":  # Windows has letters there
         letter = letter.encode("latin-1").decode("cp1252", "ignore") or letter

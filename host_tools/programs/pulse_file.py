@@ -16,7 +16,7 @@ def load(path):
 
 
 def items(data, axes, config, name="the file"):
-    """The items of a file (see passo.commands). Raises Failure with line and column of what is wrong."""
+    """The items of a file (see passo.commands). Raises Failure with line and column of the fault."""
     from host_tools.language import error_text
     from passo.commands import STEPS_ABORT, STEPS_ITEMS
     from passo.protocols.pulses.protocol import Pulses, frame
@@ -34,7 +34,7 @@ def items(data, axes, config, name="the file"):
 
 
 class Course:
-    """What a file draws: strokes, box, steps, time."""
+    """Strokes, box, steps and time of a file."""
 
     def __init__(self, found, board):
         from passo.commands import STEPS_DEFAULT, STEPS_FASTEST, STEPS_SPEED, STEPS_TOOL, STEPS_WAIT

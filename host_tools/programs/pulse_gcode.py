@@ -40,7 +40,7 @@ def moves_of(items, axes):
 
 
 def _runs(found, axes):
-    """("steps", moves) and (kind, value) of marks, in their order. What changes no step's speed nor the tool does not part steps."""
+    """("steps", moves) and (kind, value) of marks, in their order. A code that changes neither a step's speed nor the tool does not part steps."""
     steps = []
     for item in found:
         if item & 15:

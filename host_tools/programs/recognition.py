@@ -25,7 +25,7 @@ _LEAST_ARC = 16  # steps; a shorter one is as well two lines
 _OFF = 1.0  # steps that a point of an arc may lie off the fitted circle
 _SAGITTA = 2.0  # steps; flatter than that is straight
 _TANGENT = 6  # steps between the end of a line and the foot of the arc's centre on it
-_TAIL = 4  # steps by which an arc's end may lie behind what follows the circle
+_TAIL = 4  # steps by which an arc's end may lie behind the last step on the circle
 
 
 @dataclass

@@ -27,8 +27,8 @@ from passo.steps.dots_viper import end_of
 
 OFFSETS, UP, OVER, OUTPUTS, DOWN, GO = "offsets", "tool up", "to the place", "spindle and coolant", "tool down", "go on"
 _CLEARANCE_MM = 1.0
-_PLUNGE_MM_MIN = 100.0  # where the program has no feed yet
-_NEAR_STEPS = 2  # from the path: what rounding may make
+_PLUNGE_MM_MIN = 100.0  # as long as the program has no feed
+_NEAR_STEPS = 2  # from the path: the most that rounding makes
 _CHANGES = re.compile(rb"G0*10(?!\d)|G(28|30)\.1")  # lines that change what outlasts the program
 _OTHER_MM = 1.0
 _DOTS_A_LINE = 8  # so that it is no line too long
@@ -60,9 +60,9 @@ class Replay:
         self._gcode.laser = machine.laser
         self._gcode.max_rpm = round(machine.max_rpm * 1000)
         self._highest = None
-        self._loose = False  # where the line under way begins is not known
+        self._loose = False  # the start of the line under way is not known
         self.dot = None  # (number, how many) of the one at which a row of dots goes on
-        self.held = {}  # what holds where it goes on: filled by from_line() and from_place()
+        self.held = {}  # the state at the line to go on with: filled by from_line() and from_place()
 
     # --- the two ways in
 
@@ -286,7 +286,7 @@ class Replay:
         if motion.kind == commands.LINE:
             if not motion.feed and not motion.per_min:
                 return ["G90G21", f"G53G0{self._words(motion.target)}"]
-            if motion.per_min:  # so much of the minute's part is left
+            if motion.per_min:  # the rest of the minute's part
                 long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
                 left = (motion.target[long] - place[long]) / (motion.target[long] - start[long])
                 return ["G90G21G93", f"G53G1{self._words(motion.target)}F{motion.per_min / 1000 / left:.3f}"]
@@ -362,7 +362,7 @@ class Replay:
         }  # fmt: skip
 
     def _up(self):
-        """Where the tool is clear of everything, mm."""
+        """The height at which the tool is clear of everything, mm."""
         if self._machine.homes:
             return self._machine.top_mm
         return (self._highest or 0) / self._machine.steps_per_mm[TOOL_AXIS] + _CLEARANCE_MM

@@ -15,7 +15,7 @@ ENDLESS = 4  # bit of Machine.turns
 
 @dataclass
 class Machine:
-    """What the controller says of itself."""
+    """The facts that the controller reports."""
 
     steps_per_mm: list
     top_mm: float  # the highest place of Z, machine coordinates
@@ -58,7 +58,7 @@ class Memory:
 
 
 class Board:
-    """What the parser asks of a machine."""
+    """The questions of the parser to a machine."""
 
     arcs = arcs
 

@@ -89,7 +89,7 @@ def write_on_card(card, name, language, data):
 
 
 def pulses_job(path):
-    """A pulse file as a job: its codes, without blanks. Raises Failure with line and column of what is wrong."""
+    """A pulse file as a job: its codes, without blanks. Raises Failure with line and column of the fault."""
     from host_tools.programs.long_pulses import LongFile, codes_of
 
     LongFile(path, "xyz")

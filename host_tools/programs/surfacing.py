@@ -17,7 +17,7 @@ def levels(depth, cut):
 
 
 def rows(y, step):
-    """Where rows lie from 0 to `y`: equal, and no farther from each other than `step`."""
+    """Positions of rows from 0 to `y`: equal, and no farther from each other than `step`."""
     count = max(1, -int(-y / step // 1))
     return [y * n / count for n in range(count + 1)]
 

@@ -1,4 +1,4 @@
-"""A black box as people read it: what happened, line by line, and a picture of it.
+"""A black box as people read it: its events, line by line, and a picture of them.
 
     lines_of(box)                       # lines of text
     draw(path, box, replay)             # PNG: lines, states, inputs, position and speed of each axis
@@ -46,7 +46,7 @@ def seconds(box, ms):
 
 
 def row_text(box, row, before):
-    """What a row says; `before`: inputs until then, {} at first."""
+    """The text of a row; `before`: inputs until then, {} at first."""
     if row.kind == INPUTS:
         changed = [f"{name} {_('on') if on else _('off')}" for name, on in row.levels.items() if on != before.get(name, False)]
         return ", ".join(changed) or _("inputs as at rest")

@@ -47,7 +47,7 @@ class Toolpath:
     # --- what programs ask for
 
     def position(self, axis):
-        """Where an axis stands, in mm, A in degrees. Raises ProgramError if that is not known."""
+        """The position of an axis, in mm, A in degrees. Raises ProgramError if that is not known."""
         if self.place[axis] is None:
             raise ProgramError(UNKNOWN_PLACE, "{}", AXES[axis])
         return self.place[axis]

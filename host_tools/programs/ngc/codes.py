@@ -46,5 +46,5 @@ NOT_ON_BOARD = {
     "m": {190: "a spindle that stops at an angle", 670: "analogue outputs", 680: "analogue outputs"},
 }  # fmt: skip
 
-# Who takes the line's axis words.
+# The code that takes the line's axis words.
 AXIS_COMMANDS = {0, 10, 20, 30, *SPLINES, *PROBES, *CYCLES, 100, 280, 300, 431, 432, 920}

@@ -112,7 +112,7 @@ class Cursor:
         return True
 
     def rest(self):
-        """What comes next, for an error."""
+        """The next text, for an error."""
         return self.text[self.at : self.at + 12] or "the line ends"
 
     def value(self):
@@ -151,7 +151,7 @@ class Cursor:
             operator = next((name for name in _SPELLINGS if self.take(name)), None)
             if operator is None:
                 raise ProgramError(UNKNOWN_NAME, "{}", self.rest())
-            # What binds at least as much as the new operator is worked out first: all go from left to right.
+            # Operators that bind at least as much as the new one are worked out first: all go from left to right.
             while operators and _LEVELS[operators[-1]] <= _LEVELS[operator]:
                 _reduce(values, operators)
             operators.append(operator)

@@ -40,7 +40,7 @@ class Modes:
         self.order = 3  # of it
         self.leaving = None  # how the G5 before ended: the way from its second control point to its end
         self.cycle = None  # words of the cycle that holds
-        self.level = None  # where Z stood before the first of the cycles that follow each other
+        self.level = None  # Z before the first of the cycles that follow each other
         self.words = {}  # of the line, as far as nothing has taken them
 
     def set_spindle(self, code):

@@ -13,7 +13,7 @@ from host_tools.programs.toolpath import AXES, PLANES, centre_of, number, sweep_
 
 
 _SPLINE_SAG_MM = 0.002
-_SLACK = 0.02 * math.sqrt(2)  # mm: by so much LinuxCNC's arcs may be off; in inches a tenth of the number
+_SLACK = 0.02 * math.sqrt(2)  # mm: tolerance of LinuxCNC's arcs; in inches a tenth of the number
 
 
 class Motions(Modes):
@@ -155,7 +155,7 @@ class Motions(Modes):
             self._close_nurbs()
 
     def _way(self, first, second, otherwise=None):
-        """What two words say, mm; `otherwise` if there is neither. Raises ProgramError."""
+        """The values of two words, mm; `otherwise` if there is neither. Raises ProgramError."""
         if otherwise is not None and first not in self.words and second not in self.words:
             return otherwise
         return complex(self.take(first), self.take(second)) * self.scale

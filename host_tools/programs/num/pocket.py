@@ -3,7 +3,7 @@
     Pocket(centre, half, corner, …).cut(path, radius)
 
 The tool goes down in the middle, along the middle line, then around in loops that lie `step` apart; the last one keeps `stock` from
-the wall. What is left on floor and wall is taken off at the end.
+the wall. The rest on floor and wall is taken off at the end.
 """
 
 import math
