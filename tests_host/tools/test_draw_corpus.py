@@ -132,6 +132,8 @@ def dxf_row(path, folder):
 
     page = sources.open_drawing(path).outlines(0.01)
     lines = [line for lines in page.layers.values() for line in lines]
+    if not lines:
+        return "ezdxf", 0.0, 0.0, page, ""
     left, top, right, bottom = box_of([lines])
     if min(right - left, bottom - top) < 1e-6:
         return "ezdxf", 1.0, 1.0, page, "ezdxf has no page for a drawing without height or width: not compared"

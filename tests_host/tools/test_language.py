@@ -37,7 +37,7 @@ HANDED_ON = {
     "language.py": ("_", "speak", "error_text", "reworded", "count_text"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
     "programs/compensation.py": ("_misfit",), "programs/file_kinds.py": ("refuse_others",), "programs/made_by.py": ("advice_for",), "programs/program_errors.py": ("told",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
-    "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_counted",),
+    "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
     "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
     "prove/proof.py": ("parts", "_part", "judged"), "prove/facts.py": ("memory", "watchdog"), "prove/report.py": ("table",),
     "cli/experiments.py": ("experiments",), "experiments/report.py": ("_section", "_sources", "printed"), "experiments/authors.py": ("text",),
