@@ -1,7 +1,7 @@
 """The surroundings of the app on a chip: a safe start, ways back to the REPL, and the traces of a crash.
 
     start = Start(board)            # a raw board file: outputs go safe here, whatever else may be wrong with it
-    if start.wanted():              # no: the chip's button, or the input named "repl", is held
+    if start.wanted():              # no: the chip's button, or an input named "repl" or "previous", is held
         port = start.port(board)    # now a checked one
         ...
 
@@ -12,7 +12,7 @@ import gc
 import os
 import sys
 from io import StringIO
-from time import ticks_diff, ticks_ms
+from time import sleep_ms, ticks_diff, ticks_ms
 
 import machine
 from machine import Pin
@@ -27,16 +27,24 @@ if not FROZEN and __file__.endswith(".py") and (1, 26) <= sys.implementation.ver
 
 GRACE_MS = const(2000)  # after a reset, in which Ctrl-C still gives the REPL
 REPORT = "crash.txt"
+TRIAL = "board.trial"  # while the chosen machine has not come to run: "new", or why it is to give way to the one of before
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN}
 
 
+def _note_trial(text):
+    with open(TRIAL, "w") as file:
+        file.write(text)
+
+
 class Start:
+    wrong = ""  # of the board file, by its check
     rooms = ()  # large arrays that the app will ask for: see passo/memory.py
 
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
         self._outputs = outputs(board)
-        self._ways_out = [entry for entry in entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") == "repl"]
+        self._ways_out = [entry for entry in entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") in ("repl", "previous")]
+        self._on_trial = TRIAL in os.listdir()
         self._since_ms = ticks_ms()
         safe(self._outputs)
 
@@ -48,10 +56,32 @@ class Start:
             return False
         for entry in self._ways_out:
             pin = Pin(entry["pin"], Pin.IN, _PULLS.get(entry.get("pull", "up")))
-            if pin.value() == entry.get("active", 1):
-                print("input repl is active: no app, the REPL")
+            active = entry.get("active", 1)
+            if pin.value() == active:
+                if entry["name"] == "repl":
+                    print("input repl is active: no app, the REPL")
+                    return False
+                print("input previous is active: the machine of before starts once it is released")
+                while pin.value() == active:
+                    sleep_ms(10)
+                self._on_trial = True
+                self.give_way("input previous was active")
                 return False
+        if self._on_trial:
+            _note_trial("it did not come to run")
         return True
+
+    def give_way(self, why):
+        """If the machine is on trial, start anew with the one of before."""
+        if self._on_trial:
+            _note_trial(why)
+            machine.reset()
+
+    def try_again(self):
+        """Leave a machine on trial that was stopped by hand as new as it was."""
+        if self._on_trial:
+            self._on_trial = False
+            _note_trial("new")
 
     def button(self):
         """The name of the chip's button, if it is held."""
@@ -83,6 +113,9 @@ class Start:
 
     def run(self, app, port):
         """Run for ever; after the grace period the watchdog minds it."""
+        if self._on_trial:
+            self._on_trial = False
+            os.remove(TRIAL)
         gc.collect()
         guarded = False
         while True:
@@ -104,8 +137,11 @@ class Start:
             if port is not None:
                 port.close()
             safe(self._outputs)
-        if error is None:
-            return
+        if error is not None:
+            self._report(error)
+        self.give_way("it did not start: %s" % (error or self.wrong))
+
+    def _report(self, error):
         text = StringIO()
         sys.print_exception(error, text)
         print(text.getvalue())
