@@ -1,15 +1,20 @@
 """The kit's keys as the page's machine speaks them: keys out, and what has been refused in.
 
-    wire = KeysWire(write, machine)     # machine.report(dict)
+    wire = KeysWire(write, machine)     # machine.report(dict), machine.answered(event)
     wire.open = True                    # the port is: a kit that does not answer is taken to be there
 
-A board of Passo answers `?` by that byte and the number of the last refusal. Another kit does not know it, and is asked a few times only.
+A board of Passo answers `?` by that byte and the number of the last refusal, and lines about settings by lines. Another kit does not know either, and is asked
+a few times only.
 """
 
+from host_tools.clients.answers import answer_of, complete, setting_line
 from passo import errors
+from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.keys.protocol import WHY
+from passo.protocols.typed_words import line_of
 
 _TIMES = 3
+_OVERTAKEN = 5  # answers to `?` that come before that to a line
 
 
 class KeysWire:
@@ -20,15 +25,42 @@ class KeysWire:
         self._unheard = 0  # times that it has been asked without an answer
         self._answers = False
         self.open = False
+        self._line = None  # the command of a line that is not answered
+        self._text = ""  # of its answer so far
+        self._overtaken = 0
+
+    def takes(self, command):
+        return self._line is None and self._answers
+
+    def order(self, command):
+        """A line about settings: keys are written as they are."""
+        self._line, self._text, self._overtaken = command, "", 0
+        self.write(line_of(setting_line(command)))
 
     def feed(self, data, now_ms):
         self._buffer += bytes(data)
-        while len(self._buffer) > 1:
-            asked, error = self._buffer[:2]
-            self._buffer = self._buffer[2 if asked == WHY else 1 :]
-            if asked == WHY:
+        while self._buffer:
+            first = self._buffer[0]
+            if first == WHY and len(self._buffer) < 2:
+                return
+            error = self._buffer[1:2]
+            self._buffer = self._buffer[2 if first == WHY else 1 :]
+            if first == WHY:
                 self._answers = True
-                self._tell(error)
+                self._tell(error[0])
+                self._overtaken += 1
+                if self._overtaken > _OVERTAKEN:
+                    self._end(errors.NO_ANSWER)
+            elif self._line:
+                self._text += chr(first)
+                if complete(self._text):
+                    self._end(*answer_of(self._text))
+
+    def _end(self, error, told=None):
+        """The line under way is done with."""
+        line, self._line = self._line, None
+        if line:
+            self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error, told))
 
     def _tell(self, error):
         self._machine.report({"state": "alarm" if error >= errors.ALARM_HARD_LIMIT else "idle", "error": error})
@@ -46,5 +78,6 @@ class KeysWire:
         self._answers = False
         self._unheard = 0
         self._buffer = b""
+        self._end(errors.NO_ANSWER)
 
     silent = drop

@@ -22,7 +22,6 @@ from host_tools.clients.wire import ANSWER, RESEND, Wire, packet_name
 from host_tools.language import error_text
 from passo import errors
 from passo.protocols.plotter import host as plotter
-from passo.protocols.plotter.host import WORDS_BYTES
 
 ATTEMPTS = 8  # of one packet
 POLL_S = 1.0  # between two STATUS while something is drawn or homed
@@ -131,15 +130,12 @@ class PlotterClient:
     def ask(self, line, timeout_s=None):
         """Send a line about settings, stored jobs or the journal, `$100`, `$F` or `$JR`; returns the lines before its ok. Raises Refused of
         refusal.py, also if the controller has no such lines."""
-        text = line.encode() + b"\n"
-        text += b" \n"[: -len(text) % WORDS_BYTES]
-        last = len(text) // WORDS_BYTES - 1
-        for number in range(last + 1):
-            at = WORDS_BYTES * number
-            words = number << 8 | text[at], text[at + 1] << 8 | text[at + 2]
+        packets = plotter.words_packets(line)
+        last = len(packets) - 1
+        for number, words in enumerate(packets):
             said = None
             for attempt in range(_WORDS_ATTEMPTS):
-                self._send("WORDS", *words, repeat=attempt > 0)
+                self._send_packet(words, repeat=attempt > 0)
                 said = self._wire.text((timeout_s if number == last else None) or self.timeout_s)
                 if said is not None and said[:1] != bytes((RESEND,)):
                     break
@@ -246,12 +242,15 @@ class PlotterClient:
             raise Refused(what, number, alarm)
 
     def _send(self, name, x=0, y=0, repeat=False):
+        self.repeated_points += repeat and name in ("LINE", "MOVE")
+        self._send_packet(plotter.packet(plotter.COMMANDS[name], x, y), repeat)
+
+    def _send_packet(self, data, repeat):
         if repeat:
             self.resends += 1
-            self.repeated_points += name in ("LINE", "MOVE")
         else:
             self.packets += 1
-        self._wire.send(plotter.packet(plotter.COMMANDS[name], x, y))
+        self._wire.send(data)
 
     def _await(self, timeout_s):
         """The next one-byte answer, or None after `timeout_s`. Skips a late STATUS."""

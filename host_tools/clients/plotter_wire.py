@@ -8,17 +8,20 @@ not answered, though a later STATUS is, has got lost and is said again; a point 
 
 from micropython import const
 
+from host_tools.clients.answers import answer_of, complete, setting_line
 from passo import commands, errors
 from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.page.plotter import PlotterPage, jogs_of
-from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
+from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from, words_packets
 
 _LOST = const(3)  # STATUS answered behind a packet that was not
 _ATTEMPTS = const(8)
+_LINE_ATTEMPTS = const(2)  # a board may know no lines
 _TORN_MS = const(400)  # of a STATUS: the rest does not come any more
 _NAMES = {commands.DRAW: "END", commands.SPEED: "SPEED", commands.HOME: "ORIGIN", commands.STOP: "STOP", commands.HAND_OVER: "LINK"}
 _ANSWER_TO = {commands.POINT: "NEXT", commands.JOG: "NEXT", commands.DRAW: "DONE", commands.SPEED: "SPEED_OK", commands.HOME: "ORIGIN_OK",
               commands.STOP: "DONE", commands.HAND_OVER: "LINK_OK"}  # fmt: skip
+_BEGIN = b"[$oe"  # the first bytes of an answer of lines
 _TAKES_TIME = (commands.DRAW, commands.HOME, commands.STOP)  # answered when they are done
 
 
@@ -34,6 +37,9 @@ class PlotterWire:
         self._idle = 0  # of these the newest in a row that said idle
         self._attempts = 0
         self.retries = 0  # packets that were said again
+        self._packets = []  # those of a line about settings that are left
+        self._text = None  # of its answer so far, once all have been said
+        self._told = 0  # the error of such an answer: the next STATUS has it, too
 
     # --- commands
 
@@ -42,7 +48,7 @@ class PlotterWire:
 
     def order(self, command):
         if self._command is not None:
-            self._end(0)  # a STOP overtakes it
+            self._end(errors.NO_ANSWER if self._command.kind == commands.SETTING else 0)  # a STOP overtakes it
         self._command = command
         self._attempts = 0
         self._say()
@@ -50,6 +56,11 @@ class PlotterWire:
     def _say(self):
         command = self._command
         self._asked = self._idle = 0
+        if command.kind == commands.SETTING:
+            self._packets = words_packets(setting_line(command))
+            self._text = None
+            self._say_words()
+            return
         if command.kind == commands.POINT:
             data = packet(COMMANDS["LINE" if command.tool else "MOVE"], command.target[0], command.target[1])
         elif command.kind == commands.JOG:
@@ -58,10 +69,16 @@ class PlotterWire:
             data = packet(COMMANDS[_NAMES[command.kind]], command.value if command.kind == commands.SPEED else 0)
         self.write(data)
 
-    def _end(self, error):
+    def _say_words(self):
+        self.write(self._packets.pop(0))
+        if not self._packets:
+            self._text = ""
+
+    def _end(self, error, told=None):
         """The packet under way is done with."""
         command, self._command = self._command, None
-        self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error))
+        self._text = None
+        self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
 
     def ask(self):
         self.write(packet(COMMANDS["STATUS"]))
@@ -84,7 +101,10 @@ class PlotterWire:
             first = self._buffer[0]
             if first != COMMANDS["STATUS"]:
                 self._buffer = self._buffer[1:]
-                self._hear(ANSWERS.get(first))
+                if self._text is None or not self._text and first not in _BEGIN:
+                    self._hear(ANSWERS.get(first))
+                else:
+                    self._hear_text(chr(first))
                 continue
             if len(self._buffer) < STATUS_LENGTH:
                 return
@@ -96,12 +116,26 @@ class PlotterWire:
             self._buffer = self._buffer[STATUS_LENGTH:]
             self._report(status)
 
+    def _hear_text(self, letter):
+        self._text += letter
+        if complete(self._text):
+            self._told, told = answer_of(self._text)
+            self._end(self._told, told)
+
     def _hear(self, answer):
-        if self._command is not None and answer == _ANSWER_TO[self._command.kind]:
+        if self._packets and self._command.kind == commands.SETTING and answer == "REQUEST_OK":
+            self._asked = 0
+            self._say_words()
+        elif self._command is not None and self._command.kind == commands.SETTING:
+            return
+        elif self._command is not None and answer == _ANSWER_TO[self._command.kind]:
             self._end(0)
 
     def _report(self, status):
         status["position"] = [status["x"], status["y"]]
+        if status["error"] == self._told:
+            status["error"] = 0
+        self._told = 0
         if self._command is not None:
             self._settle(status["state"], status["error"], status["free"])
         self._machine.report(status)
@@ -119,7 +153,7 @@ class PlotterWire:
         if waits or (self._idle if kind in _TAKES_TIME else self._asked) < _LOST:
             return
         self._attempts += 1
-        if kind == commands.JOG or self._attempts > _ATTEMPTS:
+        if kind == commands.JOG or self._attempts > (_LINE_ATTEMPTS if kind == commands.SETTING else _ATTEMPTS):
             self._end(errors.NO_ANSWER)
         else:
             self.retries += 1

@@ -13,6 +13,7 @@ answer to it or not; the next status tells.
 from micropython import const
 
 from host_tools.clients.grbl_wire import LOST, whole_lines
+from host_tools.clients.answers import setting_line
 from passo import commands
 from passo.commands import ACCEPTED, REFUSED, STATUS_WORDS, Event
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
@@ -30,6 +31,8 @@ def words_of(command, axes):
     """The control command's words of a Command."""
     if command.kind == commands.CONNECT:
         return "motors", "on" if command.value else "off"
+    if command.kind == commands.SETTING:
+        return (setting_line(command),)
     if command.kind != commands.STEP_PROGRAM:
         return _WORDS[command.kind]
     what = command.value
@@ -70,6 +73,7 @@ class PulsesWire:
         self._under_way = []  # (words, answered)
         self._buffer = b""
         self._failed = False  # the file that is being sent has
+        self._told = []  # lines about settings
         self.credit = 0  # bytes of a file that may be sent
 
     def waits_for(self, verb):
@@ -81,7 +85,8 @@ class PulsesWire:
 
     def order(self, command):
         def answered(error):
-            self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error))
+            told, self._told = self._told, []
+            self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
 
         self._send(words_of(command, self._axes), answered)
 
@@ -144,6 +149,8 @@ class PulsesWire:
             except (ValueError, KeyError):
                 return
             self._machine.report(report)
+        elif line[:1] == "$" or line[:3] == "[$:":
+            self._told.append(line)
         elif line == "ok" or line[:3] == "ok ":
             self._answer(0, line)
         elif line[:6] == "error:" and line[6:].isdigit() and not self._of_the_file():

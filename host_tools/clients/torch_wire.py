@@ -2,15 +2,14 @@
 
     wire = TorchWire(write, machine)        # machine.answered(event), machine.report(dict)
 
-Nothing but a setting is answered: what is said is taken for done. The board counts what it drops, and its reports say why.
+Nothing but a line about settings is answered: what is said is taken for done. The board counts what it drops, and its reports say why.
 """
 
 import struct
 
-from host_tools.clients.answers import complete
+from host_tools.clients.answers import answer_of, complete, setting_line
 from passo import commands, errors
 from passo.commands import ACCEPTED, REFUSED, Event
-from passo.protocols.setting_lines import decimal
 from passo.protocols.torch import protocol as torch
 from passo.protocols.typed_words import line_of
 
@@ -82,8 +81,7 @@ class TorchWire:
             self._drop_line()
             self._line = command
             self._reports = 0
-            line = line_of(f"${command.target}={decimal(command.value, 3)}")
-            self._write(b"".join(torch.passo(torch.LINE_OF, byte) for byte in line))
+            self._write(b"".join([torch.passo(torch.LINE_OF, byte) for byte in line_of(setting_line(command))]))
             return
         self._write(frame_of(command))
         self._machine.answered(Event(ACCEPTED, command))
@@ -95,10 +93,10 @@ class TorchWire:
         """Nothing but a line about a setting waits for an answer."""
         self._drop_line()
 
-    def _drop_line(self, error=errors.NO_ANSWER):
+    def _drop_line(self, error=errors.NO_ANSWER, told=None):
         line, self._line, self._text = self._line, None, ""
         if line:
-            self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error))
+            self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error, told))
 
     def _late_line(self):
         """A board answers in order: what several reports have overtaken, it does not know."""
@@ -109,8 +107,7 @@ class TorchWire:
     def _hear_line(self, text):
         self._text += text
         if complete(self._text):
-            last = self._text.splitlines()[-1]
-            self._drop_line(0 if last == "ok" else int(last[6:]))
+            self._drop_line(*answer_of(self._text))
 
     silent = drop
 

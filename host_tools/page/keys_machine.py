@@ -7,10 +7,11 @@ The state shown is what follows from the keys that this page has sent.
 """
 
 from host_tools.clients.keys_wire import KeysWire
+from host_tools.page.asked_settings import with_settings
 from host_tools.page.cabled import cabled
 from passo.protocols.page.keys import KeysPage
 
-_Cabled = cabled(KeysPage)
+_Cabled = with_settings(cabled(KeysPage))
 
 
 class KeysMachine(_Cabled):

@@ -8,12 +8,13 @@ sent. Where the pen is, is known from that, and from the points drawn that STATU
 """
 
 from host_tools.clients.plotter_wire import PlotterWire
+from host_tools.page.asked_settings import with_settings
 from host_tools.page.cabled import cabled
 from host_tools.page.jobs import with_jobs
 from host_tools.page.plotter_job import PlotterJob
 from passo.protocols.page.plotter import PlotterPage
 
-_Cabled = with_jobs(cabled(PlotterPage))
+_Cabled = with_settings(with_jobs(cabled(PlotterPage)))
 
 
 class PlotterMachine(_Cabled):

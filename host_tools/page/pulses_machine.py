@@ -9,6 +9,7 @@ What the PC adds: jobs, and teach-in, which writes down what moves by hand have 
 from micropython import const
 
 from host_tools.clients.pulses_wire import PulsesWire
+from host_tools.page.asked_settings import with_settings
 from host_tools.page.cabled import cabled
 from host_tools.page.jobs import with_jobs
 from host_tools.page.pulses_job import PulsesJob
@@ -17,7 +18,7 @@ from passo import errors
 from passo.protocols.page.pulses import PulsesPage, can_of
 
 _MOST_RUNS = const(200)  # moves by hand that are kept until the machine stands
-_Cabled = with_jobs(cabled(PulsesPage))
+_Cabled = with_settings(with_jobs(cabled(PulsesPage)))
 
 
 class PulsesMachine(_Cabled):
@@ -29,7 +30,7 @@ class PulsesMachine(_Cabled):
         self.teach = PulsesTeach(self.axes)
         self._runs = []  # lists of (axis, steps): moves by hand since the machine stood at _from
         self._from = None
-        self.can = can_of(board, ("jobs", "teach", "single"))
+        self.can = can_of(board, ("jobs", "teach", "single")) + self.tells
 
     # --- what the board says
 

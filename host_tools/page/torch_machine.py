@@ -6,11 +6,12 @@ The language does not answer orders. The board counts what it drops and keeps th
 """
 
 from host_tools.clients.torch_wire import TorchWire
+from host_tools.page.asked_settings import with_settings
 from host_tools.page.cabled import cabled
 from passo import errors
 from passo.protocols.page.torch import TorchPage
 
-_Cabled = cabled(TorchPage)
+_Cabled = with_settings(cabled(TorchPage))
 
 
 class TorchMachine(_Cabled):

@@ -46,7 +46,7 @@ def what_it_can(language):
     """A page of the board has the same orders as one of the PC, except those that only a PC has, or only a board."""
     of_pc, of_board = [set(ready(served, language)[1].hello["can"]) for served in (OnCable, OnBoard)]
     assert of_pc - of_board <= {"jobs", "teach", "single"}, of_pc - of_board
-    assert of_board - of_pc == ({"command"} if language == "grbl" else {"command", "settings"}), of_board - of_pc
+    assert of_board - of_pc == {"command"}, of_board - of_pc
     travels = [ready(served, language)[1].hello["travel"] for served in (OnCable, OnBoard)]
     assert travels[0] == travels[1] or language == "grbl" and travels[0] is None, travels  # by cable the settings say it
 

@@ -27,6 +27,13 @@ def packet(command, x=0, y=0):
     return body + bytes((sum(body) & 255,))
 
 
+def words_packets(line):
+    """The packets of WORDS that carry a line of text, numbered from 0 on."""
+    text = line.encode() + b"\n"
+    text += b" \n"[: -len(text) % WORDS_BYTES]
+    return [packet(COMMANDS["WORDS"], at // WORDS_BYTES << 8 | text[at], text[at + 1] << 8 | text[at + 2]) for at in range(0, len(text), WORDS_BYTES)]
+
+
 def status_from(data):
     """The fields of a STATUS answer of 12 bytes. Raises ValueError where it is none."""
     if len(data) != STATUS_LENGTH or data[0] != COMMANDS["STATUS"] or sum(data[:-1]) & 255 != data[-1]:
