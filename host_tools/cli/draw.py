@@ -53,6 +53,9 @@ def draw(**given):
     machine, spoken = machine_of(said.board, said.out)
     options = options_of(said.kept())
     console = Console()
+    if spoken == "plotter":
+        machine, whose = as_running(machine, said)
+        console.print(whose, soft_wrap=True)
     names = ", ".join(map(str, said.file))
     with console.status(_("reading {}", names)) as status:
         plan = drawing.load(said.file, machine, options, lambda text, share: status.update(f"{_(text)} {names}: {share:.0%}"))
@@ -76,6 +79,16 @@ def draw(**given):
 draw.__doc__ = EXAMPLES
 draw.__signature__ = inspect.signature(Said)
 draw.__annotations__ = Said.__annotations__
+
+
+def as_running(machine, said):
+    """(the board file with the steps/mm of the board that is to draw, a line that says whose they are)"""
+    from host_tools.cli import draw_run, ports
+    from host_tools.running_board import running
+
+    sends = not said.dry_run and not said.out
+    port = said.port or (ports.only() if sends else None)
+    return running(machine, "plotter", port, said.baud or draw_run.BAUD)
 
 
 def options_of(said):

@@ -16,7 +16,7 @@ from host_tools.language import _
 from host_tools.programs import drawn, job_record
 
 
-_BAUD = 57600
+BAUD = 57600
 _LOOK_S = 0.5
 
 
@@ -74,7 +74,7 @@ class Plotted:
             raise Failure("--unlock is for machines that speak grbl: a plotter seeks its origin, or draws from where it is by --no-home")
         way = Way(said.resume, said.home)
         stored = drawn.numbers_of_stored(self._objects, said.speed)
-        run(console, self._objects, self._machine, record, said.port, said.baud or _BAUD, said.speed, way, said.log, said.timeout, stored, self._changes)
+        run(console, self._objects, self._machine, record, said.port, said.baud or BAUD, said.speed, way, said.log, said.timeout, stored, self._changes)
 
 
 def pen_of(part):

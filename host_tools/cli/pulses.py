@@ -246,7 +246,7 @@ def jog(
     steps: Annotated[bool, typer.Option("--steps", help="The numbers are steps.")] = False,
     board: BoardName = BOARD, port: Port = None, baud: Baud = 115200, wait: Wait = True,
 ):  # fmt: skip
-    """Move by hand, one axis after the other, at the board file's speed.
+    """Move by hand, one axis after the other, at the board's default speed and in its own steps/mm.
 
     Examples:
 
@@ -254,8 +254,12 @@ def jog(
         passo pulses jog x 800 y -800 --steps
     """
     from host_tools import boards
+    from host_tools.cli import ports
+    from host_tools.running_board import running
 
-    axes = {axis["name"]: axis["steps_per_m"] / 1000 for axis in boards.load(board)["axes"]}
+    port = port or ports.only()
+    config, whose = running(boards.load(board), "pulses", None if steps else port, baud)
+    axes = {axis["name"]: axis["steps_per_m"] / 1000 for axis in config["axes"]}
     if len(words) % 2:
         raise Failure("an axis and a number are wanted, as in x 10 y -5, not {}", " ".join(words))
     order = ["jog"]
@@ -265,6 +269,8 @@ def jog(
         except (KeyError, ValueError, OverflowError):
             raise Failure("{} {}: an axis ({}) and a number are wanted", axis, number, ", ".join(axes)) from None
         order += [axis, count]
+    if not steps:
+        print(whose)
     _order(order, port, baud, wait)
 
 

@@ -1,18 +1,31 @@
-"""The commands of `passo pulses` that need no board: check, convert, image, example."""
+"""The commands of `passo pulses` that need no board: check, convert, image, example. Those that count in mm ask one for its steps/mm, if they are given
+its port."""
 
 from pathlib import Path
 from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.options import Baud
 from host_tools.failure import Failure, reason
 from host_tools.language import _, count_text
 
 BoardName = Annotated[str, typer.Option("--board", help="Board file: a name of boards/, or the path of a .py file.")]
 PulseFile = Annotated[Path, typer.Argument(help="The pulse file.")]
 Out = Annotated[Optional[Path], typer.Option("-o", "--out", help="The file to write.")]
+FilePort = Annotated[Optional[str], typer.Option("--port", help="Count in the steps/mm of the board there; without it in the board file's.")]
 BOARD = "lpt_router"
 GCODE = (".gcode", ".nc", ".ngc", ".tap", ".g")
+
+
+def _running_board(name, port, baud):
+    """_board() with the steps/mm of the board at `port`; says whose they are."""
+    from host_tools.running_board import running
+
+    config, axes = _board(name)
+    config, whose = running(config, "pulses", port, baud)
+    print(whose)
+    return config, axes
 
 
 def _board(name):
@@ -28,7 +41,7 @@ def _board(name):
     return board, "".join(axis["name"] for axis in board["axes"])[:3]
 
 
-def check(file: PulseFile, board: BoardName = BOARD):
+def check(file: PulseFile, board: BoardName = BOARD, port: FilePort = None, baud: Baud = 115200):
     """Check a file: errors by line and column, number of commands, box, time. Sends nothing.
 
     Examples:
@@ -38,7 +51,7 @@ def check(file: PulseFile, board: BoardName = BOARD):
     from host_tools.programs import pulse_file
     from host_tools.programs.gcode_file import clock
 
-    config, axes = _board(board)
+    config, axes = _running_board(board, port, baud)
     course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
     print(_("commands {}, {} of them steps; {} ({:.1f} s)", course.commands, course.steps, clock(course.seconds), course.seconds))
     for number, axis in enumerate(config["axes"]):
@@ -53,6 +66,8 @@ def convert(
     board: BoardName = BOARD,
     side: Annotated[Optional[str], typer.Option(help="left or right: the tool's centre runs beside what was taught.")] = None,
     radius: Annotated[float, typer.Option(min=0.01, max=100, help="Of --side: the tool's, in mm.")] = 1.0,
+    port: FilePort = None,
+    baud: Baud = 115200,
 ):
     """Convert a pulse file to a picture or to G-code, or G-code to a pulse file.
 
@@ -71,7 +86,7 @@ def convert(
     from host_tools.drawings import plot
     from host_tools.programs import gcode_file, pulse_file
 
-    config, axes = _board(board)
+    config, axes = _running_board(board, port, baud)
     if side not in (None, "left", "right"):
         raise Failure("--side is left or right, not {!r}", side)
     if side and not (out and out.suffix.lower() in GCODE):
@@ -108,6 +123,8 @@ def ramps(
     out: Out = None,
     board: BoardName = BOARD,
     accel: Annotated[Optional[int], typer.Option(min=1, max=900_000, help="mm/s²; default: the board file's.")] = None,
+    port: FilePort = None,
+    baud: Baud = 115200,
 ):
     """Give a file acceleration: speeds between its steps, so that it starts, turns corners and stops gently. The steps stay the same.
 
@@ -119,7 +136,7 @@ def ramps(
     from host_tools.programs.pulse_gcode import same_steps
     from host_tools.programs.pulse_ramps import with_ramps
 
-    config, axes = _board(board)
+    config, axes = _running_board(board, port, baud)
     accel = accel or config["step_program"]["accel_mm_s2"]
     if not accel:
         raise Failure("board {} asks for no acceleration: step_program.accel_mm_s2 is 0; give --accel", board)
@@ -165,6 +182,8 @@ def example(
     speed: Annotated[int, typer.Option(min=1, help="mm/min.")] = 1000,
     down: Annotated[float, typer.Option(min=0, help="Lower the tool by so many mm before it cuts.")] = 0.0,
     board: BoardName = BOARD,
+    port: FilePort = None,
+    baud: Baud = 115200,
 ):
     """Write an example file: one of the four shapes of LPTControl's document, 10 to 15 cm wide.
 
@@ -176,7 +195,7 @@ def example(
 
     if shape not in pulse_shapes.SHAPES:
         raise Failure("{!r} is no example; known are {}", shape, ", ".join(sorted(pulse_shapes.SHAPES)))
-    config = _board(board)[0]
+    config = _running_board(board, port, baud)[0]
     scale = {axis["steps_per_m"] for axis in config["axes"][:2]}
     if len(scale) != 1:
         raise Failure("board {}: X and Y differ in steps/mm, and a diagonal would not be one", board)

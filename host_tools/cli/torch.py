@@ -41,9 +41,17 @@ class Units:
     def __init__(self, board, steps, client):
         """`board`: the board file's name; `client`: of the board, whose own steps/mm count if it tells them."""
         from host_tools import boards
+        from host_tools.running_board import by_client
 
         self.steps = steps
-        self.per_mm = (1.0, 1.0) if steps else _read_settings(client, (100, 101)) or boards.steps_per_mm(boards.load(board))
+        self.per_mm = (1.0, 1.0)
+        self.whose = ""  # steps/mm they are, in a line; of a board that has the file's nothing is said
+        if not steps:
+            file = boards.load(board)
+            here, self.whose = by_client(file, client)
+            self.per_mm = boards.steps_per_mm(here)
+            if here is not file and self.per_mm == boards.steps_per_mm(file):
+                self.whose = ""
 
     def count(self, axis, length):
         """Whole steps. Raises Failure if a frame cannot say so many."""
@@ -59,6 +67,10 @@ class Units:
         if not _fits(steps_s):
             raise Failure("too fast: the speed of {} is {:g}, and at most 2²⁹ − 2 steps/s go into a frame", "xy"[axis], value)
         return max(round(steps_s), 1)
+
+    def tell(self):
+        if self.whose:
+            print(self.whose)
 
     def text(self, x, y):
         if self.steps:
@@ -145,6 +157,7 @@ def move(
     with _client(port, baud, log) as client:
         units = Units(board, steps, client)
         speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
+        units.tell()
         _move(client, units, (x, y), speeds, wait)
 
 
@@ -173,6 +186,7 @@ def strokes(
     live = sys.stdin.isatty()
     with _client(port, baud, log) as client:
         units = Units(board, False, client)
+        units.tell()
         speeds = units.speed(0, None, speed), units.speed(1, None, speed)
         for length, x, y in [*square_waves(axis, wanted, strokes_), (None, 0.0, 0.0)]:
             if length is not None:

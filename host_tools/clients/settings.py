@@ -53,10 +53,12 @@ def connect(language, port, baud=None):
     """The settings of the board at a link that speaks `language`. Raises Failure."""
     if language == "grbl":
         return _Lines(GrblClient(port, baud or BAUD["grbl"]))
-    return _Asked(CLIENTS[language](port, baud or BAUD[language]))
+    return Asked(CLIENTS[language](port, baud or BAUD[language]))
 
 
-class _Asked:
+class Asked:
+    """By a client whose ask(line) returns the lines told."""
+
     of_lines = False  # G-code's: masks, offsets, start-up lines
 
     def __init__(self, client):
@@ -91,7 +93,7 @@ class _Asked:
         return self.client.ask(line) if line.startswith("$") and "=" in line else []
 
 
-class _Lines(_Asked):
+class _Lines(Asked):
     """grbl, which tells all at once."""
 
     of_lines = True

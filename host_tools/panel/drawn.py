@@ -1,6 +1,6 @@
 """A drawing that is uploaded becomes a job, as `passo draw` would place and order it: a plotter's words, or G-code.
 
-    made = words_of(board)
+    made = words_of(board, machine)
     made("map.svg", text)                       # ("map.svg.txt", "MOVE 10 20\\nLINE …"), or the number of an error
     made("map.svg", text, (20.0, 30.0, 80.0))   # its outlines' lower left corner at 20, 30 mm, 80 mm wide; None for a width: as wide as it is
     made = gcode_of(board, machine)             # ("map.svg.gcode", "G21 G90 …"); what is G-code stays as it is
@@ -12,6 +12,7 @@ from pathlib import Path
 from host_tools.failure import Failure
 from host_tools.programs import gcode_file
 from host_tools.programs.program_lines import raw_lines_of
+from host_tools.running_board import as_set
 from passo import errors
 
 _MOST_POINTS = 1000  # of one object
@@ -19,15 +20,15 @@ _NARROW_MM = 0.001  # a single upright line has no width
 _MOST_BYTES = 4 << 20  # of a file
 
 
-def words_of(board):
-    """A function of name and text; `board`: the checked board file of the plotter."""
+def words_of(board, machine):
+    """A function of name and text; `board`: the checked board file of the plotter, above which stand the settings that its machine has told."""
     from host_tools.drawings.packets import packet_words
     from host_tools.drawings.sources import SUFFIXES
 
     def write(board, plan):
         return "".join(packet_words(points) for points in plan.objects(_MOST_POINTS))
 
-    return _maker(lambda: board, SUFFIXES, ".txt", write)
+    return _maker(lambda: as_set(board, machine.settings), SUFFIXES, ".txt", write)
 
 
 def gcode_of(board, machine):
@@ -39,7 +40,7 @@ def gcode_of(board, machine):
         cut = gcode.usual(board)
         return "\n".join([*gcode.lines_of(plan, {part.number: cut for part in plan.parts}), ""])
 
-    return _maker(lambda: _as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write, _no_program)
+    return _maker(lambda: as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write, _no_program)
 
 
 def _no_program(name, text):
@@ -76,20 +77,6 @@ def _maker(board_now, suffixes, suffix, write, read=None):
         return name + suffix, write(board, plan)
 
     return made
-
-
-def _as_set(board, settings):
-    """The board file with what a machine's settings ($$) say of it."""
-    axes, spindle = [], dict(board["spindle"])
-    for number, axis in enumerate(board["axes"]):
-        per_mm, travel_mm = (float(settings.get(first + number, 0)) for first in (100, 130))
-        if per_mm and travel_mm:
-            axis = {**axis, "steps_per_m": round(1000 * per_mm), "travel_steps": round(per_mm * travel_mm)}
-        if not settings or 100 + number in settings:
-            axes.append(axis)
-    if 32 in settings:
-        spindle.update(laser=float(settings[32]) > 0, max_rpm=float(settings.get(30, spindle["max_rpm"])))
-    return {**board, "axes": axes, "spindle": spindle}
 
 
 def _placed(plan, x, y, width):

@@ -85,7 +85,7 @@ def _plotter(board, write, tell, about):
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
     machine = PlotterMachine(write, tell, board)
     machine.can = (*machine.can, "place")
-    return Spoken(machine, None, packet_lines, about, made=drawn.words_of(board), facts=job_facts.packets_of(board))
+    return Spoken(machine, None, packet_lines, about, made=drawn.words_of(board, machine), facts=job_facts.packets_of(board))
 
 
 def _keys(board, write, tell, about):

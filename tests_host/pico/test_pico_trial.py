@@ -52,9 +52,9 @@ def test_a_board_file_that_does_not_start_gives_way(uf2, text, show):  # noqa: F
     assert kept["crash.txt"].startswith(b"machine bad: ") and kept["crash.txt"].endswith(b"; good is chosen again\n")
     assert not any(state == 1 for edges in driven for _, state in edges), "no coil is ever on"
     wire = pico.uart(0)
-    wire.feed(b"r\0\0\0\0r")
+    wire.feed(b"r\0\0\0\0r", 57_600)
     pico.run(3_000_000)
-    wire.feed(b"r\0\0\0\0r")
+    wire.feed(b"r\0\0\0\0r", 57_600)
     pico.run(100_000)
     assert b"k" in wire.drain()
     show("a machine that does not start gives way", f"{took_s:.1f} s; {kept['crash.txt'].decode().strip()}")

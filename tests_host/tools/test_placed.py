@@ -1,5 +1,7 @@
 """A drawing of the plotter's page put elsewhere: its job is made anew of the file that it came from."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from host_tools import boards
@@ -19,7 +21,7 @@ SVG = (
 @pytest.fixture
 def store(tmp_path):
     board = check(boards.load("plotter_2014"))
-    return Store(tmp_path / "jobs", packet_lines, words_of(board), job_facts.packets_of(board))
+    return Store(tmp_path / "jobs", packet_lines, words_of(board, SimpleNamespace(settings={})), job_facts.packets_of(board))
 
 
 def box(store, name="map.svg.txt"):

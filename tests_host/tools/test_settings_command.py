@@ -90,10 +90,46 @@ def test_the_torch_calibrates_itself(tmp_path):
         assert passo("calibrate", tmp_path / "table.txt", *where, "--write")[0] == 0
         assert passo("torch", "config", *where)[1].startswith(f"$100={48 / 0.97:.3f}")
         assert passo("torch", "origin", *where)[0] == 0
-        assert passo("torch", "move", "97", "0", *where)[1].startswith("idle  X 96.999 ")  # whole steps
+        whose, place = passo("torch", "move", "97", "0", *where)[1].splitlines()
+        assert whose == "steps/mm X 49.485, Y 83.000: the board's own; the board file says X 48.000, Y 83.000"
+        assert place.startswith("idle  X 96.999 ")  # whole steps
         assert passo("torch", "config", "--steps-per-mm", "50,83", *where)[1].startswith("$100=50.000")
         assert passo("torch", "config", "2", "3", *where)[1] == "jogs of 100 and 249 steps at 500 and 830 steps/s\n"
         assert passo("torch", "config", "--steps-per-mm", "50", *where)[0].startswith("--steps-per-mm wants two numbers")
         assert board.end()[0] == 0
     lines = trace.read_text().splitlines()
     assert int(lines[-1].split(",")[1]) == round(97 * 48 / 0.97)
+
+
+SQUARE = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100"><path d="M10 10h20v20h-20z" stroke="black" fill="none"/></svg>'
+
+
+def test_a_drawing_counts_in_the_steps_of_the_board_that_draws_it(tmp_path):
+    """Calibrated on the board, not in the file; without a port the file's count, and it is said."""
+    (tmp_path / "a.svg").write_text(SQUARE)
+    status, said = passo("draw", tmp_path / "a.svg", "--dry-run")
+    assert status == 0 and said.startswith("steps/mm X 10.000, Y 10.000: the board file's\n")
+    trace = tmp_path / "trace.csv"
+    with Board("--board", "plotter_2014", "--trace", trace, "--time", "fast") as board:
+        where = ("--port", board.port)
+        assert "as in the board file" in passo("draw", tmp_path / "a.svg", "--dry-run", *where)[1]
+        assert passo("settings", "x_steps_mm=12.5", *where)[0] == 0
+        status, said = passo("draw", tmp_path / "a.svg", *where)
+        assert status == 0 and said.startswith("steps/mm X 12.500, Y 10.000: the board's own; the board file says X 10.000, Y 10.000\n")
+        assert board.end()[0] == 0
+    xs = [int(line.split(",")[1]) for line in trace.read_text().splitlines()[1:]]
+    behind_homing = xs[len(xs) - xs[::-1].index(0) :]
+    assert max(behind_homing) == round(30 * 12.5)
+
+
+def test_pulses_count_in_the_steps_of_the_board(tmp_path):
+    trace = tmp_path / "trace.csv"
+    with Board("--board", "lpt_router", "--trace", trace, "--time", "fast") as board:
+        where = ("--port", board.port)
+        file_says = float(passo("settings", "x_steps_mm", *where)[1].split()[0].partition("=")[2])
+        assert passo("settings", f"x_steps_mm={file_says * 1.25}", *where)[0] == 0
+        assert passo("pulses", "drives", "on", *where)[0] == 0
+        status, said = passo("pulses", "jog", "x", "2", *where)
+        assert status == 0 and f"steps/mm X {file_says * 1.25:.3f}" in said and "the board's own" in said
+        assert board.end()[0] == 0
+    assert int(trace.read_text().splitlines()[-1].split(",")[1]) == round(2 * file_says * 1.25)

@@ -1,0 +1,76 @@
+"""A board file with what its running board has set above it: steps/mm and travel.
+
+    board = as_set(board, {100: "49.218", 130: "200.000"})
+    board, told = running(board, "plotter", "/dev/ttyUSB0", 57600)      # asks the board; `told`: a line for people
+    board, told = by_client(board, client)                              # the same of one that is connected
+
+Every command of the PC that turns mm into steps asks here, so that all count alike.
+"""
+
+from host_tools.failure import Failure
+from host_tools.language import _
+
+_SCALE, _TRAVEL = 100, 130  # settings of x; those of other axes follow
+_LASER, _MAX_RPM = 32, 30
+
+
+def as_set(board, settings):
+    """The board file with what a machine's settings, {number: value}, say of it. A machine that tells its axes has those only."""
+    axes, spindle = [], dict(board.get("spindle") or {})
+    for number, axis in enumerate(board["axes"]):
+        per_mm, travel_mm = (float(settings.get(first + number, 0)) for first in (_SCALE, _TRAVEL))
+        if per_mm and travel_mm:
+            axis = {**axis, "steps_per_m": round(1000 * per_mm), "travel_steps": round(per_mm * travel_mm)}
+        if not settings or _SCALE + number in settings:
+            axes.append(axis)
+    if spindle and _LASER in settings:
+        spindle.update(laser=float(settings[_LASER]) > 0, max_rpm=float(settings.get(_MAX_RPM, spindle["max_rpm"])))
+    return {**board, "axes": axes, **({"spindle": spindle} if spindle else {})}
+
+
+def running(board, language, port, baud=None):
+    """(the board file as the board at `port` has it, a line that says whose steps/mm count). A board that does not tell its settings, such as a
+    document's own, or a computer without a port, `port` None, has the file's."""
+    if port is None:
+        return board, _("steps/mm {}: the board file's", _text(board))
+    from host_tools.clients import settings
+
+    try:
+        with settings.connect(language, port, baud) as asked:
+            found = _values(asked, board)
+    except (Failure, IndexError, ValueError):
+        found = None
+    return _compared(board, found)
+
+
+def by_client(board, client):
+    """The same of a board that a client of any language but grbl is connected to."""
+    from host_tools.clients.settings import Asked
+
+    try:
+        found = _values(Asked(client), board)
+    except (Failure, IndexError, ValueError):
+        found = None
+    return _compared(board, found)
+
+
+def _values(asked, board):
+    """{number: value} of its steps/mm and travel."""
+    return {first + axis: asked.get(first + axis) for axis in range(len(board["axes"])) for first in (_SCALE, _TRAVEL)}
+
+
+def _compared(board, found):
+    if found is None:
+        return board, _("steps/mm {}: the board file's, for the board tells no settings", _text(board))
+    here = as_set(board, found)
+    if _scales(here) == _scales(board):
+        return here, _("steps/mm {}: the board's, as in the board file", _text(here))
+    return here, _("steps/mm {}: the board's own; the board file says {}", _text(here), _text(board))
+
+
+def _scales(board):
+    return [axis["steps_per_m"] for axis in board["axes"]]
+
+
+def _text(board):
+    return ", ".join(f"{axis['name'].upper()} {axis['steps_per_m'] / 1000:.3f}" for axis in board["axes"])
