@@ -32,13 +32,10 @@ def settle():
     names = os.listdir()
     if "board.trial" in names and stamp_of("board.trial") != "new" or "board.new" in names and "board.py" not in names:
         try:
-            from machines import machines
+            machines = __import__("machines.machines", None, None, ("settle",))
         except ImportError:  # stored by an older passo
             return
-        if machines.settle():
-            from machine import reset
-
-            reset()
+        machines.settle()
 
 
 def made_safe():
@@ -114,7 +111,7 @@ def main():
         start.give_way("board.py cannot be read")
     if BOARD is None or not start.wanted():
         return
-    app = port = error = None
+    app = port = error = faulty = None
     start.loading()
     try:
         board = checked(BOARD)
@@ -142,7 +139,7 @@ def main():
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)
-        start.wrong = wrong
+        faulty = wrong
     except KeyboardInterrupt:
         start.try_again()
         print("stopped")
@@ -151,7 +148,7 @@ def main():
         error = full
     except Exception as crash:
         error = crash
-    start.end(app, port, error)
+    start.end(app, port, error, faulty)
 
 
 if WHOLE:

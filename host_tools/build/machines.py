@@ -228,28 +228,35 @@ def back():
     choose(name)
 
 
+def restart():
+    from machine import reset
+
+    reset()
+
+
 def settle():
-    """At the start: go on with a choice that was cut short, or go back from a machine that did not start. True if the board is to start anew."""
+    """At the start: go on with a choice that was cut short, or go back from a machine that did not start; then the board starts anew."""
     try:
         why = text_of(TRIAL) if there(TRIAL) else NEW
         now, name = running(), torn()
         if name:
             choose(name, why == NEW)
-            return True
+            restart()
+            return
         if why == NEW:
-            return False
+            return
         name = chosen()[1]
         if name:
             choose(name, False)
             print("machine %s: %s" % (now, why))
             with open("crash.txt", "w") as file:
                 file.write("machine %s: %s; %s is chosen again\n" % (now, why, name))
-            return True
+            restart()
+            return
         print("no machine was chosen before this one")
         os.remove(TRIAL)
     except (ValueError, IndexError, OSError) as error:
         print("machines:", error)
-    return False
 
 
 def choose(name, trial=True):

@@ -17,6 +17,7 @@ _RESTING = ("Idle", "Sleep")
 _MISSES = const(8)  # answers that may get lost
 _X_SCALE = const(100)
 _X_TRAVEL = const(130)
+_X_JOG_SPEED = const(170)
 
 
 def _question(number=None):
@@ -37,6 +38,70 @@ class Known:
         return max(1, round(float(self._values[170 + axis]) * self._scale[axis] / 60))
 
 
+class Questions:
+    """Which settings are still to be asked, and what has been told."""
+
+    def __init__(self):
+        self._wanted = None  # SETTING commands; None: no page has asked for settings yet
+        self._asked = None  # the one that waits for its answer
+        self._misses = 0
+        self._numbers = ()  # of all there are
+        self._found = {}  # {number: value}
+
+    def begin(self):
+        """Ask for all of them, if that is not under way."""
+        if not self._wanted and self._asked is None:
+            self._wanted = [_question()]
+
+    def begin_again(self):
+        """Something has been set, which may bound or change others; or another board may answer."""
+        if self._wanted is not None:
+            self._wanted = [_question()]
+
+    def forget(self):
+        self._asked = None
+        self.begin_again()
+
+    def next(self):
+        """The next question; None if there is none, or one waits for its answer."""
+        return self._wanted[0] if self._wanted and self._asked is None else None
+
+    def say(self):
+        self._asked = self._wanted.pop(0)
+        return self._asked
+
+    def hear(self, event):
+        """The answer to a SETTING command. Returns all settings once the last has been told, else None."""
+        if event.command is not self._asked:
+            if not event.error:
+                self.begin_again()
+            return None
+        self._asked = None
+        if event.error:
+            self._missed(event.command)
+            return None
+        for told in event.value or ():
+            if told[:3] == "[$:":
+                self._misses = 0
+                self._found = {}
+                self._numbers = [int(number) for number in told[3:-1].split(",")]
+                self._wanted = [_question(number) for number in self._numbers]
+            elif told[:1] == "$" and "=" in told:
+                number, _, value = told[1:].partition("=")
+                self._found[int(number)] = value
+        if event.command.target is not None and event.command.target not in self._found:  # the line has changed a byte
+            self._missed(event.command)
+        return self._found if not self._wanted and len(self._found) == len(self._numbers) else None
+
+    def _missed(self, command):
+        """Ask again, as long as the line may be at fault. A board that does not even tell its numbers has no such lines."""
+        self._misses += 1
+        if command.target is not None and self._misses < _MISSES:
+            self._wanted.insert(0, command)
+        else:
+            self._wanted = []
+
+
 def with_settings(kind):
     """The class of pages `kind`, see cabled.py, that shows and sets the board's settings."""
 
@@ -45,16 +110,12 @@ def with_settings(kind):
 
         def __init__(self, *arguments):
             kind.__init__(self, *arguments)
-            self._wanted = None  # SETTING commands that are to be asked; None: no page has asked for settings yet
-            self._asked = None  # the one that has been
-            self._misses = 0
-            self._found = {}  # {number: value} of those that have been told
+            self._questions = Questions()
             self.kinds[commands.SETTING] = self._hear
-            self.kinds[commands.STILL] = self._ask_again
+            self.kinds[commands.STILL] = self._hear
 
         def told_settings(self):
-            if not self._wanted and self._asked is None:
-                self._wanted = [_question()]
+            self._questions.begin()
             return self.settings
 
         def set(self, number, text):
@@ -63,59 +124,32 @@ def with_settings(kind):
                 return errors.NUMBER
             return self.still() or self.do(Command(commands.SETTING, number, value), self.finished)
 
-        def _ask_again(self, event):
-            """Something has been set, which may bound or change others."""
-            if self._wanted is not None and not event.error:
-                self._wanted = [_question()]
-
         def poll(self, now_ms):
             kind.poll(self, now_ms)
+            question = self._questions.next()
             rests = self.state["link"] and self.state["state"] in _RESTING and not self.jog.active and not self.said and not self.unanswered
-            if self._wanted and self._asked is None and rests and self.wire.takes(self._wanted[0]) and not self.still():
-                self._asked = self._wanted.pop(0)
-                self.wire.order(self._asked)
+            if question and rests and self.wire.takes(question) and not self.still():
+                self.wire.order(self._questions.say())
 
         def _hear(self, event):
-            """The answer to a question about settings, or to one that was set."""
-            if event.command is not self._asked:
-                self._ask_again(event)
-                return
-            self._asked = None
-            if event.error:
-                self._misses += 1
-                if event.command.target is not None and self._misses < _MISSES:
-                    self._wanted.insert(0, event.command)
-                else:  # it has no such lines
-                    self._wanted = []
-                return
-            for told in event.value or ():
-                if told[:3] == "[$:":
-                    self._misses = 0
-                    self._found = {}
-                    self._wanted = [_question(int(number)) for number in told[3:-1].split(",")]
-                elif told[:1] == "$" and "=" in told:
-                    number, _, value = told[1:].partition("=")
-                    self._found[int(number)] = value
-            if not self._wanted and self._found:
-                self.settings = self._found
+            found = self._questions.hear(event)
+            if found:
+                self.settings = found
                 self._follow_told()
 
         def _follow_told(self):
-            """All have been told: steps/mm, travel and jogs are the board's, and so every page sees them."""
-            scale = [float(self.settings[_X_SCALE + axis]) for axis in range(len(self.scale)) if _X_SCALE + axis in self.settings]
-            if len(scale) == len(self.scale):
-                self.scale = scale
+            """All have been told: steps/mm, travel and jogs are the board's, as every page sees them."""
+            axes = range(len(self.scale))
+            self.scale = [float(self.settings[_X_SCALE + axis]) for axis in axes]
             if self.travel:
-                far = [float(self.settings.get(_X_TRAVEL + axis, high - low)) for axis, (low, high) in enumerate(self.travel)]
-                self.travel = [[-far[axis], 0] if low < 0 else [0, far[axis]] for axis, (low, high) in enumerate(self.travel)]
-            if 170 in self.settings:
+                far = [float(self.settings[_X_TRAVEL + axis]) for axis in axes]
+                self.travel = [[-far[axis], 0] if self.travel[axis][0] < 0 else [0, far[axis]] for axis in axes]
+            if _X_JOG_SPEED in self.settings:
                 self._take_jogs(Known(self.settings, self.scale))
             self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
 
         def silent(self):
             kind.silent(self)
-            self._asked = None
-            if self._wanted is not None:
-                self._wanted = [_question()]  # who answers next may be another board
+            self._questions.forget()
 
     return WithSettings

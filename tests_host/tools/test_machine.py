@@ -228,7 +228,8 @@ class Board:
         tree.body = [each for each in tree.body if getattr(each, "name", None) in ("stamp_of", "settle")]
         stored, resets = self._names([]), []
         exec(machine._ON_BOARD.read_text(encoding="utf-8").replace("import os\n", ""), stored)
-        modules = {"machines": SimpleNamespace(machines=SimpleNamespace(**stored)), "machine": SimpleNamespace(reset=lambda: resets.append(1))}
+        stored["restart"] = lambda: resets.append(1)
+        modules = {"machines.machines": SimpleNamespace(settle=stored["settle"])}
         own = {**vars(builtins), "open": self._open, "__import__": lambda name, *rest: modules[name]}
         names = {"os": SimpleNamespace(listdir=lambda: os.listdir(self.folder)), "__builtins__": own}
         exec(compile(tree, str(MAIN), "exec"), names)

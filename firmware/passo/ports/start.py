@@ -37,7 +37,6 @@ def _note_trial(text):
 
 
 class Start:
-    wrong = ""  # of the board file, by its check
     rooms = ()  # large arrays that the app will ask for: see passo/memory.py
 
     def __init__(self, board):
@@ -125,8 +124,9 @@ class Start:
                 guarded = True
                 port.guard()
 
-    def end(self, app, port, error=None):
-        """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more."""
+    def end(self, app, port, error=None, faulty=None):
+        """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more. `faulty`: the BoardError of the
+        board file's check."""
         try:
             said = self.loaded()
             if said and error is not None:
@@ -139,7 +139,7 @@ class Start:
             safe(self._outputs)
         if error is not None:
             self._report(error)
-        self.give_way("it did not start: %s" % (error or self.wrong))
+        self.give_way("it did not start: %s" % (error or faulty))
 
     def _report(self, error):
         text = StringIO()
