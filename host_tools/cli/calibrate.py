@@ -11,6 +11,7 @@ from host_tools.language import _
 
 _AXES = "xyza"
 _MOST_MM = 2.0  # of $160 to $163
+_COLUMN = 14  # letters wide
 _TABLE = """\
 # Fill in what you measure: a line a length with the mean of so many readings and their standard deviation, or a line a reading.
 # Two diagonals of a rectangle (xy+ from the lower left corner, xy- from the lower right) tell whether the axes are square.
@@ -34,6 +35,7 @@ def calibrate(
     protocol: Annotated[Optional[str], typer.Option(help="Language of the link of --port: grbl, torch, pulses, plotter or keys. Default: found by asking.")] = None,
     write: Annotated[bool, typer.Option("--write", help="Set $100…, and $160… if it takes up backlash, of the machine at --port to what is right.")] = False,
     anyway: Annotated[bool, typer.Option("--anyway", help="Write although the mechanics are at fault, or nothing is known.")] = False,
+    means: Annotated[bool, typer.Option("--means", help="First the table of the document of 2020: means and standard deviations of each length.")] = False,
     pattern: Annotated[
         Optional[Path], typer.Option(help="Write the program that draws the lengths to be measured to this file, in G-code or the language of --board, and a new TABLE to fill in.")
     ] = None,
@@ -50,6 +52,7 @@ def calibrate(
     Examples:
 
         passo calibrate examples/torch_2020.txt --board torch_manipulator
+        passo calibrate examples/torch_2020.txt --board torch_manipulator --means
         passo calibrate table.txt --pattern strokes_x.gcode --lengths 20,50,100,200
         passo calibrate table.txt --pattern strokes.txt --board plotter_2014
         passo calibrate table.txt --port /dev/ttyACM0 --write
@@ -68,6 +71,8 @@ def calibrate(
     link = port and (port, baud, protocol)
     used, taken = _machine(*link) if link else (_given(steps_per_mm), {}) if steps_per_mm else _of_board(board)
     fits = _fits(rows, used, reading)
+    if means:
+        print("\n".join(table_of_means(calibration.characterise(rows))), end="\n\n")
     for fit in fits:
         print("\n".join(told(fit, used[fit.axis])))
         print("".join(f"   {line}\n" for line in proposed(fit, taken)), end="")
@@ -76,6 +81,18 @@ def calibrate(
         print(told_square(square))
     if write:
         _write(fits, taken, link, anyway)
+
+
+def table_of_means(lengths):
+    """Table 1 of the document: the value expected, then mean and standard deviation of each axis, in mm."""
+    axes = sorted({axis for means in lengths.values() for axis in means})
+    wide = 2 * _COLUMN + 1
+    yield _("Measured movement, in mm")
+    yield f"{_('Expected value'):<{_COLUMN}}" + "".join(f" {_('Axis {}', axis.upper()):<{wide}}" for axis in axes).rstrip()
+    yield " " * _COLUMN + "".join(f" {_('Mean'):<{_COLUMN}} {_('Deviation'):<{_COLUMN}}" for _axis in axes).rstrip()
+    for length, means in lengths.items():
+        cells = [f" {means[axis][0]:<{_COLUMN}.3f} {means[axis][1]:<{_COLUMN}.3f}" if axis in means else " " * (wide + 1) for axis in axes]
+        yield f"{length:<{_COLUMN}g}" + "".join(cells).rstrip()
 
 
 def proposed(fit, taken):

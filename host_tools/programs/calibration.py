@@ -49,6 +49,24 @@ class Row:
     turn: bool = True
 
 
+def characterise(rows):
+    """{commanded mm: {axis: (mean, standard deviation)}} of the lengths along axes, as table 1 of the torch's document of 2020 has them. A length
+    with a line for each reading gets both from its lines; of one reading alone the deviation is 0."""
+    found = {}
+    for row in rows:
+        if len(row.axis) == 1:
+            found.setdefault(row.commanded[0], {}).setdefault(row.axis, []).append(row)
+    return {length: {axis: _mean_of(found[length][axis]) for axis in sorted(found[length])} for length in sorted(found)}
+
+
+def _mean_of(rows):
+    """(mean, standard deviation) of the readings that the rows stand for."""
+    count = sum(row.readings for row in rows)
+    mean = sum(row.readings * row.measured for row in rows) / count
+    squares = sum((row.readings - 1) * row.sigma**2 + row.readings * (row.measured - mean) ** 2 for row in rows)
+    return mean, math.sqrt(squares / (count - 1)) if count > 1 else 0.0
+
+
 @dataclass
 class Fit:
     axis: str

@@ -28,7 +28,7 @@ PAIRS = {
     PT / "quick-start.md": ROOT / "docs" / "start" / "quick-start.md", PT / "machines.md": ROOT / "docs" / "reference" / "machines.md",
     PT / "everyday.md": ROOT / "docs" / "use" / "everyday.md", PT / "safety.md": ROOT / "docs" / "start" / "safety.md", PT / "class.md": ROOT / "docs" / "start" / "class.md",
     PT / "troubleshooting.md": ROOT / "docs" / "use" / "troubleshooting.md", PT / "glossary.md": ROOT / "docs" / "start" / "glossary.md",
-    PT / "core.md": ROOT / "docs" / "use" / "core.md", PT / "experiments.md": ROOT / "docs" / "use" / "experiments.md", PT / "map.md": ROOT / "docs" / "README.md", **{PT / "machines" / guide.name: guide for guide in GUIDES},
+    PT / "core.md": ROOT / "docs" / "use" / "core.md", PT / "calibration.md": ROOT / "docs" / "use" / "calibration.md", PT / "experiments.md": ROOT / "docs" / "use" / "experiments.md", PT / "map.md": ROOT / "docs" / "README.md", **{PT / "machines" / guide.name: guide for guide in GUIDES},
 }  # fmt: skip
 MOVED = "## Where a page went"  # one table, for all languages
 NO_USB = "two_motor_kit", "torch_manipulator", "lpt_router", "plotter_2014"  # board files without a link on USB

@@ -4,6 +4,7 @@ import csv
 import math
 import random
 import re
+import statistics
 import subprocess
 
 import numpy as np
@@ -274,3 +275,19 @@ def test_backlash_is_written_to_the_machine(tmp_path, capsys):
             client.connect()
             kept = next(line for line in client.command("$$") if line.startswith("$160="))
     assert float(kept[5:]) == pytest.approx(0.12, abs=0.006)
+
+
+def test_the_table_of_the_document_comes_out_as_it_went_in(capsys):
+    """Its means and deviations; readings of their own give the same as their mean does."""
+    run(ROOT / "examples" / "torch_2020.txt", board="torch_manipulator", means=True)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].split() == ["Expected", "value", "Axis", "X", "Axis", "Y"]
+    assert [line.split() for line in lines[3:7]] == [
+        ["10", "9.467", "0.330", "9.995", "0.174"], ["20", "18.078", "0.167", "19.973", "0.147"],
+        ["50", "47.109", "0.339", "50.859", "0.460"], ["100", "96.450", "0.226", "102.700", "0.293"],
+    ]  # fmt: skip
+    readings = [9.1, 9.4, 9.9, 9.5]
+    single = calibration.characterise([calibration.Row("x", (10.0,), value) for value in readings])
+    assert single[10.0]["x"] == pytest.approx((statistics.mean(readings), statistics.stdev(readings)))
+    halves = [calibration.Row("x", (10.0,), statistics.mean(part), statistics.stdev(part), 2) for part in (readings[:2], readings[2:])]
+    assert calibration.characterise(halves)[10.0]["x"] == pytest.approx(single[10.0]["x"])
