@@ -73,14 +73,18 @@ def calibrate(
     fits = _fits(rows, used, reading)
     if means:
         print("\n".join(table_of_means(calibration.characterise(rows))), end="\n\n")
-    for fit in fits:
-        print("\n".join(told(fit, used[fit.axis])))
-        print("".join(f"   {line}\n" for line in proposed(fit, taken)), end="")
+    _tell(fits, used, taken)
     diagonals = [row for row in rows if len(row.axis) > 1]
     for square in calibration.squareness(diagonals, {fit.axis: fit.scale for fit in fits}, reading):
         print(told_square(square))
     if write:
         _write(fits, taken, link, anyway)
+
+
+def _tell(fits, used, taken):
+    for fit in fits:
+        print("\n".join(told(fit, used[fit.axis])))
+        print("".join(f"   {line}\n" for line in proposed(fit, taken)), end="")
 
 
 def table_of_means(lengths):
