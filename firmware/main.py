@@ -1,13 +1,9 @@
 """Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C.
 
-A board file that `passo machine` has chosen is on trial until it runs: /board.trial is there. If it does not start, or the input "previous" is
-held at the start, machines/machines.py chooses the machine of before.
-
 A build has its stamp in passo/stamp.txt, and in stamp.txt, which is copied last: where they differ, the files here are not those of
 one build, and none is run. In Passo's UF2 all of it is frozen: passo_image knows whether it is whole.
 """
 
-import os
 import sys
 
 try:
@@ -27,17 +23,6 @@ def stamp_of(path):
 # Functions of their own import what only the start needs.
 
 
-def settle():
-    """Go back to the machine of before if the one on trial has not come to run, and go on with a choice that a power cut left half done."""
-    names = os.listdir()
-    if "board.trial" in names and stamp_of("board.trial") != "new" or "board.new" in names and "board.py" not in names:
-        try:
-            machines = __import__("machines.machines", None, None, ("settle",))
-        except ImportError:  # stored by an older passo
-            return
-        machines.settle()
-
-
 def made_safe():
     """The raw board file, whose outputs are inactive from here on; None if it cannot be read."""
     from passo.ports.safe import outputs, safe
@@ -51,7 +36,6 @@ def made_safe():
     return BOARD
 
 
-settle()
 if image and image.chosen():
     STAMP, WHOLE = image.STAMP, image.whole()
 else:
@@ -107,11 +91,9 @@ def main():
     global BOARD
     start = Start(by_options(BOARD))
     start.history()
-    if BOARD is None:
-        start.give_way("board.py cannot be read")
     if BOARD is None or not start.wanted():
         return
-    app = port = error = faulty = None
+    app = port = error = None
     start.loading()
     try:
         board = checked(BOARD)
@@ -139,16 +121,14 @@ def main():
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)
-        faulty = wrong
     except KeyboardInterrupt:
-        start.try_again()
         print("stopped")
     except MemoryError as full:
         print("board.py asks for more memory than there is: leave out a link, a language or store_points. grbl wants a Pico, not a Pico W: the page is then that of passo panel, on a PC")
         error = full
     except Exception as crash:
         error = crash
-    start.end(app, port, error, faulty)
+    start.end(app, port, error)
 
 
 if WHOLE:

@@ -5,9 +5,6 @@
     machines/NAME/settings.0 .1 its saved settings, while another machine is chosen
     machines/files/DIGEST       a file of firmware that a machine wants, while another of that path is in place
     machines/chosen             the name of the one whose board file is /board.py, and that of the one that was chosen before it
-    machines/machines.py        this file: main.py asks it to settle() what it finds at the start
-    board.trial                 "new" from a choice until its machine runs; else why it is to give way to the one of before
-    board.new                   the board file of a choice that is under way
 
 NAME_old is what NAME was before its board file was last changed; both start with the settings of then. `before` is what ran before any machine
 was chosen.
@@ -22,8 +19,6 @@ FOLDER = "machines"
 SETTINGS = ("settings.0", "settings.1")
 OLD = "_old"
 FILES = FOLDER + "/files"
-TRIAL = "board.trial"
-NEW = "new"
 
 
 def there(path):
@@ -159,11 +154,9 @@ def make_folder(path):
 
 
 def put(path, sum):
-    """The file `sum` of FILES to its place; what was there is kept in FILES. There is a main.py at any time: it goes on after a power cut."""
+    """The file `sum` of FILES to its place; what was there is kept in FILES."""
     make_folder(path)
-    if in_place[path] and path == "main.py":
-        duplicate(path, FILES + "/" + in_place[path])
-    elif in_place[path]:
+    if in_place[path]:
         move(path, FILES + "/" + in_place[path])
     os.rename(FILES + "/" + sum, path)
 
@@ -212,56 +205,20 @@ def remove(name):
     os.rmdir(folder)
 
 
-def torn():
-    """The machine whose choice a power cut has left half done; "" if there is none."""
-    if there("board.py") or not there("board.new"):
-        return ""
-    going = digest("board.new", "board.py")
-    return [each for each in stored() if digest(FOLDER + "/" + each + "/board.py", "board.py") == going][0]
-
-
 def back():
     """Choose the machine that was chosen before the one that is. A `choose` amid which the power failed is gone on with instead."""
-    name = torn() or chosen()[1]
+    name = chosen()[1]
+    if not there("board.py") and there("board.new"):
+        going = digest("board.new", "board.py")
+        name = [each for each in stored() if digest(FOLDER + "/" + each + "/board.py", "board.py") == going][0]
     if not name:
         raise ValueError("no machine was chosen before this one")
     choose(name)
 
 
-def restart():
-    from machine import reset
-
-    reset()
-
-
-def settle():
-    """At the start: go on with a choice that was cut short, or go back from a machine that did not start; then the board starts anew."""
-    try:
-        why = text_of(TRIAL) if there(TRIAL) else NEW
-        now, name = running(), torn()
-        if name:
-            choose(name, why == NEW)
-            restart()
-            return
-        if why == NEW:
-            return
-        name = chosen()[1]
-        if name:
-            choose(name, False)
-            print("machine %s: %s" % (now, why))
-            with open("crash.txt", "w") as file:
-                file.write("machine %s: %s; %s is chosen again\n" % (now, why, name))
-            restart()
-            return
-        print("no machine was chosen before this one")
-        os.remove(TRIAL)
-    except (ValueError, IndexError, OSError) as error:
-        print("machines:", error)
-
-
-def choose(name, trial=True):
-    """The machine `name` from the next start on; with `trial` the one of now takes its place again if it does not start. Firmware and settings of
-    the one before are kept. While files are moved there is no board.py: a board whose power fails amid it goes on at its next start."""
+def choose(name):
+    """The machine `name` from the next start on. Firmware and settings of the one before are kept. While files are moved there is no
+    board.py, so that a board whose power fails amid it moves nothing; the same call then goes on."""
     if name not in stored():
         raise ValueError("there is no machine " + name)
     wrong = state_of(name)
@@ -274,9 +231,6 @@ def choose(name, trial=True):
     if old == "before" and there("board.py"):
         keep_before()
     duplicate(FOLDER + "/" + name + "/board.py", "board.new")
-    if trial:
-        with open(TRIAL, "w") as made:
-            made.write(NEW)
     if there("board.py"):
         os.remove("board.py")
     for path, sum in to_change(modules(name)):
@@ -292,7 +246,5 @@ def choose(name, trial=True):
         note(name, old)
     for file in SETTINGS:
         move(FOLDER + "/" + name + "/" + file, file)
-    if not trial and there(TRIAL):
-        os.remove(TRIAL)
     move("board.new", "board.py")
     print("chosen", name)

@@ -122,11 +122,11 @@ def store(board, port, call, out=None):
     with tempfile.TemporaryDirectory() as folder:
         machines = Path(folder) / "machines"
         (machines / "files").mkdir(parents=True)
-        shutil.copyfile(_ON_BOARD, machines / _ON_BOARD.name)
         for (_path, digest), source in files.items():
             if digest in wanted:
                 shutil.copyfile(source, machines / "files" / digest)
-        copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
+        if wanted:
+            copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
         stored = machines / name
         stored.mkdir()
         (stored / "board.py").write_bytes(data)

@@ -14,7 +14,7 @@ from host_tools.language import _
 
 REGISTER_BIT = 100
 # Inputs by the beginning of their names; the others are plain signals.
-_BUTTONS = ("door", "repl", "previous", "hold", "resume", "reset", "job", "admit", "jog_", "start")
+_BUTTONS = ("door", "repl", "hold", "resume", "reset", "job", "admit", "jog_", "start")
 
 
 @dataclass
@@ -156,7 +156,7 @@ def _input(board, item):
     if name in homed or name.startswith("limit_"):
         return "switch", _("limit {}", homed.get(name, name[-1]).upper())
     if name.startswith(_BUTTONS):
-        return "switch", {"door": _("door switch"), "repl": _("held at the start"), "previous": _("held at the start")}.get(name, _("button"))
+        return "switch", {"door": _("door switch"), "repl": _("held at the start")}.get(name, _("button"))
     return "signal", _("active high") if item["active"] else _("active low")
 
 

@@ -1,7 +1,5 @@
 """`passo machine` on a board that stands behind a pty: stored, chosen, with the settings of each."""
 
-import ast
-import builtins
 import os
 import shutil
 from functools import partial
@@ -12,7 +10,6 @@ from typer.testing import CliRunner
 
 from host_tools import boards
 from host_tools.build.frozen import stamp
-from host_tools.build.tree import MAIN
 from host_tools.cli import flash, machine
 from host_tools.cli.main import app
 from host_tools.failure import Failure
@@ -215,26 +212,8 @@ class Board:
         self.left, self.changes = left, 0
         text = machine._ON_BOARD.read_text(encoding="utf-8").replace("import os\n", "")
         printed = []
-        exec(text + call, self._names(printed))
+        exec(text + call, {"os": self._os, "open": self._open, "print": lambda *words: printed.append(" ".join(map(str, words)))})
         return printed
-
-    def _names(self, printed):
-        return {"os": self._os, "open": self._open, "print": lambda *words: printed.append(" ".join(map(str, words)))}
-
-    def start(self, left=-1):
-        """What main.py settles before anything else; True if it starts the board anew."""
-        self.left, self.changes = left, 0
-        tree = ast.parse(MAIN.read_text(encoding="utf-8"))
-        tree.body = [each for each in tree.body if getattr(each, "name", None) in ("stamp_of", "settle")]
-        stored, resets = self._names([]), []
-        exec(machine._ON_BOARD.read_text(encoding="utf-8").replace("import os\n", ""), stored)
-        stored["restart"] = lambda: resets.append(1)
-        modules = {"machines.machines": SimpleNamespace(settle=stored["settle"])}
-        own = {**vars(builtins), "open": self._open, "__import__": lambda name, *rest: modules[name]}
-        names = {"os": SimpleNamespace(listdir=lambda: os.listdir(self.folder)), "__builtins__": own}
-        exec(compile(tree, str(MAIN), "exec"), names)
-        names["settle"]()
-        return bool(resets)
 
     def whole(self):
         """Which machine would start, of the two; None: none, there is no board file."""
@@ -283,7 +262,7 @@ def test_no_cut_of_the_power_makes_a_mixture(tmp_path):
             assert board.whole() == then
             board.run("choose('x')")
             board.run("choose('y')")
-            assert board.whole() == "y" and (board.folder / "board.trial").read_text() == "new"
+            assert board.whole() == "y"
         count += 1
     assert count > 8
 
@@ -308,73 +287,6 @@ def test_no_cut_of_the_power_loses_what_was_before(tmp_path):
             assert board.whole() == ("x" if len(calls) == 1 else "y")
             count += 1
         assert count > 10
-
-
-def start_until_settled(board):
-    """Which machine starts in the end."""
-    starts = 0
-    while board.start():
-        starts += 1
-        assert starts < 3, "it starts anew for ever"
-    return board.whole()
-
-
-def test_after_a_cut_the_next_start_goes_on(tmp_path):
-    """Amid each step of `choose` and of the way back, and amid each step of the start that mends it: the old or the new machine starts, by itself."""
-    for call, old, new in (("choose('y')", "x", "y"), ("back()", "y", "x")):
-        done, count = False, 0
-        while not done:
-            again, more = True, 0
-            while again:
-                board = of_two_machines(tmp_path / f"{new}{count}_{more}")
-                if new == "x":
-                    board.run("choose('y')")
-                    (board.folder / "board.trial").unlink()
-                try:
-                    board.run(call, count)
-                    done = True
-                except Cut:
-                    pass
-                assert (board.folder / "main.py").exists(), "nobody would go on"
-                try:
-                    board.start(more)
-                    again = False
-                except Cut:
-                    more += 1
-                assert start_until_settled(board) in ((new,) if done else (old, new))
-                assert not done or board.run("tell()")[1] == f"chosen {new}"
-            count += 1
-        assert count > 8
-
-
-def test_a_machine_that_does_not_start_gives_way(tmp_path):
-    """And a cut amid each step of that ends with one of the two; the one that is chosen then starts as it is."""
-    done, count = False, 0
-    while not done:
-        board = of_two_machines(tmp_path / str(count))
-        board.run("choose('y')")
-        assert not board.start() and (board.folder / "board.trial").read_text() == "new"
-        put(board.folder, "board.trial", "it did not start: axis x: pin 34")
-        try:
-            assert board.start(count)
-            done = True
-        except Cut:
-            pass
-        assert start_until_settled(board) == "x"
-        assert not (board.folder / "board.trial").exists() or not done
-        count += 1
-    assert count > 8
-    assert (board.folder / "crash.txt").read_text() == "machine y: it did not start: axis x: pin 34; x is chosen again\n"
-    assert not board.start() and not board.start()
-
-
-def test_without_a_machine_before_it_stays(tmp_path):
-    board = of_two_machines(tmp_path)
-    put(board.folder, "board.trial", "input previous was active")
-    assert not board.start() and board.whole() == "x" and not (board.folder / "board.trial").exists()
-    (board.folder / "board.py").unlink()
-    put(board.folder, "board.new", "of a machine that was removed")
-    assert not board.start()
 
 
 def test_what_a_board_asks_for(tmp_path):

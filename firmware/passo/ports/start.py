@@ -1,7 +1,7 @@
 """The surroundings of the app on a chip: a safe start, ways back to the REPL, and the traces of a crash.
 
     start = Start(board)            # a raw board file: outputs go safe here, whatever else may be wrong with it
-    if start.wanted():              # no: the chip's button, or an input named "repl" or "previous", is held
+    if start.wanted():              # no: the chip's button, or the input named "repl", is held
         port = start.port(board)    # now a checked one
         ...
 
@@ -12,7 +12,7 @@ import gc
 import os
 import sys
 from io import StringIO
-from time import sleep_ms, ticks_diff, ticks_ms
+from time import ticks_diff, ticks_ms
 
 import machine
 from machine import Pin
@@ -27,13 +27,7 @@ if not FROZEN and __file__.endswith(".py") and (1, 26) <= sys.implementation.ver
 
 GRACE_MS = const(2000)  # after a reset, in which Ctrl-C still gives the REPL
 REPORT = "crash.txt"
-TRIAL = "board.trial"  # while the chosen machine has not come to run: "new", or why it is to give way to the one of before
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN}
-
-
-def _note_trial(text):
-    with open(TRIAL, "w") as file:
-        file.write(text)
 
 
 class Start:
@@ -42,8 +36,7 @@ class Start:
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
         self._outputs = outputs(board)
-        self._ways_out = [entry for entry in entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") in ("repl", "previous")]
-        self._on_trial = TRIAL in os.listdir()
+        self._ways_out = [entry for entry in entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") == "repl"]
         self._since_ms = ticks_ms()
         safe(self._outputs)
 
@@ -55,32 +48,10 @@ class Start:
             return False
         for entry in self._ways_out:
             pin = Pin(entry["pin"], Pin.IN, _PULLS.get(entry.get("pull", "up")))
-            active = entry.get("active", 1)
-            if pin.value() == active:
-                if entry["name"] == "repl":
-                    print("input repl is active: no app, the REPL")
-                    return False
-                print("input previous is active: the machine of before starts once it is released")
-                while pin.value() == active:
-                    sleep_ms(10)
-                self._on_trial = True
-                self.give_way("input previous was active")
+            if pin.value() == entry.get("active", 1):
+                print("input repl is active: no app, the REPL")
                 return False
-        if self._on_trial:
-            _note_trial("it did not come to run")
         return True
-
-    def give_way(self, why):
-        """If the machine is on trial, start anew with the one of before."""
-        if self._on_trial:
-            _note_trial(why)
-            machine.reset()
-
-    def try_again(self):
-        """Leave a machine on trial that was stopped by hand as new as it was."""
-        if self._on_trial:
-            self._on_trial = False
-            _note_trial("new")
 
     def button(self):
         """The name of the chip's button, if it is held."""
@@ -112,9 +83,6 @@ class Start:
 
     def run(self, app, port):
         """Run for ever; after the grace period the watchdog minds it."""
-        if self._on_trial:
-            self._on_trial = False
-            os.remove(TRIAL)
         gc.collect()
         guarded = False
         while True:
@@ -124,9 +92,8 @@ class Start:
                 guarded = True
                 port.guard()
 
-    def end(self, app, port, error=None, faulty=None):
-        """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more. `faulty`: the BoardError of the
-        board file's check."""
+    def end(self, app, port, error=None):
+        """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more."""
         try:
             said = self.loaded()
             if said and error is not None:
@@ -137,11 +104,8 @@ class Start:
             if port is not None:
                 port.close()
             safe(self._outputs)
-        if error is not None:
-            self._report(error)
-        self.give_way("it did not start: %s" % (error or faulty))
-
-    def _report(self, error):
+        if error is None:
+            return
         text = StringIO()
         sys.print_exception(error, text)
         print(text.getvalue())
