@@ -27,6 +27,15 @@ _VERBS = {commands.STEPS_GO: "run", commands.STEPS_STEP: "step", commands.STEPS_
 _HANDS = {commands.STEPS_HAND_TOOL: "tool", commands.STEPS_HAND_DRIVES: "drives"}
 
 
+def brace_in(data):
+    """(line, column), from 1, of the first brace in a file, or None. A board carries out a control command wherever it comes, amid a file too: a file
+    with one would home, unlock or set the machine."""
+    at = data.find(b"{")
+    if at < 0:
+        return None
+    return data.count(b"\n", 0, at) + 1, at - data.rfind(b"\n", 0, at)
+
+
 def words_of(command, axes):
     """The control command's words of a Command."""
     if command.kind == commands.CONNECT:

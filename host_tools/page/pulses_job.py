@@ -8,7 +8,7 @@
 
 from micropython import const
 
-from host_tools.clients.pulses_wire import END
+from host_tools.clients.pulses_wire import END, brace_in
 from host_tools.clients.grbl_wire import LOST
 from passo import errors
 from passo.commands import STEPS_ABORT
@@ -54,6 +54,8 @@ class PulsesJob:
             return errors.BUSY
         if not data:
             return errors.NO_STEP_PROGRAM
+        if brace_in(data):
+            return errors.NO_CODE
         self.name = name
         self._data = data
         self._passes = passes

@@ -187,11 +187,14 @@ def _is_line_number(digits):
         return False
 
 
+_KEPT = (b"N", b"RST", b"LINK", b"FD", b"FS", b"FE", b"F:", b"JR=")  # start-up lines, values, who commands, stored jobs, the job's journal
+
+
 def changes_settings(line):
-    """True of a $ line that changes the machine for good: a setting, a startup line, the board's name, the link that commands."""
+    """True of a $ line that changes the machine for good: a setting, a startup line, the board's name, the link that commands, a stored job."""
     text = bare(line)
     number = text[1:].partition(b"=")[0]
-    return text[:1] == b"$" and (text[1:2] == b"N" or text[1:4] == b"RST" or text[1:5] == b"LINK" or b"=" in text and (number == b"I" or number.isdigit()))
+    return text[:1] == b"$" and (text[1:].startswith(_KEPT) or b"=" in text and (number == b"I" or number.isdigit()))
 
 
 def bare(line):

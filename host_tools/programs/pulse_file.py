@@ -8,11 +8,19 @@ _LETTERS = {}
 
 
 def load(path):
-    """The bytes of a pulse file. Raises Failure."""
+    """The bytes of a pulse file. Raises Failure, also if it has a control command in braces."""
+    from host_tools.clients.pulses_wire import brace_in
+    from host_tools.language import error_text
+    from passo import errors
+
     try:
-        return Path(path).read_bytes()
+        data = Path(path).read_bytes()
     except OSError as error:
         raise Failure("cannot read {}: {}", path, reason(error)) from error
+    brace = brace_in(data)
+    if brace:
+        raise Failure("{}:{}:{}: error {}: {}", path, *brace, errors.NO_CODE, error_text(errors.NO_CODE))
+    return data
 
 
 def items(data, axes, config, name="the file"):

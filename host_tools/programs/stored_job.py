@@ -97,14 +97,18 @@ def pulses_job(path):
 
 
 def plotter_job(path):
-    """An SVG file's packets are made by `passo draw`; here a file of packets is taken as it is, if each is right."""
-    from passo.protocols.plotter.protocol import PACKET
+    """An SVG file's packets are made by `passo draw`; here a file of packets is taken as it is, if each is right and says what a drawing may."""
+    from passo.protocols.plotter.host import COMMANDS, PACKET
+
+    drawing = {COMMANDS[name] for name in ("REQUEST", "LINE", "MOVE", "END", "ORIGIN", "SPEED")}
 
     data = Path(path).read_bytes()
     packets = [data[at : at + PACKET] for at in range(0, len(data), PACKET)]
     for number, packet in enumerate(packets, 1):
         if len(packet) != PACKET or sum(packet[:-1]) & 255 != packet[-1]:
             raise Failure("{}: packet {} is no packet of the plotter's language", path, number)
+        if packet[0] not in drawing:  # lines about settings, another link's command, jogs
+            raise Failure("{}: packet {} is no part of a drawing: {}", path, number, packet.hex(" "))
     return data
 
 

@@ -37,6 +37,17 @@ def check_a_file_is_played_and_played_back():
     assert desk.job()["pass"] == 3 and desk.place() == [3 * part for part in END]
 
 
+def check_no_file_commands_the_machine():
+    """A control command amid a file would be carried out as it comes, and move, unlock or set the machine: no such file is sent."""
+    for command in ("{home}", "{unlock}", "{jog x 100}", "{$100=5}", "{", "{end}{run}", "{link}"):
+        for text in (command + FILE, FILE[:20] + command + FILE[20:], FILE + "\n" + command):
+            desk = loaded(text)
+            before = desk.place()
+            assert desk.order("run", name="a.txt") == errors.NO_CODE, text
+            desk.settle()
+            assert desk.place() == before and desk.machine.state["state"] == "Idle"
+
+
 def check_a_pause_moves_by_hand_and_the_way_back():
     desk = loaded("[+200" + FILE[6:])
     assert desk.order("run", name="a.txt") == 0

@@ -97,9 +97,9 @@ def check_what_a_job_may_not_have():
 
 
 def check_what_is_asked_before_it_is_sent():
-    for line in (b"$N", b"$N0=G0", b"$RST=$", b"$100=1", b"$I=me", b"$LINK", b"$LINK=0", b"$ 2 0=1", b"/$n1="):
+    for line in (b"$N", b"$N0=G0", b"$RST=$", b"$100=1", b"$I=me", b"$LINK", b"$LINK=0", b"$ 2 0=1", b"/$n1=", b"$FD=PART", b"$fs=A,GRBL,1,0,1", b"$F:AAAA", b"$FE", b"$JR=1"):
         assert changes_settings(line)
-    for line in (b"$H", b"$X", b"$J=G91X1F1", b"$I", b"$$", b"$#", b"G10L2P1X0", b"$WEAVE=1"):
+    for line in (b"$H", b"$X", b"$J=G91X1F1", b"$I", b"$$", b"$#", b"G10L2P1X0", b"$WEAVE=1", b"$F", b"$F=PART", b"$JR"):
         assert not changes_settings(line)
 
 

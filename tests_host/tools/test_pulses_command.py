@@ -283,6 +283,20 @@ def test_errors_have_line_and_column(tmp_path):
     assert passo("check", file)[0] == f"{file}:2:2: error 120: neither a pulse code nor a command of the language: check the line"
 
 
+@pytest.mark.parametrize("text, place", [("A{home}B", "1:2"), ("AA\n{$100=5}\n", "2:1"), ("AA{", "1:3"), ("{unlock}", "1:1")])
+@pytest.mark.parametrize("words", [("check",), ("play",), ("play", "--stream"), ("play", "--back"), ("convert", "-o", "x.png")])
+def test_a_file_has_no_control_commands(tmp_path, monkeypatch, text, place, words):
+    """They would be carried out as they come. No port is opened."""
+    monkeypatch.chdir(tmp_path)
+    file = tmp_path / "others.txt"
+    file.write_text(text)
+    port = ("--port", "/dev/nothing") if words[0] == "play" else ()
+    failure, said = passo(words[0], file, *words[1:], *port)
+    assert not said
+    if words[1:] not in (("--stream",), ("--back",)):  # these ask the board for its axes first
+        assert f"{file}:{place}: error 120" in str(failure)
+
+
 @pytest.mark.parametrize("verb", ["play", "jog", "convert", "check", "image", "example"])
 def test_help_has_examples(verb):
     status, text = passo(verb, "--help")

@@ -10,6 +10,7 @@ from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.failure import Failure
 from host_tools.programs import begun, stored_job
 from host_tools.programs.job_record import Record
+from passo.protocols.plotter.host import COMMANDS, packet
 from running_router import Running
 
 PART = b"(a part) G21 G90\n\nG1 X20 Y0 F6000 ; there\nG0 X0\nM30\n"
@@ -63,6 +64,18 @@ def test_a_job_with_an_error_says_its_line(board, part, capsys):
     with pytest.raises(Failure, match="bytes of flash"):
         free = shutil.disk_usage("/").free
         _too_large(part, free, port)
+
+
+@pytest.mark.parametrize("name", sorted(COMMANDS))
+def test_packets_of_a_job_draw_and_do_nothing_else(tmp_path, name):
+    """No file may set the machine, give its command away, stop it or jog it."""
+    path = tmp_path / "drawing.packets"
+    path.write_bytes(packet(COMMANDS["REQUEST"]) + packet(COMMANDS[name], 100, 200))
+    if name in ("REQUEST", "LINE", "MOVE", "END", "ORIGIN", "SPEED"):
+        assert stored_job.plotter_job(path) == path.read_bytes()
+    else:
+        with pytest.raises(Failure, match="packet 2 is no part of a drawing"):
+            stored_job.plotter_job(path)
 
 
 def told_job(port):
