@@ -12,6 +12,7 @@ from host_tools.language import _
 _AXES = "xyza"
 _MOST_MM = 2.0  # of $160 to $163
 _COLUMN = 14  # letters wide
+_MOST_STEPS_MM = 100_000
 _TABLE = """\
 # Fill in what you measure: a line a length with the mean of so many readings and their standard deviation, or a line a reading.
 # Two diagonals of a rectangle (xy+ from the lower left corner, xy- from the lower right) tell whether the axes are square.
@@ -204,7 +205,7 @@ def _given(text):
         values = [float(part) for part in text.split(",")]
     except ValueError:
         values = []
-    if not 1 <= len(values) <= 4 or min(values) <= 0:
+    if not 1 <= len(values) <= 4 or not all(0 < value <= _MOST_STEPS_MM for value in values):
         raise Failure("--steps-per-mm wants one number an axis, above 0, as in 48,83, not {!r}", text)
     return dict(zip(_AXES, values))
 
@@ -246,11 +247,16 @@ def _write(fits, taken, link, anyway):
     if not lines:
         print(_("nothing to write: the steps/mm are right"))
         return
-    with board_at(*link) as board:
-        for line in lines:
-            board.command(line)
-            print(_("written: {}", line))
-    print(_("home the machine again before it cuts: its millimetres have changed"))
+    written = False
+    try:
+        with board_at(*link) as board:
+            for line in lines:
+                board.command(line)
+                written = True
+                print(_("written: {}", line))
+    finally:
+        if written:  # also if the board has refused a later one
+            print(_("home the machine again before it cuts: its millimetres have changed"))
 
 
 def lengths_of(text):

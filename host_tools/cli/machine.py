@@ -40,6 +40,7 @@ Port = Annotated[str, typer.Option(help="Serial port of the board (passo ports).
 Pairs = Annotated[list[str], typer.Argument(metavar="KEY=VALUE...", help="Values as in a board file; a KEY is a path: axes.x.steps_per_m. None removes.")]
 _TAKEN = ("before", "chosen", "files", "new")  # names in the folder of machines that machines.py gives itself
 _OLD = "_old"  # what machines.py adds to the name of a machine whose board file another has replaced
+_BAUD = 115_200  # of a chip's own USB any will do
 _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
 
@@ -286,14 +287,28 @@ def _check_stored_name(name):
 
 
 def _at_rest(port):
-    """Raise Failure if a machine on that port says that it is moving. One that says nothing is at its prompt, or in its start."""
-    from host_tools.clients.grbl import GrblClient
-
+    """Raise Failure if a machine on that port says, in whatever language, that it is moving. One that says nothing is at its prompt, or in its start."""
     check_port(port)
     try:
-        with GrblClient(port, 115200, 0.5) as client:
-            state = client.ask_status()["state"]
+        state = _state(port)
     except Failure:
         return
-    if state.partition(":")[0] not in ("Idle", "Alarm", "Sleep", "Check"):
+    if state.partition(":")[0].lower() not in ("idle", "alarm", "sleep", "check"):
         raise Failure("the machine is not at rest: {}; stop it first", state)
+
+
+def _state(port):
+    """What a machine says that it does; "idle" if it is no torch of Passo's, which has no word for it. Raises Failure if nothing answers."""
+    from host_tools.cli.log import spoken
+    from host_tools.clients.grbl import GrblClient
+    from host_tools.clients.plotter import PlotterClient
+    from host_tools.clients.pulses import PulsesClient
+    from host_tools.clients.torch import TorchClient
+
+    kind = {"pulses": PulsesClient, "plotter": PlotterClient, "torch": TorchClient}.get(spoken(port, _BAUD))
+    if kind is None:
+        with GrblClient(port, _BAUD, 0.5) as client:
+            return client.ask_status()["state"]
+    with kind(port, _BAUD) as client:
+        status = client.status()
+    return status["state"] if status else "idle"

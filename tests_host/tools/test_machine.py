@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import time
 from functools import partial
 from types import SimpleNamespace
 
@@ -13,6 +14,9 @@ from host_tools.build.frozen import stamp
 from host_tools.cli import flash, machine
 from host_tools.cli.main import app
 from host_tools.failure import Failure
+from passo.protocols.plotter.host import COMMANDS, packet
+from passo.protocols.torch import protocol as torch
+from test_board_command import Board as VirtualBoard
 from test_flash import board, folder, put, put_drives, wait_for  # noqa: F401  fixtures
 from test_flash_uf2 import IMAGE
 
@@ -331,3 +335,24 @@ def test_a_pc_without_mpremote(folder, monkeypatch):  # noqa: F811
     monkeypatch.setattr(flash, "find_spec", lambda name: None)
     with pytest.raises(Failure, match="pip install mpremote"):
         machine.become("lpt_router", "/dev/null")
+
+
+MOVING = {
+    "router_3axis": b"$X\nG91G1X50F600\n",
+    "torch_manipulator": torch.frame("CONNECT") + torch.move(4000, 400, 0, 1),
+    "lpt_router": b"{load}" + b"A" * 3000 + b"{end}{run}",
+    "plotter_2014": packet(COMMANDS["ORIGIN"]),
+}
+
+
+@pytest.mark.parametrize("name", MOVING)
+def test_a_machine_that_moves_is_not_stopped_for_another(name):
+    """Whatever language it speaks: its board is not asked for its prompt, which would stop it."""
+    with VirtualBoard("--board", name) as running:
+        machine._at_rest(running.port)
+        with open(os.open(running.port, os.O_WRONLY | os.O_NOCTTY), "wb", buffering=0) as line:
+            line.write(MOVING[name])
+        time.sleep(1)
+        with pytest.raises(Failure, match="is not at rest: (?i:run|home)"):
+            machine._at_rest(running.port)
+        assert running.end()[0] == 0
