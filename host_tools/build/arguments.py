@@ -1,6 +1,6 @@
 """Renames function arguments for a board: `steps`, if only the function itself uses the name, becomes `_0`.
 
-    texts = numbered({"passo/a.py": "def twice(steps, by):\n    return 2 * steps + by\n"})
+    texts = shorten_arguments({"passo/a.py": "def twice(steps, by):\n    return 2 * steps + by\n"})
     texts["passo/a.py"]          # "def twice(_0, _1):\n    return 2 * _0 + _1\n"
 
 A board keeps the text of every argument's name for ever, and its table of names doubles when it is full. Names like `_0` are
@@ -11,17 +11,17 @@ something else too, and the arguments of assembler functions, which name registe
 import ast
 
 
-def numbered(texts):
+def shorten_arguments(texts):
     """{path: text} of the modules of a build, with short names for the arguments of the firmware's functions."""
     trees = {path: ast.parse(text) for path, text in texts.items()}
     kept = {"self"}
     for tree in trees.values():
         for node in ast.walk(tree):
-            kept |= _kept(node)
-    return {path: _edited(text, trees[path], kept) if path.startswith("passo/") else text for path, text in texts.items()}
+            kept |= _names_to_keep(node)
+    return {path: _rename(text, trees[path], kept) if path.startswith("passo/") else text for path, text in texts.items()}
 
 
-def _kept(node):
+def _names_to_keep(node):
     """Names in a node that must be kept: the board needs them anyway, or other code may use them."""
     if isinstance(node, ast.Attribute):
         return {node.attr}
@@ -49,7 +49,7 @@ def _outermost(node):
             yield from _outermost(child)
 
 
-def _edited(text, tree, kept):
+def _rename(text, tree, kept):
     lines = [line.encode() for line in text.splitlines(keepends=True)]  # columns of `ast` are bytes
     edits = []
     for function in _outermost(tree):

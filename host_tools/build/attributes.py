@@ -1,13 +1,13 @@
 """Renames what is private for a board: `self._something` becomes `self._3`, and a module's `_something` `_19`.
 
-    texts = shortened({"passo/a.py": "class A:\n    def __init__(self):\n        self._much = 1\n"})
+    texts = shorten_attributes({"passo/a.py": "class A:\n    def __init__(self):\n        self._much = 1\n"})
     texts["passo/a.py"]          # "class A:\n    def __init__(self):\n        self._0 = 1\n"
 
 A board keeps the text of every name for ever, and its table of names doubles when it is full: one name too many costs
 thousands of bytes. All modules use the same short names. Those of attributes and methods are distinct in each module and those that its
 classes derive from, those of a module's functions, classes and variables in each module. A traceback still shows
-file and line. Kept are: a name that occurs in a string, an attribute of another object than `self`, a name that another module
-imports, variables of a class, and what tests and benches read on the board.
+file and line. These names stay: those in strings, attributes of other objects than `self`, names that another module imports, variables of a class,
+and ASKED_FOR, which tests and benches read on the board.
 """
 
 import ast
@@ -25,17 +25,18 @@ class _Module:
         self.methods = {each for node in classes for each in node.body if isinstance(each, ast.FunctionDef) and _private(each.name)}
 
 
-def shortened(texts):
-    """{path: text} of the modules of a build, with short names for what is private."""
+def shorten_attributes(texts):
+    """{path: text} of the modules of a build, with short names for private functions, classes and attributes."""
     modules = {path: _Module(text) for path, text in texts.items()}
-    taken = ASKED_FOR.union(*(_taken(module) for module in modules.values()))
-    short = _numbered(modules, {path: _of_self(module) - taken for path, module in modules.items()})
-    return {path: _renamed(module, short[path], _globals(module, taken)) for path, module in modules.items()}
+    taken = ASKED_FOR.union(*(_names_that_stay(module) for module in modules.values()))
+    short = _short_names(modules, {path: _of_self(module) - taken for path, module in modules.items()})
+    return {path: _rename(module, short[path], _globals(module, taken)) for path, module in modules.items()}
 
 
-def _numbered(modules, names):
-    """{path: {name: short name}} of `names`, {path: names of attributes and methods}: as few short names as there may be."""
-    related = _related(modules)
+def _short_names(modules, names):
+    """{path: {name: short name}} of `names`, {path: names of attributes and methods}: attributes of classes that share no object get the same short
+    name."""
+    related = _modules_that_share_objects(modules)
     groups = {}  # (path, name): set of all that are the same attribute
     for path in modules:
         for name in sorted(names[path]):
@@ -64,7 +65,7 @@ def _of_self(module):
     return {node.attr for node in module.nodes if _is_of_self(node)} | {method.name for method in module.methods}
 
 
-def _taken(module):
+def _names_that_stay(module):
     """Names that must stay: a module uses them in a way that renaming does not follow."""
     found = set()
     for node in module.nodes:
@@ -101,8 +102,8 @@ def _globals(module, taken):
     return {name: f"_{_FIRST_OF_MODULE + number}" for number, name in enumerate(names)}
 
 
-def _related(modules):
-    """{path: the modules whose classes may have an object in common with its classes, itself included}"""
+def _modules_that_share_objects(modules):
+    """{path: modules one of whose objects may have classes of both, through inheritance; the module itself included}"""
     paths = {path.removesuffix(".py").replace("/", "."): path for path in modules}
     lines = {path: {path} for path in modules}  # a module, and those that its classes are derived from
     for path, module in modules.items():
@@ -121,7 +122,7 @@ def _related(modules):
     return {path: set().union(*(line for line in lines.values() if path in line)) for path in modules}
 
 
-def _renamed(module, attributes, own):
+def _rename(module, attributes, own):
     lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
     indices = []  # (line, column where the old name begins, old name, new name)
     for node in module.nodes:

@@ -1,5 +1,4 @@
-"""What each key of a board file means: the texts of docs/reference/board-file.md, which reference.py puts beside types
-and bounds.
+"""Meanings of the keys of a board file: the texts of docs/reference/board-file.md. reference.py puts them beside types and bounds.
 
     MEANINGS["axes.pins"]       # the dotted path of a key; [] of lists left out
 

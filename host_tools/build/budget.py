@@ -1,4 +1,4 @@
-"""What a board file uses of its chip: pins, PIO, shift registers. `passo build` prints it.
+"""Counts the pins, state machines and shift registers that a board file uses of its chip. `passo build` prints it.
 
     budget(check(BOARD))        # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
 """
@@ -18,21 +18,21 @@ _BLOCK = 32  # instructions
 # from files cannot use all.
 ESP32_KB = {"esp32": (175, 209)}
 PSRAM_PINS = {"esp32": (16, 17)}  # that it takes
-# What the firmware takes of it, kB, as files and frozen (docs/inside/build.md): (its language, with Wi-Fi, with the page). Counted on MicroPython's
+# kB that the firmware takes of it, as files and frozen (docs/inside/build.md): (its language, with Wi-Fi, with the page). Counted on MicroPython's
 # qemu port: tests_host/cores/test_esp32_memory.py; drivers and Wi-Fi reckoned.
 ESP32_NEEDS = {
     ("plotter", False, False): (180, 64), ("plotter", True, True): (279, 121), ("torch", True, False): (268, 112),
     ("grbl", False, False): (361, 123), ("grbl", True, False): (437, 175), ("grbl", True, True): (462, 183),
 }  # fmt: skip
 ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
-# The heap of stock MicroPython 1.27 on a Pico, and a Pico W, in kB; what has to stay free of it; and what keys of a board file take of it,
+# The heap of stock MicroPython 1.27 on a Pico, and a Pico W, in kB; how much of it has to stay free; and the share of each key of a board file,
 # machine code and arrays included: measured on the emulated Pico (tests_host/pico/test_pico_budget.py). Stored jobs keep 14, and want JOB_KB
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
 LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter": 124}
 ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 6}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
-FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and what burns them
+FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and the code that burns them
 BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
@@ -67,7 +67,7 @@ def needs(board):
 
 
 def heap_kb(board):
-    """What a checked board takes of a Pico's heap with stock MicroPython, in kB: the dearest of its languages, and each key and link."""
+    """Heap in kB that a checked board takes of a Pico with stock MicroPython: its dearest language, and each key and link."""
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
     taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in manifests().items() if board.get(key) or key in asked_by_value(board))
@@ -83,7 +83,7 @@ def _stock_kb(board):
 
 
 def memory(board):
-    """What a checked board wants of an ESP32's memory, as a sentence."""
+    """A sentence about the memory that a checked board needs and an ESP32 has."""
     (there, _frozen), found = ESP32_KB.get(board["chip"], (None, None)), needs(board)
     if board["psram"]:
         return _("in the module's PSRAM")

@@ -1,6 +1,6 @@
 """Writes constants as numbers: after `X = const(5)` or `X = 5` in one module, all modules of a build have 5 instead of X.
 
-    texts = folded({"passo/a.py": "X = const(5)\n", "passo/b.py": "from passo.a import X\nprint(X)\n"})
+    texts = fold_constants({"passo/a.py": "X = const(5)\n", "passo/b.py": "from passo.a import X\nprint(X)\n"})
     texts["passo/b.py"]          # "pass\nprint(5)\n"
 
 A board keeps every public name it has loaded: its text, an entry in the module's dict, and a share of the table of names,
@@ -15,8 +15,8 @@ import ast
 import re
 from functools import lru_cache
 
-from host_tools.build.arguments import numbered
-from host_tools.build.attributes import shortened
+from host_tools.build.arguments import shorten_arguments
+from host_tools.build.attributes import shorten_attributes
 from host_tools.failure import Failure
 
 SMALL = 1 << 30  # a larger number is an object on a board: keep one for all modules
@@ -45,35 +45,35 @@ class _Module:
 
 @lru_cache(maxsize=512)
 def _read(text):
-    """(nodes, {name: how many times it is bound}, {name: (statement, expression)} of what may be a public constant, names read, imports)
-    of a text; nobody may change them."""
+    """(nodes, {name: how many times it is bound}, {name: (statement, expression)} of possible public constants, names read, imports) of a text.
+    Cached: do not change them."""
     tree = ast.parse(text)
     nodes = list(ast.walk(tree))
     bound, constants = {}, {}
     methods = {id(node) for owner in nodes if isinstance(owner, ast.ClassDef) for node in owner.body}
     for node in nodes:
-        for name in () if id(node) in methods and isinstance(node, ast.FunctionDef) else _bound(node):
+        for name in () if id(node) in methods and isinstance(node, ast.FunctionDef) else _names_bound_by(node):
             bound[name] = bound.get(name, 0) + 1
     for node in tree.body:
-        for name, expression in _assigned(node):
+        for name, expression in _constants_of(node):
             if name.isupper() and not name.startswith("_") and bound[name] == 1:
                 constants[name] = node, expression
     read = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
     return nodes, bound, constants, read, [node for node in nodes if isinstance(node, ast.ImportFrom) and not node.level]
 
 
-def _named(texts):
+def _write_out_stars(texts):
     """Texts in which `from passo.records import *` names what the module reads of it: constants only."""
     public = {path.removesuffix(".py").replace("/", "."): set(_ASSIGNED.findall(text)) for path, text in texts.items()}
 
-    def named(text):
+    def write_out(text):
         read = set(_CAPITALS.findall(text))
         return _STAR.sub(lambda star: f"from {star[1]} import {', '.join(sorted(public.get(star[1], set()) & read)) or '*'}", text)
 
-    return {path: named(text) if _STAR.search(text) else text for path, text in texts.items()}
+    return {path: write_out(text) if _STAR.search(text) else text for path, text in texts.items()}
 
 
-def _bound(node):
+def _names_bound_by(node):
     """Names that a node binds."""
     if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
         return [node.id]
@@ -90,7 +90,7 @@ def _bound(node):
     return []
 
 
-def _assigned(node):
+def _constants_of(node):
     """(name, expression) of an assignment of constants: `A = const(1)`, `A = 1`, `A, B = 1, 2`."""
     if not isinstance(node, ast.Assign) or len(node.targets) > 1:
         return []
@@ -178,8 +178,8 @@ def _fold(module, modules, keep_imports=False):
 
 
 def _import(module, node, modules, read):
-    """Import only what is still used: no constants, no modules that gave constants only. What is named nowhere is imported to be
-    loaded, and stays."""
+    """Import only what is still used: no constants, no modules that gave constants only. An import whose names are never read is there to load its
+    module, and stays."""
     wanted = []
     for alias in node.names:
         name = alias.asname or alias.name
@@ -210,14 +210,14 @@ def _drop(module):
         if name in module.numbers and name not in module.kept:
             unread[node] = unread.get(node, 0) + 1
     for node, count in unread.items():
-        if count < max(len(_assigned(node)), 1):
+        if count < max(len(_constants_of(node)), 1):
             continue
         inside = range(node.lineno, node.end_lineno + 1)
         module.edits = [edit for edit in module.edits if edit[0] not in inside]
         _write(module, node, "pass" + "\n" * (node.end_lineno - node.lineno))
 
 
-def _edited(module):
+def _apply_edits(module):
     lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
     for first, start, last, end, text in sorted(module.edits, reverse=True):
         tail = lines[last - 1][end:]
@@ -226,44 +226,42 @@ def _edited(module):
 
 
 def _modules(texts):
-    """The modules of a build by name, with `numbers` filled in. Raises Failure for what is not Python."""
-    modules = {module.name: module for module in (_Module(path, text) for path, text in _named(texts).items())}
+    """The modules of a build by name, with `numbers` filled in. Raises Failure if a text is not Python."""
+    modules = {module.name: module for module in (_Module(path, text) for path, text in _write_out_stars(texts).items())}
     _evaluate(modules)
     return modules
 
 
-def numbered_only(texts):
+def fold_in_place(texts):
     """{path: text} with numbers instead of constants; definitions and imports stay, because tests read them."""
-    return _numbered_only(_modules(texts))
+    return _fold_in_place(_modules(texts))
 
 
-def _numbered_only(modules):
+def _fold_in_place(modules):
     for module in modules.values():
         _fold(module, modules, keep_imports=True)
-    made = {module.path: _edited(module) for module in modules.values()}
+    made = {module.path: _apply_edits(module) for module in modules.values()}
     for module in modules.values():
         module.edits.clear()
         module.kept.clear()
     return made
 
 
-def folded(texts):
+def fold_constants(texts):
     """{path: text} of the modules of a build, with numbers for constants, and private attributes and arguments under
-    short names.
-
-    Raises Failure for what is not Python."""
+    short names. Raises Failure if a text is not Python."""
     return short(whole(texts))
 
 
 def short(texts):
     """{path: text} with short names for private attributes and arguments."""
-    return numbered(shortened(texts))
+    return shorten_arguments(shorten_attributes(texts))
 
 
 def forms(texts):
-    """(numbered_only(texts), whole(texts)), which is less work than each by itself."""
+    """(fold_in_place(texts), whole(texts)), which is less work than each by itself."""
     modules = _modules(texts)
-    return _numbered_only(modules), _whole(modules)
+    return _fold_in_place(modules), _whole(modules)
 
 
 def whole(texts):
@@ -276,4 +274,4 @@ def _whole(modules):
         _fold(module, modules)
     for module in modules.values():
         _drop(module)
-    return {module.path: _edited(module) for module in modules.values()}
+    return {module.path: _apply_edits(module) for module in modules.values()}

@@ -18,10 +18,10 @@ from host_tools.language import _
 BOARD = "PASSO_ESP32"
 MANIFEST = """import sys
 sys.path.insert(0, {project!r})
-from host_tools.build.uf2 import mended  # machine code that begins at words
+from host_tools.build.uf2 import mend_frozen_code  # machine code that begins at words
 tools = sys.modules["__main__"]
 run = tools.system
-tools.system = lambda command: mended(*run(command), ())
+tools.system = lambda command: mend_frozen_code(*run(command), ())
 freeze_mpy({tree!r})  # first: they are looked for one after the other
 """
 _OTHERS = 'include("$(PORT_DIR)/boards/manifest.py")\nrequire("sdcard")\n'

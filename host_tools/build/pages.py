@@ -1,5 +1,5 @@
-"""What a server on the board sends to browsers, as it lies in the board's flash: compressed, in one file, and beside the page what the
-page of a PC gets from the PC's own tables. The file's form: passo/web/files.py.
+"""Packs the files that a server on the board sends to browsers: compressed, in one file of the board's flash, with the tables that the page of a PC
+takes from the PC. The file's form: passo/web/files.py.
 
     pack(board, Path("build/torch_pico_w/passo/web/page"))      # [(name, bytes before, bytes packed)]
 """
@@ -18,7 +18,7 @@ from passo.web.files import PACK
 PAGES = FIRMWARE / "passo" / "web" / "page"
 # The small page of the torch's HTTP table; all other files are those of the page.
 OF_HTTP = {"torch": ("torch.html", "torch.css", "torch.js", "sha256.js")}
-OF_PC = ("setup_make.js", "card_prove.js")  # for what only a PC computes: a board's page has no such script, and says so
+OF_PC = ("setup_make.js", "card_prove.js")  # computations of a PC: a board's page lacks these scripts, and says so
 ENTRIES = ("panel.js", "setup.js")  # a PC's page loads the second one when it is wanted; a board's one script has both
 _OF_G_CODE = "setup"  # files that begin so are the set-up of a machine that takes G-code
 _AS_THEY_ARE = ("torch.html",)  # it is the end of another text
@@ -54,7 +54,7 @@ def bare(name, text):
 
 def bundle(modules, *entries):
     """The page's modules as one script, each in a function of its own: a file less is a request less, and 70 bytes of a board's heap.
-    `modules`: {name: text}. Raises Failure for what it does not know."""
+    `modules`: {name: text}. Raises Failure if it cannot read a module."""
     done, under_way, made = set(), [], []
 
     def add(name):
@@ -73,16 +73,16 @@ def bundle(modules, *entries):
         body = _EXPORT.sub(lambda found: found[0][len("export ") :], body)
         if re.search(r"^(import|export)\b", body, re.MULTILINE):
             raise Failure("{} imports or exports in a form that the page's bundle does not know", name)
-        takes = "".join(f"const {{{names.replace(' as ', ': ')}}} = {_called(other)};\n" for names, other in wanted if names)
+        takes = "".join(f"const {{{names.replace(' as ', ': ')}}} = {_variable_of(other)};\n" for names, other in wanted if names)
         gives = f"return {{ {', '.join(exported)} }};\n" if exported else ""
-        made.append(f"const {_called(name)} = (() => {{\n{takes}{body}{gives}}})();\n")
+        made.append(f"const {_variable_of(name)} = (() => {{\n{takes}{body}{gives}}})();\n")
 
     for entry in entries:
         add(entry)
     return "".join(made)
 
 
-def _called(name):
+def _variable_of(name):
     return "of_" + name.removesuffix(".js")
 
 

@@ -1,5 +1,5 @@
-"""The kernels of the firmware as a library of this PC: CPython calls the largest of them by ctypes, so that a virtual board computes in C
-what a real one does.
+"""The kernels of the firmware as a library of this PC: CPython calls the largest of them by ctypes, so that a virtual board runs the same C as a
+real one.
 
     use_compiled()              # before a machine is made; True: kernels are C from now on
 
@@ -7,9 +7,9 @@ The same translator as for boards (host_tools/kernels), in front of it kernels/p
 sources, by cc, gcc, clang or PyPI's ziglang, and kept in ~/.cache/passo/kernels; where there is none of them, or PASSO_PC_KERNELS=plain,
 kernels stay Python.
 
-A call by ctypes costs a microsecond or two, which is what a short kernel takes in Python: TAKEN are those that gain. What they call they
-call in C. An array is handed over by its address, which is asked for at each call, for it may have moved; objects of other kinds by
-a number, by which C asks Python for what it wants of them.
+A call by ctypes costs a microsecond or two, which is what a short kernel takes in Python: TAKEN are those that gain. Kernels call each other in C.
+An array is passed by its address, read anew at each call because the array may have moved. Other objects are passed by a number; C asks Python for
+their attributes by this number.
 """
 
 import array
@@ -29,7 +29,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools import interpreter
-from host_tools.build.constants import numbered_only
+from host_tools.build.constants import fold_in_place
 from host_tools.failure import Failure
 from host_tools.kernels import module as modules
 from host_tools.kernels import unit as units
@@ -98,7 +98,7 @@ def library(texts=None, taken=TAKEN):
 
 
 def _make(texts, taken, command, kept, table):
-    program = Program(numbered_only(texts))
+    program = Program(fold_in_place(texts))
     unit = units.Unit(program, list(program.kernels.values()))
     text = unit.pc_text(runtime())
     rows = {
@@ -172,7 +172,7 @@ class Finder(importlib.abc.MetaPathFinder):
         self._library = library
 
     def names_in(self, module):
-        return [full.rpartition(".")[2] for full in self._library.wanted() if full.rpartition(".")[0] == module]
+        return [full.rpartition(".")[2] for full in self._library.kernel_names() if full.rpartition(".")[0] == module]
 
     def find_spec(self, name, path, target=None):
         wanted = self.names_in(name)
@@ -217,7 +217,7 @@ _KEPT = 256  # objects that are remembered
 
 
 def address(numbers):
-    """Where the numbers of an array, a bytearray or bytes lie."""
+    """The address of the numbers of an array, a bytearray or bytes."""
     if type(numbers) is array.array:
         return numbers.buffer_info()[0]
     if type(numbers) is bytes:
@@ -232,29 +232,30 @@ class Library:
         self._library = ctypes.PyDLL(str(path))  # which keeps the interpreter's lock: a call is short
         self._names, self._kernels = table["names"], table["kernels"]
         self._usual = {full: ctypes.addressof(ctypes.c_char.in_dll(self._library, name)) for full, name in table["usual"].items()}
-        self._codes = {}  # {id of a function: what stands for it in C}
+        self._codes = {}  # {id of a function: address of its C function}
         self._known = {}  # {id of an object: (the object, what C gets for it)}
         self._raised = None
-        self._scratch = ctypes.create_string_buffer(1 << 16)  # the numbers of what has failed
+        self._scratch = ctypes.create_string_buffer(1 << 16)  # an array for C to go on with after a failure
         self._nothing = Object(ctypes.addressof(self._scratch), None, 0)
         self._functions = [
-            kind(function) for kind, function in zip(_CALLBACKS, (self._attribute, self._call, self._given, self._array, self._to_int, self._numbers))
+            kind(function)
+            for kind, function in zip(_CALLBACKS, (self._attribute, self._call, self._address_of_object, self._array, self._to_int, self._numbers))
         ]
         self._context = (ctypes.c_void_p * len(_CALLBACKS))(*[ctypes.cast(each, ctypes.c_void_p).value for each in self._functions])
 
-    def wanted(self):
+    def kernel_names(self):
         """Full names of kernels that are replaced, or that stand for something if they are given as arguments."""
         return self._kernels.keys() | self._usual.keys()
 
     def function(self, full, plain):
-        """What takes the place of a kernel in its module."""
-        made = self._called(full) if full in self._kernels else plain
+        """The function that replaces a kernel in its module."""
+        made = self._make_caller(full) if full in self._kernels else plain
         if full in self._usual:
             self._codes[id(made)] = self._usual[full]
-            self._given(made)
+            self._address_of_object(made)
         return made
 
-    def _called(self, full):
+    def _make_caller(self, full):
         """A function of Python that calls a kernel."""
         name, arguments, returns, objects = self._kernels[full]
         function = self._library[f"pc_{name}"]
@@ -265,14 +266,14 @@ class Library:
         given = ", ".join(["context"] * objects + [form.get(kind, "address({})").format(argument) for argument, kind in arguments])
         call = f"function({given})" if returns != "bool" else f"function({given}) != 0"
         body = f"    return {call}\n" if not objects else f"    result = {call}\n    end()\n    return result\n"
-        space = {"function": function, "address": address, "given": self._given, "context": self._context, "end": self._end}
+        space = {"function": function, "address": address, "given": self._address_of_object, "context": self._context, "end": self._end}
         exec(f"def {full.rpartition('.')[2]}({names}):\n{body}", space)
         return space[full.rpartition(".")[2]]
 
     # --- objects
 
-    def _given(self, value):
-        """Where what C gets for an object lies."""
+    def _address_of_object(self, value):
+        """The address of the struct that C gets for an object."""
         found = self._known.get(id(value))
         if found is None:
             found = self._known[id(value)] = value, Object(None, self._codes.get(id(value)), id(value))
@@ -291,38 +292,38 @@ class Library:
     def _value(self, pointer):
         return self._known[Object.from_address(pointer).number][0]
 
-    def _failed(self, error):
-        """C cannot be left in the middle: it goes on with nothing, and the call raises at its end."""
+    def _note_failure(self, error):
+        """Keep the error for the end of the call, because C cannot raise; C goes on with the object returned."""
         self._raised = self._raised or error
         return ctypes.addressof(self._nothing)
 
     def _attribute(self, pointer, name):
         try:
-            return self._given(getattr(self._value(pointer), self._names[name]))
+            return self._address_of_object(getattr(self._value(pointer), self._names[name]))
         except Exception as error:
-            return self._failed(error)
+            return self._note_failure(error)
 
     def _call(self, pointer, name, count, arguments):
         try:
             function = self._value(pointer) if name < 0 else getattr(self._value(pointer), self._names[name])
-            return self._given(function(*[self._value(arguments[number]) for number in range(count)]))
+            return self._address_of_object(function(*[self._value(arguments[number]) for number in range(count)]))
         except Exception as error:
-            return self._failed(error)
+            return self._note_failure(error)
 
     def _array(self, pointer):
         """The array of the call that lies there, for a function of Python."""
         found = [value for value, made in self._known.values() if made.numbers == pointer]
-        return self._given(found[0]) if found else self._failed(ValueError("no array lies there"))
+        return self._address_of_object(found[0]) if found else self._note_failure(ValueError("no array lies there"))
 
     def _to_int(self, pointer):
         try:
             return self._value(pointer)
         except Exception as error:
-            return self._failed(error) & 0
+            return self._note_failure(error) & 0
 
     def _numbers(self, pointer):
         try:
             return address(self._value(pointer))
         except Exception as error:
-            self._failed(error)
+            self._note_failure(error)
             return ctypes.addressof(self._scratch)

@@ -51,12 +51,12 @@ def page(file):
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as panel:
             try:
                 address = next(found[0] for line in panel.stdout if (found := re.search(r"http://\S+#key=\S+", line)))
-                _taken(address, file)
+                _take_screenshot(address, file)
             finally:
                 panel.terminate()
 
 
-def _taken(address, file):
+def _take_screenshot(address, file):
     import io
 
     from PIL import Image

@@ -21,7 +21,7 @@ EXAMPLE = "router_3axis"
 
 
 def text(name):
-    """What a page of PAGES should hold. Raises Failure if a table cannot be made."""
+    """The text that a page of PAGES should have. Raises Failure if a table cannot be made."""
     path = DOCS / name
     text = path.read_text(encoding="utf-8")
     wanted = "\n".join([BEGIN, "", *PAGES[name](), "", END])

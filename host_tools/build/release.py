@@ -6,7 +6,7 @@
 
 Runs .ci/run, then: kernels' modules, sdist and wheel, a UF2 of each chip, the RP2040's on an emulated Pico, the firmware of each board for mip,
 the site, SBOM, checksums.
-Environments are made anew of the hashes in locks/, and nothing of ~/.cache/passo is used by what is built. PYTHONS names the Pythons in which
+Makes environments anew from the hashes in locks/, and uses nothing of ~/.cache/passo. PYTHONS names the Pythons in which
 the wheel is tried; one that is not there is named, and so is a service that does not answer. The wheel's modules depend on the compiler
 for a Pico (arm-none-eabi-gcc, or else the ziglang of the lock), so the same bytes want the same compiler.
 """
@@ -42,7 +42,7 @@ def main():
     release = Release(OUT)
     release.check(bool(os.environ.get("DRY")))
     for step in (release.clone, release.test, release.prepare, release.packages, release.uf2s, release.mip, release.site, release.bill, release.audit,
-                 release.sums, release.tried):  # fmt: skip
+                 release.sums, release.try_wheel):  # fmt: skip
         started = time.monotonic()
         print(f"-- {step.__name__}", flush=True)
         step()
@@ -55,10 +55,10 @@ class Release:
         self.assets = out / "assets"
         self._out, self._clone, self._again, self._tools = out, out / "passo", out / "again", out / "tools"
         self._python = python_of(self._tools)
-        self._commit_s = int(said("git", "log", "-1", "--format=%ct", folder=ROOT))
+        self._commit_s = int(output_of("git", "log", "-1", "--format=%ct", folder=ROOT))
         kept = {name: value for name, value in interpreter.environment().items() if name not in ("VIRTUAL_ENV", "PASSO_KERNELS", "DRY")}
         self._user = kept
-        cache = os.environ.get("PIP_CACHE_DIR") or Path.home() / ".cache" / "pip"  # what comes out of it is checked by its hash
+        cache = os.environ.get("PIP_CACHE_DIR") or Path.home() / ".cache" / "pip"  # pip checks every file of it by its hash
         self._clean = {name: value for name, value in kept.items() if not name.startswith(("PASSO_", "MAKE", "MFLAGS", "XDG_"))}
         self._clean |= {
             "HOME": str(out / "home"), "PIP_CACHE_DIR": str(cache), "SOURCE_DATE_EPOCH": str(self._commit_s), "LANG": "C.UTF-8",
@@ -70,9 +70,9 @@ class Release:
         tag = f"v{version()}"
         if not (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").split("\n## ", 1)[1].startswith(version()):
             raise Failure("CHANGELOG.md does not begin with version {}", version())
-        if said("git", "status", "--porcelain", folder=ROOT):
+        if output_of("git", "status", "--porcelain", folder=ROOT):
             print(_("what is not committed is not in it"))
-        if tag not in said("git", "tag", "--points-at", "HEAD", folder=ROOT).split():
+        if tag not in output_of("git", "tag", "--points-at", "HEAD", folder=ROOT).split():
             if not dry:
                 raise Failure("this commit has no tag {}: git tag -s {}, or DRY=1", tag, tag)
             print(_("no tag {} here: a try", tag))
@@ -128,20 +128,20 @@ class Release:
                 print(_("not for mip: {}", str(failure).splitlines()[-1]))
                 shutil.rmtree(self._clone / "build" / board, ignore_errors=True)
         built = [path for path in sorted((self._clone / "build").iterdir()) if (path / "package.json").is_file()]
-        zipped(built, self.assets / f"passo-{version()}-mip.zip", self._commit_s)
+        write_zip(built, self.assets / f"passo-{version()}-mip.zip", self._commit_s)
 
     def site(self):
         self._module("host_tools.cli.main", "site", "--out", "build/site")
-        zipped([self._clone / "build" / "site"], self.assets / f"passo-{version()}-site.zip", self._commit_s)
+        write_zip([self._clone / "build" / "site"], self.assets / f"passo-{version()}-site.zip", self._commit_s)
 
     def bill(self):
-        """The SBOM: what is installed by the lock, with licences."""
+        """Write the SBOM: the packages that the lock installs, with licences."""
         target = self.assets / f"passo-{version()}.cdx.json"
         run(str(self._python), "-m", "cyclonedx_py", "environment", "--output-reproducible", "--pyproject", "pyproject.toml", "-o", str(target),
             str(self._python), folder=self._clone, environment=self._clean)  # fmt: skip
 
     def audit(self):
-        """Known holes of what is installed. Raises Failure if there is one."""
+        """Look for known holes of the installed packages. Raises Failure if there is one."""
         command = [str(self._python), "-m", "pip_audit", "--disable-pip", "--require-hashes", "--progress-spinner", "off", "--timeout", "20"]
         command += ["-r", "locks/test.txt", "-r", "locks/release.txt"]
         done = subprocess.run(command, cwd=self._clone, env=self._clean, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=600)
@@ -160,8 +160,8 @@ class Release:
         (self.assets / "SHA256SUMS").write_text("".join(rows), encoding="ascii")
         print("".join(rows), end="")
 
-    def tried(self):
-        """The wheel, as pip installs it for anybody, in each Python that is there; it also proves the UF2 of an RP2040, if one was built."""
+    def try_wheel(self):
+        """Install the wheel by pip in each Python of PYTHONS, and run try_installed there; with the UF2 of an RP2040, if one was built."""
         wheel, = self.assets.glob("*.whl")
         uf2 = [str(path) for path in self.assets.glob("passo-rp2040-*.uf2")]
         for name in os.environ.get("PYTHONS", PYTHONS).split():
@@ -197,7 +197,7 @@ def run(*command, environment, folder=ROOT):
         raise Failure("{} ended with {}: {}", " ".join(command[:4]), process.returncode, "".join(lines).strip())
 
 
-def said(*command, folder):
+def output_of(*command, folder):
     return subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
 
 
@@ -205,8 +205,8 @@ def digest(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def zipped(folders, target, when_s):
-    """A zip file of these folders whose bytes are those of their files: in order, with one time and one mode."""
+def write_zip(folders, target, when_s):
+    """Write the files of these folders to a zip file, sorted, with one time and one mode: equal files give equal bytes."""
     with zipfile.ZipFile(target, "w") as file:
         for path in sorted(path for folder in folders for path in folder.rglob("*") if path.is_file()):
             folder = next(folder for folder in folders if path.is_relative_to(folder))

@@ -1,9 +1,9 @@
-"""Makes the modules of machine code that a release brings along: who builds with them needs no compiler.
+"""Makes the modules of machine code that are in a release: builds that find them need no compiler.
 
     python -m host_tools.build.ship       # compiles into host_tools/kernels/modules; then: pip wheel --no-deps .
 
-For each board file of boards/, on each chip for which there is a compiler. A board file of somebody's own finds them too: what it
-may ask for decides little about kernels. module.py takes the one whose name is the hash of its C.
+For each board file of boards/, on each chip for which there is a compiler. Most other board files find them too, because few keys change a kernel.
+module.py takes the file whose name is the hash of its C.
 """
 
 import sys
@@ -19,7 +19,7 @@ from host_tools.language import _
 CHIPS = "rp2040", "rp2350", "esp32c3"  # one of each instruction set
 
 
-def wanted(names, chips=CHIPS):
+def modules_of(names, chips=CHIPS):
     """{name of file: (C, names, instruction set)} of all modules of these boards."""
     found = {}
     for board in names:
@@ -27,21 +27,21 @@ def wanted(names, chips=CHIPS):
             try:
                 program, groups = kernels_of(board, chip)
             except Failure:
-                continue  # such a board there is not on this chip
+                continue  # the board cannot have this chip
             for _group, kernels in groups:
                 unit = Unit(program, kernels)
                 given = unit.text(RUNTIME), unit.names, MARCH[chip]
-                found[modules.shipped_name(*given)] = given
+                found[modules.file_name_of(*given)] = given
     return found
 
 
 def ship(names, folder=modules.SHIPPED, chips=CHIPS):
-    """Compile the modules of these boards into a folder, and nothing else; returns {name of file: what has compiled it}. Raises Failure
+    """Compile the modules of these boards into a folder, and remove all others; returns {name of file: compiler}. Raises Failure
     if there is no compiler for one."""
     folder.mkdir(parents=True, exist_ok=True)
     by = {}
-    for name, (text, kernel_names, march) in wanted(names, chips).items():
-        made = modules.compiled_here(text, kernel_names, march)
+    for name, (text, kernel_names, march) in modules_of(names, chips).items():
+        made = modules.compile_here(text, kernel_names, march)
         if made is None:
             raise Failure("nothing here compiles kernels for {}: pip install 'passo[kernels]'", march)
         (folder / name).write_bytes(made.data)

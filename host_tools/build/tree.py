@@ -7,9 +7,9 @@
     build/plotter_2014/package.json     the same for mip, which installs all of it with target /
 
 Constants are compiled as numbers (constants.py), so a module that was changed goes over with a new build, not alone.
-Nothing is left for the board's own compiler but main.py and board.py, which have no machine code: so a board with an
-interpreter of 1.26 or 1.27, whose compiler for viper is wrong, runs what a right mpy-cross has compiled.
-Left out: ports of other chips and the virtual one, languages that no link of the board speaks, and what only they use.
+The board itself compiles only main.py and board.py, which have no machine code. So a board with an interpreter of 1.26 or 1.27, whose compiler for
+viper is wrong, runs right code. The build leaves out the ports of other chips and of the PC, the languages that no link of the board speaks, and
+modules that only these use.
 """
 
 import ast
@@ -28,8 +28,8 @@ from passo.config.boardfile import check
 
 from host_tools import boards
 from host_tools.build import mpy, pages
-from host_tools.build.constants import forms, numbered_only, short
-from host_tools.build.kept import kept
+from host_tools.build.constants import forms, fold_in_place, short
+from host_tools.build.build_cache import load_or_make
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
@@ -53,7 +53,7 @@ MARCH = {
     "esp32c6": "rv32imc",
 }
 # The first mpy-cross whose viper code can be trusted: 1.26 and 1.27 overwrite the register of the index in `words[i] = …`
-# on Thumb and RV32 (MicroPython #18800, mended by #18821), and what is stored then goes anywhere.
+# on Thumb and RV32 (MicroPython #18800, mended by #18821), and the store goes to a wrong address.
 OLDEST_COMPILER = 1, 28
 # The chip whose code runs from its files in flash (passo/ports/rp2/flash_code.py); of the native code only what a stream of
 # lines seldom calls: from flash it runs at half the speed.
@@ -138,8 +138,8 @@ def option_of(path):
 
 
 def options_of(board, firmware=FIRMWARE):
-    """The options whose keys a board file has, or that the languages of its links ask for, those whose files these share, and None, for what
-    is no option's. Raises Failure if there is not what a language asks for."""
+    """The options that a board file, or a language of its links, asks for; the options whose files these share; and None, which stands for the
+    modules of no option. Raises Failure if a language asks for an option that is not there."""
     found = {None}
     asked = [key for key in [*board, *asked_by_value(board)] if (firmware / OPTIONS / key / MANIFEST).is_file()]
     for language in {link["protocol"] for link in board.get("links", [])}:
@@ -155,7 +155,7 @@ def options_of(board, firmware=FIRMWARE):
         key = asked.pop()
         if key not in found:
             found.add(key)
-            asked += _shared((firmware / OPTIONS / key / MANIFEST).read_text(encoding="utf-8"))
+            asked += _shares_of((firmware / OPTIONS / key / MANIFEST).read_text(encoding="utf-8"))
     return found
 
 
@@ -165,7 +165,7 @@ def options_asked(text):
 
 
 @lru_cache(maxsize=64)
-def _shared(manifest):
+def _shares_of(manifest):
     """SHARES of an option's manifest: the options whose files it shares."""
     values = [node.value for node in ast.parse(manifest).body if isinstance(node, ast.Assign) and node.targets[0].id == "SHARES"]
     return ast.literal_eval(values[0]) if values else ()
@@ -221,17 +221,17 @@ def features_named(tree):
     return found
 
 
-def spared_features(board):
-    """Features that nothing in the board file asks for: left out where a network takes the room of the flash."""
+def features_to_spare(board):
+    """Features that no key of the board file asks for. Left out if the board has a network, whose code takes their room in flash."""
     if not board.get("network"):
         return frozenset()
     checked = check(copy.deepcopy(board))
     return frozenset(name for name, _, rule in machine_builder.FEATURES if rule and not rule(checked))
 
 
-def selected(board, firmware=FIRMWARE, spared=None):
-    """The modules that `board` needs, without those of the features `spared`; None: of those that it spares. Raises Failure for a chip or
-    a protocol that there is not."""
+def select_modules(board, firmware=FIRMWARE, spared=None):
+    """Paths of the modules that `board` needs, sorted, without those of the features `spared` (None: features_to_spare()). Raises Failure if the
+    chip or a protocol is unknown."""
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     laser = (board.get("spindle") or {}).get("laser")
@@ -255,7 +255,7 @@ def selected(board, firmware=FIRMWARE, spared=None):
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {BROKER, ERROR_TEXTS} if board["network"].get("broker") else set()
-    spared = spared_features(board) if spared is None else spared
+    spared = features_to_spare(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))
     while queue:
@@ -299,7 +299,7 @@ def unix_tree(firmware=FIRMWARE, march=None):
         out.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out.parent) as folder:
             made = Path(folder) / "made"
-            for name, data in _unix_files(numbered_only(texts), compiler and march).items():
+            for name, data in _unix_files(fold_in_place(texts), compiler and march).items():
                 (made / name).parent.mkdir(parents=True, exist_ok=True)
                 (made / name).write_bytes(data)
             try:
@@ -314,8 +314,8 @@ def _unix_files(texts, march):
     """{path: bytes} of texts with numbers for constants."""
     compiled = {}
     if march:
-        texts, compiled, *_ = kernels.compiled(texts, texts, ACCELERATES, march, keep=True)
-    return {**{path: text.encode() for path, text in inline.inlined(texts, keep=True).items()}, **compiled}
+        texts, compiled, *_ = kernels.compile_kernels(texts, texts, ACCELERATES, march, keep=True)
+    return {**{path: text.encode() for path, text in inline.inline_kernels(texts, keep=True).items()}, **compiled}
 
 
 def compile_module(source, target, march, shown_as):
@@ -334,10 +334,10 @@ def compile_module(source, target, march, shown_as):
 @lru_cache(maxsize=1024)
 def _module(text, march, shown_as):
     """The bytes of a module that compile_module() makes; boards share most of them."""
-    return kept((text, march, str(shown_as)), lambda: _compiled(text, march, shown_as))
+    return load_or_make((text, march, str(shown_as)), lambda: _compile(text, march, shown_as))
 
 
-def _compiled(text, march, shown_as):
+def _compile(text, march, shown_as):
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
         source.write_text(text, encoding="utf-8")
@@ -349,14 +349,14 @@ def kernels_of(name, chip=None, firmware=FIRMWARE):
     """The kernels of a board's build as kernels.build has them: a Program, and groups() of it; `chip`: as if the board had this one.
     Raises Failure if it cannot have."""
     board = {**boards.load(name)}
-    spared = spared_features(board)  # before it has another chip, on which it might be refused for its pins or its clock
+    spared = features_to_spare(board)  # before it has another chip, on which it might be refused for its pins or its clock
     board["chip"] = chip or board["chip"]
-    texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in selected(board, firmware, spared)}
-    program = Program(numbered_only(texts))
-    return program, kernels.groups(program, board, _left(board))
+    texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in select_modules(board, firmware, spared)}
+    program = Program(fold_in_place(texts))
+    return program, kernels.groups(program, board, _viper_modules(board))
 
 
-def _left(board):
+def _viper_modules(board):
     """Paths of modules whose kernels viper compiles."""
     return [path for path in COLD if path not in QUICK] if board["chip"] == IN_PLACE else ()
 
@@ -366,7 +366,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     compiled its kernels. It is no package for mip until write_package()."""
     board_file = boards.board_py(name)
     board = boards.load(name)
-    files = selected(board, firmware)
+    files = select_modules(board, firmware)
     main = source_of(Path("main.py"), firmware)
     if not main.is_file():
         raise Failure("there is no {}", main)
@@ -378,7 +378,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     rows = []
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
-    texts, compiled = _made(sources, board, march)
+    texts, compiled = _compile_sources(sources, board, march)
     if by is not None:
         by += compiled.by
         by += [_("and {} words look like pointers: the collector may keep garbage for them", compiled.pointers)] if compiled.pointers else []
@@ -410,15 +410,15 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     return rows
 
 
-def _made(sources, board, march):
+def _compile_sources(sources, board, march):
     """(texts of modules as they are compiled, kernels.Compiled) of a board's sources."""
-    left = _left(board)
+    left = _viper_modules(board)
 
     def make():
-        compiled = kernels.compiled(*forms(sources), board, march, left)
-        return inline.inlined(short(compiled.texts)), compiled._replace(texts={})
+        compiled = kernels.compile_kernels(*forms(sources), board, march, left)
+        return inline.inline_kernels(short(compiled.texts)), compiled._replace(texts={})
 
-    return kept((sorted(sources.items()), kernels.accelerates(board), march, left, modules.origin(march)), make)
+    return load_or_make((sorted(sources.items()), kernels.accelerates(board), march, left, modules.origin(march)), make)
 
 
 def _check_flash(board, out):
@@ -436,8 +436,8 @@ def _check_flash(board, out):
 
 
 def write_stamp(out):
-    """What tells this build from any other: Passo's version, and eight hexadecimal digits of all its files. With more digits a start of
-    plotter_2014 or laser_fast on stock MicroPython was seen to take 4 kB more."""
+    """Write the build's stamp: Passo's version, and eight hexadecimal digits of the hash of all its files. With more digits plotter_2014 and
+    laser_fast took 4 kB more at the start of stock MicroPython."""
     digest = hashlib.sha256()
     for path in sorted(path for path in out.rglob("*") if path.is_file() and path.name not in (STAMP, PACKAGE)):
         digest.update(path.relative_to(out).as_posix().encode() + b"\0" + path.read_bytes())
@@ -446,9 +446,9 @@ def write_stamp(out):
 
 
 def write_package(out):
-    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder. The stamp is spoilt
-    first, by a text that is none, and comes last; main.py, which compares it, comes second: so a copy cut short is told from a whole one,
-    whatever was on the board."""
+    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder. The first row overwrites the
+    board's stamp with main.py's text, the last one brings the stamp; main.py, which compares it, is second. So main.py finds a copy that was cut
+    short, whatever was on the board before."""
     names = ["main.py", "board.py", *sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*")), STAMP]
     package = {"urls": [[STAMP, "main.py"], *([name, name] for name in names)], "deps": []}
     (out / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")

@@ -1,10 +1,10 @@
-"""What a newcomer does first with an installed Passo, on any system: run it by that installation's Python.
+"""The first commands of a newcomer with an installed Passo, on any system: run it by that installation's Python.
 
     python -m host_tools.build.try_installed [UF2]
 
 Wants the extra `draw`. With Passo's UF2 of an RP2040 `passo prove` measures an emulated Pico that runs it; this wants the extra `emulate`, and a C
-compiler to be done in two minutes. The virtual board and what stands on it (a port of its own, the demo) want Linux or macOS; elsewhere they are
-left out. What is left out is said. Every wait has an end.
+compiler to be done in two minutes. The virtual board and what stands on it (a port of its own, the demo) want Linux or macOS; elsewhere it leaves
+them out, and names them. Every wait has an end.
 """
 
 import os
@@ -58,7 +58,7 @@ def command(*words):
 
 
 def passo(*words, wait_s=WAIT_S):
-    """What a command prints. Raises Failure if it fails."""
+    """The output of a command. Raises Failure if it fails."""
     print("$ passo", *words, flush=True)
     done = subprocess.run(command(*words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, timeout=wait_s)
     if done.returncode:
@@ -67,7 +67,7 @@ def passo(*words, wait_s=WAIT_S):
 
 
 class Started:
-    """A command that goes on until it is left; `found`: what it has printed that matches."""
+    """A command that runs until its `with` block ends; `found`: the match in its output."""
 
     def __init__(self, wanted, *words):
         print("$ passo", *words, flush=True)

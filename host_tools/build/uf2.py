@@ -3,11 +3,11 @@
     make uf2 CHIP=rp2040 MICROPYTHON=~/micropython      # ~/.cache/passo/passo-rp2040-STAMP.uf2
     .venv/bin/python -m host_tools.build.uf2 rp2040_w
 
-MicroPython is the checkout that MICROPYTHON= names, with its submodules, or is cloned to ~/.cache/passo. Nothing in it is changed:
-its board's definition is included by ours, which says how large the file system is; what its tools write is mended on the way.
-CMake, make, git and arm-none-eabi-gcc (Debian: gcc-arm-none-eabi, libnewlib-arm-none-eabi) are wanted.
+MicroPython is the checkout that MICROPYTHON= names, with its submodules, or is cloned to ~/.cache/passo. The checkout stays as it is: our board's
+definition includes its own and sets the size of the file system; mend_frozen_code() corrects the output of its tools. Needs CMake, make, git and
+arm-none-eabi-gcc (Debian: gcc-arm-none-eabi, libnewlib-arm-none-eabi).
 
-In MicroPython 1.27 mpy-tool aligns frozen Thumb code to 2 bytes, and an RP2040 faults when words are read of it: 4.
+In MicroPython 1.27 mpy-tool aligns frozen Thumb code to 2 bytes. An RP2040 faults when it reads words of it, so 4 it is.
 """
 
 import os
@@ -53,10 +53,10 @@ _HOT = Path(__file__).with_name("hot.txt")
 _IN_MEMORY = "*gc.c.obj *vm.c.obj *parse.c.obj", "*/py/bc.c.o"
 _MANIFEST = """import sys
 sys.path.insert(0, {project!r})
-from host_tools.build.uf2 import mended
+from host_tools.build.uf2 import mend_frozen_code
 tools = sys.modules["__main__"]
 run = tools.system
-tools.system = lambda command: mended(*run(command))
+tools.system = lambda command: mend_frozen_code(*run(command))
 freeze_mpy({tree!r})  # first: they are looked for one after the other
 include("$(PORT_DIR)/boards/manifest.py")
 require("sdcard")
@@ -70,13 +70,13 @@ def main():
 
 
 def path_of(name):
-    """Where the UF2 of a chip is kept: PASSO_UF2_FROZEN names the file, or a folder for several."""
+    """Path of the UF2 of a chip: PASSO_UF2_FROZEN names the file, or a folder for several."""
     named = Path(os.environ.get("PASSO_UF2_FROZEN", CACHE)).expanduser()
     return named if named.suffix == ".uf2" else named / f"passo-{name}-{stamp(name)}.uf2"
 
 
-def told_by(path):
-    """(chip, stamp) of a UF2 of ours, from its last block; None of another file."""
+def label_of(path):
+    """(chip, stamp) of Passo's UF2, from its last block; None if the file is another."""
     last = Path(path).read_bytes()[-BLOCK_BYTES:]
     if len(last) != BLOCK_BYTES or struct.unpack_from("<I", last, 32)[0] != MARK:
         return None
@@ -94,7 +94,7 @@ def build(name, out=None):
     shutil.rmtree(folder / "frozen", ignore_errors=True)
     frozen_tree(name, folder / "frozen")
     write_board(chip, folder, source)
-    compiled(chip, folder, source)
+    run_cmake(chip, folder, source)
     data = uf2_of(chip, (folder / "made" / "firmware.bin").read_bytes())
     target = path_of(name)
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -122,7 +122,7 @@ def source_folder():
 
 
 def write_board(chip, folder, source):
-    """The board's definition, as MicroPython wants it. What has not changed is not written: it would all be compiled anew."""
+    """Write the board's definition for MicroPython. Leaves unchanged files alone, because make would compile all of MicroPython anew."""
     port = source / "ports" / "rp2"
     stock = port / "boards" / chip.board
     texts = {
@@ -132,7 +132,7 @@ def write_board(chip, folder, source):
         "manifest.py": _MANIFEST.format(project=str(Path(__file__).parents[2]), tree=str(folder / "frozen")),
     }
     script = f"memmap_mp_{chip.mcu}.ld"
-    texts[script] = linked((port / script).read_text())
+    texts[script] = arrange_linker_script((port / script).read_text())
     board = folder / "board"
     board.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
@@ -140,8 +140,8 @@ def write_board(chip, folder, source):
             (board / name).write_text(text)
 
 
-def linked(script):
-    """The linker's script with what is read most side by side, for the flash cache: 37 % fewer misses in a stream of lines."""
+def arrange_linker_script(script):
+    """The linker's script with the sections of hot() side by side, for the flash cache: 37 % fewer misses in a stream of lines."""
     for before, after in (_IN_MEMORY, ("        *(EXCLUDE_FILE(", "".join(f"        *({name})\n" for name in hot()) + "        *(EXCLUDE_FILE(")):
         assert before in script
         script = script.replace(before, after, 1)
@@ -153,8 +153,8 @@ def hot():
     return _HOT.read_text().split()
 
 
-def compiled(chip, folder, source):
-    """CMake's build in folder/made."""
+def run_cmake(chip, folder, source):
+    """Build by CMake in folder/made. Raises Failure if a tool is missing."""
     if shutil.which("cmake") is None or shutil.which("arm-none-eabi-gcc") is None:
         raise Failure("cmake and arm-none-eabi-gcc are wanted: apt-get install cmake gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib")
     made = folder / "made"
@@ -179,8 +179,9 @@ def run(command, folder=None, **more):
         raise Failure("{} ended with {}:\n{}", " ".join(command[:4]), done.returncode, "\n".join(done.stdout.splitlines()[-20:]))
 
 
-def mended(status, text, memory=MEMORY):
-    """What mpy-tool has written, with machine code that begins at words, and with hot code in memory: functions named `memory`."""
+def mend_frozen_code(status, text, memory=MEMORY):
+    """The output of mpy-tool with its machine code aligned to words, and the functions named `memory` in RAM. `status`: returned unchanged. Raises
+    Failure if one of them is not there."""
     head, *functions = text.replace(b"aligned (2)", b"aligned (4)").split(_FUNCTION)
     if functions and any(text.count(f" passo_{name}\n".encode()) != 1 for name in memory):
         raise Failure("no such functions: {}", ", ".join(memory))
@@ -188,7 +189,7 @@ def mended(status, text, memory=MEMORY):
 
 
 def in_section(function, memory):
-    """Machine code in a section of its own name, or of what is copied into memory."""
+    """The C of machine code, put into a section of its own name, or into the section that the start copies into memory."""
     scope = function.split(b"\n", 1)[0].rpartition(b" passo_")[2].decode()
     name = re.search(rb"static const byte (\w+)", function)[1]
     section = b".time_critical.passo," if scope in memory else b".text." + name + b","

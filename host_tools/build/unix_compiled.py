@@ -1,6 +1,6 @@
 """unix_tree() with each module compiled by mpy-cross, so that MicroPython on a PC starts the firmware in 25 ms instead of 130.
 
-    folder, arguments = compiled_with(["micropython"], "…/job_runner.py")      # where it starts, and what stands behind `micropython`
+    folder, arguments = firmware_for(["micropython"], "…/job_runner.py")      # where it starts, and what stands behind `micropython`
 
 Made once for each state of the source, in a second, beside unix_tree()'s. Only where mpy-cross makes what this MicroPython loads:
 .mpy files of one version, and x64; elsewhere sources are started.
@@ -24,7 +24,7 @@ _X64 = 2  # MicroPython's number of it
 
 
 @lru_cache(maxsize=None)
-def compiled_with(command, script):
+def firmware_for(command, script):
     """(folder of the firmware, arguments of `command`, a tuple that runs MicroPython, which start `script` with it). Looked up once a
     process, which itself has one state of the firmware loaded: listing and reading it takes 16 ms."""
     source, script = unix_tree(), Path(script)

@@ -9,7 +9,7 @@ from host_tools import boards
 from host_tools.build.budget import check_module
 from host_tools.build.tree import MARCH, build_tree, default_out, kernels_of, write_package
 from host_tools.failure import Failure, reason
-from host_tools.kernels.build import shown
+from host_tools.kernels.build import c_of
 from host_tools.kernels.module import ARCHITECTURE
 from host_tools.language import _
 from host_tools.switches import print_cautions
@@ -54,7 +54,7 @@ def print_budget(name):
 def print_kernel(board, name):
     """Raises Failure if no kernel of the board's build is called so."""
     program, groups = kernels_of(board)
-    text = shown(program, groups, name)
+    text = c_of(program, groups, name)
     if not text:
         raise Failure("{} has no kernel {}; there are {}", board, name, ", ".join(sorted({kernel.name for kernel in program.kernels.values()})))
     print(text)

@@ -17,7 +17,7 @@ from pathlib import Path
 
 from host_tools import interpreter
 from host_tools.build.frozen import CHIPS
-from host_tools.build.uf2 import told_by
+from host_tools.build.uf2 import label_of
 from host_tools.emulator.filesystem import location
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -164,9 +164,9 @@ def drive_of():
 
 
 def check_file(path):
-    """What a UF2 holds, as told_by(): None is MicroPython as it comes. Raises Failure if it is not whole."""
+    """What a UF2 holds, as label_of(): None is MicroPython as it comes. Raises Failure if it is not whole."""
     if not path.is_file():
         raise Failure("no file {}", path)
     if not is_whole(path.read_bytes()):
         raise Failure("{} is no whole UF2", path)
-    return told_by(path)
+    return label_of(path)

@@ -52,14 +52,14 @@ def prove(
 
     if (port is None) == (emulated is None):
         raise Failure("which board? Give --port, or --emulated BOARD")
-    wanted = Wanted.checked(analyser, first_pin, rate, trigger, play) if analyser else None
+    wanted = Wanted.from_words(analyser, first_pin, rate, trigger, play) if analyser else None
     if lines:
         end_with_stdin()
     connection, raw = connected(port, emulated, uf2, named=not wanted or play)
     with connection as board:
         pins = yes_drivers or not lines and (bool(emulated) or (not wanted or play) and asked(raw))
         if wanted:
-            print(wanted.taken(board, raw, pins))
+            print(wanted.record_to_file(board, raw, pins))
             return
         worse = proven(board, raw, pins, report, json, picture, lines)
     if worse:

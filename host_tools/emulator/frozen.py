@@ -7,7 +7,7 @@
 
 from host_tools import boards
 from host_tools.build.frozen import stamp
-from host_tools.build.uf2 import path_of, told_by
+from host_tools.build.uf2 import path_of, label_of
 from host_tools.emulator.binary import Unavailable, checked
 from host_tools.emulator.gcode import line_of_memory
 from host_tools.emulator.heap import Heap
@@ -32,7 +32,7 @@ def find_frozen(name):
     path = path_of(name)
     if not path.is_file():
         raise Unavailable("there is no UF2 of this source for the {0}: make uf2 CHIP={0}", name)
-    if told_by(path) != (name, stamp(name)):
+    if label_of(path) != (name, stamp(name)):
         raise Unavailable("{0} is not the UF2 of this source for the {1}: make uf2 CHIP={1}", path, name)
     return checked(path)
 

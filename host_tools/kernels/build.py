@@ -1,7 +1,7 @@
 """The kernels of one board's build: which go together into a module, and the texts without them.
 
-    made = compiled(*forms(texts), board, march)      # of build/constants.py: private names are still as they are
-    made.texts, made.modules, made.by       # {path: text}; {path of .mpy: bytes}; what compiled them: [] is viper
+    made = compile_kernels(*forms(texts), board, march)      # forms() of build/constants.py: private names are still whole
+    made.texts, made.modules, made.by       # {path: text}; {path of .mpy: bytes}; names of the compilers, [] is viper
     made.pointers                           # words of machine code that the collector takes for pointers
 """
 
@@ -16,14 +16,14 @@ from host_tools.kernels.program import Program
 from host_tools.kernels.unit import Unit
 
 RUNTIME = (Path(__file__).parent / "runtime.c").read_text(encoding="utf-8")
-# What is loaded together is one module, for calls within it are C's; all else is a module of its own.
+# Kernels that are loaded together are one module, because calls within it are C's; any other module of Python has one of its own.
 STEPS = (
     "passo.steps.segments_viper", "passo.steps.pace_viper", "passo.steps.position_viper", "passo.motion.line_viper", "passo.motion.row_viper",
     "passo.motion.integers", "passo.ports.rp2.pio_player",
     "passo.steps.dots_viper", "passo.steps.power",
 )  # fmt: skip
-PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
-LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's
+PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and their imports
+LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # they call kernels of the planner
 # In a UF2 these kernels are one module, which is copied into memory. The other kernels of `steps`, and those of a laser's dots, stay in flash.
 HOT = (
     "passo.motion.block_viper.plan_block", "passo.motion.look_ahead_viper.plan_lines", "passo.motion.ramp_viper.begin", "passo.motion.ramp_viper.cut",
@@ -44,7 +44,7 @@ def accelerates(board):
 def groups(program, board, left=(), keep=False, frozen=False):
     """Return [(name of a module, its kernels)]. `keep`: include kernels that only other kernels call. `frozen`: group them as the UF2 does,
     where code that runs seldom stays in flash (STAYING)."""
-    plan, planned = program.loaded_with(PLAN), accelerates(board)
+    plan, planned = program.modules_loaded_with(PLAN), accelerates(board)
 
     def group(kernel):
         module = kernel.module
@@ -66,7 +66,7 @@ def groups(program, board, left=(), keep=False, frozen=False):
     return sorted(found.items())
 
 
-def compiled(numbered, texts, board, march, left=(), keep=False, frozen=False):
+def compile_kernels(numbered, texts, board, march, left=(), keep=False, frozen=False):
     """`numbered`: the same texts with numbers for constants, and all other names as they are; `left`: paths of modules that are left
     to viper; `keep`: every kernel can still be called from Python, for tests call each; `frozen`: as in groups()."""
     program = Program(numbered)
@@ -109,8 +109,8 @@ def _staying(program, compiled, imports):
     return found
 
 
-def shown(program, groups, name):
-    """The C of the kernels of a name, or of what ends in `.name`; an empty text if there is none."""
+def c_of(program, groups, name):
+    """The C of the kernels whose full name is, or ends in, `.name`; an empty text if there is none."""
     units = [Unit(program, kernels) for _, kernels in groups]
     for unit in units:
         unit.text("")

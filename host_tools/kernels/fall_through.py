@@ -2,12 +2,12 @@
 
 import ast
 
-from host_tools.kernels.program import BOOL, INT, LOOPS, OBJECT, ordered
+from host_tools.kernels.program import BOOL, INT, LOOPS, OBJECT, statements_of
 
 
 def returns(nodes):
-    """Whether any of the statements, or what is in them, returns."""
-    return any(isinstance(each, ast.Return) for each in ordered(nodes))
+    """Whether any of the statements, or a statement inside them, returns."""
+    return any(isinstance(each, ast.Return) for each in statements_of(nodes))
 
 
 def always_returns(nodes):
@@ -28,15 +28,15 @@ def cast(kind, node):
 
 
 class FallThrough:
-    """`caller` has local() and kind(); `result`: its local for what is returned, or None."""
+    """`caller` has local() and kind(); `result`: its local for the returned value, or None."""
 
     def __init__(self, caller, result):
         self.caller, self.result = caller, result
 
-    def made(self, nodes):
-        return self._fallen(nodes)[0]
+    def flatten(self, nodes):
+        return self._flatten(nodes)[0]
 
-    def _fallen(self, nodes, flag=None):
+    def _flatten(self, nodes, flag=None):
         """Statements that go on behind their end where they returned: (statements, flag), the flag being 1 after a return in a
         loop, or in an if of which neither way always returns."""
         out = []
@@ -60,20 +60,20 @@ class FallThrough:
                     orelse = orelse + rest
                 elif always_returns(orelse):
                     body = body + rest
-                body, orelse = self._fallen(body)[0], self._fallen(orelse)[0]
+                body, orelse = self._flatten(body)[0], self._flatten(orelse)[0]
                 out.append(ast.If(node.test, body or [ast.Pass()], orelse))
                 return out, flag
             mark = flag or self.caller.local(INT)
             if flag is None:
                 out.append(assign(mark, ast.Constant(0)))
             if isinstance(node, ast.If):
-                node.body = self._fallen(node.body, mark)[0] or [ast.Pass()]
-                node.orelse = self._fallen(node.orelse, mark)[0]
+                node.body = self._flatten(node.body, mark)[0] or [ast.Pass()]
+                node.orelse = self._flatten(node.orelse, mark)[0]
             else:
                 node.body = self._in_loop(node.body, mark)
             out.append(node)
             if rest:
-                out.append(ast.If(ast.UnaryOp(ast.Not(), name(mark)), self._fallen(rest, mark)[0], []))
+                out.append(ast.If(ast.UnaryOp(ast.Not(), name(mark)), self._flatten(rest, mark)[0], []))
             return out, mark
         return out, flag
 
@@ -82,7 +82,7 @@ class FallThrough:
         out = []
         for number, node in enumerate(nodes):
             if isinstance(node, ast.Return):
-                return out + self._fallen([node], mark)[0] + [ast.Break()]
+                return out + self._flatten([node], mark)[0] + [ast.Break()]
             if isinstance(node, ast.If) and returns([node]):
                 node.body = self._in_loop(node.body, mark)
                 node.orelse = self._in_loop(node.orelse, mark)

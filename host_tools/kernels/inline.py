@@ -1,13 +1,13 @@
 """Puts the text of short kernels where other kernels call them: viper's calls cost 15 to 26 µs each, on a chip that has no
 other compiler.
 
-    texts = inlined(texts)               # {path: folded text} of a build
-    texts = inlined(texts, keep=True)    # the same, and what has been put into others can still be called from Python
+    texts = inline_kernels(texts)               # {path: folded text} of a build
+    texts = inline_kernels(texts, keep=True)    # the same, and what has been put into others can still be called from Python
 
 A kernel goes into those that call it if it has few statements; a longer one if kernels call it in one place, or only kernels, in few.
-None goes in that is large with all that is in it: a board has to find memory for a function in one piece.
-Its arguments and locals become locals of the caller, `return` an assignment, and what Python
-evaluates before the call is kept in a local. A kernel that only kernels call is left out of its module then.
+A kernel above LARGEST statements, inlined ones included, stays a call: a board needs the memory of a function in one piece.
+Its arguments and locals become locals of the caller, `return` an assignment, and values that Python computes before the call become locals. A
+kernel that only kernels call is left out of its module then.
 
 A changed kernel goes to the end of its module, so that all other lines keep their numbers.
 """
@@ -17,7 +17,7 @@ import builtins
 import copy
 
 from host_tools.kernels.fall_through import FallThrough, assign, cast, name, returns
-from host_tools.kernels.program import INT, LOOPS, OBJECT, POINTERS, Program, ordered, parsed
+from host_tools.kernels.program import INT, LOOPS, OBJECT, POINTERS, Program, statements_of, tree_of
 
 SMALL = 1 << 30
 # Statements that a kernel may have to go in anywhere; that it may have if kernels call it in one place; that all copies but the first may
@@ -25,9 +25,9 @@ SMALL = 1 << 30
 FEW, ONCE, COPIES, LARGEST = 12, 23, 30, 180
 
 
-def inlined(texts, keep=False):
+def inline_kernels(texts, keep=False):
     program = Program(texts)
-    chosen = _chosen(program)
+    chosen = _kernels_to_inline(program)
     made, under_way = {}, []
 
     def make(kernel):
@@ -47,11 +47,11 @@ def inlined(texts, keep=False):
         path = program.paths[module]
         mine = [kernel for kernel in program.kernels.values() if kernel.path == path]
         gone = set() if keep else {full for full, only in chosen.items() if only}
-        out[path] = _edited(program, module, texts[path], mine, made, gone)
+        out[path] = _replace_kernels(program, module, texts[path], mine, made, gone)
     return out
 
 
-def _chosen(program):
+def _kernels_to_inline(program):
     """{full name: whether only kernels call it} of the kernels that go in."""
     uses, weights, found = program.uses, {}, {}  # weights: statements, with those of the kernels that go in
 
@@ -59,7 +59,7 @@ def _chosen(program):
         full, called = kernel.full, program.calls(kernel)
         if full in weights:
             return
-        size = weights[full] = sum(1 for _ in ordered(kernel.node.body))
+        size = weights[full] = sum(1 for _ in statements_of(kernel.node.body))
         for each in called:
             weigh(each)
         weights[full] += sum(weights[each.full] for each in called if each.full in found)
@@ -73,7 +73,7 @@ def _chosen(program):
     return found
 
 
-def _edited(program, module, text, kernels, made, gone):
+def _replace_kernels(program, module, text, kernels, made, gone):
     lines = text.splitlines(keepends=True)
     tail = []
     for kernel in kernels:
@@ -91,14 +91,20 @@ def _edited(program, module, text, kernels, made, gone):
 
 def drop_imports(program, module, text, lines, gone):
     """Change the `lines` of a text so that they do not import the kernels `gone` (full names)."""
-    for node in ast.walk(parsed(text)):
+    for node in ast.walk(tree_of(text)):
         if isinstance(node, ast.ImportFrom) and node.module:
-            left = [alias for alias in node.names if getattr(program.named(module, ast.Name(alias.asname or alias.name)), "full", 0) not in gone]
+            left = [alias for alias in node.names if _full_name(program, module, alias) not in gone]
             if len(left) < len(node.names):
                 names = ", ".join(alias.name + (f" as {alias.asname}" if alias.asname else "") for alias in left)
                 indent = lines[node.lineno - 1][: node.col_offset]
                 new = f"{indent}from {node.module} import {names}\n" if left else f"{indent}pass\n"
                 lines[node.lineno - 1 : node.end_lineno] = [new] + ["\n"] * (node.end_lineno - node.lineno)
+
+
+def _full_name(program, module, alias):
+    """Full name of the kernel that an import brings into `module`; None if it is none."""
+    kernel = program.kernel_of_name(module, ast.Name(alias.asname or alias.name))
+    return kernel and kernel.full
 
 
 def is_int(node):
@@ -146,23 +152,23 @@ class Inliner:
         self.wants = set()
 
     def node(self):
-        bare = {id(each) for each in ast.walk(self.kernel.node) if self._left(each)}
+        bare = {id(each) for each in ast.walk(self.kernel.node) if self._stays_a_call(each)}
         bare -= {id(each.args[0]) for each in ast.walk(self.kernel.node) if is_int(each)}
         bare -= {id(each.value) for each in ast.walk(self.kernel.node) if isinstance(each, ast.Expr)}
         if not bare and not self.calls(self.kernel.node):
             return self.kernel.node
         node = copy.deepcopy(self.kernel.node)
-        node.body = [AsInt(self._left).visit(each) for each in self.statements(node.body)]
+        node.body = [AsInt(self._stays_a_call).visit(each) for each in self.statements(node.body)]
         node.wants = self.wants
         return ast.fix_missing_locations(node)
 
     def _callee(self, node):
-        called = self.program.called(self.kernel, node, False)
+        called = self.program.kernel_of_call(self.kernel, node, False)
         return called if called and called.full in self.chosen else None
 
-    def _left(self, node):
-        """Whether a node is a call that stays one, of what returns a number: viper knows no more of it than that it is an object."""
-        called = self.program.called(self.kernel, node)
+    def _stays_a_call(self, node):
+        """Whether a node is a call that is not inlined and returns a number: viper takes its result for an object."""
+        called = self.program.kernel_of_call(self.kernel, node)
         return called and called.returns and not self._callee(node)
 
     def calls(self, node):
@@ -177,7 +183,7 @@ class Inliner:
         self.kinds[made] = kind
         return made
 
-    def stored(self, node, out):
+    def store(self, node, out):
         """The value in a local of its own."""
         kind = self.kind(node)
         made = self.local(kind)
@@ -235,14 +241,14 @@ class Inliner:
             return out
         node.value = self.expression(value, out)
         if any(self.calls(each) for each in node.targets):
-            node.value = self.stored(node.value, out)
+            node.value = self.store(node.value, out)
             node.targets = [self.expression(each, out) for each in node.targets]
         return [*out, node]
 
     # --- expressions
 
     def expression(self, node, out):
-        """The expression without calls of chosen kernels; what has to come before it goes to `out`."""
+        """The expression without calls of chosen kernels; the statements that must run before it go to `out`."""
         if not self.calls(node):
             return node
         if self._callee(node):
@@ -278,13 +284,13 @@ class Inliner:
         return node
 
     def in_order(self, nodes, out):
-        """Expressions of which one is evaluated after the other; what a later call could change is read before it."""
+        """Expressions in Python's order of evaluation: a value that a later call could change is stored in a local before it."""
         made = []
         for number, node in enumerate(nodes):
             node = self.expression(node, out)
             stable = all(isinstance(each, (ast.Name, ast.Constant, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.expr_context)) for each in ast.walk(node))
             if not stable and any(self.calls(each) for each in nodes[number + 1 :]):
-                node = self.stored(node, out)
+                node = self.store(node, out)
             made.append(node)
         return made
 
@@ -334,7 +340,7 @@ class Inliner:
         last = body.body[-1]
         alone = isinstance(last, ast.Return) and not returns(body.body[:-1]) and isinstance(last.value, ast.Name)
         if alone and result and result not in named and kinds.get(last.value.id) == INT and last.value.id not in names:
-            names[last.value.id] = name(result)  # what it returns is made where it is wanted
+            names[last.value.id] = name(result)  # the returned local is the result itself
             body.body.pop()
         for local, kind in kinds.items():
             if local not in names:
@@ -342,7 +348,7 @@ class Inliner:
         names.update(self._globals(callee, body, names))
         statements = [each for each in body.body if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
         statements = [Renamed(names).visit(each) for each in statements]
-        out += FallThrough(self, result).made(statements) or [ast.Pass()]
+        out += FallThrough(self, result).flatten(statements) or [ast.Pass()]
         self.wants |= getattr(body, "wants", set())
         self.used = before
         if result:
@@ -350,7 +356,7 @@ class Inliner:
         return result
 
     def _globals(self, callee, body, names):
-        """What the callee reads of its module, as the caller's module has it."""
+        """{name: node} of the callee's module globals, as the caller's module reads them."""
         module, mine = callee.module, self.kernel.module
         numbers = self.program.constants[module]
         found = {}

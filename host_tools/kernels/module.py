@@ -25,7 +25,7 @@ from pathlib import Path
 
 from host_tools import interpreter
 from host_tools.failure import Failure
-from host_tools.kernels.shift import functions_at, sections, shifted
+from host_tools.kernels.shift import functions_at, sections, shift_functions
 
 CACHE = Path.home() / ".cache" / "passo" / "kernels"
 SHIPPED = Path(__file__).parent / "modules"
@@ -90,24 +90,24 @@ def module(text, names, march):
     asked = os.environ.get("PASSO_KERNELS")
     if march not in ARCHITECTURE or asked == "viper":
         return None
-    shipped = SHIPPED / shipped_name(text, names, march)
+    shipped = SHIPPED / file_name_of(text, names, march)
     if not asked and shipped.is_file():
-        return _made(shipped.read_bytes(), "what came with Passo", names, march)
-    return compiled_here(text, names, march)
+        return _result(shipped.read_bytes(), "what came with Passo", names, march)
+    return compile_here(text, names, march)
 
 
 def origin(march):
-    """What the modules of a chip come from here, beside their text: the compiler, the wish for one, and the names of what is shipped."""
+    """The things that a chip's modules depend on beside their C: the compiler, PASSO_KERNELS, and the names of the shipped modules."""
     return compiler(march), os.environ.get("PASSO_KERNELS"), sorted(path.name for path in SHIPPED.glob("*.mpy"))
 
 
-def shipped_name(text, names, march):
-    """Of the file that has the module of a text of C."""
+def file_name_of(text, names, march):
+    """Name of the file that has the module of a text of C."""
     return _hash(text, names, march)[:24] + ".mpy"
 
 
-def compiled_here(text, names, march):
-    """The module as a compiler makes it here, or as it did; None if there is no compiler."""
+def compile_here(text, names, march):
+    """The module, compiled on this PC or taken from the cache of an earlier call; None if there is no compiler."""
     found = compiler(march)
     if found is None:
         return None
@@ -120,14 +120,14 @@ def compiled_here(text, names, march):
         with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
             file.write(data)
         os.replace(file.name, kept)
-    return _made(kept.read_bytes(), f"{name} {version}", names, march)
+    return _result(kept.read_bytes(), f"{name} {version}", names, march)
 
 
 def _hash(*given):
     return hashlib.sha256(repr(given).encode()).hexdigest()
 
 
-def _made(data, by, names, march):
+def _result(data, by, names, march):
     return Made(data, by, len(pointers(code_of(data, names, march), march)))
 
 
@@ -137,7 +137,7 @@ def best(text, march, command, options):
     for option in options:
         moved, more = set(), set()
         for _round in range(ROUNDS):
-            code, elf = _linked(shifted(text, moved | more), [*command, *option.split()])
+            code, elf = _link(shift_functions(text, moved | more), [*command, *option.split()])
             moved |= more
             positions = pointers(code, march)
             if not positions:
@@ -149,12 +149,12 @@ def best(text, march, command, options):
     return min(found)[1]
 
 
-def linked(text, command):
+def compile_c(text, command):
     """The code of a text of C. Raises Failure if it does not compile, or depends on its address."""
-    return _linked(text, command)[0]
+    return _link(text, command)[0]
 
 
-def _linked(text, command):
+def _link(text, command):
     """(code, the ELF that has it at 0)"""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
@@ -165,7 +165,7 @@ def _linked(text, command):
             (folder / "k.ld").write_text(SCRIPT.format(base=base))
             _run([*command, *COMMON.split(), "-Wl,-T,k.ld", "-Wl,--build-id=none", "-Wl,-e,start", "-o", "k.elf", "k.o"], folder)
             elfs.append((folder / "k.elf").read_bytes())
-            codes.append(loaded(elfs[-1], base))
+            codes.append(bytes_in_memory(elfs[-1], base))
     if codes[0] != codes[1]:
         raise Failure("the machine code of kernels depends on its address")
     return codes[0], elfs[0]
@@ -177,7 +177,7 @@ def _run(command, folder):
         raise Failure("{} does not compile kernels: {}", " ".join(command[:4]), next((line for line in done.stdout.splitlines() if "error" in line or "undefined" in line), done.stdout))
 
 
-def loaded(elf, base):
+def bytes_in_memory(elf, base):
     """The bytes of an ELF that are loaded from `base` on. Raises Failure if there is data that can be written."""
     found = b""
     for kind, flags, address, position, length, _ in sections(elf):
@@ -189,7 +189,7 @@ def loaded(elf, base):
 
 
 def pointers(code, march):
-    """Where in the code words are that the collector takes for addresses of its heap."""
+    """Byte offsets of words in the code that the collector would take for addresses of its heap."""
     low, high = HEAPS.get(march, (0, 0))
     words = struct.unpack(f"<{len(code) // 4}I", code[: len(code) & ~3])
     return [4 * number for number, word in enumerate(words) if low <= word < high and word % 16 == 0]
@@ -203,7 +203,7 @@ def number(value):
 
 
 def _head(names, march):
-    """What stands before the code of an .mpy (version 6.3): names, and one object, the table of the interpreter's functions."""
+    """The bytes before the code of an .mpy (version 6.3): names, and one object, the table of the interpreter's functions."""
     table = b"".join(number(len(name) << 1) + name.encode() + b"\0" for name in names)
     return bytes([ord("M"), 6, ARCHITECTURE[march] << 2 | 3, 31]) + number(len(names)) + number(1) + table + b"\0"
 

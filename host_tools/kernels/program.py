@@ -1,8 +1,8 @@
-"""The kernels of a build: functions in viper's Python, found in the texts of its modules, and what a name in them stands for.
+"""The kernels of a build: functions in viper's Python, found in the texts of its modules, and the meaning of names in them.
 
     program = Program(texts)                     # {path: folded text}
     kernel = program.kernels["passo.motion.row_viper.take"]
-    program.called(kernel, node)                 # the kernel that a call in it calls, or None
+    program.kernel_of_call(kernel, node)                 # the kernel that a call in it calls, or None
     kernel.kinds                                 # {name: INT, BOOL, OBJECT or a pointer's name}
 """
 
@@ -31,20 +31,20 @@ class Kernel:
         raise Failure("{}:{}: {}(): {}", self.path, getattr(node, "lineno", self.node.lineno), self.name, what)
 
     @cached_property
-    def bound(self):
+    def own_names(self):
         """Its arguments and locals."""
         stored = {each.id for each in ast.walk(self.node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
         return stored | {name for name, _ in self.arguments}
 
     @cached_property
     def kinds(self):
-        """What each argument and local is: what is first assigned to it says so."""
+        """{argument or local: kind}; the kind of a local is that of its first assignment."""
         return self.kinds_in(self.node)
 
     def kinds_in(self, node):
-        """The same of a node that was made from this kernel's."""
+        """{argument or local: kind} of a node that was made from this kernel's."""
         found = dict(self.arguments)
-        for node in ordered(node.body):
+        for node in statements_of(node.body):
             if isinstance(node, ast.Assign):
                 for target in node.targets:
                     if isinstance(target, ast.Name):
@@ -54,37 +54,38 @@ class Kernel:
         return found
 
     def kind_of(self, node, kinds):
-        """What an expression in it is, by the kinds of names."""
+        """The kind of an expression in this kernel."""
         numbers = dict.fromkeys(self.program.constants.get(self.module, ()), INT)
-        return kind_of(node, {**numbers, **kinds}, lambda call: self.program.called(self, call))
+        return kind_of(node, {**numbers, **kinds}, lambda call: self.program.kernel_of_call(self, call))
 
 
-def ordered(body):
+def statements_of(body):
     """Statements in the order of the text, those within others too."""
     for node in body:
         yield node
         for part in ("body", "orelse"):
-            yield from ordered(getattr(node, part, ()))
+            yield from statements_of(getattr(node, part, ()))
 
 
-def kind_of(node, kinds, called=lambda node: None):
-    """What an expression is, by the kinds of names; `called(node)`: the kernel that a call calls."""
+def kind_of(node, kinds, kernel_of_call=lambda node: None):
+    """The kind of an expression: INT, BOOL, OBJECT or a pointer's name. `kinds`: {name: kind}; `kernel_of_call(node)`: the kernel that a call
+    calls, or None."""
     if isinstance(node, ast.Name):
         return kinds.get(node.id, OBJECT)
     if isinstance(node, ast.Constant):
         return BOOL if isinstance(node.value, bool) else INT if isinstance(node.value, int) else OBJECT
     if isinstance(node, ast.Call):
         name = node.func.id if isinstance(node.func, ast.Name) else None
-        kernel = called(node)
+        kernel = kernel_of_call(node)
         return INT if name in (INT, ROOT) or kernel and kernel.returns else name if name in POINTERS else OBJECT
     if isinstance(node, ast.Attribute):
         return OBJECT
     if isinstance(node, ast.IfExp):
-        return kind_of(node.body, kinds, called)
+        return kind_of(node.body, kinds, kernel_of_call)
     if isinstance(node, ast.Compare) or isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
         return BOOL
     if isinstance(node, ast.BoolOp):
-        return kind_of(node.values[0], kinds, called)
+        return kind_of(node.values[0], kinds, kernel_of_call)
     return INT
 
 
@@ -93,7 +94,7 @@ def is_kernel(node):
 
 
 @lru_cache(maxsize=512)
-def parsed(text):
+def tree_of(text):
     """The tree of a text; nobody may change it."""
     return ast.parse(text)
 
@@ -106,7 +107,7 @@ class Program:
         for module, path in self.paths.items():
             if "micropython.viper" not in texts[path]:
                 continue
-            for node in parsed(texts[path]).body:
+            for node in tree_of(texts[path]).body:
                 if is_kernel(node):
                     kernel = Kernel(self, module, path, node)
                     self.kernels[kernel.full] = kernel
@@ -118,15 +119,15 @@ class Program:
         return {kernel.path for kernel in self.kernels.values()}
 
     def _read(self, module, path):
-        """What a module imports, what it binds anew while it runs, and its numbers."""
+        """Note a module's imports, the names that its functions bind anew, and its numbers."""
         imported, numbers = self.imported.setdefault(module, {}), self.constants.setdefault(module, {})
         rebound = self.rebound.setdefault(module, set())
-        for node in ast.walk(parsed(self.texts[path])):
+        for node in ast.walk(tree_of(self.texts[path])):
             if isinstance(node, ast.ImportFrom) and node.module:
                 imported.update({alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names})
             elif isinstance(node, ast.Global):
                 rebound.update(node.names)
-        for node in parsed(self.texts[path]).body:
+        for node in tree_of(self.texts[path]).body:
             if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
                 value = node.value
                 constant = isinstance(value, ast.Call) and ast.unparse(value.func) == "const"
@@ -137,7 +138,7 @@ class Program:
                 if isinstance(value, ast.Constant) and type(value.value) is int and (constant or node.targets[0].id.isupper()):
                     numbers[node.targets[0].id] = value.value
 
-    def named(self, module, node, passed_on=True):
+    def kernel_of_name(self, module, node, passed_on=True):
         """The kernel that a name, or `module.name`, stands for in a module; `passed_on`: also by way of a module that binds it
         anew while it runs."""
         if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
@@ -158,17 +159,17 @@ class Program:
             full = self.imported.get(owner, {}).get(name)
         return self.kernels.get(full)
 
-    def called(self, kernel, node, passed_on=True):
+    def kernel_of_call(self, kernel, node, passed_on=True):
         """The kernel that a node calls by its name."""
         if not isinstance(node, ast.Call):
             return None
-        if isinstance(node.func, ast.Name) and node.func.id in kernel.bound:
+        if isinstance(node.func, ast.Name) and node.func.id in kernel.own_names:
             return None
-        return self.named(kernel.module, node.func, passed_on)
+        return self.kernel_of_name(kernel.module, node.func, passed_on)
 
     def calls(self, kernel):
         """The kernels that it calls by name."""
-        return [called for called in (self.called(kernel, node) for node in ast.walk(kernel.node)) if called]
+        return [called for called in (self.kernel_of_call(kernel, node) for node in ast.walk(kernel.node)) if called]
 
     def marks(self, kernel):
         """(arguments shared with interrupts, {argument: the kernel that it usually is}), as comments of the module say."""
@@ -177,13 +178,13 @@ class Program:
         usual = re.findall(r"^# `(\w+)` is usually ([\w.]+)", text, re.MULTILINE)
         return {name for name, _ in kernel.arguments} & set(shared[1].split(", ") if shared else ()), dict(usual)
 
-    def loaded_with(self, modules):
+    def modules_loaded_with(self, modules):
         """These modules, and all that they import when they are imported."""
         found, queue = set(), [module for module in modules if module in self.paths]
         while queue:
             module = queue.pop()
             found.add(module)
-            for node in parsed(self.texts[self.paths[module]]).body:
+            for node in tree_of(self.texts[self.paths[module]]).body:
                 if isinstance(node, ast.ImportFrom) and node.module:
                     names = {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
                     queue += sorted((names & self.paths.keys()) - found)
@@ -194,22 +195,22 @@ class Program:
         """{full name of a kernel: (calls by kernels, other uses)}"""
         found = {full: [0, 0] for full in self.kernels}
         for module in self.imported:
-            tree = parsed(self.texts[self.paths[module]])
+            tree = tree_of(self.texts[self.paths[module]])
             calls = {}
             for node in tree.body:
                 if is_kernel(node):
                     kernel = self.kernels[f"{module}.{node.name}"]
-                    calls.update({id(each.func): kernel for each in ast.walk(node) if self.called(kernel, each, False)})
+                    calls.update({id(each.func): kernel for each in ast.walk(node) if self.kernel_of_call(kernel, each, False)})
             names = set()
             for node in ast.walk(tree):
                 if isinstance(node, (ast.Name, ast.Attribute)):
-                    kernel = self.named(module, node)
+                    kernel = self.kernel_of_name(module, node)
                     if kernel and isinstance(node.ctx, ast.Load):
                         found[kernel.full][0 if id(node) in calls else 1] += 1
                     if isinstance(node, ast.Name):
                         names.add(node.id)
             for name in self.imported[module].keys() - names:
-                kernel = self.named(module, ast.Name(name))  # imported, to be passed on
+                kernel = self.kernel_of_name(module, ast.Name(name))  # imported, to be passed on
                 if kernel:
                     found[kernel.full][1] += 1
         return found

@@ -1,7 +1,6 @@
-"""Moves code by half a word, so that what looked like a pointer to the collector does so no more: two halves that belong to two
-instructions make no word then.
+"""Moves code by half a word, so that two halves of neighbouring instructions no longer make a word that the collector takes for a pointer.
 
-    text = shifted(text, {"steps_pace_viper_pace"})     # C with a nop at the beginning of these functions
+    text = shift_functions(text, {"steps_pace_viper_pace"})     # C with a nop at the beginning of these functions
     names = functions_at(elf, base, {0x1234})           # the functions in which these bytes of the code lie
 """
 
@@ -11,7 +10,7 @@ import struct
 _SYMBOLS, _FUNCTION = 2, 2  # kinds of a section and of a symbol
 
 
-def shifted(text, names):
+def shift_functions(text, names):
     for name in names:
         text = re.sub(rf"^(\w[^;\n]*\b{name}\([^;\n]*\) {{)$", r'\1 __asm volatile("nop");', text, count=1, flags=re.MULTILINE)
     return text

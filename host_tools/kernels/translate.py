@@ -3,8 +3,8 @@
     function = unit.function(kernel)    # of unit.Unit, which has those that it calls
     function.text(), function.wrapper() # C; the wrapper is what Python calls
 
-Numbers are int32_t and wrap, arrays are pointers, all else is an object. A name is what is first assigned to it. What could be
-undefined in C is a function of runtime.c: division, and shifts by a variable. A kernel that works with objects has the module's
+Numbers are int32_t and wrap, arrays are pointers, all else is an object. A name has the kind of its first assignment. Operations that C may leave
+undefined are functions of runtime.c: division, and shifts by a variable. A kernel that works with objects has the module's
 table of the interpreter's functions as its first argument, `at`; the others are plain C.
 """
 
@@ -46,7 +46,7 @@ class Function:
             if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Name):
                 continue
             name, value = node.targets[0].id, node.value
-            kernel = self.program.named(self.kernel.module, value) if not isinstance(value, ast.Name) or value.id not in self.kinds else None
+            kernel = self.program.kernel_of_name(self.kernel.module, value) if not isinstance(value, ast.Name) or value.id not in self.kinds else None
             if kernel:
                 self.other_names[name] = kernel
                 self.kinds.pop(name, None)
@@ -60,13 +60,13 @@ class Function:
                         self.shared.add(name)
 
     def kind(self, node):
-        return kind_of(node, {**self.numbers, **self.kinds}, self.called)
+        return kind_of(node, {**self.numbers, **self.kinds}, self.kernel_of_call)
 
-    def called(self, node):
+    def kernel_of_call(self, node):
         """The kernel that a call calls, also by another name."""
         if isinstance(node.func, ast.Name) and node.func.id in self.other_names:
             return self.other_names[node.func.id]
-        return self.program.called(self.kernel, node)
+        return self.program.kernel_of_call(self.kernel, node)
 
     def volatile(self, name):
         return name in self.shared or name in self.hardware
@@ -113,8 +113,8 @@ class Function:
             self.refuse(node, f"{node.id} is a kernel: call it, or have it given as an argument")
         self.refuse(node, f"{node.id} is no local, no argument and no constant: constants are whole numbers under names in capitals")
 
-    def sequenced(self, nodes, values, form):
-        """`form` of values in Python's order: C has none, where one of them calls, or reads what others change."""
+    def in_sequence(self, nodes, values, form):
+        """The C of `form(*values)`, evaluated in Python's order, which C does not promise: temporaries, if a value calls or is read from an array."""
         calls = [any(isinstance(each, ast.Call) for each in ast.walk(node)) or "looked(" in value for node, value in zip(nodes, values)]
         reads = [call or "[" in value for call, value in zip(calls, values)]
         if not any(calls) or sum(reads) < 2:
@@ -126,10 +126,10 @@ class Function:
     def _binop(self, node):
         values = [self.number(node.left), self.number(node.right)]
         if type(node.op) in FUNCTION:
-            return self.sequenced([node.left, node.right], values, lambda left, right: f"{FUNCTION[type(node.op)]}({left}, {right})")
+            return self.in_sequence([node.left, node.right], values, lambda left, right: f"{FUNCTION[type(node.op)]}({left}, {right})")
         if type(node.op) not in BINARY:
             self.refuse(node, f"{ast.unparse(node)[:60]}: operators are + - * // % << >> & | ^ ~")
-        return self.sequenced([node.left, node.right], values, lambda left, right: f"({left} {BINARY[type(node.op)]} {right})")
+        return self.in_sequence([node.left, node.right], values, lambda left, right: f"({left} {BINARY[type(node.op)]} {right})")
 
     def _unaryop(self, node):
         if isinstance(node.op, ast.Not):
@@ -142,7 +142,7 @@ class Function:
             if type(operator) not in COMPARE:
                 self.refuse(node, f"{ast.unparse(node)[:60]}: comparisons are of numbers")
             values = [self.number(left), self.number(right)]
-            parts.append(self.sequenced([left, right], values, lambda a, b: f"({a} {COMPARE[type(operator)]} {b})"))
+            parts.append(self.in_sequence([left, right], values, lambda a, b: f"({a} {COMPARE[type(operator)]} {b})"))
             if right is not node.comparators[-1] and not isinstance(right, (ast.Name, ast.Constant)):
                 self.refuse(node, f"{ast.unparse(right)[:60]} between two comparisons: use a variable")
             left = right
@@ -189,17 +189,17 @@ class Function:
             return f"(({volatile}{C_TYPE[name]})(uintptr_t){self.value(node.args[0])})"
         if name == ROOT and name not in self.kinds and len(node.args) == 1:
             return f"root({self.number(node.args[0])})"
-        kernel = self.called(node)
+        kernel = self.kernel_of_call(node)
         if kernel:
             return self._direct(kernel, node)
         listed = [self.object(each) for each in node.args]
         if isinstance(node.func, ast.Attribute):
             base, method = self.value(node.func.value), self.unit.name(node.func.attr)
             form = lambda *given: f"call_method({', '.join([base, method, str(len(given)), *given])})"  # noqa: E731
-            return self.sequenced(node.args, listed, form)
+            return self.in_sequence(node.args, listed, form)
         if name is None or self.kinds.get(name) != OBJECT:
             self.refuse(node, f"{ast.unparse(node.func)}() is no kernel: kernels call kernels, methods, and functions given as arguments")
-        other = self.sequenced(node.args, listed, lambda *given: f"call_object({', '.join([self.value(node.func), str(len(given)), *given])})")
+        other = self.in_sequence(node.args, listed, lambda *given: f"call_object({', '.join([self.value(node.func), str(len(given)), *given])})")
         usual = self.program.kernels.get(self.usual.get(name))
         if usual not in self.unit.kernels:
             return other
@@ -217,7 +217,7 @@ class Function:
             else:
                 given.append(self.object(each) if kind == OBJECT else self.number(each))
         first = ["at"] if callee.needs_objects() else []
-        return self.sequenced(node.args, given, lambda *values: f"{callee.c_name}({', '.join([*first, *values])})")
+        return self.in_sequence(node.args, given, lambda *values: f"{callee.c_name}({', '.join([*first, *values])})")
 
     def pointer(self, node, wanted, shared, callee):
         kind = self.kind(node)
@@ -241,14 +241,14 @@ class Function:
         return f"to_object(at, {self.value(node)})"
 
     def needs_objects(self):
-        """Whether it calls the interpreter, itself or by what it calls."""
+        """Whether it, or a kernel that it calls, calls the interpreter."""
         if self.with_objects is None:
-            self.with_objects = False  # what comes round to it again adds nothing
+            self.with_objects = False  # a kernel that calls this one again adds nothing
             for node in ast.walk(self.kernel.node):
                 if isinstance(node, ast.Attribute) and self.kind(node) == OBJECT and not self.is_kernel_name(node):
                     self.with_objects = True
                 elif isinstance(node, ast.Call):
-                    kernel = self.called(node)
+                    kernel = self.kernel_of_call(node)
                     plain = isinstance(node.func, ast.Name) and node.func.id in (INT, *POINTERS, ROOT, "range")
                     if kernel and self.unit.function(kernel).needs_objects() or not kernel and not plain:
                         self.with_objects = True
@@ -257,7 +257,7 @@ class Function:
         return self.with_objects
 
     def is_kernel_name(self, node):
-        return self.program.named(self.kernel.module, node) is not None or ast.unparse(node).startswith("micropython.")
+        return self.program.kernel_of_name(self.kernel.module, node) is not None or ast.unparse(node).startswith("micropython.")
 
     # --- statements
 
@@ -277,7 +277,7 @@ class Function:
             if isinstance(node.target, ast.Subscript) and not isinstance(node.target.slice, ast.Constant):
                 if any(isinstance(each, (ast.Call, ast.Subscript)) for each in ast.walk(node.target.slice)):
                     self.refuse(node, f"{ast.unparse(node.target)} with an operator: the index is computed twice: use a variable for it")
-            read = ast.copy_location(ast.BinOp(_loaded(node.target), node.op, node.value), node)
+            read = ast.copy_location(ast.BinOp(_as_read(node.target), node.op, node.value), node)
             return self._store(node.target, self._binop(read))
         if isinstance(node, ast.While) and not node.orelse:
             return [f"while ({self.test(node.test)}) {{", *self.inner(node.body), "}"]
@@ -339,18 +339,18 @@ class Function:
 
     # --- text
 
-    def declared(self, name, kind):
+    def declaration(self, name, kind):
         return f"{'volatile ' if kind in POINTERS and self.volatile(name) else ''}{C_TYPE[kind]}v_{name}"
 
     def head(self):
         arguments = ["context_t at"] if self.needs_objects() else []
-        arguments += [self.declared(name, kind) for name, kind in self.kernel.arguments]
+        arguments += [self.declaration(name, kind) for name, kind in self.kernel.arguments]
         return f"static {'int32_t' if self.kernel.returns else 'void'} {self.c_name}({', '.join(arguments) or 'void'})"
 
     def text(self):
         body = self.block(self.kernel.node.body, 1)
         known = {name for name, _ in self.kernel.arguments}
-        local = "".join(f"    {self.declared(name, kind)} = 0;\n" for name, kind in self.kinds.items() if name not in known)
+        local = "".join(f"    {self.declaration(name, kind)} = 0;\n" for name, kind in self.kinds.items() if name not in known)
         last = "    return 0;\n" if self.kernel.returns and not isinstance(self.kernel.node.body[-1], ast.Return) else ""
         return f"// {self.kernel.full}\n{self.head()} {{\n{local}{body}{last}}}\n\n"
 
@@ -358,7 +358,7 @@ class Function:
         return f"call_{self.c_name}"
 
     def wrapper(self):
-        """What Python calls, as it calls viper: arguments are objects."""
+        """The C function that Python calls: arguments are objects, as of viper."""
         given = ["at"] if self.needs_objects() else []
         for number, (_, kind) in enumerate(self.kernel.arguments):
             given.append(f"args[{number}]" if kind == OBJECT else f"{'to_int' if kind == INT else 'array_of'}(at, args[{number}])")
@@ -371,12 +371,12 @@ class Function:
         )
 
 
-    def exported(self):
-        """What ctypes calls on a PC."""
+    def pc_function(self):
+        """The C function that ctypes calls on a PC."""
         given = (["at"] if self.needs_objects() else []) + ["v_" + name for name, _ in self.kernel.arguments]
         head = self.head().removeprefix("static ").replace(f" {self.c_name}(", f" pc_{self.c_name}(")
         return f"{head} {{\n    {'return ' if self.kernel.returns else ''}{self.c_name}({', '.join(given)});\n}}\n"
 
 
-def _loaded(node):
+def _as_read(node):
     return ast.parse(ast.unparse(node), mode="eval").body

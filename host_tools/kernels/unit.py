@@ -1,6 +1,6 @@
 """One module of machine code as one text of C.
 
-    unit = Unit(program, kernels)       # those that Python calls; what they call comes along
+    unit = Unit(program, kernels)       # kernels that Python calls; those called by them are added
     unit.text(runtime)                  # C, behind the text of runtime.c; pc_text(): for a PC
     unit.names                          # of attributes and functions, in the order in which the C numbers them
 """
@@ -45,7 +45,7 @@ class Unit:
         """Instead of that, for a library of a PC: a function pc_… for each kernel that Python calls."""
         heads, bodies, wrapped = self._parts()
         heads += "".join(f"const char {each.wrapper_name()}[1];  // stands for the kernel, given as an argument\n" for each in wrapped)
-        return f"{runtime}\n{heads}\n{bodies}" + "".join(each.exported() for each in self.called)
+        return f"{runtime}\n{heads}\n{bodies}" + "".join(each.pc_function() for each in self.called)
 
     def _parts(self):
         """(C of all heads, C of all functions, those that are called as objects, too)"""

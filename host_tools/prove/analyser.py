@@ -1,6 +1,6 @@
-"""`passo prove --analyser`: a Pico as a logic analyser of eight channels, and what it saw as VCD or as sigrok has it.
+"""`passo prove --analyser`: a Pico as a logic analyser of eight channels, which writes its capture as VCD or in sigrok's format.
 
-    Wanted(Path("seen.vcd"), 2, 25_000_000, trigger_of("rise:5", 2)).taken(board, raw, False)      # GPIO2 to GPIO9; or seen.sr
+    Wanted(Path("seen.vcd"), 2, 25_000_000, trigger_of("rise:5", 2)).record_to_file(board, raw, False)      # GPIO2 to GPIO9; or seen.sr
 
 The samples are taken on the chip, by a state machine of the second PIO block (board_analyser.py): their clock is the chip's.
 """
@@ -48,23 +48,23 @@ class Wanted:
     wait_s: float = 30
 
     @classmethod
-    def checked(cls, path, base, mhz, trigger, play):
-        """Of a user's words. Raises Failure."""
+    def from_words(cls, path, base, mhz, trigger, play):
+        """From the options of a command: file, first GPIO, MHz, trigger ("rise:5"). Raises Failure if one is wrong."""
         if path.suffix not in WRITERS:
             raise Failure("a capture is a file .vcd or .sr (PulseView, sigrok-cli), not {}", path.name)
         return cls(path, base, round(mhz * 1e6), trigger_of(trigger, base), play)
 
-    def taken(self, board, raw, drive_pins):
-        """Record, write the file, and say what was taken. Raises Failure."""
+    def record_to_file(self, board, raw, drive_pins):
+        """Record, write the file, and return a sentence with its figures. Raises Failure if there is nothing to record."""
         if self.play and not drive_pins:
             raise Failure("nothing is played: no pins are driven")
-        capture = self.captured(Proof(board, raw, drive_pins))
+        capture = self.capture(Proof(board, raw, drive_pins))
         WRITERS[self.path.suffix](self.path, capture, names_of(raw, self.base))
         count = len(capture.samples)
         return _("{}: {} samples at {} MHz, {} ms", self.path, count, number(capture.hz / 1e6), number(1000 * count / capture.hz))
 
-    def captured(self, proof):
-        """Raises Failure if the trigger does not come."""
+    def capture(self, proof):
+        """Record on the board; returns a Capture. Raises Failure if the rate is too low, or the trigger does not come in `wait_s`."""
         board = proof.board
         if self.play:
             changes = pins.own(proof)
@@ -80,12 +80,12 @@ class Wanted:
         if divider > SLOWEST:
             raise Failure("{} samples a second at least, not {}", -(-clock // SLOWEST), self.hz)
         board.exec(f"analyser = Analyser({self.base}, samples, {divider}, {self.trigger!r})\ngc.collect()")
-        (_late, taken, _finished), rows = pins.said(proof, order, self.wait_s + 120)
+        (_late, taken, _finished), rows = pins.run_on_board(proof, order, self.wait_s + 120)
         if self.play:
             pins.check_enable(proof)
         if not taken:
             raise Failure("the trigger did not come within {} s", self.wait_s) if self.trigger else Failure("the analyser has seen nothing: its DMA carries nothing")
-        return Capture(clock, divider, pins.printed(rows[:-1]))
+        return Capture(clock, divider, pins.bytes_printed(rows[:-1]))
 
 
 def trigger_of(given, base):
@@ -101,7 +101,7 @@ def trigger_of(given, base):
 
 
 def names_of(raw, base):
-    """A name for each channel: what the board file has on its pin, or the pin's own."""
+    """A name for each channel: that of the output, input or motor that the board file has on its pin, or GPIOn."""
     names = {pin: f"GPIO{pin}" for pin in range(base, base + CHANNELS)}
     for item in (*raw.get("outputs", ()), *raw.get("inputs", ())):
         names[item["pin"]] = item["name"]
@@ -115,7 +115,7 @@ def names_of(raw, base):
 def _vcd(path, capture, names):
     from vcd import VCDWriter
 
-    # The largest unit of which a sample is a whole number: programs that sample a VCD anew do so at its unit.
+    # The largest unit that divides a sample's period: programs that sample a VCD anew use the file's unit as their period.
     unit = next(unit for unit in (10**power for power in range(8, -1, -1)) if capture.period_ps % unit == 0)
     scale = next(f"{unit // size} {name}" for name, size in (("us", 10**6), ("ns", 1000), ("ps", 1)) if unit >= size)
     step = capture.period_ps // unit

@@ -29,17 +29,17 @@ if not (image and image.chosen()):
 from passo.memory import forget
 
 
-def copied(value):
+def deep_copy(value):
     if isinstance(value, dict):
-        return {key: copied(value[key]) for key in value}
-    return [copied(each) for each in value] if isinstance(value, list) else value
+        return {key: deep_copy(value[key]) for key in value}
+    return [deep_copy(each) for each in value] if isinstance(value, list) else value
 
 
-def _checked(changes, without):
+def _check_board(changes, without):
     global start, board
     from passo.ports.rp2.start import Start
 
-    raw = copied(BOARD)
+    raw = deep_copy(BOARD)
     for key in without:
         raw.pop(key, None)
     raw.update(changes)
@@ -54,7 +54,7 @@ def _checked(changes, without):
     start.keep(board)
 
 
-def _loaded():
+def _load_app():
     from passo.app import App
     from passo.machine_builder import load_all
 
@@ -76,17 +76,17 @@ def _app(App, made):
 
 
 def make(changes, without):
-    _checked(changes, without)
-    App = _loaded()
+    _check_board(changes, without)
+    App = _load_app()
     _app(App, start.port(board))
 
 
 def words(changes, without):
-    _checked(changes, without)
-    _app(_loaded(), Words())
+    _check_board(changes, without)
+    _app(_load_app(), Words())
 
 
-def collected():
+def time_collection():
     """Microseconds of a collection, bytes free, and the largest piece."""
     begun = ticks_us()
     gc.collect()
@@ -147,7 +147,7 @@ def clear():
 
 
 def halt(lines, witness, other, pin, active, after_ms):
-    """Start lines, and after so many ms have the input pulled to its active level; then let it go and forget the alarm."""
+    """Start lines, pull the input to its active level after `after_ms`, then release it and clear the alarm."""
     queue(lines)
     witness.start(other)
     end = ticks_ms() + after_ms
@@ -189,7 +189,7 @@ def take(count):
 
 
 def serve(silent_ms):
-    """The machine's main loop, until nothing has come for so long."""
+    """Run the machine's main loop until no byte has come for `silent_ms`."""
     micropython.kbd_intr(-1)
     line = app.links[0].serial
     print("ready")

@@ -1,4 +1,4 @@
-"""A port without pins: what the feeder makes is hashed, and kept if asked. Runs on the board, which gets this text, and on the PC.
+"""A port without pins: hashes the feeder's words, and appends them to a list if there is one. Runs on the board, which gets this text, and on the PC.
 
     port = Words()                      # or Words(words), a list that gets the words themselves
     app = App(board, port)

@@ -3,7 +3,7 @@
     with PortBoard("/dev/ttyACM0") as board:        # or EmulatedBoard("router_3axis")
         board.fresh()                               # the interpreter anew, main.py not run
         board.exec("print(1)")                      # '1\\r\\n'; Failure with the board's last line if it raises
-        board.start(code); board.expect(b"ready")   # a program that talks while it runs; board.ended() waits for its end
+        board.start(code); board.expect(b"ready")   # a program that talks while it runs; board.wait_for_end() returns the rest of its output
         board.now_s()                               # the PC's clock; of an emulated board its own outside
     board_file_of(board)                        # the table of its board file
 """
@@ -28,7 +28,7 @@ class Silent(Failure):
 
 
 class Board:
-    """What both share, on write(), read() and wait_s()."""
+    """The raw REPL of a board; both ends have write(), read() and wait_s()."""
 
     heard = b""
     emulated = False
@@ -42,13 +42,13 @@ class Board:
         self.close()
 
     def take(self):
-        """What has been said, and not been taken."""
+        """All bytes received since the last call."""
         self.heard += self.read()
         said, self.heard = self.heard, b""
         return said
 
     def expect(self, wanted, limit_s=ASK_S):
-        """What is said up to the end of `wanted`. Raises Failure if it does not come."""
+        """Bytes received up to the end of `wanted`. Raises Failure if they do not come in `limit_s`."""
         end = self.now_s() + limit_s
         while wanted not in self.heard:
             if self.now_s() > end:
@@ -61,16 +61,16 @@ class Board:
 
     def exec(self, code, limit_s=EXEC_S):
         self.start(code)
-        return self.ended(limit_s)
+        return self.wait_for_end(limit_s)
 
-    def ended(self, limit_s=EXEC_S):
-        """What a program started by start() has said since. Raises Failure if it ended with an error."""
+    def wait_for_end(self, limit_s=EXEC_S):
+        """Wait for the end of the program of start(); returns its output, text. Raises Failure if it ended with an error, or not in `limit_s`."""
         said = self.expect(b"\x04", limit_s)[:-1]
-        self.ended_error(limit_s)
+        self.check_for_error(limit_s)
         return said.decode("utf-8", "replace")
 
-    def ended_error(self, limit_s=EXEC_S):
-        """The same behind the end of what it has said."""
+    def check_for_error(self, limit_s=EXEC_S):
+        """Wait for the second half of a program's end, its error. Raises Failure if there is one."""
         error = self.expect(b"\x04", limit_s)[:-1].decode("utf-8", "replace").strip()
         self.expect(b">")
         if error:

@@ -1,7 +1,7 @@
-"""Makes times and levels of what the board's witness has written down, and compares them with the words.
+"""Turns the records of the board's witness into times and levels, and compares them with the words.
 
-    seen = decoded(records, 6)                          # [(cycle, levels), …]
-    found = compared(seen, wanted(words, layout, …), …)
+    seen = decode(records, 6)                          # [(cycle, levels), …]
+    found = compare(seen, changes_in_words(words, layout, …), …)
 """
 
 import itertools
@@ -12,7 +12,7 @@ from passo.steps.word import TICKS_PER_S
 PASS = 7  # state machine cycles of a pass of the witness's program; one that writes a record takes two
 
 
-def decoded(records, width):
+def decode(records, width):
     """[(cycles since the start, levels)] of the witness's records."""
     bits = 32 - width
     mask = (1 << bits) - 1
@@ -25,7 +25,7 @@ def decoded(records, width):
     return seen
 
 
-def wanted(words, bits, width, step_mask, pulse_ticks):
+def changes_in_words(words, bits, width, step_mask, pulse_ticks):
     """[(tick, levels)] of each change of the lowest `width` bits that words ask for; STEPs fall after `pulse_ticks`."""
     mask = (1 << width) - 1
     tick, changes = 0, []
@@ -55,12 +55,13 @@ class Found:
     interval_ns: list = field(default_factory=list)  # of the first axis
 
 
-def exchanged(levels, a, b):
+def exchange_bits(levels, a, b):
     return levels & ~(1 << a | 1 << b) | (levels >> a & 1) << b | (levels >> b & 1) << a
 
 
-def compared(seen, changes, width, axes, motors, mhz):
-    """`seen` begins with the levels as they were; `motors`: 0 for coils."""
+def compare(seen, changes, width, axes, motors, mhz):
+    """A Found: `seen`, [(cycle, levels)] that begin with the levels before the first change, against `changes`, [(tick, levels)]. `motors`: 0 for
+    coils."""
     found = Found()
     ns = 1000 / mhz
     step_mask = (1 << motors) - 1
@@ -73,7 +74,7 @@ def compared(seen, changes, width, axes, motors, mhz):
     found.same = real == levels
     if not found.same:
         for a, b in itertools.combinations(range(width), 2):
-            if [exchanged(each, a, b) for each in real] == levels:
+            if [exchange_bits(each, a, b) for each in real] == levels:
                 found.swapped = a, b
                 break
     if found.same and levels:
@@ -114,7 +115,7 @@ def _pulses(found, seen, axes, motors, ns):
         found.setup_ns = min(setups)
 
 
-def counted(seen, axes, motors):
+def count_steps(seen, axes, motors):
     """Steps of each axis, signed, as drivers would count them."""
     places = [0] * axes
     for (_, before), (_, levels) in zip(seen, seen[1:]):

@@ -1,4 +1,4 @@
-"""Rows of `passo prove`: what the board is, its clocks, flash, memory and watchdog. Functions of a Proof that yield rows."""
+"""Rows of `passo prove` about the board: chip, clocks, flash, memory and watchdog. Functions of a Proof that yield rows."""
 
 import statistics
 
@@ -28,8 +28,8 @@ def facts(proof):
     yield equal("stamp", _("build"), said["stamp"] or _("not whole"), bool(said["stamp"]), _("copying was cut short, or it is of two builds: flash it again"))
     erases, pages = ([int(each) / 1000 for each in said[name].split()] for name in ("erases", "pages"))
     if erases and pages:
-        yield proof.judged("erase_ms", statistics.median(erases), found=_("{} ms, at most {}", number(statistics.median(erases)), number(max(erases))))
-        yield proof.judged("page_ms", statistics.median(pages), found=_("{} ms, at most {}", number(statistics.median(pages)), number(max(pages))))
+        yield proof.judge("erase_ms", statistics.median(erases), found=_("{} ms, at most {}", number(statistics.median(erases)), number(max(erases))))
+        yield proof.judge("page_ms", statistics.median(pages), found=_("{} ms, at most {}", number(statistics.median(pages)), number(max(pages))))
 
 
 def memory(proof):
@@ -38,24 +38,24 @@ def memory(proof):
     board.exec(text("board_session.py"))
     board.exec("make({'journal': None}, ['inputs', 'homing', 'outputs'])")
     said = board.exec(
-        "from passo.ports.rp2 import clock\nprint(machine.freq(), clock.counted_khz())\nfrom time import ticks_us\nprint(*collected())"
+        "from passo.ports.rp2 import clock\nprint(machine.freq(), clock.counted_khz())\nfrom time import ticks_us\nprint(*time_collection())"
     )
     (freq, counted), (took_us, free, piece) = (map(int, line.split()) for line in said.splitlines())
     wanted = proof.raw.get("clock_mhz", 125) * 1000
     off = max(abs(freq // 1000 - wanted), abs(counted - wanted))
-    yield proof.judged("clock_khz", off, found=_("{} kHz counted, {} kHz said", counted, freq // 1000))
+    yield proof.judge("clock_khz", off, found=_("{} kHz counted, {} kHz said", counted, freq // 1000))
     if proof.raw["chip"] == "rp2040":
         level = int(board.exec("from passo.ports.rp2 import chip\nprint(machine.mem32[chip.REGULATOR] >> 4 & 15)"))
-        yield proof.judged("core_mv", LEAST_MV + 50 * max(0, level - 5), 1150 if wanted > 133_000 else 1100)
+        yield proof.judge("core_mv", LEAST_MV + 50 * max(0, level - 5), 1150 if wanted > 133_000 else 1100)
     yield crystal(proof)
-    yield proof.judged("collect_ms", took_us / 1000)
+    yield proof.judge("collect_ms", took_us / 1000)
     known = MEMORY.get(proof.raw.get("name"))
     if known is None:
         yield Row("free_bytes", _(PROMISES["free_bytes"].what), _("{} bytes, {} in one piece", number(free), number(piece)))
         return
     free_known, piece_known = known[proof.frozen]
-    yield proof.judged("free_bytes", free, free_known)
-    yield proof.judged("piece_bytes", piece, piece_known)
+    yield proof.judge("free_bytes", free, free_known)
+    yield proof.judge("piece_bytes", piece, piece_known)
 
 
 def crystal(proof):
@@ -78,9 +78,9 @@ def crystal(proof):
     board.wait_s(2)
     second_s, second = best()
     board.write(b"e")
-    board.ended()
+    board.wait_for_end()
     ticks = (second - first) % (1 << 30)
-    return proof.judged("crystal_ppm", abs(ticks / 1e6 / (second_s - first_s) - 1) * 1e6)
+    return proof.judge("crystal_ppm", abs(ticks / 1e6 / (second_s - first_s) - 1) * 1e6)
 
 
 def watchdog(proof):

@@ -33,7 +33,7 @@ def link(proof):
         yield from grbl_link(proof)
         if first.get("frames") or proof.frozen:
             proof.begin("make", {"links": [{**link, "frames": True}], "axes": axes})
-            yield framed_link(proof)
+            yield measure_frames(proof)
     elif language == "plotter":
         yield from plotter_link(proof)
 
@@ -49,11 +49,11 @@ def bytes_through(proof):
     said = board.expect(b"\n")
     came, total = (int(each) for each in said.split(b"took", 1)[1].split())
     rest = board.expect(b"\x04")[:-1]
-    board.ended_error()
+    board.check_for_error()
     lost = max(BYTES - came, 0) + max(BYTES - len(rest), 0)
     changed = not lost and (total != binascii.crc32(data) or rest != bytes(range(128, 256)) * (BYTES // 128))
     found = _("{} to the board, {} back", BYTES - came, BYTES - len(rest)) if not changed else _("none, but some were changed")
-    yield proof.judged("bytes_lost", lost or changed, found=found)
+    yield proof.judge("bytes_lost", lost or changed, found=found)
 
 
 def grbl_link(proof):
@@ -62,18 +62,18 @@ def grbl_link(proof):
     board.expect(b"ready\r\n")
     ask(proof, b"$X\n", b"ok")
     waits = sorted(ask(proof, b"?", b">\r\n") for _again in range(ASKS))
-    yield proof.judged("ask_ms", statistics.median(waits) * 1000, found=_("{} ms, p99 {}", number(statistics.median(waits) * 1000), number(waits[-3] * 1000)))
+    yield proof.judge("ask_ms", statistics.median(waits) * 1000, found=_("{} ms, p99 {}", number(statistics.median(waits) * 1000), number(waits[-3] * 1000)))
     lines_s, asked = stream(proof, chord_lines(LINES, len(proof.raw["axes"])))
     proof.timings["asks"] = [each * 1000 for each in asked]
     board.expect(b"served", 30)
-    late = int(board.ended().split()[0])
-    yield proof.judged("lines_s", lines_s, late=late)
+    late = int(board.wait_for_end().split()[0])
+    yield proof.judge("lines_s", lines_s, late=late)
     asked.sort()
-    yield proof.judged("ask99_ms", asked[int(len(asked) * 0.99) - 1] * 1000, found=_("{} ms, median {}", number(asked[int(len(asked) * 0.99) - 1] * 1000), number(statistics.median(asked) * 1000)))
+    yield proof.judge("ask99_ms", asked[int(len(asked) * 0.99) - 1] * 1000, found=_("{} ms, median {}", number(asked[int(len(asked) * 0.99) - 1] * 1000), number(statistics.median(asked) * 1000)))
 
 
-def framed_link(proof):
-    """Lines in frames over a wire that spoils bytes on their way to the board."""
+def measure_frames(proof):
+    """A row: lines lost when they go in frames over a wire that spoils bytes on their way to the board."""
     from host_tools.clients.frames import FramedPort
 
     board = proof.board
@@ -96,13 +96,13 @@ def framed_link(proof):
             break
     board.wait_s(QUIET_MS / 1000 + 0.5)
     board.expect(b"served", 30)
-    board.ended()
+    board.wait_for_end()
     lost = len(lines) - said.count(b"ok\r\n")
-    return proof.judged("framed_lost", lost, found=_("{} of {}, though {} bytes were spoiled", lost, len(lines), wire.spoiled))
+    return proof.judge("framed_lost", lost, found=_("{} of {}, though {} bytes were spoiled", lost, len(lines), wire.spoiled))
 
 
 class SpoiledWire:
-    """The face of a serial port over a board; of what is written each so many bytes one is changed."""
+    """A serial port over a board that spoils one byte in SPOILED of those written."""
 
     baudrate = timeout = None
 
@@ -138,7 +138,7 @@ def plotter_link(proof):
     board.start(f"serve({QUIET_MS})")
     board.expect(b"ready\r\n")
     waits = sorted(ask(proof, b"r\0\0\0\0r", b"k") for _again in range(ASKS))
-    yield proof.judged("ask_ms", statistics.median(waits) * 1000)
+    yield proof.judge("ask_ms", statistics.median(waits) * 1000)
     from host_tools.emulator.traffic import points
 
     data = points(400)
@@ -151,8 +151,8 @@ def plotter_link(proof):
         answered += board.take().count(b"n")
     took = board.now_s() - begun
     board.expect(b"served", 30)
-    board.ended()
-    yield proof.judged("packets_s", answered / took)
+    board.wait_for_end()
+    yield proof.judge("packets_s", answered / took)
 
 
 def ask(proof, question, answer):

@@ -18,7 +18,7 @@ HALTS = 20
 OWN_S, FAST_STEPS, FAST_HZ = 0.012, 900, 480_000
 FAST = {"steps_per_m": 400_000, "max_mm_min": 72_000, "accel_mm_s2": 900_000}
 COILS_HZ = 5000
-# Where the pull's resistor holds the input to its other level before the machine is asked to move.
+# Has the pull's resistor hold the input at its inactive level before the machine moves.
 _LOOK = """
 witness = Witness({base}, {width}, RECORDS)
 other = Witness({pin}, 1, bytearray(256), 5)
@@ -43,12 +43,12 @@ class Shape:
         self._invert = inverted_pins(self.board, self.layout) & (1 << self.width) - 1
         self.pulse_ticks, self.least_ticks = word_times(self.board)
 
-    def seen(self, records):
+    def levels_seen(self, records):
         """[(cycle, levels as words have them)]"""
-        return [(cycle, levels ^ self._invert) for cycle, levels in edges.decoded(records, self.width)]
+        return [(cycle, levels ^ self._invert) for cycle, levels in edges.decode(records, self.width)]
 
-    def wanted(self, lines):
-        """What the words of lines ask of the pins."""
+    def changes_of(self, lines):
+        """[(tick, levels)] that the words of `lines`, [(deltas, ticks)], ask of the pins."""
         from passo.app import App
 
         words = []
@@ -58,7 +58,7 @@ class Shape:
         app.planner.flush()
         app.controller.machine.awake = True
         settle(app)
-        return edges.wanted(words, self.layout.bits, self.width, self.layout.pulse_mask, self.pulse_ticks)
+        return edges.changes_in_words(words, self.layout.bits, self.width, self.layout.pulse_mask, self.pulse_ticks)
 
 
 def check_enable(proof):
@@ -72,8 +72,8 @@ def chip_mhz(proof):
     return int(proof.board.exec("print(machine.freq())")) / 1e6
 
 
-def said(proof, code, *limit_s):
-    """What the board says of its own, a first line and the records; what the machine's link says comes before."""
+def run_on_board(proof, code, *limit_s):
+    """Run code on the board; returns (numbers of the first line behind "= ", lines of records). Output of the machine's link comes before."""
     first, *rest = proof.board.exec(code, *limit_s).rpartition("\n= ")[2].splitlines()
     return [int(each) for each in first.split()], rest
 
@@ -82,26 +82,27 @@ def position_of(proof):
     return [int(each) for each in proof.board.exec("print(*feeder.position(player.played()))").split()]
 
 
-def played(proof, changes, lines):
-    """Lines played before the witness: (Found, words late, shape)."""
+def play_lines(proof, changes, lines):
+    """Play lines while the witness records; returns (Found, words late, shape, [(cycle, levels)]). Raises Failure if nothing moved or was
+    recorded."""
     shape = Shape(proof, changes)
     proof.begin("make", changes, more=("board_witness.py",))
     check_enable(proof)
     proof.board.exec(f"witness = Witness({shape.base}, {shape.width}, RECORDS)\ngc.collect()")
-    (late, taken, finished), records = said(proof, f"play({lines!r}, witness)")
+    (late, taken, finished), records = run_on_board(proof, f"play({lines!r}, witness)")
     check_enable(proof)
     if not finished:
         raise Failure("the player does not play: its DMA or its state machine stands still, and the queue stays full")
     if not taken:
         raise Failure("the witness has seen nothing: its DMA carries nothing")
-    seen = shape.seen(unpacked(records[:-1]))
+    seen = shape.levels_seen(records_printed(records[:-1]))
     if len(seen) < 2:
         raise Failure("no pin has changed, though the player says it played: its DMA hands nothing over, or the pins are held")
-    changes = shape.wanted(lines)
+    changes = shape.changes_of(lines)
     if taken >= ROOM:
         changes = changes[: len(seen) - 1]
     motors = shape.layout.motors if shape.pulse_ticks else 0
-    return edges.compared(seen, changes, shape.width, shape.layout.axes, motors, chip_mhz(proof)), late, shape, seen
+    return edges.compare(seen, changes, shape.width, shape.layout.axes, motors, chip_mhz(proof)), late, shape, seen
 
 
 def difference(found, shape):
@@ -129,7 +130,7 @@ def there_and_back(board, seconds):
 def edges_of(proof):
     changes = own(proof)
     board = proof.machine(changes)
-    found, late, shape, seen = played(proof, changes, there_and_back(board, OWN_S))
+    found, late, shape, seen = play_lines(proof, changes, there_and_back(board, OWN_S))
     note(proof, "own", found, seen)
     yield Row("enable", _("motors' current"), _("off all along"), verdict=KEPT)
     if not found.same:
@@ -142,13 +143,13 @@ def edges_of(proof):
     if found.pulse_ns:
         low, high = (number(each / 1000) for each in found.pulse_ns)
         off_ns = max(abs(each - 1000 * drive["pulse_us"]) for each in found.pulse_ns)
-        yield proof.judged("pulse_ns", off_ns, found=_("{} to {} µs, wanted {}", low, high, drive["pulse_us"]))
+        yield proof.judge("pulse_ns", off_ns, found=_("{} to {} µs, wanted {}", low, high, drive["pulse_us"]))
     if found.setup_ns is not None:
         short_ns = max(0, 1000 * drive["setup_us"] - found.setup_ns)
-        yield proof.judged("setup_ns", short_ns, found=_("{} µs, wanted {}", number(found.setup_ns / 1000), drive["setup_us"]))
+        yield proof.judge("setup_ns", short_ns, found=_("{} µs, wanted {}", number(found.setup_ns / 1000), drive["setup_us"]))
     if found.same:
-        yield proof.judged("edge_ns", found.off_ns)
-    yield proof.judged("late_words", late)
+        yield proof.judge("edge_ns", found.off_ns)
+    yield proof.judge("late_words", late)
 
 
 def fastest(proof):
@@ -158,14 +159,14 @@ def fastest(proof):
     axes = [dict(axis, **FAST) for axis in proof.raw["axes"]]
     changes = {"axes": axes, "drive": dict(proof.raw["drive"], pulse_us=1)}
     lines = [([FAST_STEPS] * len(axes), FAST_STEPS * TICKS_PER_S // FAST_HZ)]
-    found, late, shape, seen = played(proof, changes, lines)
+    found, late, shape, seen = play_lines(proof, changes, lines)
     note(proof, "fastest", found, seen)
     steady_ns = found.interval_ns[len(found.interval_ns) // 4 :]
     kept = found.same and found.off_ns <= PROMISES["edge_ns"].bound and late == 0
     told = difference(found, shape)
     if found.same:
         told = _("{} kHz, edges within {} ns of their words, {} late", number(1e6 / statistics.mean(steady_ns)), number(found.off_ns), late)
-    yield proof.judged("fastest_khz", FAST_HZ // 1000 if kept else 0, found=told, edge_ns=found.off_ns)
+    yield proof.judge("fastest_khz", FAST_HZ // 1000 if kept else 0, found=told, edge_ns=found.off_ns)
 
 
 def note(proof, name, found, seen):
@@ -188,7 +189,7 @@ def stops(proof):
     lines = there_and_back(shape.board, 0.5)
     waits, wrong = [], 0
     for trial in range(HALTS):
-        found = halted(proof, shape, f"halt({lines!r}, witness, other, {pin}, {active}, {4 + trial % 8})", active)
+        found = measure_halt(proof, shape, f"halt({lines!r}, witness, other, {pin}, {active}, {4 + trial % 8})", active)
         if found is None:
             yield Row("stops", what, _("input {} (GPIO{}) does not follow the chip's own resistor: something is wired to it", halting[0]["name"], pin), verdict=LEFT_OUT)
             return
@@ -196,32 +197,33 @@ def stops(proof):
         wrong += not found[1]
     check_enable(proof)
     proof.timings["stops"] = waits
-    yield proof.judged("stop_us", max(waits), found=_("{} µs at most, {} in the middle, {} stops", number(max(waits)), number(statistics.median(waits)), HALTS))
-    yield proof.judged("halts_off", wrong, found=_("{} of {} positions exact", HALTS - wrong, HALTS))
+    yield proof.judge("stop_us", max(waits), found=_("{} µs at most, {} in the middle, {} stops", number(max(waits)), number(statistics.median(waits)), HALTS))
+    yield proof.judge("halts_off", wrong, found=_("{} of {} positions exact", HALTS - wrong, HALTS))
 
 
-def halted(proof, shape, code, active):
-    """Cycles from the input's edge to the last step, and whether the position is as counted; None if the input did not follow."""
+def measure_halt(proof, shape, code, active):
+    """Have an input halt the machine; returns (cycles from its edge to the last step, whether the position is that of the steps), None if the input
+    did not follow."""
     before = position_of(proof)
-    (reached, *position), rest = said(proof, code)
+    (reached, *position), rest = run_on_board(proof, code)
     if not reached:
         return None
     cut = rest.index("-")
-    seen = shape.seen(unpacked(rest[:cut]))
-    pressed = [cycle for cycle, level in edges.decoded(unpacked(rest[cut + 1 : -1]), 1)[1:] if level == active]
+    seen = shape.levels_seen(records_printed(rest[:cut]))
+    pressed = [cycle for cycle, level in edges.decode(records_printed(rest[cut + 1 : -1]), 1)[1:] if level == active]
     steps = [cycle for (_at, old), (cycle, levels) in zip(seen, seen[1:]) if levels & ~old & shape.layout.pulse_mask]
     if not pressed or not steps:
         raise Failure("the witness has seen no stop: {} steps, {} edges of the input", len(steps), len(pressed))
     went = [now - then for now, then in zip(position, before)]
-    return max(0, steps[-1] - pressed[0]), went == edges.counted(seen, shape.layout.axes, shape.layout.motors)
+    return max(0, steps[-1] - pressed[0]), went == edges.count_steps(seen, shape.layout.axes, shape.layout.motors)
 
 
-def printed(lines):
+def bytes_printed(lines):
     """The bytes that the board printed."""
     return b"".join(base64.b64decode(line) for line in lines)
 
 
-def unpacked(lines):
+def records_printed(lines):
     """The records that the board printed."""
-    data = printed(lines)
+    data = bytes_printed(lines)
     return struct.unpack(f"<{len(data) // 4}I", data)

@@ -1,5 +1,5 @@
-"""What a board is promised to do: the one place of these figures. docs/reference/benchmarks.md says how each was measured, and a test holds both
-together (tests_host/rules/test_promises.py).
+"""The figures that Passo promises of a board, in one place. docs/reference/benchmarks.md says how each was measured; a test compares both
+(tests_host/rules/test_promises.py).
 
     verdict(PROMISES["stop_us"], 0.1)       # BETTER, KEPT or WORSE
 """
@@ -17,7 +17,7 @@ class Promise:
     least: bool = False  # the bound is the least; else the most
     easy: float = 0  # from here on it is better than promised; 0: it cannot be
     advice: str = ""
-    said: str = ""  # what docs/reference/benchmarks.md says of it, word for word
+    said: str = ""  # its sentence in docs/reference/benchmarks.md
 
 
 PROMISES = {

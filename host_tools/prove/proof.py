@@ -1,4 +1,4 @@
-"""What `passo prove` does: rows of a table, each measured on the board, one after the other.
+"""The rows of `passo prove`, each measured on the board, one after the other.
 
     for row in Proof(EmulatedBoard("router_3axis"), boards.load("router_3axis"), drive_pins=True).rows():
         row.what, row.found, row.verdict, row.advice
@@ -31,8 +31,8 @@ class Proof:
         self.raw = raw
         self.drive_pins = drive_pins
         self.frozen = False
-        self._silent = False  # for so long that it is not asked any more
-        self.timings = {}  # name: what the picture shows
+        self._silent = False  # a row found the board silent: ask it no more
+        self.timings = {}  # {name: values for the picture}
 
     def rows(self):
         """Every row, as it is measured."""
@@ -61,7 +61,9 @@ class Proof:
             advice = _("something else takes memory: flash the board anew, leave out a link or a language") if "memory" in said else _("flash the board again, and report this")
             yield Row(part.__name__, _(title), said, verdict=WORSE, advice=advice)
 
-    def judged(self, key, value, whole=1, found=None, **figures):
+    def judge(self, key, value, whole=1, found=None, **figures):
+        """A row of PROMISES[key]: `value` against the promise, of which `whole` is a factor. `found`: the text
+        shown; `figures`: more values for JSON."""
         promise = PROMISES[key]
         bound = promise.bound * whole
         judged = verdict(promise, value, whole)
@@ -76,13 +78,13 @@ class Proof:
         self.board.exec(f"{order}({ {'inputs': [], **(changes or {})}!r}, {WITHOUT!r})")
 
     def load(self, *programs):
-        """Run files of this folder on the board, or what is no file's name."""
+        """Run programs on the board: files of this folder (NAME.py), or code."""
         for name in programs:
             self.board.exec(text(name) if name.endswith(".py") else name)
-            self.board.exec("import gc\ngc.collect()")  # what stays lies close together
+            self.board.exec("import gc\ngc.collect()")  # long-lived objects lie close together
 
     def machine(self, changes=None):
-        """The same machine's checked board file here."""
+        """The checked board file of the machine that runs on the board, on the PC."""
         from passo.config.boardfile import check
 
         return check({**{key: value for key, value in self.raw.items() if key not in WITHOUT}, "inputs": [], **(changes or {})})

@@ -55,7 +55,7 @@ def as_lines(proof, header):
 
 
 def last_line(rows, header):
-    """What follows the rows: the report as text, and the sentences under its table."""
+    """JSON that follows the rows: the report as text, and the sentences under its table."""
     told = io.StringIO()
     show(rows, header, told)
     return json.dumps({"report": told.getvalue(), "summary": summary(rows)})

@@ -165,9 +165,9 @@ class VirtualJob:
     # --- the firmware under MicroPython
 
     def _start(self, command):
-        from host_tools.build.unix_compiled import compiled_with
+        from host_tools.build.unix_compiled import firmware_for
 
-        folder, arguments = compiled_with(tuple(command), job_runner.__file__)
+        folder, arguments = firmware_for(tuple(command), job_runner.__file__)
         self._process = subprocess.Popen(
             [*command, "-X", "heapsize=8m", *arguments], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
             stderr=subprocess.PIPE, env=interpreter.environment(folder), cwd=folder,

@@ -16,7 +16,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools import boards
-from host_tools.build.constants import numbered_only
+from host_tools.build.constants import fold_in_place
 from host_tools.build.tree import module_files
 from host_tools.drawings.objects import objects
 from host_tools.drawings.packets import packet_words
@@ -53,7 +53,7 @@ def texts():
     """{path: text} of all that Python imports in the tab. Not to be changed."""
     found = {path.as_posix(): FIRMWARE / path for path in module_files() if not path.as_posix().startswith(_LEFT_OUT)}
     found |= {name: HOST_TOOLS.parent / name for name in TAB}
-    read = numbered_only({name: path.read_text(encoding="utf-8") for name, path in found.items()})
+    read = fold_in_place({name: path.read_text(encoding="utf-8") for name, path in found.items()})
     read |= {name: (OWN / name).read_text(encoding="utf-8") for name in SHIMS}
     read |= {f"boards/{name}.py": boards.board_py(name).decode() for name in BOARDS}
     return {name: _MACHINE_CODE.sub("", text) for name, text in read.items()}

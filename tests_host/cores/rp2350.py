@@ -22,7 +22,7 @@ import tempfile
 from pathlib import Path
 
 from host_tools.build.frozen import CHIPS, stamp
-from host_tools.build.uf2 import path_of, told_by
+from host_tools.build.uf2 import path_of, label_of
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.filesystem import BLOCK_BYTES, make_image
 
@@ -46,7 +46,7 @@ def emulator():
 def image():
     """The UF2 of this source. Raises Unavailable."""
     path = path_of(CHIP.name)
-    if not path.is_file() or told_by(path) != (CHIP.name, stamp(CHIP.name)):
+    if not path.is_file() or label_of(path) != (CHIP.name, stamp(CHIP.name)):
         raise Unavailable("there is no UF2 of this source for the {0}: make uf2 CHIP={0}", CHIP.name)
     return path
 

@@ -70,7 +70,7 @@ def test_it_samples_what_the_emulator_logs(board, trigger, mhz, show):
     """Three axes of the router: each edge within a sample of the log's, and none missed that lasts a sample."""
 
     def measured():
-        wanted = analyser.Wanted.checked(analyser.Path("a.vcd"), 2, mhz, trigger, True)
+        wanted = analyser.Wanted.from_words(analyser.Path("a.vcd"), 2, mhz, trigger, True)
         proof = Proof(board, boards.load(BOARD), True)
         logs = [board.pico.edges(pin) for pin in range(2, 8)]
         start = board.start
@@ -82,7 +82,7 @@ def test_it_samples_what_the_emulator_logs(board, trigger, mhz, show):
             start(code)
 
         board.start = cleared
-        return wanted.captured(proof), logged(logs)
+        return wanted.capture(proof), logged(logs)
 
     capture, log = on_a_copy(measured)
     assert capture.hz == mhz * 1e6 and len(capture.samples) == analyser.PLAYED
@@ -171,13 +171,13 @@ def test_the_command_looks_at_pins_of_something_else(board, tmp_path, show):
 
         pico.at(pico.cycle + 1250, toggle)
         with on_a_port(pico, tmp_path / "port") as over:
-            wanted = analyser.Wanted.checked(tmp_path / "a.sr", 15, 10, "rise:22", False)
-            said = wanted.taken(over, {}, False)
-            capture = wanted.captured(Proof(over, {}, False))
-            wanted = analyser.Wanted.checked(tmp_path / "b.sr", 15, 10, "rise:8", False)
+            wanted = analyser.Wanted.from_words(tmp_path / "a.sr", 15, 10, "rise:22", False)
+            said = wanted.record_to_file(over, {}, False)
+            capture = wanted.capture(Proof(over, {}, False))
+            wanted = analyser.Wanted.from_words(tmp_path / "b.sr", 15, 10, "rise:8", False)
             wanted.wait_s = 0.2
             with pytest.raises(Failure, match="the trigger did not come"):
-                wanted.taken(over, {}, False)
+                wanted.record_to_file(over, {}, False)
         return said, capture
 
     said, capture = on_a_copy(measured)
@@ -196,4 +196,4 @@ def test_the_command_looks_at_pins_of_something_else(board, tmp_path, show):
 ])
 def test_what_makes_no_sense_is_said_before_the_board_is_asked(path, trigger, told):
     with pytest.raises(Failure, match=told):
-        analyser.Wanted.checked(analyser.Path(path), 2, 25, trigger, False)
+        analyser.Wanted.from_words(analyser.Path(path), 2, 25, trigger, False)

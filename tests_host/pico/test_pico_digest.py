@@ -9,12 +9,12 @@ from emulated import uf2  # noqa: F401
 from host_tools import boards
 from host_tools.build import mpy
 from host_tools.build.constants import forms, short
-from host_tools.build.tree import COLD, compile_module, selected
+from host_tools.build.tree import COLD, compile_module, select_modules
 from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.kernels import build as kernels
 from host_tools.kernels import module
-from host_tools.kernels.inline import inlined
+from host_tools.kernels.inline import inline_kernels
 from host_tools.prove.gcode_jobs import MACHINES, all_jobs
 import every_number
 from digest import board_named
@@ -28,10 +28,10 @@ IN_FLASH = "from passo.ports.rp2 import flash_code\nflash_code.begin()\n"
 def compiled(sources, board="router_3axis"):
     """{path.mpy: bytes} of {path: source file}, compiled for the RP2040 as `passo build` does it."""
     texts = {path: source.read_text() for path, source in sources.items()}
-    made = kernels.compiled(*forms(texts), boards.load(board), "armv6m", COLD)
+    made = kernels.compile_kernels(*forms(texts), boards.load(board), "armv6m", COLD)
     files = {path: mpy.in_place(data) for path, data in made.modules.items()}
     with tempfile.TemporaryDirectory() as folder:
-        for path, text in inlined(short(made.texts)).items():
+        for path, text in inline_kernels(short(made.texts)).items():
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))
@@ -41,7 +41,7 @@ def compiled(sources, board="router_3axis"):
 
 def with_digest(board, job, data, *more, changes=None):
     """The files of digest.py, of the firmware that `board` with its `changes` needs, of one job, and of more programs of the checks."""
-    sources = {path.as_posix(): ROOT / "firmware" / path for path in selected({**boards.load(board), **(changes or {})})}
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in select_modules({**boards.load(board), **(changes or {})})}
     files = compiled({**sources, **{name: CHECKS / name for name in ("digest.py", *more)}}, board)
     files["boards/__init__.py"] = b""
     files[f"boards/{board}.py"] = boards.board_py(board)

@@ -10,9 +10,9 @@ import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from host_tools.build.constants import folded
+from host_tools.build.constants import fold_constants
 from host_tools.build.mpy import in_place
-from host_tools.build.tree import FIRMWARE, compile_module, selected
+from host_tools.build.tree import FIRMWARE, compile_module, select_modules
 from host_tools.emulator.machine import firmware_files, written
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.sim.machine import VirtualMachine
@@ -162,13 +162,13 @@ def test_a_wrong_board_file_gives_one_line(uf2, text, wanted):
 
 def with_fault(module, after, inserted, board=BOARD):
     """The firmware's files with lines put into a module."""
-    texts = {path.as_posix(): (FIRMWARE / path).read_text() for path in selected(board if isinstance(board, dict) else boards.load(board))}
+    texts = {path.as_posix(): (FIRMWARE / path).read_text() for path in select_modules(board if isinstance(board, dict) else boards.load(board))}
     assert texts[module].count(after) == 1
     texts[module] = texts[module].replace(after, after + inserted)
     files = dict(written(board) if isinstance(board, dict) else firmware_files(board))
     with tempfile.TemporaryDirectory() as folder:
         changed, target = Path(folder) / "changed.py", Path(folder) / "changed.mpy"
-        changed.write_text(folded(texts)[module])
+        changed.write_text(fold_constants(texts)[module])
         compile_module(changed, target, "armv6m", module)
         files[str(Path(module).with_suffix(".mpy"))] = in_place(target.read_bytes())
     return files

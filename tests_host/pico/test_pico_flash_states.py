@@ -14,7 +14,7 @@ from test_pico_frozen import frozen  # noqa: F401
 
 from host_tools import interpreter
 from host_tools.build.frozen import CHIPS, stamp
-from host_tools.build.uf2 import told_by, uf2_of
+from host_tools.build.uf2 import label_of, uf2_of
 from host_tools.resources import version
 from host_tools.uf2_format import BLOCK_BYTES, FLASH, PAGE
 
@@ -72,7 +72,7 @@ def another_version(path, folder):
     made = uf2_of(CHIPS["rp2040"], bytes(image.replace(mine, OTHER.encode())))
     later = folder / "later.uf2"
     later.write_bytes(made.replace(f"rp2040 {stamp('rp2040')}".encode(), f"rp2040 {OTHER}".encode()))
-    assert told_by(later) == ("rp2040", OTHER)
+    assert label_of(later) == ("rp2040", OTHER)
     return later
 
 

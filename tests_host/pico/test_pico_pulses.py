@@ -7,7 +7,7 @@ import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from host_tools.build.tree import selected
+from host_tools.build.tree import select_modules
 from host_tools.emulator.pico import EmulatedPico
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
 from test_digest import CHECKS, PICO_PULSES, ROOT, golden_of_gcode, hex_of
@@ -106,7 +106,7 @@ def test_live_speed(machine, show):
 
 @pytest.mark.slow
 def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):
-    sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load("lpt_router"))}
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in select_modules(boards.load("lpt_router"))}
     files = compiled({**sources, "digest.py": CHECKS / "digest.py"})
     files["boards/__init__.py"] = b""
     files["boards/lpt_router.py"] = boards.path("lpt_router").read_bytes()

@@ -14,11 +14,11 @@ from pathlib import Path
 import pytest
 
 from host_tools import interpreter
-from host_tools.build.constants import folded
+from host_tools.build.constants import fold_constants
 from host_tools.build.tree import FIRMWARE, module_files
 from host_tools.cli import run
 from host_tools.drawings.objects import objects
-from host_tools.kernels.inline import inlined
+from host_tools.kernels.inline import inline_kernels
 from passo.protocols.torch import protocol as torch
 from passo.protocols.plotter.host import COMMANDS, packet
 from host_tools.prove.gcode_jobs import all_jobs, play, star
@@ -97,7 +97,7 @@ def test_what_a_board_gets_makes_the_same_words(jobs, tmp_path):
     """With numbers for constants, short names for attributes and arguments, and short kernels where others call them."""
     sources = {path.as_posix(): FIRMWARE / path for path in module_files()}
     sources["digest.py"] = CHECKS / "digest.py"
-    for path, text in inlined(folded({path: source.read_text(encoding="utf-8") for path, source in sources.items()})).items():
+    for path, text in inline_kernels(fold_constants({path: source.read_text(encoding="utf-8") for path, source in sources.items()})).items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text, encoding="utf-8")
     board, lines = all_jobs()["pico"]

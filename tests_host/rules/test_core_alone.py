@@ -112,7 +112,7 @@ def test_a_plain_board_loads_no_option(tmp_path):
     said = work(FIRMWARE, tmp_path)
     judge(said)
     assert of_options(said["modules"]) == []
-    files = tree.selected(BOARD)
+    files = tree.select_modules(BOARD)
     assert [path for path in files if tree.option_of(path)] == [] and len(files) > 60
 
 
@@ -123,5 +123,5 @@ def test_it_works_without_their_folders(tmp_path):
         if folder.is_dir():
             shutil.rmtree(folder)
     judge(work(firmware, tmp_path))
-    assert tree.selected(BOARD, firmware) == tree.selected(BOARD)
+    assert tree.select_modules(BOARD, firmware) == tree.select_modules(BOARD)
     assert "additions" not in check(BOARD)

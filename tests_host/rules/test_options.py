@@ -37,7 +37,7 @@ for path in tree.module_files(Path(sys.argv[1])):
 found = {}
 for name in boards.names():
     try:
-        found[name] = sorted(path.as_posix() for path in tree.selected(boards.load(name), Path(sys.argv[1])))
+        found[name] = sorted(path.as_posix() for path in tree.select_modules(boards.load(name), Path(sys.argv[1])))
     except Failure as failure:
         found[name] = str(failure)
 print(json.dumps(found))

@@ -16,7 +16,7 @@ from packaging.utils import canonicalize_name
 from host_tools.build import release
 from host_tools.build.frozen import CHIPS, stamp
 from host_tools.build.tree import write_stamp
-from host_tools.build.uf2 import told_by, uf2_of
+from host_tools.build.uf2 import label_of, uf2_of
 from host_tools.resources import ROOT, version
 
 pytestmark = pytest.mark.quick
@@ -39,7 +39,7 @@ def test_one_version(tmp_path):
 @pytest.mark.parametrize("chip", [name for name, chip in CHIPS.items() if chip.mcu.startswith("rp2")])
 def test_a_uf2_has_the_version_in_its_stamp(chip, tmp_path):
     (tmp_path / "a.uf2").write_bytes(uf2_of(CHIPS[chip], bytes(1000)))
-    told = told_by(tmp_path / "a.uf2")
+    told = label_of(tmp_path / "a.uf2")
     assert told == (chip, stamp(chip)) and told[1].startswith(version() + "-")
 
 
@@ -101,7 +101,7 @@ def test_a_zip_depends_on_its_contents_only(tmp_path):
             (folder / name).write_text("the same")
             os.utime(folder / name, (number * 10**9, number * 10**9))
             (folder / name).chmod(0o600 if number == 1 else 0o755)
-        release.zipped([folder], tmp_path / "made.zip", 1_700_000_000)
+        release.write_zip([folder], tmp_path / "made.zip", 1_700_000_000)
         found.add(release.digest(tmp_path / "made.zip"))
     assert len(found) == 1
 

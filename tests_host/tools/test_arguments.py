@@ -4,12 +4,12 @@ import ast
 
 import pytest
 
-from host_tools.build.arguments import numbered
+from host_tools.build.arguments import shorten_arguments
 from host_tools.build.tree import FIRMWARE, module_files
 
 
 def of(text, others=""):
-    return numbered({"passo/a.py": text, "passo/b.py": others})["passo/a.py"]
+    return shorten_arguments({"passo/a.py": text, "passo/b.py": others})["passo/a.py"]
 
 
 @pytest.mark.parametrize(
@@ -39,14 +39,14 @@ def test_a_name_that_is_kept_anyway_or_said_stays(other):
 
 def test_only_the_firmware_is_changed():
     text = "def f(n):\n    return n\n"
-    assert numbered({"digest.py": text})["digest.py"] == text
+    assert shorten_arguments({"digest.py": text})["digest.py"] == text
 
 
 def test_the_firmware_stays_what_it_is():
     """Apart from the names every module has the same structure, and its lines stay where they are."""
     texts = {path.as_posix(): (FIRMWARE / path).read_text(encoding="utf-8") for path in module_files()}
     renamed = 0
-    for path, text in numbered(texts).items():
+    for path, text in shorten_arguments(texts).items():
         before, after = (list(ast.walk(ast.parse(each))) for each in (texts[path], text))
         assert [(type(node), getattr(node, "lineno", 0)) for node in before] == [
             (type(node), getattr(node, "lineno", 0)) for node in after

@@ -2,8 +2,8 @@
 
 import ast
 
-from host_tools.build.arguments import numbered
-from host_tools.build.attributes import shortened
+from host_tools.build.arguments import shorten_arguments
+from host_tools.build.attributes import shorten_attributes
 from host_tools.build.tree import FIRMWARE, module_files
 
 A = """class A:
@@ -17,7 +17,7 @@ A = """class A:
 
 
 def test_what_one_module_keeps_is_shortened():
-    texts = shortened({"passo/a.py": A, "passo/b.py": "class B:\n    def f(self): self._other = 2\n"})
+    texts = shorten_attributes({"passo/a.py": A, "passo/b.py": "class B:\n    def f(self): self._other = 2\n"})
     assert "self._0 = self._more = 1" in texts["passo/a.py"], "a string names _more"
     assert "def _1(self)" in texts["passo/a.py"] and "return self._0 + self._timer" in texts["passo/a.py"]
     assert "self._0 = 2" in texts["passo/b.py"], "another object's"
@@ -26,15 +26,15 @@ def test_what_one_module_keeps_is_shortened():
 def test_what_others_ask_for_is_left_alone():
     others = ["x = a._much\n", "def f(self): return g(_much=1)\n", "from passo.a import _much\n", "class B:\n    _much = 1\n"]
     for other in others + ["x = '_much'\n"]:
-        assert "self._much" in shortened({"passo/a.py": A, "passo/b.py": other})["passo/a.py"]
-    texts = shortened({"passo/a.py": A, "passo/b.py": "def f(self): return self._much\n"})
+        assert "self._much" in shorten_attributes({"passo/a.py": A, "passo/b.py": other})["passo/a.py"]
+    texts = shorten_attributes({"passo/a.py": A, "passo/b.py": "def f(self): return self._much\n"})
     assert "self._0" in texts["passo/a.py"] and "self._0" in texts["passo/b.py"], "another object's, which has nothing to do with it"
 
 
 def test_derived_classes_share_no_name():
     b = "from passo.a import A\nclass B(A):\n    def f(self): self._other = 2\n"
     c = "from passo import b\nclass C(b.B):\n    def f(self): self._third = self._much\n"
-    texts = shortened({"passo/a.py": A, "passo/b.py": b, "passo/c.py": c})
+    texts = shorten_attributes({"passo/a.py": A, "passo/b.py": b, "passo/c.py": c})
     much = texts["passo/a.py"].split(" = ")[0][-2:]
     assert texts["passo/c.py"].strip().endswith("self." + much)
     names = {much, texts["passo/b.py"][-7:-5], texts["passo/c.py"].split(" = ")[0][-2:]}
@@ -52,7 +52,7 @@ def seen(): return _work(_Shown), _kept
 _state = _kept = 0
 """
     other = "from passo.a import _kept\n_state = 2\n"
-    texts = shortened({"passo/a.py": text, "passo/b.py": other})
+    texts = shorten_attributes({"passo/a.py": text, "passo/b.py": other})
     assert "def _20(_arg):" in texts["passo/a.py"] and "global _19\n    _19 = _18[_arg]" in texts["passo/a.py"], texts["passo/a.py"]
     assert "class _17: pass" in texts["passo/a.py"] and "_19 = _kept = 0" in texts["passo/a.py"]
     assert texts["passo/b.py"].endswith("_16 = 2\n")
@@ -62,7 +62,7 @@ _state = _kept = 0
 
 
 def test_no_argument_has_a_name_of_the_module():
-    for path, text in numbered(shortened({path.as_posix(): (FIRMWARE / path).read_text() for path in module_files()})).items():
+    for path, text in shorten_arguments(shorten_attributes({path.as_posix(): (FIRMWARE / path).read_text() for path in module_files()})).items():
         tree = ast.parse(text)
         own = {node.name for node in tree.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))}
         own |= {each.id for node in tree.body if isinstance(node, ast.Assign) for each in node.targets if isinstance(each, ast.Name)}
@@ -73,7 +73,7 @@ def test_no_argument_has_a_name_of_the_module():
 def test_the_firmware_stays_what_it_is():
     """Apart from the names every module has the same structure, and its lines stay where they are."""
     texts = {path.as_posix(): (FIRMWARE / path).read_text() for path in module_files()}
-    short = shortened(texts)
+    short = shorten_attributes(texts)
     renamed = 0
     for path, text in texts.items():
         before, after = (list(ast.walk(ast.parse(each))) for each in (text, short[path]))

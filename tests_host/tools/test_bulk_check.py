@@ -224,7 +224,7 @@ def test_a_firmware_that_ends_is_a_failure(monkeypatch):
 def test_the_firmware_is_looked_up_once_a_process(monkeypatch):
     asked = []
     monkeypatch.setattr(unix_compiled, "unix_tree", lambda: asked.append(1) or unix_tree())
-    unix_compiled.compiled_with.cache_clear()
+    unix_compiled.firmware_for.cache_clear()
     for _time in range(3):
         VirtualJob("router_3axis").run([(1, b"G4P0.01")])
     assert len(asked) == 1
@@ -236,14 +236,14 @@ def test_the_firmware_starts_compiled_where_it_can_and_from_its_sources_elsewher
     for can in (True, False):
         if not can:
             monkeypatch.setattr(unix_compiled, "loads", lambda said, told: False)
-        unix_compiled.compiled_with.cache_clear()
+        unix_compiled.firmware_for.cache_clear()
         job = VirtualJob("router_3axis")
         job.run(enumerate([b"G21G90", b"G1X9Y4F1500", b"G2X5I-2F900", b"G1X99999"], 1))
-        folder, arguments = unix_compiled.compiled_with(tuple(interpreter.micropython()), job_module.job_runner.__file__)
+        folder, arguments = unix_compiled.firmware_for(tuple(interpreter.micropython()), job_module.job_runner.__file__)
         kinds = {path.suffix for path in folder.rglob("*") if path.is_file()}
         assert kinds == ({".mpy"} if arguments[0] == "-m" else {".py"})
         found.append((arguments[0] == "-m", job.seconds, job.track.steps, job.errors, job.track.samples.tolist()))
-    unix_compiled.compiled_with.cache_clear()
+    unix_compiled.firmware_for.cache_clear()
     (compiled, *one), (other_compiled, *other) = found
     assert compiled == (platform.machine() == "x86_64") and not other_compiled
     assert one == other and one[1] > 50

@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-from host_tools.build.constants import folded, numbered_only
+from host_tools.build.constants import fold_constants, fold_in_place
 from host_tools.build.tree import FIRMWARE, module_files
 from host_tools.failure import Failure
 
@@ -22,7 +22,7 @@ WORDS = (
 
 
 def both(text, a=A):
-    texts = folded({"passo/a.py": a, "passo/b.py": text})
+    texts = fold_constants({"passo/a.py": a, "passo/b.py": text})
     return texts["passo/a.py"], texts["passo/b.py"]
 
 
@@ -60,7 +60,7 @@ def test_what_nobody_reads_is_not_defined():
 
 def test_a_constant_passes_through_modules():
     through = {"passo/b.py": "from passo.a import FIVE\n", "passo/c.py": "from passo.b import FIVE\nx = FIVE\n"}
-    texts = folded({"passo/a.py": A, **through})
+    texts = fold_constants({"passo/a.py": A, **through})
     assert texts["passo/c.py"] == "pass\nx = 5\n"
 
 
@@ -68,7 +68,7 @@ def test_only_numbers_differ_in_the_firmware():
     """Every line stays in its place, and no public constant is left to be looked up."""
     texts = {path.as_posix(): (FIRMWARE / path).read_text(encoding="utf-8") for path in module_files()}
     defined = 0
-    for path, text in folded(texts).items():
+    for path, text in fold_constants(texts).items():
         assert text.count("\n") == texts[path].count("\n"), path
         defined += sum(isinstance(node, ast.Name) and node.id == "const" for node in ast.walk(ast.parse(text)))
         assert not [line for line in text.splitlines() if " = const(" in line and line[0].isupper()], path
@@ -81,6 +81,6 @@ def test_a_module_that_is_not_python_is_named():
 
 
 def test_numbers_alone_leave_imports_and_definitions():
-    texts = numbered_only({"passo/a.py": A, "passo/b.py": "from passo.a import FIVE, HALF\nx = FIVE\n"})
+    texts = fold_in_place({"passo/a.py": A, "passo/b.py": "from passo.a import FIVE, HALF\nx = FIVE\n"})
     assert texts["passo/b.py"] == "from passo.a import FIVE, HALF\nx = 5\n"
     assert "FIVE = const(5)" in texts["passo/a.py"]

@@ -10,7 +10,7 @@ from test_flash import board, folder, put, run_flash, small_firmware, wait_for  
 
 from host_tools import boards
 from host_tools.build.frozen import CHIPS, MARK, stamp
-from host_tools.build.uf2 import mended, told_by, uf2_of
+from host_tools.build.uf2 import mend_frozen_code, label_of, uf2_of
 from host_tools.cli import flash_uf2
 from host_tools.emulator.filesystem import location
 from host_tools.failure import Failure
@@ -115,9 +115,9 @@ def test_a_cut_file_is_not_whole(tmp_path):
 def test_a_file_tells_its_chip_and_build(tmp_path):
     path = tmp_path / "passo.uf2"
     path.write_bytes(uf2_of(CHIPS["rp2040"], image()))
-    assert told_by(path) == ("rp2040", stamp("rp2040"))
+    assert label_of(path) == ("rp2040", stamp("rp2040"))
     path.write_bytes(blocks_of([(FLASH, bytes(PAGE))], FAMILIES["rp2040"]))
-    assert told_by(path) is None and is_whole(path.read_bytes())
+    assert label_of(path) is None and is_whole(path.read_bytes())
 
 
 def test_what_mpy_tool_writes_is_mended():
@@ -126,13 +126,13 @@ def test_what_mpy_tool_writes_is_mended():
     text = b"head\n"
     for name in ((b"a", b"app_App_poll"), (b"b", b"steps_feeder_Feeder_fill")):
         text += function % name + section + b" = {\n"
-    assert mended(1, b"wrong") == (1, b"wrong")
-    status, made = mended(0, text)
+    assert mend_frozen_code(1, b"wrong") == (1, b"wrong")
+    status, made = mend_frozen_code(0, text)
     assert status == 0 and made.count(b"aligned (4)") == 2 and b"aligned (2)" not in made
     assert made.count(b"time_critical") == 1 and made.index(b"time_critical") > made.index(b"Feeder_fill")
     assert made.count(b'(".text.fun_data_x,') == 1, "a section of its own"
     with pytest.raises(Failure, match="no such functions"):
-        mended(0, b"head\n" + function % (b"a", b"app_App_poll") + section)
+        mend_frozen_code(0, b"head\n" + function % (b"a", b"app_App_poll") + section)
 
 
 # --- the boot loader

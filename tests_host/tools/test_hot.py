@@ -7,7 +7,7 @@ import pytest
 from host_tools.bench.hot import hottest, sections
 from host_tools.build.frozen import CHIPS, MEMORY, modules
 from host_tools.build.tree import source_of
-from host_tools.build.uf2 import hot, linked
+from host_tools.build.uf2 import hot, arrange_linker_script
 from host_tools.resources import FIRMWARE
 
 MAP = """
@@ -43,7 +43,7 @@ def test_the_dearest_byte_comes_first():
 @pytest.mark.quick
 def test_the_list_stands_before_all_other_code():
     rest = "        *(EXCLUDE_FILE(*libgcc.a: *gc.c.obj *vm.c.obj *parse.c.obj) .text*)\n"
-    lines = linked("head\n" + rest + "tail\n").splitlines()
+    lines = arrange_linker_script("head\n" + rest + "tail\n").splitlines()
     assert lines[0] == "head" and lines[-1] == "tail" and len(lines) == len(hot()) + 3
     assert lines[1] == f"        *({hot()[0]})" and lines[-2].startswith("        *(EXCLUDE_FILE(")
     assert len(set(hot())) == len(hot())

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from host_tools.build.tree import compile_module
 from host_tools.failure import Failure
-from host_tools.kernels.inline import LARGEST, inlined
+from host_tools.kernels.inline import LARGEST, inline_kernels
 
 HELPERS = '''
 import micropython
@@ -99,7 +99,7 @@ def work(numbers, data: ptr32, count: int, wanted: int) -> int:
     return x + sign(y) if wanted else deep(other, 3, data[bump(data, 0) & 1])
 '''
 TEXTS = {"passo/helpers.py": HELPERS, "passo/callers.py": CALLERS}
-MADE = inlined(TEXTS)
+MADE = inline_kernels(TEXTS)
 
 
 def run(texts, *arguments):
@@ -123,7 +123,7 @@ def test_the_same_is_computed_in_the_same_order(one, other, count, wanted):
 
 
 def test_what_goes_in_is_left_out_of_its_module():
-    kept = inlined(TEXTS, keep=True)["passo/helpers.py"]
+    kept = inline_kernels(TEXTS, keep=True)["passo/helpers.py"]
     for each in "sign", "find", "bump", "clear", "even", "deep":
         assert f"{each}(" not in MADE["passo/callers.py"]
         assert f"def {each}" not in MADE["passo/helpers.py"]
@@ -140,7 +140,7 @@ def test_viper_compiles_it_for_every_chip(tmp_path):
 def test_what_python_calls_stays_and_lines_keep_their_numbers():
     texts = {**TEXTS, "passo/app.py": "from passo.helpers import sign\nprint(sign(3))\n"}
     texts["passo/callers.py"] += "\n\ndef last():\n    return work\n"
-    made = inlined(texts)
+    made = inline_kernels(texts)
     assert "def sign" in made["passo/helpers.py"]
     assert made["passo/app.py"] == texts["passo/app.py"]
     lines = [
@@ -155,10 +155,10 @@ LONG = "@micropython.viper\ndef long(x: int) -> int:\n" + "    x += 1\n" * 40 + 
 
 def test_a_long_kernel_goes_in_where_only_one_calls_it():
     one = LONG + "@micropython.viper\ndef one(x: int) -> int:\n    return int(long(x))\n"
-    assert "def long" not in inlined({"passo/a.py": one})["passo/a.py"]
+    assert "def long" not in inline_kernels({"passo/a.py": one})["passo/a.py"]
     many = one + "@micropython.viper\ndef two(x: int) -> int:\n    return int(long(x)) + int(long(x + 1))\n"
-    assert inlined({"passo/a.py": many})["passo/a.py"] == many
-    assert inlined({"passo/a.py": one, "passo/b.py": "from passo.a import long\nlong(3)\n"})["passo/a.py"] == one
+    assert inline_kernels({"passo/a.py": many})["passo/a.py"] == many
+    assert inline_kernels({"passo/a.py": one, "passo/b.py": "from passo.a import long\nlong(3)\n"})["passo/a.py"] == one
 
 
 def test_none_goes_in_that_is_large_with_what_is_in_it():
@@ -166,18 +166,18 @@ def test_none_goes_in_that_is_large_with_what_is_in_it():
     parts = "".join(LONG.replace("long", f"part_{part}") for part in range(LARGEST // 42))
     sums = " + ".join(f"part_{part}(x)" for part in range(LARGEST // 42))
     texts = {"passo/a.py": f"{parts}@micropython.viper\ndef whole(x: int) -> int:\n    return {sums}\n"}
-    assert "def part_" not in inlined(texts)["passo/a.py"]
+    assert "def part_" not in inline_kernels(texts)["passo/a.py"]
     texts["passo/a.py"] += LONG + "@micropython.viper\ndef last(x: int) -> int:\n    return int(whole(x)) + int(long(x))\n"
-    assert "def whole" not in inlined(texts)["passo/a.py"]
+    assert "def whole" not in inline_kernels(texts)["passo/a.py"]
     texts["passo/a.py"] = texts["passo/a.py"].replace("def whole(x: int) -> int:\n", "def whole(x: int) -> int:\n" + "    x += 1\n" * 42)
-    made = inlined(texts)["passo/a.py"]
+    made = inline_kernels(texts)["passo/a.py"]
     assert "def whole" in made and "def long" not in made and "def part_" not in made
 
 
 def test_a_kernel_that_python_calls_too_goes_in_where_one_calls_it():
     short = LONG.replace("    x += 1\n" * 40, "    x += 1\n" * 20)
     one = short + "@micropython.viper\ndef one(x: int) -> int:\n    return int(long(x))\n"
-    made = inlined({"passo/a.py": one, "passo/b.py": "from passo.a import long\nlong(3)\n"})["passo/a.py"]
+    made = inline_kernels({"passo/a.py": one, "passo/b.py": "from passo.a import long\nlong(3)\n"})["passo/a.py"]
     assert "def long" in made and "long(x)" not in made
 
 
@@ -186,13 +186,13 @@ def test_a_private_constant_of_a_kernel_that_goes_elsewhere_is_a_number():
         "passo/a.py": "from micropython import const\n_2 = const(7)\n@micropython.viper\ndef seven(x: int) -> int:\n    return x + _2\n",
         "passo/b.py": "from passo.a import seven\n@micropython.viper\ndef one(x: int) -> int:\n    return int(seven(x))\n",
     }
-    assert "7" in inlined(texts)["passo/b.py"] and "_2" not in inlined(texts)["passo/b.py"].replace("_int_2", "")
+    assert "7" in inline_kernels(texts)["passo/b.py"] and "_2" not in inline_kernels(texts)["passo/b.py"].replace("_int_2", "")
 
 
 def test_a_call_that_stays_is_a_number():
     text = LONG + "@micropython.viper\ndef two(x: int) -> int:\n    y = long(x) + long(x + 1)\n    return y + long(long(y))\n"
-    assert "y = int(long(x)) + int(long(x + 1))" in inlined({"passo/a.py": text})["passo/a.py"]
-    assert "y + int(long(int(long(y))))" in inlined({"passo/a.py": text})["passo/a.py"]
+    assert "y = int(long(x)) + int(long(x + 1))" in inline_kernels({"passo/a.py": text})["passo/a.py"]
+    assert "y + int(long(int(long(y))))" in inline_kernels({"passo/a.py": text})["passo/a.py"]
 
 
 REFUSED = {
@@ -211,5 +211,5 @@ def test_what_cannot_go_in_is_refused_with_its_place(reason):
     text = f"from passo.b import borrowed\nfrom passo.c import STRANGE\n{heads}@micropython.viper\ndef second(x: int) -> int:\n    {REFUSED[reason]}\n    return x\n"
     other = "STRANGE = object()\n@micropython.viper\ndef borrowed(x: int) -> int:\n    return x + int(STRANGE)\n"
     with pytest.raises(Failure, match=r"passo/[ab].py:\d+: \w+\(\): ") as failure:
-        inlined({"passo/a.py": text, "passo/b.py": other})
+        inline_kernels({"passo/a.py": text, "passo/b.py": other})
     assert reason in str(failure.value)

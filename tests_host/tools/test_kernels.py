@@ -21,7 +21,7 @@ from host_tools import boards, interpreter
 from host_tools.build import frozen, mpy, ship, tree
 from host_tools.failure import Failure
 from host_tools.kernels import build, module, translate
-from host_tools.kernels.build import RUNTIME, compiled
+from host_tools.kernels.build import RUNTIME, compile_kernels
 from host_tools.kernels.program import Program
 from host_tools.kernels.unit import Unit
 from passo.config.boardfile import check
@@ -249,15 +249,16 @@ def test_a_module_needs_no_data_and_no_address(march):
     assert not module.pointers(module.code_of(made.data, unit.names, march), march)
     assert module.module(unit.text(RUNTIME), unit.names, march) == made
     with pytest.raises(Failure, match="undefined"):
-        module.linked(RUNTIME + "int f(int);\nvoid define_all(context_t at, object_t o, intptr_t away) { f(1); }", module.compiler(march)[1] + ["-Os"])
+        text = RUNTIME + "int f(int);\nvoid define_all(context_t at, object_t o, intptr_t away) { f(1); }"
+        module.compile_c(text, module.compiler(march)[1] + ["-Os"])
     writes = "static int kept;\nstatic void define_all(context_t at, object_t o, intptr_t away) { kept++; if (kept > 3) wrong_count(at, 1, kept); }"
     with pytest.raises(Failure, match="data|address"):
-        module.linked(RUNTIME + writes, module.compiler(march)[1] + ["-O1"])
+        module.compile_c(RUNTIME + writes, module.compiler(march)[1] + ["-O1"])
 
 
 def test_a_text_without_its_kernels_keeps_its_lines(monkeypatch):
     texts = {"passo/steps/a.py": TEXT + "\nLAST = 1\n", "passo/use.py": "from passo.steps.a import elements, flow\nflow(elements)\n"}
-    made = compiled(texts, texts, {"axes": []}, "armv6m")
+    made = compile_kernels(texts, texts, {"axes": []}, "armv6m")
     text = made.texts["passo/steps/a.py"]
     if MARCHES:
         assert "as flow\n" in text and "as elements\n" in text
@@ -265,8 +266,8 @@ def test_a_text_without_its_kernels_keeps_its_lines(monkeypatch):
         assert text.split("\n").index("LAST = 1") == texts["passo/steps/a.py"].split("\n").index("LAST = 1")
         assert list(made.modules) == ["passo/kernels_steps_a.mpy"]
     monkeypatch.setenv("PASSO_KERNELS", "viper")
-    assert compiled(texts, texts, {"axes": []}, "armv6m") == (texts, {}, [], 0)
-    assert compiled(texts, texts, {"axes": []}, "xtensawin") == (texts, {}, [], 0)
+    assert compile_kernels(texts, texts, {"axes": []}, "armv6m") == (texts, {}, [], 0)
+    assert compile_kernels(texts, texts, {"axes": []}, "xtensawin") == (texts, {}, [], 0)
 
 
 CALLED = """
@@ -311,7 +312,7 @@ def test_what_stays_with_viper_keeps_what_it_calls(monkeypatch):
     """A kernel that another module's compiled code has a copy of, too."""
     monkeypatch.setattr(build, "module", lambda *_: module.Made(b"", "a compiler", 0))
     texts = {"passo/called.py": CALLED, "passo/calling.py": CALLING, "passo/using.py": USING}
-    made = compiled(texts, texts, {"axes": []}, "armv6m", ["passo/called.py"]).texts
+    made = compile_kernels(texts, texts, {"axes": []}, "armv6m", ["passo/called.py"]).texts
     assert "def called(" in made["passo/called.py"] and "def deep(" in made["passo/called.py"] and "def gone(" not in made["passo/called.py"]
     assert unknown(CALLED.replace("def deep", "def other")) == {"deep"}
 
@@ -328,9 +329,9 @@ def test_what_is_frozen_reads_no_name_that_is_gone(chip, monkeypatch):
 def test_all_kernels_of_a_build_are_c(player):
     """Private ones, too, which have other names in a build. The exceptions: kernels left to viper, and those that only these call."""
     board = check({**boards.load("router_3axis"), "player": player})
-    sources = {path.as_posix(): (tree.FIRMWARE / path).read_text(encoding="utf-8") for path in tree.selected(board)}
-    program = Program(tree._made(sources, board, "armv6m")[0])
-    left = {full for full, kernel in program.kernels.items() if kernel.path in tree._left(board)}
+    sources = {path.as_posix(): (tree.FIRMWARE / path).read_text(encoding="utf-8") for path in tree.select_modules(board)}
+    program = Program(tree._compile_sources(sources, board, "armv6m")[0])
+    left = {full for full, kernel in program.kernels.items() if kernel.path in tree._viper_modules(board)}
     called = {full for kernel in left for full in program.imported[kernel.rpartition(".")[0]].values()}
     assert left and {full for full, (_, others) in program.uses.items() if others} <= left | called
 
@@ -341,7 +342,7 @@ def test_what_a_release_ships_is_taken_where_there_is_no_compiler(tmp_path, monk
 
     def made():
         left = [path for path in tree.COLD if path not in tree.QUICK]
-        return compiled(program.texts, program.texts, boards.load("two_motor_kit"), "armv6m", left)
+        return compile_kernels(program.texts, program.texts, boards.load("two_motor_kit"), "armv6m", left)
 
     here = made()
     (tmp_path / "old.mpy").write_bytes(b"")
@@ -404,7 +405,7 @@ def test_that_one_who_masks_them_is_seen(instruction):
     text = RUNTIME + f'static void define_all(context_t at, object_t o, intptr_t away) {{ __asm volatile("{instruction}" ::: "r0"); }}'
     for march in MARCHES:
         if march.startswith("armv"):
-            assert masks(module.linked(text, module.compiler(march)[1] + ["-O1"]))
+            assert masks(module.compile_c(text, module.compiler(march)[1] + ["-O1"]))
 
 
 @pytest.mark.parametrize("board", [pytest.param("router_3axis", marks=pytest.mark.slow), "router_esp32"])
@@ -418,9 +419,9 @@ def test_the_build_says_how_many_words_look_like_pointers(monkeypatch, tmp_path)
     assert module.pointers(b"1234" + word + word + b"4321", "armv6m") == [4, 8]
     assert module.pointers(b"12" + word + b"43", "armv6m") == []
     assert module.pointers((0x20001234).to_bytes(4, "little"), "armv6m") == []
-    made = compiled({}, {}, {"axes": []}, "armv6m")._replace(by=["gcc 1"], pointers=3)
+    made = compile_kernels({}, {}, {"axes": []}, "armv6m")._replace(by=["gcc 1"], pointers=3)
     monkeypatch.delenv("PASSO_BUILDS", raising=False)  # the modules made here are no build
-    monkeypatch.setattr(tree.kernels, "compiled", lambda numbered, texts, *more: made._replace(texts=texts))
+    monkeypatch.setattr(tree.kernels, "compile_kernels", lambda numbered, texts, *more: made._replace(texts=texts))
     by = []
     tree.build_tree("two_motor_kit", tmp_path, by=by)
     assert by == ["gcc 1", "and 3 words look like pointers: the collector may keep garbage for them"]

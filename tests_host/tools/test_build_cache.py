@@ -1,8 +1,8 @@
-"""Builds that are kept on disk for the next of the same."""
+"""Results of a build, kept on disk for the next build of the same texts."""
 
 import pytest
 
-from host_tools.build import kept, tree
+from host_tools.build import build_cache, tree
 from host_tools.kernels import module
 
 BOARD = "two_motor_kit"
@@ -14,7 +14,7 @@ def files(folder):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    monkeypatch.setenv(kept.FOLDER, str(tmp_path / "cache"))
+    monkeypatch.setenv(build_cache.FOLDER, str(tmp_path / "cache"))
     return tmp_path / "cache"
 
 
@@ -25,21 +25,21 @@ def test_the_same_is_made_once(folder):
         made.append(len(made))
         return made[-1]
 
-    assert [kept.kept(("a", 1), make), kept.kept(("a", 1), make), kept.kept(("a", 2), make), kept.kept(("a", 1), make)] == [0, 0, 1, 0]
+    assert [build_cache.load_or_make(key, make) for key in (("a", 1), ("a", 1), ("a", 2), ("a", 1))] == [0, 0, 1, 0]
     assert len(list(folder.iterdir())) == 2
 
 
-def test_nothing_is_kept_of_what_fails_or_where_nobody_asks(folder, monkeypatch):
+def test_a_failed_build_is_not_kept_nor_any_without_the_folder(folder, monkeypatch):
     with pytest.raises(ZeroDivisionError):
-        kept.kept("a", lambda: 1 // 0)
-    monkeypatch.delenv(kept.FOLDER)
-    assert [kept.kept("a", lambda: 1), kept.kept("a", lambda: 2)] == [1, 2] and not folder.exists()
+        build_cache.load_or_make("a", lambda: 1 // 0)
+    monkeypatch.delenv(build_cache.FOLDER)
+    assert [build_cache.load_or_make("a", lambda: 1), build_cache.load_or_make("a", lambda: 2)] == [1, 2] and not folder.exists()
 
 
 def test_other_tools_make_it_anew(folder, monkeypatch):
-    kept.kept("a", lambda: 1)
-    monkeypatch.setattr(kept, "_makers", lambda: "others")
-    assert kept.kept("a", lambda: 2) == 2
+    build_cache.load_or_make("a", lambda: 1)
+    monkeypatch.setattr(build_cache, "_makers", lambda: "others")
+    assert build_cache.load_or_make("a", lambda: 2) == 2
 
 
 def test_a_kept_build_is_the_build(folder, tmp_path):
