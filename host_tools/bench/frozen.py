@@ -8,7 +8,7 @@ from host_tools.bench.moving import _p99, _tiny_lines, answers
 from host_tools.bench.pico import CLOCKS_MHZ, GCODE_LINES, _answers
 from host_tools.emulator import gcode
 from host_tools.emulator.copies import on_a_copy
-from host_tools.emulator.frozen import find_frozen, frozen_machine, streamed
+from host_tools.emulator.frozen import boot_for_lines, find_frozen, frozen_machine
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.queries import Asking
 
@@ -25,7 +25,7 @@ def frozen():
 
 def _of(uf2):
     """How a machine is made that waits for lines, and one as flashed."""
-    return (lambda board, texts: streamed(board, uf2, texts)), (lambda board, **options: frozen_machine(board, uf2, **options))
+    return (lambda board, texts: boot_for_lines(board, uf2, texts)), (lambda board, **options: frozen_machine(board, uf2, **options))
 
 
 def _figures(mhz, waiting, flashed):

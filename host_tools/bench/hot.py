@@ -15,7 +15,7 @@ from pathlib import Path
 from host_tools import boards
 from host_tools.emulator import gcode
 from host_tools.emulator.flash_cache import LINE_BYTES
-from host_tools.emulator.frozen import find_frozen, frozen_machine, streamed
+from host_tools.emulator.frozen import boot_for_lines, find_frozen, frozen_machine
 from host_tools.emulator.queries import Asking
 
 LINES = 300
@@ -52,7 +52,7 @@ def hottest(counts, found):
 
 def counted(machine, work):
     """Accesses of each line of the flash while `work(machine)` goes on, as shares of all."""
-    counts = machine.pico.flash_cache.touched()
+    counts = machine.pico.flash_cache.watch_lines()
     work(machine)
     total = sum(counts)
     return [count / total for count in counts]
@@ -78,9 +78,9 @@ def main():
     router = gcode.fast_board((0.2,), mm_s=500, mm_s2=300_000)
     laser = gcode.fast_board((0.1,), laser=True)
     shares = [
-        counted(streamed(router[0], uf2, router[1]), lambda machine: gcode.lines_over(machine, "pc", 0.2, 490, LINES)),
-        counted(streamed(laser[0], uf2, laser[1]), lambda machine: gcode.dots_over(machine, "pc", 0.1, 200, LINES)),
-        counted(streamed(router[0], uf2, router[1]), answered),
+        counted(boot_for_lines(router[0], uf2, router[1]), lambda machine: gcode.lines_over(machine, "pc", 0.2, 490, LINES)),
+        counted(boot_for_lines(laser[0], uf2, laser[1]), lambda machine: gcode.dots_over(machine, "pc", 0.1, 200, LINES)),
+        counted(boot_for_lines(router[0], uf2, router[1]), answered),
         counted(_started(uf2), asked),
     ]
     text = Path("build", "uf2-rp2040", "made", "firmware.elf.map").read_text()

@@ -71,7 +71,7 @@ def _resumed():
 
     def right(wait_us):
         *_, position, _ = halting.resume(rig(), halting.INTERRUPT_PIN, STOP_STEPS, STOP_HZ, ACCEL_MM_S2, wait_us)
-        return position == rig().counted() == list(STOP_STEPS)
+        return position == rig().count_steps() == list(STOP_STEPS)
 
     waits_us = [random.uniform(0, 35_000) for _ in range(RESUMED)]
     return [on_a_copy(lambda: right(wait_us)) for wait_us in waits_us]

@@ -59,7 +59,7 @@ def _pulses(axes, hz):
         "late": run.late,
         "ppm": f"{(rate / hz - 1) * 1e6:.0f}",
         "width": "/".join(f"{width / CYCLES_PER_US:.2f}" for width in sorted(run.widths)),
-        "left": f"{run.left():.0%}",
+        "left": f"{run.share_left():.0%}",
     }
 
 
@@ -83,7 +83,7 @@ def _timer(axes, khz):
     shares = [sum(low <= us < high for us in late_us) / len(late_us)
               for low, high in zip(LATENESS_US, (*LATENESS_US[1:], max(late_us) + 1))]
     return (axes, khz, run.steps, run.late + overtaken, *(f"{share:.1%}" for share in shares), f"{max(late_us):.1f}",
-            f"{run.left():.0%}")
+            f"{run.share_left():.0%}")
 
 
 def boot():

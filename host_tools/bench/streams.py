@@ -24,7 +24,7 @@ def streams():
             machine = router if kind == "lines" else laser
             for share, port in ((1, "usb"), (2, "uart0")):
                 link = next(link["name"] for link in machine.board["links"] if link["port"] == port)
-                run = on_a_copy(lambda: rows.measured(machine, link, kind, THINK_US, TIMES))
+                run = on_a_copy(lambda: rows.measure(machine, link, kind, THINK_US, TIMES))
                 name = "USB" if port == "usb" else f"a UART of {rows.BAUD // 1000} {rows.BAUD % 1000} baud"
                 figures = round(run["rate"]), run["late"], run["stands"], len(run["asked_ms"]), f"{_p99(run['asked_ms']):.1f}"
                 table.append((WHAT[kind], name, mhz, MUST[kind][at] // share, *figures))

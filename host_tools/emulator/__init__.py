@@ -8,7 +8,7 @@
     machine.boot()
     machine.ask(packet)
 
-Time is the chip's own and passes only in `run`: the same calls give the same cycles every time. What the emulator does
-not model is in the docstring of `patches`. It needs the `emulate` extra of the project, and a MicroPython UF2 (see
+Time is the chip's own and passes only in `run`: the same calls give the same cycles every time. The docstring of `patches` lists the parts of the
+chip that are not modelled. It needs the `emulate` extra of the project, and a MicroPython UF2 (see
 `binary.find_uf2`).
 """

@@ -20,7 +20,7 @@ RELEASE = "1.27.0"  # the firmware needs 1.26 or later
 BOARD, FAMILY = "pico", "micropython"
 
 class Unavailable(Failure):
-    """The emulator cannot run here; the text says why, and what would help."""
+    """The emulator cannot run here; the text says why, and how to mend it."""
 
 
 def load_emulator():
@@ -42,13 +42,13 @@ def find_uf2():
         path = Path(named).expanduser()
         if not path.is_file():
             raise Unavailable("PASSO_UF2 names {}, which is no file", named)
-        return checked(path)
+        return check_uf2(path)
     cached = sorted((path for path in CACHE.glob("*.uf2") if not path.name.startswith("passo-")), key=lambda path: path.stat().st_mtime)
-    return checked(cached[-1] if cached else _resolved())
+    return check_uf2(cached[-1] if cached else _fetch_uf2())
 
 
-def checked(path):
-    """`path`, if it is a whole UF2 with MicroPython for the RP2040. Raises Unavailable with what it is instead."""
+def check_uf2(path):
+    """`path`, if it is a whole UF2 with MicroPython for the RP2040. Raises Unavailable, with the reason, if it is not."""
     data = Path(path).read_bytes()
     if len(data) < BLOCK_BYTES or len(data) % BLOCK_BYTES:
         raise Unavailable("{} is no UF2 file: {} bytes are not whole blocks of {}", path, len(data), BLOCK_BYTES)
@@ -67,7 +67,7 @@ def checked(path):
     return path
 
 
-def _resolved():
+def _fetch_uf2():
     from rp2040py.utils.firmware_retrieve import MICROPYTHON, retrieve
 
     hint = _("set PASSO_UF2 to one, or put it into {} (micropython.org/download/RPI_PICO, v1.26 or later)", CACHE)

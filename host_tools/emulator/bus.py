@@ -6,8 +6,8 @@ dictionary and with interned names, it is found at the first try.
 
     install(chip)
 
-Python itself cannot call chip.read_uint32(…) any more, because such a function has no `self`. In rp2040py only the DMA
-channels do so; they are given a Bus.
+Python itself cannot call chip.read_uint32(…) any more, because such a function has no `self`. In rp2040py only the DMA channels call it; they get a
+Bus.
 """
 
 import sys

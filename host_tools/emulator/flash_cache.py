@@ -125,8 +125,8 @@ class FlashCache:
 
         ssi.write_uint32, ssi.reset = write_uint32, restart
 
-    def touched(self):
-        """Accesses of each line of the flash from now on, an array; only where core.c runs. Kept alive by the caller."""
+    def watch_lines(self):
+        """Count accesses of each line of the flash from now on; returns the array, which the caller keeps alive. Only if core.c runs."""
         counts = (ctypes.c_uint32 * LINES)()
         self.state.touched = ctypes.addressof(counts)
         return counts
@@ -140,12 +140,12 @@ class FlashCache:
         read, write, reset = control.read_uint32, control.write_uint32, control.reset
         cleared = [0, 0]  # accesses and hits before the counters were cleared
 
-        def counted():
+        def counts():
             return state.accesses - cleared[0], state.accesses - state.misses - cleared[1]
 
         def read_uint32(offset):
             if offset in (_HITS, _ACCESSES):
-                return min(counted()[offset == _HITS], 0xFFFFFFFF)
+                return min(counts()[offset == _HITS], 0xFFFFFFFF)
             return read(offset)
 
         def write_uint32(offset, value):
@@ -158,7 +158,7 @@ class FlashCache:
                     clock.tick(_FLUSH_CYCLES * system.cycle_ns)
             elif offset in (_HITS, _ACCESSES):
                 place = offset == _HITS
-                cleared[place] += counted()[place]
+                cleared[place] += counts()[place]
 
         def restart():
             reset()
@@ -232,6 +232,6 @@ class FlashCache:
             setattr(chip, name, writing(name, width))
 
 
-def wanted_cycles():
+def default_miss_cycles():
     """Default cost of a miss: PASSO_FLASH_MISS, or 0."""
     return int(os.environ.get("PASSO_FLASH_MISS") or 0)

@@ -2,13 +2,13 @@
 
     uf2 = find_frozen("rp2040")                     # raises Unavailable with the command that builds it
     machine = frozen_machine("router_3axis", uf2)   # an EmulatedMachine, as of stock MicroPython
-    machine = streamed(board, uf2, texts)           # that waits for gcode.run_lines()
+    machine = boot_for_lines(board, uf2, texts)           # that waits for gcode.run_lines()
 """
 
 from host_tools import boards
 from host_tools.build.frozen import stamp
 from host_tools.build.uf2 import path_of, label_of
-from host_tools.emulator.binary import Unavailable, checked
+from host_tools.emulator.binary import Unavailable, check_uf2
 from host_tools.emulator.gcode import line_of_memory
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine
@@ -34,7 +34,7 @@ def find_frozen(name):
         raise Unavailable("there is no UF2 of this source for the {0}: make uf2 CHIP={0}", name)
     if label_of(path) != (name, stamp(name)):
         raise Unavailable("{0} is not the UF2 of this source for the {1}: make uf2 CHIP={1}", path, name)
-    return checked(path)
+    return check_uf2(path)
 
 
 def board_file(board):
@@ -48,7 +48,7 @@ def frozen_machine(board, uf2, files=None, **options):
     return EmulatedMachine(board, {**board_file(board), **(files or {})}, uf2=uf2, **options)
 
 
-def streamed(board, uf2, texts):
+def boot_for_lines(board, uf2, texts):
     """A booted machine that waits for gcode.run_lines(); `texts`: its files."""
     files = {"boot.py": _ATTACH, **line_of_memory(), **texts}
     machine = frozen_machine(board, uf2, files, trace=None).boot()

@@ -22,7 +22,7 @@ from host_tools import boards
 from host_tools.build.tree import compile_module
 from host_tools.emulator.cycles import CYCLES_PER_TICK, CYCLES_PER_US
 from host_tools.emulator.load import Load
-from host_tools.emulator.machine import EmulatedMachine, written
+from host_tools.emulator.machine import EmulatedMachine, files_of
 from host_tools.emulator.profile import Profile
 from host_tools.emulator.queries import Asking
 from passo.config.journal import Journal, MemorySlots
@@ -115,7 +115,7 @@ def chords(length_mm):
         turn = 2 * pi * chord / CHORDS
         return f"X{50 + radius * cos(turn):.3f}Y{50 + 0.8 * radius * sin(turn):.3f}Z{-20 + 0.6 * radius * sin(turn):.3f}"
 
-    return round(50 + radius, 3), padded(*[place(chord + 1) for chord in range(CHORDS)])
+    return round(50 + radius, 3), pad_lines(*[place(chord + 1) for chord in range(CHORDS)])
 
 
 def raster(dot_mm):
@@ -132,10 +132,10 @@ def raster(dot_mm):
         lines += [f"G0Y{sign * dot_mm:.1f}", "G1" + before, *others, *dots(sign, 4, DOTS)]
     chunks = 1 + DOTS // DOTS_A_CHUNK
     row = [0] + 4 * list(range(1, chunks))
-    return padded(*lines, width=DOT_BYTES), bytes(row + [chunks + chunk for chunk in row])
+    return pad_lines(*lines, width=DOT_BYTES), bytes(row + [chunks + chunk for chunk in row])
 
 
-def padded(*lines, width=LINE_BYTES):
+def pad_lines(*lines, width=LINE_BYTES):
     """Lines of `width` bytes each."""
     text = b"".join(line.encode().ljust(width - 1) + b"\n" for line in lines)
     assert len(text) == width * len(lines)
@@ -144,7 +144,7 @@ def padded(*lines, width=LINE_BYTES):
 
 def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
     """A booted EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for
-    run_raster(). Its axes do so much, so that the processor is the limit."""
+    run_raster(). Its axes take 250 mm/s and 20 m/s², so that the processor is the limit."""
     return router(*fast_board(lengths_mm, name, laser, clock_mhz, mm_s, mm_s2))
 
 
@@ -162,7 +162,7 @@ def router(board=None, texts=(), jerk=0):
     """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none.
     `jerk`: mm/s³, kept in its settings."""
     board = board or boards.load("router_3axis")
-    files = {**written(board)}
+    files = {**files_of(board)}
     assert files["main.py"].count(_RUN) == 1
     files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
     files.update(line_of_memory())
@@ -241,16 +241,15 @@ def _talk(machine, data, answers):
 
 
 def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000, profiled=False):
-    """Have `count` lines streamed; the figures of the last three quarters of them. `profiled`: with what they cost and where,
-    a `profile.Spent`."""
+    """Have `count` lines streamed; the figures of the last three quarters of them. `profiled`: with their cycles by function, a `profile.Spent`."""
     start, _ = chords(length_mm)
-    head = padded("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
+    head = pad_lines("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
     return _run(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS // LINES_A_READ)), limit_ms, profiled)
 
 
 def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000, profiled=False):
     """The same with `count` lines of raster(dot_mm)."""
-    head = padded("$X", "G21G91G94", f"{mode}S0F{60 * feed_mm_s:.0f}", "G0", width=DOT_BYTES)
+    head = pad_lines("$X", "G21G91G94", f"{mode}S0F{60 * feed_mm_s:.0f}", "G0", width=DOT_BYTES)
     return _run(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms, profiled)
 
 
@@ -310,7 +309,7 @@ def _run(machine, name, head, count, width, order, limit_ms, profiled):
 def late_words(machine, lines, limit_ms=60_000):
     """Have a programme carried out to its end; how often the player ran dry inside a block."""
     lines = ["$X", *lines, "G4P0.01"]
-    head = padded(*lines, *[""] * (-len(lines) % LINES_A_READ))
+    head = pad_lines(*lines, *[""] * (-len(lines) % LINES_A_READ))
     machine.pico.console.send(f"go('',{head!r},{len(head) // LINE_BYTES},0,{LINE_BYTES},b'')\n".encode())
     machine.pico.console.expect(b"done", limit_ms * 1000)
     return int(machine.pico.console.expect(b"\n").split()[-1])

@@ -66,13 +66,13 @@ def trial(rig, pin, wait_us):
     in_hand = _in_hand(rig)
     rig.pico.run(140)
     rig.pico.drive(pin, 0)
-    reported = _said(rig, 500_000)
+    reported = _answer_of(rig, 500_000)
     last = max(cycle for log in rig.step_edges for cycle, state in log if state == 1)
-    return max(0, last - edge) / CYCLES_PER_US, reported, rig.counted(), in_hand
+    return max(0, last - edge) / CYCLES_PER_US, reported, rig.count_steps(), in_hand
 
 
 def trials(rig, pin, waits_us):
-    """A trial for each wait from now, in ascending order, on copies of what is under way, which itself goes on."""
+    """A trial for each wait from now, in ascending order, each on a copy of the running rig; the rig itself runs on."""
     found, now_us = [], 0
     for wait_us in sorted(waits_us):
         rig.pico.run(wait_us - now_us)
@@ -93,7 +93,7 @@ def amid_start(rig, pin, deltas, steps_s, before_us):
         rig.pico.at(cycle, lambda: rig.pico.drive(pin, 1))
         _start(rig, deltas, steps_s)
         rig.pico.run((cycle - rig.pico.cycle) / CYCLES_PER_US + 20_000)
-        return [edge - cycle for log in rig.step_edges for edge, _ in log], _said(rig, 500_000)
+        return [edge - cycle for log in rig.step_edges for edge, _ in log], _answer_of(rig, 500_000)
 
     begins = on_a_copy(first)
     for us in before_us:
@@ -150,10 +150,10 @@ def resume(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):
     edge = rig.pico.cycle
     rig.pico.run(200)
     rig.pico.drive(pin, 0)
-    return *_said(rig, 2_000_000), edge
+    return *_answer_of(rig, 2_000_000), edge
 
 
-def _said(rig, limit_us):
+def _answer_of(rig, limit_us):
     if not rig.pico.run_until(lambda: rig.pico.console.text.count(b"\x04") >= 2, limit_us, 200):
         raise TimeoutError(f"no answer within {limit_us} µs: {rig.pico.console.take()!r}")
     said, error = rig.pico.console.take().split(b"\x04")[:2]

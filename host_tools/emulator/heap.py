@@ -2,7 +2,7 @@
 
     heap = Heap(pico)
     heap.free, heap.largest         # bytes; garbage that has not been collected is not free
-    heap = Heap(pico, True)         # as if it had been collected now: what no word outside of it leads to is free
+    heap = Heap(pico, True)         # as after a collection now: blocks that no word outside of the heap leads to are free
 """
 
 RAM, RAM_BYTES = 0x20000000, 0x42000
@@ -27,17 +27,17 @@ class Heap:
         pool, table = found[0]
         kinds = [byte >> shift & 3 for byte in table for shift in (0, 2, 4, 6)]
         if collected:
-            kinds = _collected(kinds, pool, words)
+            kinds = _reachable(kinds, pool, words)
         runs = "".join("01"[kind == _FREE] for kind in kinds).split("0")
         self.total = BLOCK_BYTES * len(kinds)
         self.free = BLOCK_BYTES * kinds.count(_FREE)
         self.largest = BLOCK_BYTES * max(map(len, runs))
 
 
-def _collected(kinds, pool, words):
-    """The table without what nothing leads to. Every word of RAM outside of the heap may, also where a stack has been: what is
-    free here is so for the collector, but not all that is free for it."""
-    pieces = {}  # where one begins: its blocks
+def _reachable(kinds, pool, words):
+    """The table without blocks that no pointer leads to. Any word of RAM outside of the heap counts as a pointer, old stack included: every block
+    free here is free for the collector, which may free more."""
+    pieces = {}  # {address: blocks}
     for number, kind in enumerate(kinds):
         if kind == _TAIL:
             pieces[first] += 1

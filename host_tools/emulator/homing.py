@@ -1,7 +1,7 @@
 """Watches a link for the answer to homing: then the trace gets its zero.
 
     watch = HomingWatch("plotter", homed)
-    watch.asked(bytes to the board); watch.answered(byte from the board)
+    watch.note_sent(bytes to the board); watch.note_answer(byte from the board)
 """
 
 from passo.protocols.plotter import host as plotter
@@ -22,7 +22,7 @@ class HomingWatch:
         self._homing = False
         self._status_left = 0
 
-    def asked(self, data):
+    def note_sent(self, data):
         if not self._knows:
             return
         for value in data:
@@ -32,7 +32,7 @@ class HomingWatch:
             elif self._last == _STATUS:
                 self._status_left += _STATUS_BYTES
 
-    def answered(self, value):
+    def note_answer(self, value):
         if self._status_left:
             self._status_left -= 1
         elif self._homing and value == _ORIGIN_OK:

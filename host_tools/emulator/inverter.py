@@ -20,11 +20,11 @@ class WiredInverter:
         self._baud = config["baud"]
         self.model = SimInverter(config, lambda: pico.now_us / 1000)
         self.wire = pico.uart(int(config["port"][4:]))
-        self.wire.listeners.append(self._heard)
+        self.wire.listeners.append(self._take_byte)
         self._frame = bytearray()
         self._gap = pico.chip.clock.create_alarm(self._end)
 
-    def _heard(self, value):
+    def _take_byte(self, value):
         self._frame.append(value)
         self._gap.schedule(_GAP_CHARACTERS * BITS_A_BYTE * 1_000_000_000 / self._baud)
 

@@ -41,13 +41,13 @@ def firmware_files(board):
         return folder_files(folder)
 
 
-def written(board):
+def files_of(board):
     """The files of a board given as a dict; `BOARD = {…}` stands in board.py."""
-    return _written(f"BOARD = {board!r}\n")
+    return _files_of_text(f"BOARD = {board!r}\n")
 
 
 @lru_cache(maxsize=8)
-def _written(text):
+def _files_of_text(text):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "board.py"
         path.write_text(text, encoding="utf-8")
@@ -61,7 +61,7 @@ class EmulatedMachine:
             raise Failure("an RP2040 is emulated, and the board file is for {}", loaded.get("chip"))
         self.board = check(loaded)
         if files is None:
-            files = written(board) if isinstance(board, dict) else firmware_files(str(board))
+            files = files_of(board) if isinstance(board, dict) else firmware_files(str(board))
         self.pico = EmulatedPico(files=files or None, uf2=uf2, leave_out=leave_out)
         self.plant = Plant(self.board, **plant_options)
         self._files = files = Recording(self.board, self.plant, trace, vcd)
@@ -76,9 +76,9 @@ class EmulatedMachine:
             self.drivers = WiredSpiDrivers(self.pico, self.board["spi_drivers"])
         if self.plant.slipping:
             self.plant.slipping.wire(self.drivers.model)
-        self._watches = {name: HomingWatch(link["protocol"], self._homed) for name, link in self._links.items()}
+        self._watches = {name: HomingWatch(link["protocol"], self._zero_trace) for name, link in self._links.items()}
         for name in self.uart_links():
-            self.wire(name).listeners.append(self._watches[name].answered)
+            self.wire(name).listeners.append(self._watches[name].note_answer)
 
     def uart_links(self):
         """Names of the links on UARTs."""
@@ -91,13 +91,13 @@ class EmulatedMachine:
         return self.pico.uart(self.uart_number(link or self._first))
 
     def listening(self):
-        """True once the firmware has opened the UARTs of all links: what is sent from then on is answered."""
+        """True once the firmware has opened the UARTs of all links: it answers bytes sent from then on."""
         return all(self.pico.chip.uart[self.uart_number(name)].enabled for name in self.uart_links())
 
     def uart_number(self, link):
         return int(self._links[link]["port"][4:])
 
-    def _homed(self):
+    def _zero_trace(self):
         if self.trace:
             self.trace.rezero(self.plant.position)
 
@@ -137,15 +137,15 @@ class EmulatedMachine:
     def send(self, data, link=None):
         """Put bytes on a link's wire."""
         name = link or self._first
-        self._watches[name].asked(data)
+        self._watches[name].note_sent(data)
         self.wire(name).feed(data, self._links[name]["baud"])
 
     def received(self, link=None):
-        """All that the board has said on a link; stays there until `take`."""
+        """Bytes that the board has sent on a link; they stay there until `take`."""
         return bytes(self.wire(link).sent)
 
     def take(self, link=None):
-        """What the board has said since the last `take`."""
+        """Bytes that the board has sent since the last `take`."""
         return self.wire(link).drain()
 
     def ask(self, data, answers=1, limit_ms=STAND_STILL_MS, link=None):

@@ -27,7 +27,7 @@ from host_tools.emulator.flash_cache import Core, NotThumb, Unaligned, Undefined
 
 _SOURCE = Path(__file__).with_name("core.c")
 _OPTIONS = ("-O2", "-std=gnu11", "-fno-strict-aliasing", "-shared", "-fPIC")
-_EARLY_NS = 1e-3  # a float may be so much off the end of a cycle
+_EARLY_NS = 1e-3  # rounding of a float at the end of a cycle
 _NOT_MINE, _UNALIGNED, _NOT_THUMB, _UNDEFINED = 1, 2, 3, 4
 
 
@@ -63,7 +63,7 @@ def _compile(path):
 
 
 def _address(buffer):
-    """Where a buffer's bytes are; they stay there as long as the chip lives."""
+    """The address of a buffer's bytes; they stay there as long as the chip lives."""
     return ctypes.addressof(ctypes.c_char.from_buffer(buffer))
 
 
@@ -73,7 +73,7 @@ class NativeLoop:
         self.clock = chip.clock
         self._system = system_clock.of(chip)
         self.ended = False
-        self.spent = None  # called with (pc, whether in an interrupt, cycles) of what rp2040py carries out
+        self.spent = None  # called with (pc, whether in an interrupt, cycles) of each instruction of rp2040py
         state = self._state = cache.state
         state.r, state.ram = _address(chip.core.registers), _address(chip.sram)
         state.flash, state.rom = _address(chip.flash), _address(chip.bootrom)

@@ -20,26 +20,26 @@ class Pads:
         self._loop_back = loop_back
         self._watch_pulls()
         for pin in chip.gpio:
-            pin.add_listener(self._changed(pin))
+            pin.add_listener(self._make_listener(pin))
 
     def _watch_pulls(self):
         """A pin that nobody drives follows its pull as soon as a register says so."""
         pads, first = self._chip.peripherals[0x4001C], 4
         write = pads.write_uint32
 
-        def watched(offset, value):
+        def write_and_watch(offset, value):
             write(offset, value)
             gpio = offset - first >> 2
             if 0 <= gpio < PINS and gpio not in self._driven and gpio not in self._outside:
                 self._let_go(self._chip.gpio[gpio])
 
-        pads.write_uint32 = watched
+        pads.write_uint32 = write_and_watch
 
     def listen(self, gpio, heard):
         self._listeners.setdefault(gpio, []).append(heard)
 
     def state(self, gpio):
-        """What the chip drives: 0, 1 or RELEASED."""
+        """The level that the chip drives: 0, 1 or RELEASED."""
         return min(int(self._chip.gpio[gpio].value), RELEASED)
 
     def drive(self, gpio, level):
@@ -59,10 +59,10 @@ class Pads:
         for gpio in let_go:
             self._tell(gpio, RELEASED)
 
-    def _changed(self, pin):
+    def _make_listener(self, pin):
         gpio = pin.index
 
-        def heard(state, _):
+        def note_state(state, _):
             if state > 1:
                 if gpio in self._driven:
                     self._driven.discard(gpio)
@@ -74,7 +74,7 @@ class Pads:
                 self._set(pin, bool(state))
             self._tell(gpio, int(state))
 
-        return heard
+        return note_state
 
     def _tell(self, gpio, state):
         for heard in self._listeners.get(gpio, ()):

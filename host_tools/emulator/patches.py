@@ -57,13 +57,13 @@ def pwm_request(chip):
     """A PWM slice asks DMA for one transfer a wrap; in rp2040py the request stays on after the first."""
     pwm = chip.pwm
 
-    def wrapped(index):
+    def wrap(index):
         pwm._int_raw |= 1 << index
         pwm.check_interrupts()
         chip.dma.set_dreq(_PWM_DREQ + index)
         chip.dma.clear_dreq(_PWM_DREQ + index)
 
-    pwm.channel_interrupt = wrapped
+    pwm.channel_interrupt = wrap
 
 
 def timer_alarms(chip):

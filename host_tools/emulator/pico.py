@@ -16,7 +16,7 @@ that a miss of the flash cache costs, which PASSO_FLASH_MISS says otherwise; 0 l
 
 from host_tools.emulator import binary, bus, cycles, filesystem, native, patches
 from host_tools.emulator.console import Console
-from host_tools.emulator.flash_cache import FlashCache, wanted_cycles
+from host_tools.emulator.flash_cache import FlashCache, default_miss_cycles
 from host_tools.emulator.flash_times import TYPICAL, FlashTimes
 from host_tools.emulator.loop import Loop
 from host_tools.emulator.pads import Pads
@@ -34,7 +34,7 @@ class EmulatedPico:
         self._uf2 = uf2 or binary.find_uf2()
         self._files_at, self._blocks = filesystem.location(self._uf2)
         self._leave_out = leave_out
-        self._flash_miss = wanted_cycles() if flash_miss is None else flash_miss
+        self._flash_miss = default_miss_cycles() if flash_miss is None else flash_miss
         self.flash_times = None
         if files is not None:
             files = files if isinstance(files, dict) else filesystem.folder_files(files)
@@ -196,7 +196,7 @@ class EmulatedPico:
         self.console.soft_reset()
 
     def edges(self, gpio, log=None):
-        """A list that gets (cycle, 0, 1 or pads.RELEASED) at each change of what the Pico drives on a pin."""
+        """A list that gets (cycle, 0, 1 or pads.RELEASED) at each change of the level that the Pico drives on a pin."""
         log = [] if log is None else log
         clock = self._clock
         self.pads.listen(gpio, lambda _, state: log.append((cycles.now(clock), state)))

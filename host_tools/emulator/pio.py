@@ -49,7 +49,7 @@ class TimedPio(RPPIO):
         self._skips = [None] * 4  # of each machine: (first due, turn, turns, counters, end, lasting), in 1/256 cycles
         self._passes = [None] * 4  # of each machine: (its state, due) as it last began a pass; None: something has happened since
         self._parked = [None] * 4  # (due of the pass that it is parked at, 1/256 cycles of a pass, pins that end it, whether X counts)
-        self._loops = {}  # (machine, address): what `_find_loop` found there
+        self._loops = {}  # {(machine, address): result of `_find_loop`}
         self._running = False
 
     # --- the bus
@@ -174,14 +174,14 @@ class TimedPio(RPPIO):
         counts = _counts(before[0], state)
         if before[0] != state and not counts:
             return
-        pins = self._polled(machine)
+        pins = self._pins_polled(machine)
         if pins:
             self._parked[index] = due, due - before[1], pins, counts
             machine.next_due_fp = _NEVER
             self.recompute_due()
 
-    def _polled(self, machine):
-        """The pins that its program looks at; none if it does more than look."""
+    def _pins_polled(self, machine):
+        """The pins that a state machine's program reads; none if it does more than read pins."""
         pins = set()
         for code in self.instructions:
             kind, argument = code >> 13, code & 0xFF

@@ -80,10 +80,10 @@ class Profile:
         self._counts = [(ctypes.c_uint64 * (2 * _SLOTS))() for _ in range(2)]
         for index, counts in enumerate(self._counts):
             self._state.profile[index] = ctypes.addressof(counts)
-        self._loop.spent = self._spent
+        self._loop.spent = self._count_python
 
-    def _spent(self, pc, handler, cycles):
-        """What rp2040py itself carried out."""
+    def _count_python(self, pc, handler, cycles):
+        """Count cycles of an instruction that rp2040py itself executed."""
         self._counts[handler][2 * _slot(pc)] += cycles
 
     def end(self):

@@ -1,7 +1,7 @@
 """An encoder's two wires on an emulated Pico.
 
     wires = Quadrature(pico, 16, 250_000)       # A on GPIO16, B on GPIO17; counts a second
-    wires.turn(1200)                            # so many counts from now on, back if negative
+    wires.turn(1200)                            # 1200 counts from now on, back if negative
     wires.count
 """
 

@@ -93,27 +93,27 @@ class Asking:
         config = next(config for config in machine.board["links"] if config["name"] == link)
         self._wire = None
         if config["port"] == "usb":
-            self._pico.usb.heard = self._said
+            self._pico.usb.heard = self._take
         else:
             self._wire, self._baud = machine.wire(link), config["baud"]
-            self._wire.listeners.append(lambda value: self._said(bytes((value,))))
+            self._wire.listeners.append(lambda value: self._take(bytes((value,))))
         self.said = bytearray()
         self._begins = []  # cycles at which a status has begun
         self._think_cycles = think_us * CYCLES_PER_US
         self._lines = []  # still to be sent
         self.unanswered = []  # lengths of the lines sent
 
-    def _said(self, data):
+    def _take(self, data):
         self._begins += [self._pico.cycle] * data.count(b"<")
         before = self.said.count(b"ok\r\n")
         self.said += data
         answered = self.said.count(b"ok\r\n") - before
         if answered and self._think_cycles:
-            self._pico.at(self._pico.cycle + self._think_cycles, lambda: self._answered(answered))
+            self._pico.at(self._pico.cycle + self._think_cycles, lambda: self._note_answers(answered))
         else:
-            self._answered(answered)
+            self._note_answers(answered)
 
-    def _answered(self, count):
+    def _note_answers(self, count):
         for _ in range(count):
             self.unanswered.pop(0)
             self._pump()

@@ -13,7 +13,7 @@ import copy
 
 from host_tools.emulator.cycles import CYCLES_PER_TICK
 from host_tools.emulator.load import Load
-from host_tools.emulator.machine import written
+from host_tools.emulator.machine import files_of
 from host_tools.emulator.pico import EmulatedPico
 from passo.config.boardfile import check
 from passo.machine_builder import make_drive
@@ -103,7 +103,7 @@ def router(axes=3, **changes):
 
 
 def ticks_of(deltas, steps_s):
-    """What a line lasts whose dominant axis steps `steps_s` times a second."""
+    """Ticks of a line whose dominant axis steps `steps_s` times a second."""
     return max(map(abs, deltas)) * TICKS_PER_S // steps_s
 
 
@@ -131,7 +131,7 @@ def words_of(board, lines):
 
 
 class Run:
-    """What `play` found. Cycles are of 8 ns; `off` is the largest distance of an edge from where its word puts it."""
+    """The result of `play`. Cycles are of 8 ns; `off` is the largest distance of an edge from where its word puts it."""
 
     def __init__(self):
         self.steps = self.off = self.late = self.turns = self.span = self.span_off = 0
@@ -141,7 +141,7 @@ class Run:
         self.shares = {}
         self.position = []
 
-    def left(self):
+    def share_left(self):
         """Share of the processor that interrupts leave."""
         return self.shares.get("main", 0) + self.shares.get("asleep", 0)
 
@@ -149,7 +149,7 @@ class Run:
 class Rig:
     def __init__(self, board, uf2=None, start=START):
         self.board = check(copy.deepcopy(board))
-        files = {path: data for path, data in written(board).items() if path != "main.py"}
+        files = {path: data for path, data in files_of(board).items() if path != "main.py"}
         self.pico = EmulatedPico(files=files, uf2=uf2).boot()
         self._listen()
         self.pico.exec(start)
@@ -174,12 +174,12 @@ class Rig:
         pins = word_pins(self.board)
         self._levels = sum((self.pico.pads.state(pin) == 1) << bit for bit, pin in enumerate(pins))
 
-    def _inverted(self):
+    def _inversions(self):
         return inverted_pins(self.board, make_drive(self.board)[0])
 
-    def counted(self):
+    def count_steps(self):
         """Steps of each axis since the last clear(), signed, as a STEP/DIR driver would count them: edges alone."""
-        invert = self._inverted()
+        invert = self._inversions()
         positions = []
         for axis, (steps, turns) in enumerate(zip(self.step_edges, self.dir_edges)):
             rise, back = 1 - (invert >> axis & 1), invert >> self.axes + axis & 1
@@ -237,7 +237,7 @@ class Rig:
 
     def _compare_steps(self, run, words):
         """The edges against the words: every one must be there, and none else."""
-        invert = self._inverted()
+        invert = self._inversions()
         tick, wanted = 0, [[] for _ in range(self.axes)]
         for ticks, levels in words:
             for axis in range(self.axes):

@@ -1,7 +1,7 @@
 """Streams to the emulated Pico as senders send them: lines of 0.2 mm, and a laser's dots as lines, as clusters and packed.
 
     machine = fast_laser(200)                                   # booted; boards/laser_fast.py with 200 m/s²
-    run = on_a_copy(lambda: measured(machine, "usb", "packed", 1000))
+    run = on_a_copy(lambda: measure(machine, "usb", "packed", 1000))
     run["rate"], run["late"], run["stands"], run["asked_ms"]    # dots a second, words late, standstills, of each `?`
 
 A sender has `WINDOW` bytes under way, which `$I` tells, and takes `think_us` to hear an answer and to send what that makes room for.
@@ -33,16 +33,16 @@ def fast_laser(clock_mhz):
     board = {**copy.deepcopy(boards.load("laser_fast")), "clock_mhz": clock_mhz, "journal": None}
     for axis in board["axes"]:
         axis.update(max_mm_min=30_000, accel_mm_s2=200_000)
-    return _booted(board)
+    return _boot(board)
 
 
 def fast_router(clock_mhz):
     """A booted router_3axis whose axes are faster than any link, its serial link at BAUD."""
     board = copy.deepcopy(gcode.fast_board((), clock_mhz=clock_mhz, mm_s=500, mm_s2=300_000)[0])
-    return _booted({**board, "journal": None})
+    return _boot({**board, "journal": None})
 
 
-def _booted(board):
+def _boot(board):
     board["links"] = [{key: value for key, value in link.items() if key != "lost"} for link in board["links"]]
     for link in board["links"]:
         if link["port"] != "usb":
@@ -72,7 +72,7 @@ def _oks(asking):
     return asking.said.count(b"ok\r\n")
 
 
-def measured(machine, link, kind, think_us, times=1):
+def measure(machine, link, kind, think_us, times=1):
     """The figures of one stream, its first quarter left out of the rate; `times` as long."""
     if kind == "lines":
         start, text = gcode.chords(LINE_MM)
@@ -100,7 +100,7 @@ def measured(machine, link, kind, think_us, times=1):
         begun.append(machine.pico.cycle)
     machine.run_until(lambda: _oks(asking) >= len(lines) + len(head) + 2, LIMIT_MS)
     assert b"error" not in asking.said, bytes(asking.said[-200:])
-    lost = getattr(machine.wire(link), "lost", 0)  # USB loses none
+    lost = getattr(machine.wire(link), "overruns", 0)  # USB loses none
     assert not lost, f"{lost} bytes came while the UART's FIFO was full"
     rises = [cycle / CYCLES_PER_US / 1000 for cycle, state in edges if state == 1]
     return {

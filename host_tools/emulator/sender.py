@@ -52,11 +52,11 @@ def usb_rig(uf2=None):
 @dataclass
 class Sent:
     rate: float  # points a second, from the first byte of the first one to the answer to the last
-    share: float  # of what the wire can carry; 0 for USB
+    share: float  # of the wire's bytes a second; 0 for USB
     late: int  # step words
     lost: int  # bytes that found the UART's FIFO full
     answers: bytes
-    log: str  # what the board has logged: nothing, if all is well
+    log: str  # the board's log: empty if all is well
 
 
 class Sender:
@@ -105,5 +105,5 @@ class Sender:
         late, log = console.expect(b"\x04")[:-1].decode().split(" ", 1)
         rate = count * CYCLES_PER_US * 1e6 / (self._ended - begun)
         share = rate * PACKET * BITS_A_BYTE / self._baud if self._wire else 0
-        lost = self._wire.lost if self._wire else 0
+        lost = self._wire.overruns if self._wire else 0
         return Sent(rate, share, int(late), lost, bytes(self._answers[:count]), log.strip())

@@ -4,7 +4,7 @@
     chains.set_input(3, 1)                              # input D of the first 74HC165
 
 74HC165: while SH/LD is low the register follows its inputs; while it is high, a rising edge of CLK shifts towards QH. 74HC595: a rising
-edge of SRCLK shifts SER in, one of RCLK shows the register at the outputs. What they show at power-up is not defined: here 0.
+edge of SRCLK shifts SER in, one of RCLK shows the register at the outputs. Their outputs at power-up are undefined: here 0.
 """
 
 
@@ -19,8 +19,8 @@ class Chains:
         self.outputs = [0] * len(self._shifted)
         self._clock = self._latch = None
         self.transfers = 0
-        pico.pads.listen(config["clock"], self._heard_clock)
-        pico.pads.listen(config["latch"], self._heard_latch)
+        pico.pads.listen(config["clock"], self._on_clock)
+        pico.pads.listen(config["latch"], self._on_latch)
 
     def set_input(self, bit, level):
         self._inputs[bit] = level
@@ -39,7 +39,7 @@ class Chains:
         if self._loaded:
             self._pico.drive(self._in, self._loaded[0])
 
-    def _heard_clock(self, _, state):
+    def _on_clock(self, _, state):
         rising = state == 1 and self._clock == 0
         self._clock = state
         if not rising:
@@ -51,7 +51,7 @@ class Chains:
             self._loaded = [*self._loaded[1:], 0] if self._loaded else []
             self._show()
 
-    def _heard_latch(self, _, state):
+    def _on_latch(self, _, state):
         rising = state == 1 and self._latch == 0
         self._latch = state
         if state == 0:

@@ -20,7 +20,7 @@ _RAISED = 0b1100
 _CRYSTAL_HZ = 12_000_000
 _SETTLE_NS = 50_000  # an assumption: the datasheet gives no time
 _COUNT_NS = 1000  # of the frequency counter, times 2 to the power of its interval
-_ROUNDING = 0.01  # cycles: what floats may be off
+_ROUNDING = 0.01  # cycles: rounding of floats
 
 _CLOCKS, _SYS_PLL, _USB_PLL = 0x40008, 0x40028, 0x4002C
 _SYS_CONTROL, _SYS_DIVIDER, _PERIPHERAL_CONTROL = 0x3C, 0x40, 0x48
@@ -48,7 +48,7 @@ class Pll:
 
     @property
     def hz(self):
-        """What it makes; 0 while it is off."""
+        """Its output, Hz; 0 while it is off."""
         control, power, multiplier, dividers = self._values
         after = (dividers >> 16 & 7) * (dividers >> 12 & 7)
         if power & 0x29 or not after:  # PD, POSTDIVPD, VCOPD

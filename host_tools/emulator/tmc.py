@@ -18,9 +18,9 @@ class WiredDrivers:
         self._baud = config["baud"]
         self.model = SimDrivers(config, lambda: pico.now_us / 1000)
         self.wire = pico.uart(int(config["port"][4:]))
-        self.wire.listeners.append(self._heard)
+        self.wire.listeners.append(self._take_byte)
 
-    def _heard(self, value):
+    def _take_byte(self, value):
         data = bytes((value,))
         self.wire.feed(data, self._baud)
         for reply in self.model.hear(data):

@@ -30,8 +30,8 @@ class Pl011(RPUART):
         self.on_byte = replaced.on_byte
         self.overruns = 0  # characters lost because the receive FIFO was full
         clock = self.rp2040.clock
-        self._shift_alarm = clock.create_alarm(self._shifted)
-        self._timeout_alarm = clock.create_alarm(self._timed_out)
+        self._shift_alarm = clock.create_alarm(self._end_shift)
+        self._timeout_alarm = clock.create_alarm(self._time_out)
         self._ready = True
         self._clear()
 
@@ -85,7 +85,7 @@ class Pl011(RPUART):
                 self._raised |= _TRANSMIT
             self._shift_alarm.schedule(self._character_ns)
 
-    def _shifted(self):
+    def _end_shift(self):
         value, self._shifting = self._shifting, None
         if self._ctrl_register & 0x80:  # loop back
             self.feed_byte(value)
@@ -112,7 +112,7 @@ class Pl011(RPUART):
         self._timeout_alarm.schedule(delay_ns(self._bit_ns * _TIMEOUT_BITS))
         self.check_interrupts()
 
-    def _timed_out(self):
+    def _time_out(self):
         if self._received:
             self._raised |= _TIMEOUT
             self.check_interrupts()

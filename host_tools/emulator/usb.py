@@ -27,7 +27,7 @@ class UsbPort:
         self._usb.on_endpoint_read = self._read
         self._usb.on_reset = self._reset
         cdc.on_serial_data = lambda data: self.heard(bytes(data))
-        cdc.on_device_connected = self._connected
+        cdc.on_device_connected = self._on_connect
 
     def write(self, data):
         self._to_send += data
@@ -61,6 +61,6 @@ class UsbPort:
         self._stock_reset()
         self.on_reset()
 
-    def _connected(self):
+    def _on_connect(self):
         self.up = True
         self.connections += 1

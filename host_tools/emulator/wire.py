@@ -3,9 +3,9 @@
     wire = Wire(pico, pico.chip.uart[0])
     wire.feed(b"...", 57600)    # each byte arrives a character's time after the one before
     wire.drain()                # what the Pico has sent since the last drain; each byte counts once its stop bit is out
-    wire.lost                   # bytes that came while the Pico's FIFO was full
+    wire.overruns               # bytes that came while the Pico's FIFO was full
 
-The baud rate of `feed` is the wire's; it is not compared with what the Pico has set.
+The baud rate of `feed` is the wire's; it is not compared with the Pico's setting.
 """
 
 from collections import deque
@@ -28,7 +28,8 @@ class Wire:
         uart.on_byte = self._out
 
     @property
-    def lost(self):
+    def overruns(self):
+        """Bytes that came while the FIFO of the UART was full."""
         return self._uart.overruns
 
     @property

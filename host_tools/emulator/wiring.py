@@ -27,7 +27,7 @@ class Wiring:
         self._world = world
         self._rest = inverted_pins(board, layout)  # levels of pins that nobody drives
         self._levels = self._seen = self._rest
-        self._since = None  # tick of the first edge that the world has not been told of
+        self._since = None  # tick of the first edge that the world does not know
         self.edge_count = 0
         self._flush_alarm = self._clock.create_alarm(self._flush)
         self._event_alarm = self._clock.create_alarm(self._event)
@@ -36,16 +36,16 @@ class Wiring:
         world.attach(self.tick, layout.pin_names, self._rest)
         self._bits = {gpio: 1 << bit for bit, gpio in enumerate(word_pins(board))}
         for gpio in self._bits:
-            pico.pads.listen(gpio, self._heard)
+            pico.pads.listen(gpio, self._on_pin)
         for gpio in self._outputs:
             if gpio < REGISTER_BIT:
-                pico.pads.listen(gpio, self._heard_output)
+                pico.pads.listen(gpio, self._on_output)
         if board.get("servo"):
             self._servo_us = self._rose = None
-            pico.pads.listen(board["servo"]["pin"], self._heard_servo)
+            pico.pads.listen(board["servo"]["pin"], self._on_servo)
         self.chains = None
         if board.get("registers"):
-            self.chains = Chains(pico, board["registers"], lambda bit, level: self._heard_output(REGISTER_BIT + bit, level))
+            self.chains = Chains(pico, board["registers"], lambda bit, level: self._on_output(REGISTER_BIT + bit, level))
             self._edges = [(item["pin"], item["inputs"].split()) for item in board["registers"]["edges"]]
         self._inner = plant.pins  # told of changes before
         plant.pins = self
@@ -64,10 +64,10 @@ class Wiring:
         self._levels = self._rest
         self._flush()
 
-    def changed(self, tick, name, level):
+    def note_input(self, tick, name, level):
         """The plant says that an input has changed."""
         if self._inner is not None:
-            self._inner.changed(tick, name, level)
+            self._inner.note_input(tick, name, level)
         self._drive(self._inputs[name], level)
 
     def _drive(self, gpio, level):
@@ -80,7 +80,7 @@ class Wiring:
         else:
             self._pico.drive(gpio, level)
 
-    def _heard(self, gpio, state):
+    def _on_pin(self, gpio, state):
         bit = self._bits[gpio]
         level = bit if state == 1 else 0 if state == 0 else self._rest & bit
         levels = self._levels & ~bit | level
@@ -105,14 +105,14 @@ class Wiring:
         for encoder, wires in self._encoders:
             wires.turn(encoder.count - wires.count - wires.left)
 
-    def _heard_output(self, gpio, state):
+    def _on_output(self, gpio, state):
         self._flush()
         if gpio not in self._outputs:
             return  # a bit of a register that nothing is wired to
         name, inactive = self._outputs[gpio]
         self._world.output(self.tick, name, state if state < 2 else inactive)
 
-    def _heard_servo(self, _, state):
+    def _on_servo(self, _, state):
         """Tell the world the length of a pulse, if it is another one."""
         if state == 1:
             self._rose = cycles.now(self._clock)

@@ -59,7 +59,7 @@ def left_out(raw):
 
 def clean_on_board(place):
     """The board's own pins, by its witness; the motors' current stays off."""
-    from host_tools.prove.pins import FAST, FAST_STEPS, played
+    from host_tools.prove.pins import FAST, FAST_STEPS, play_lines
     from host_tools.prove.proof import Proof
 
     raw = place.raw()
@@ -67,7 +67,7 @@ def clean_on_board(place):
     proof, found = Proof(place.connection(), raw, True), {}
     for khz in PIO_KHZ:
         lines = [([FAST_STEPS] * len(raw["axes"]), FAST_STEPS * TICKS_PER_S // (khz * 1000))]
-        seen, late, _shape, _records = played(proof, changes, lines)
+        seen, late, _shape, _records = play_lines(proof, changes, lines)
         found[khz] = seen.same and late == 0 and seen.off_ns <= ON_TIME_NS
     return found
 

@@ -1,1 +1,1 @@
-"""Machines on an MQTT broker: what a PC beside them tells of them."""
+"""Machines on an MQTT broker: a PC beside them publishes their states, and a shop hands out jobs."""

@@ -20,7 +20,7 @@ import time
 from host_tools.language import _
 from host_tools.panel import languages
 from host_tools.panel.server import clock_ms
-from host_tools.shop.link import SHOP, guarded
+from host_tools.shop.link import SHOP, complain_of_errors
 from host_tools.shop.telling import Telling
 from passo import errors
 
@@ -61,8 +61,8 @@ class _Board:
         with self._lock:
             self._machine.stop()
             if self.work:
-                self.work.stopped()
-            self.telling.stopped()
+                self.work.note_stop()
+            self.telling.count_stop()
             return bool(self._machine.state["link"])
 
     def _yield(self, text):
@@ -71,29 +71,29 @@ class _Board:
             if self.work:
                 self.work.yields(text)
 
-    def attached(self, opened):
+    def note_port(self, opened):
         self._machine.attached(opened)
 
     def _hear(self, event):
-        """What the machine tells its pages."""
+        """Take an event that the machine sends to its pages."""
         if event["t"] == "log":
             for number in event["log"]:
                 if number < errors.ALARM_LOCKED and number != errors.WORDS_LATE:
-                    self.telling.refused(number)
+                    self.telling.count_refusal(number)
         elif event["t"] == "refused" and self.work:
-            self.work.refused(event["text"])
+            self.work.note_refusal(event["text"])
         elif event["t"] == "said" and event["text"].startswith(_LOGGED):
             late = _LATE.search(event["text"])
             self.telling.late(int(late[1]) if late else 0)
 
-    @guarded
+    @complain_of_errors
     def read(self):
         with self._lock:
             data = self._port.read()
             if data:
                 self._machine.feed(data, clock_ms())
 
-    @guarded
+    @complain_of_errors
     def poll(self, now_s):
         with self._lock:
             self._poll(now_s)
@@ -101,10 +101,10 @@ class _Board:
     def complain(self, text):
         self._link.complain(text)
 
-    def shown(self):
-        """What the page at the machine shows."""
+    def page_row(self):
+        """This machine's entry of the page at the machine, a dict."""
         with self._lock:
-            return {"name": self.name, **self.work.shown(), **self.telling.told}
+            return {"name": self.name, **self.work.page_row(), **self.telling.told}
 
     def act(self, what):
         """See Work.act()."""
@@ -128,11 +128,12 @@ class _Board:
         for event in self.telling.events(time.time()):
             self._link.log(event)
         if self.work:
-            topics = {**topics, "work": self.work.told(self._shop)}
+            topics = {**topics, "work": self.work.message_for(self._shop)}
         self._link.tell(topics)
 
     def _count(self, shown):
-        """What reports do not tell. Behind each motion a board that speaks grbl is asked how often its steps were late; other languages have that in their reports."""
+        """Fill in the counters that no report has. Asks a board that speaks grbl behind each motion how often its steps were late; other languages
+        report it."""
         machine, telling = self._machine, self.telling
         telling.scale = self._scale(machine)
         telling.counters["retries"] = machine.retries + getattr(machine.wire, "retries", 0)
@@ -142,9 +143,9 @@ class _Board:
         elif not shown["link"] or not machine.stands():
             self._log_due = True
         elif self._logs and self._log_due and machine.options is not None and machine.settings and not machine.wire.of(0):
-            self._log_due = machine.say(b"$LOG", self._logged) != 0
+            self._log_due = machine.say(b"$LOG", self._note_log) != 0
 
-    def _logged(self, error):
+    def _note_log(self, error):
         self._logs = error <= 0  # else a grbl without a log
         self._log_due = error < 0
 
@@ -153,7 +154,7 @@ class _Board:
         return [float(machine.settings[number]) for number in range(100, 104) if number in machine.settings] if self._grbl else machine.scale
 
     def _work(self, now_s):
-        for what, text in self._link.heard():
+        for what, text in self._link.take_orders():
             if what == SHOP:
                 self._shop = text
             else:
@@ -178,32 +179,34 @@ class Agent:
         self._boards = []
 
     def add(self, name, language, board, make_port, link, key="", about=None):
-        """`board`: a board file's table; `link`: a Link of that name; `key`: the shop's, "": the machine takes no jobs; `about`: what the shop
-        is to know of it."""
-        added = _Board(name, language, board, make_port, link, self._changed, key, about or {})
+        """`board`: a board file's table; `link`: a Link of that name; `key`: the shop's, "": the machine takes no jobs; `about`: {"kind": …}, the
+        machine's properties for the shop."""
+        added = _Board(name, language, board, make_port, link, self._watch_port, key, about or {})
         self._boards.append(added)
         if self._figures:
             self._figures.watch(name, added.telling)
 
     def machines(self):
-        """What the page at the machine shows: [{"name", "how", "job", "text", "state", "alarm", "progress", "left"}] of those that take jobs."""
-        return [board.shown() for board in self._boards if board.work]
+        """The entries of the page at the machine: [{"name", "how", "job", "text", "state", "alarm", "progress", "left"}] of the machines that take
+        jobs."""
+        return [board.page_row() for board in self._boards if board.work]
 
     def do(self, name, what):
-        """An order of who stands at the machine `name`: see Work.act(). Returns "", or why not."""
+        """An order of the person at the machine `name`: see Work.act(). Returns "", or a sentence that says why it was refused."""
         for board in self._boards:
             if board.name == name and board.work:
                 return board.act(what)
         return _("no machine {} takes jobs here", name)
 
     def stop(self, name=""):
-        """STOP from who stands at the machine `name`; "": all of them. Carried out by the thread that calls. Returns "", or which did not get it."""
+        """STOP by the person at the machine `name`; "": all machines. The calling thread carries it out. Returns "", or a sentence that names
+        boards without an answer."""
         boards = [board for board in self._boards if name in ("", board.name)]
         silent = [board.name for board in boards if not board.stop()]
         return _("no board answers at {}: use the emergency stop", ", ".join(silent)) if silent or not boards else ""
 
-    def _changed(self, board, fd, opened):
-        board.attached(opened)
+    def _watch_port(self, board, fd, opened):
+        board.note_port(opened)
         if opened:
             self._selector.register(fd, selectors.EVENT_READ, board)
         else:

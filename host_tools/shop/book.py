@@ -1,5 +1,4 @@
-"""The shop's book: every job, which machine has it, and how it ended. An SQLite file. What is added, given or ended is on the
-disk before the call returns.
+"""The shop's book: every job, which machine has it, and how it ended. An SQLite file. Every change is on the disk before its call returns.
 
     book = Book(Path("shop.sqlite"))
     book.add(data, "cat.svg", {"kind": "corexy_plotter"}, copies=30)
@@ -7,7 +6,7 @@ disk before the call returns.
     book.open_of("plotter-3")               # the job that the machine has, or None
     book.end(job, "done", line, text)
 
-A job is given to one machine, once. Only that machine's word ends it: what a broker loses or says twice changes nothing.
+A job is given to one machine, once. Only that machine's word ends it: a message that the broker loses or delivers twice changes nothing.
 
 Each call raises BookError if the disk is full, or another program has the file for longer than a moment: then nothing has changed, and the
 call may be made again.
@@ -87,7 +86,7 @@ class Book:
         self._base.close()
 
     @contextlib.contextmanager
-    def _locked(self):
+    def _open_base(self):
         """The base for one thread. Raises BookError if its file cannot be read or written."""
         with self._lock:
             try:
@@ -99,11 +98,11 @@ class Book:
                 raise BookError(errno.EIO, str(error)) from error
 
     def _ask(self, text, *values):
-        with self._locked() as base:
+        with self._open_base() as base:
             return base.execute(text, values).fetchall()
 
     def _write(self, text, *values):
-        with self._locked() as base:
+        with self._open_base() as base:
             self.changed += 1
             count = base.execute(text, values).rowcount
             self._failed = "", 0.0
@@ -117,7 +116,7 @@ class Book:
     def add(self, data, name, wants, copies=1):
         """Returns the new jobs' ids. All copies come, or none."""
         sha = hashlib.sha256(data).hexdigest()
-        with self._locked() as base:
+        with self._open_base() as base:
             base.execute("begin immediate")
             try:
                 self._write("insert or ignore into files values (?, ?)", sha, data)
@@ -140,7 +139,7 @@ class Book:
 
     def give(self, machine, nonce, fits):
         """The first queued job that fits is the machine's from now on. None: there is none, or the machine has one."""
-        with self._locked() as base:
+        with self._open_base() as base:
             if self.open_of(machine):
                 return None
             with contextlib.closing(base.execute("select * from jobs where state = ? order by number", (QUEUED,))) as waiting:
@@ -154,7 +153,7 @@ class Book:
         """The machine says where a job that it has stands. It will say so again: this does not wait for the disk."""
         if job.state in OPEN and (job.state, job.line, job.text) != (state, line, text):
             begun = None if state == GIVEN else time.time()
-            with self._locked() as base:
+            with self._open_base() as base:
                 base.execute("pragma synchronous=normal")
                 try:
                     self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, begun, job.id)
@@ -186,7 +185,7 @@ class Book:
     def open_of(self, machine):
         return next(iter(self._jobs("where machine = ? and " + _IS_OPEN, machine)), None)
 
-    def wanted(self, sha):
+    def has_open_job(self, sha):
         """True if a machine has a job of this file."""
         return bool(self._jobs(f"where sha = ? and {_IS_OPEN} limit 1", sha))
 
@@ -198,8 +197,8 @@ class Book:
         """{state: how many jobs}"""
         return dict(self._ask("select state, count(*) from jobs group by state"))
 
-    def used(self):
-        """[[material, jobs done, seconds from begin to end]] of what is done."""
+    def times_of_materials(self):
+        """[[material, jobs done, seconds from begin to end]] of the jobs that are done."""
         return self._ask("select coalesce(json_extract(wants, '$.material'), ''), count(*), sum(max(ended - begun, 0)) from jobs where state = 'done' group by 1 order by 1")
 
     def data(self, sha):

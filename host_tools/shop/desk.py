@@ -1,19 +1,19 @@
 """The shop at the broker: it hears which machines are released, and gives each a job of the book.
 
     desk = Desk(broker, key, book)
-    desk.machines       # {name: what it has told last, with "state", "progress", …}
+    desk.machines       # {name: its last message, with "state", "progress", …}
     desk.stop_all()
     desk.close()
 
-What the broker loses is said again: a machine tells with each connection what it has, and the desk compares that with the book. An order
+Lost messages are repaired: with each connection a machine sends its whole state, and the desk compares it with the book. An order
 is signed for the nonce of the machine's release, so it is carried out once. One for a job that was given before says so ("again"): the machine
 asks whoever stands there.
 
-What machines tell is counted by the clocks of their PCs, so that nothing is heard twice. If something comes that is signed right, but older than
-the last, a clock may have been set back: the shop tells another nonce, and all machines tell anew, signed for that.
+Messages of machines are numbered by the clocks of their PCs, so that the desk takes each one once. If one is signed right, but older than the last,
+a clock may have been set back: the shop publishes another nonce, and all machines send their state anew, signed for it.
 
-If the book cannot be written (the disk is full, or another program has the file), the desk tries again each second with what each machine has
-told last. No message waits for that, and STOP neither: it is sent by the thread that hears the messages.
+If the book cannot be written (the disk is full, or another program has the file), the desk tries again each second with the last message of each
+machine. Neither messages nor STOP wait for the disk: the thread that receives messages sends STOP.
 """
 
 import os
@@ -24,9 +24,9 @@ import paho.mqtt.client as mqtt
 
 from host_tools.language import _
 from host_tools.shop.book import BEGUN, GIVEN, LEFT, OPEN, WAITING, BookError
-from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP, guarded, wrong_message
+from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP, complain_of_errors, wrong_message
 from host_tools.shop.machines import Machines
-from host_tools.shop.signed import sealed
+from host_tools.shop.signed import sign
 from host_tools.shop.signed import SHOP as FROM_SHOP
 from host_tools.shop.telling import GONE, LOST, TOPICS
 from passo import errors
@@ -35,8 +35,8 @@ from passo.web.guard import nonce
 _RENEW_S = 2.0  # between two nonces, at least
 _AGAIN_S = 1.0  # between two attempts to write the book
 _LEFT_S = 2.0  # a STOP has been acknowledged by the broker
-_WORD, _QUEUE, _PIECES = "word", "queue", "pieces"  # what the desk does with the book: for a machine, for one or all, for a file
-# What a machine tells: the type of each field. `ended`: None or [id, how, line, text]; `area`: mm of X and Y.
+_WORD, _QUEUE, _PIECES = "word", "queue", "pieces"  # tasks of the thread: a machine's message, jobs for one or all, a file to publish
+# A machine's message: the type of each field. `ended`: None or [id, how, line, text]; `area`: mm of X and Y.
 _TOLD = {"how": str, "job": str, "nonce": str, "line": int, "text": str, "ended": (list, type(None)), "area": list, "kind": str, "tool": str, "laser": str, "page": str}
 _ENDED = str, str, int, str
 _MOST_LINES = 1 << 40
@@ -64,7 +64,7 @@ def _is_safe(has, most):
 
 
 def read_told(told):
-    """What a machine tells, without fields that the shop does not know; None: a field is missing, or of another type."""
+    """A machine's message without the fields that the shop does not know; None: a field is missing, or of another type."""
     told = {name: told[name] for name in _TOLD if name in told}
     told = {"tool": "", "laser": "", "page": "", **told}
     right = set(told) == set(_TOLD) and all(_is_a(value, _TOLD[name]) for name, value in told.items())
@@ -99,7 +99,7 @@ class Desk:
         self._closed = threading.Event()
         self._complained = ""
         self._client = broker.client(f"{ROOT}-shop-{os.urandom(4).hex()}")
-        self._client.on_connect = self._connected
+        self._client.on_connect = self._on_connect
         self._client.on_message = self._hear
         broker.connect(self._client)
 
@@ -130,8 +130,8 @@ class Desk:
             return errors.NOT_SENT
         return 0 if told.is_published() else errors.NOT_SENT
 
-    @guarded
-    def _connected(self, client, userdata, flags, code, properties):
+    @complain_of_errors
+    def _on_connect(self, client, userdata, flags, code, properties):
         if code.is_failure:
             return
         self._subscribe()
@@ -181,7 +181,7 @@ class Desk:
 
     # --- what machines tell
 
-    @guarded
+    @complain_of_errors
     def _hear(self, client, userdata, message):
         _root, name, topic = message.topic.split("/")
         text = message.payload.decode(errors="replace")
@@ -205,7 +205,7 @@ class Desk:
                 self._renewing.daemon = True
                 self._renewing.start()
 
-    @guarded
+    @complain_of_errors
     def _renew(self):
         with self._lock:
             self._renewing = None
@@ -262,14 +262,14 @@ class Desk:
             self._put(job.sha)
             self._files.add(job.sha)
         body = {"id": job.id, "name": job.name, "sha": job.sha, "parts": parts, "again": to != job.nonce, "begun": job.begun is not None}
-        text = self._ordered[name] = sealed(self._key, FROM_SHOP, to, 1, body)
+        text = self._ordered[name] = sign(self._key, FROM_SHOP, to, 1, body)
         self._client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)
 
     def _forget(self, name, job=None):
         """The machine has taken its order; with the job's end nobody wants its file, unless another machine does."""
         if self._ordered.pop(name, None) is not None:
             self._client.publish(f"{ROOT}/{name}/{ORDER}", "", 1, True)
-        if job and not self._book.wanted(job.sha):
+        if job and not self._book.has_open_job(job.sha):
             for number in range(-(-len(self._book.data(job.sha)) // PIECE)):
                 self._client.publish(f"{ROOT}/{FILE}/{job.sha}/{number}", b"", 1, True)
             self._files.discard(job.sha)

@@ -1,4 +1,4 @@
-"""What Home Assistant wants to know to show a machine: its MQTT discovery, a retained message for each thing that it shows.
+"""Home Assistant's MQTT discovery of a machine: a retained message for each thing that it shows.
 
     for topic, text in discovery("homeassistant", "passo/", "plotter-3").items(): …
 

@@ -5,7 +5,7 @@
     link.log({"what": "alarm", …})          # not retained; waits while there is no connection, the oldest are dropped
     link.doubled = function                 # called with a text if another agent speaks for the machine
     link.stopped = function                 # called for each STOP, for this machine or for all, from the connection's own thread
-    link.heard()                            # what the shop has said, [(SHOP or ORDER, text)], if the machine takes jobs
+    link.take_orders()                      # the shop's messages, [(SHOP or ORDER, text)], if the machine takes jobs
     link.parcel.ask(sha, parts)             # a file that the shop has put on the broker
     link.parcel.data()                      # its bytes, once they are all there and right
     link.close()                            # "gone", as the last will says if this process dies
@@ -41,7 +41,7 @@ from host_tools.shop.telling import GONE
 
 ROOT = "passo"
 STOP = "stop"  # passo/stop: all machines; passo/NAME/stop: that one. Any text
-SHOP = "shop"  # passo/shop: the nonce for what machines tell the shop
+SHOP = "shop"  # passo/shop: the nonce for messages of machines to the shop
 ORDER = "order"  # passo/NAME/order: the shop's, signed
 FILE = "file"  # passo/file/SHA-256/NUMBER: a piece of a job's file
 WHO, AGENT = "who", "agent"  # passo/NAME/who: an agent asks, with a text of its own, which passo/NAME/agent repeats if there is another
@@ -56,8 +56,9 @@ _NUMBER = re.compile(r"[0-9]{1,4}")  # of a piece
 _PORT, _TLS_PORT = 1883, 8883
 
 
-def guarded(handler):
-    """A handler of the broker's messages, a method: what it raises is told by `self.complain(text)`. It would end the connection's thread, and STOP with it."""
+def complain_of_errors(handler):
+    """Wrap a method that handles the broker's messages: errors go to `self.complain(text)`. Else they would end the connection's thread, and STOP
+    with it."""
 
     @functools.wraps(handler)
     def handle(self, *arguments):
@@ -70,12 +71,12 @@ def guarded(handler):
 
 
 def wrong_message(error):
-    """What is said of a message, of a broker or a board, that could not be carried out."""
+    """A sentence about a message, of a broker or a board, that could not be carried out."""
     return _("a message could not be carried out: {}", f"{type(error).__name__}: {reason(error)}"[:_MOST_TOLD])
 
 
 class Broker(NamedTuple):
-    """Where the broker is, and who speaks. `ca`: file of the authority that has signed its certificate; None: no TLS."""
+    """Address of the broker, and the user at it. `ca`: file of the authority that has signed its certificate; None: no TLS."""
 
     host: str
     port: int = 0
@@ -163,7 +164,7 @@ class Link:
         self._mark = Properties(PacketTypes.PUBLISH)
         self._mark.UserProperty = ("by", self._own)  # a state with it is no other agent's
         self.doubled = lambda text: None
-        self._double = ""  # another agent speaks for the machine: what is said of that
+        self._double = ""  # a sentence, if another agent speaks for the machine
         self._asking = None  # the timer of the answer
         self._closing = False
         self._lock = threading.RLock()  # of the change from one connection to the next
@@ -175,8 +176,8 @@ class Link:
         client = self._broker.client(name)
         client.on_connect = connected
         client.on_message = self._hear
-        client.on_connect_fail = self._unreached
-        client.on_disconnect = self._disconnected
+        client.on_connect_fail = self._on_connect_fail
+        client.on_disconnect = self._on_disconnect
         return client
 
     def _make_listener(self):
@@ -184,7 +185,7 @@ class Link:
 
     # --- who speaks for the machine
 
-    @guarded
+    @complain_of_errors
     def _listens(self, client, userdata, flags, code, properties):
         """Connected without the machine's name: hear STOP, and ask for another agent if none is known of yet."""
         if code.is_failure:
@@ -194,7 +195,7 @@ class Link:
         with self._lock:
             if self._double or self._closing or client is not self._client:
                 return
-            # Who takes the machine's name may tell its state before this subscription; at the start a retained state proves nothing.
+            # Another agent of this name may publish its state before this subscription; at the start a retained state proves nothing.
             handling = SubscribeOptions.RETAIN_SEND_ON_SUBSCRIBE if self.connections else SubscribeOptions.RETAIN_DO_NOT_SEND
             state = SubscribeOptions(qos=1, retainHandling=handling)
             client.subscribe([(self._topic + WHO, 1), (self._topic + AGENT, 1), (self._topic + STATE, state)])
@@ -205,18 +206,18 @@ class Link:
             self._asking.daemon = True
             self._asking.start()
 
-    @guarded
+    @complain_of_errors
     def _speak(self):
         """Nobody else does."""
         with self._lock:
             self._asking = None
             if self._double or self._closing or self._client is not self._listener or not self._client.is_connected():
                 return
-            self._client = self.parcel.client = self._make_client(f"{ROOT}-{self._name}", self._connected)
+            self._client = self.parcel.client = self._make_client(f"{ROOT}-{self._name}", self._on_connect)
             self._client.will_set(self._topic + "state", GONE, 1, True)
             self._broker.connect(self._client)
 
-    @guarded
+    @complain_of_errors
     def _yield(self):
         """Another agent speaks for the machine."""
         with self._lock:
@@ -251,12 +252,12 @@ class Link:
 
     # --- the connection
 
-    @guarded
-    def _unreached(self, client, userdata):
+    @complain_of_errors
+    def _on_connect_fail(self, client, userdata):
         self._fail(_("no broker answers: {}", reason(sys.exc_info()[1])))
 
-    @guarded
-    def _connected(self, client, userdata, flags, code, properties):
+    @complain_of_errors
+    def _on_connect(self, client, userdata, flags, code, properties):
         if code.is_failure:
             self._fail(_("the broker refuses: {}", code))
             return
@@ -273,8 +274,8 @@ class Link:
             self.parcel.subscribe()
         self._fresh.set()
 
-    @guarded
-    def _disconnected(self, client, userdata, flags, code, properties):
+    @complain_of_errors
+    def _on_disconnect(self, client, userdata, flags, code, properties):
         with self._lock:
             ended = []
             if client is self._client and client is not self._listener and not self._closing:  # another one may have taken it: ask again
@@ -293,7 +294,7 @@ class Link:
 
     complain = _fail
 
-    @guarded
+    @complain_of_errors
     def _hear(self, client, userdata, message):
         what = message.topic.rpartition("/")[2]
         if what == STOP:
@@ -312,7 +313,7 @@ class Link:
         else:
             self.parcel.hear(message.topic, message.payload)
 
-    def heard(self):
+    def take_orders(self):
         found = []
         while self._heard:
             found.append(self._heard.popleft())

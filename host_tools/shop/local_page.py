@@ -1,6 +1,6 @@
-"""The page on the machine's own PC: whoever stands at the machine says "paper is in", go on, give up.
+"""The page on the machine's own PC: the person at the machine says "paper is in", go on, give up.
 
-    close, port = serve(8091, key, machines, do, stop)  # machines(): what is shown, a list; do(name, what), stop(name): "" or why not
+    close, port = serve(8091, key, machines, do, stop)  # machines(): a list of dicts; do(name, what), stop(name): "" or why not
 
 It is served at 127.0.0.1 only, to this PC's own page: a page of another site has another Origin, or another Host, and is refused. Any program
 of this PC can reach it, so an order is proven by a key as one to a board is (passo/web/guard.py); STOP is not.
@@ -39,7 +39,7 @@ def make_app(key, machines, do, stop):
     def header(request, name):
         return request.headers.get(name, "").lower().encode() or None
 
-    def served(name):
+    def file_response(name):
         if name not in _FILES:
             return "not here", 404
         return Response((_FILES[name] / name).read_bytes(), 200, {"Content-Type": _TYPES[name.split(".")[-1]]})
@@ -58,16 +58,16 @@ def make_app(key, machines, do, stop):
 
     @app.get("/")
     async def index(request):
-        return served("machine.html")
+        return file_response("machine.html")
 
     @app.get("/machines")
-    async def shown(request):
+    async def list_machines(request):
         found = [each | {key: in_languages(each.get(key, "")) for key in ("text", "alarm")} for each in await asyncio.to_thread(machines)]
         return json.dumps(found), 200, {"Content-Type": "application/json"}
 
     @app.get("/<name>")
     async def file(request, name):
-        return served(name)
+        return file_response(name)
 
     @app.post("/do")
     async def order(request):

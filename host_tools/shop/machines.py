@@ -1,4 +1,4 @@
-"""What the shop hears of machines. Whoever reaches the broker may name one; who has proven the shop's key always has room.
+"""The shop's knowledge of machines. Any client of the broker may name one; a machine that has proven the shop's key always has room.
 
     machines = Machines(key, nonce)
     machines.put(name, "state", "idle")     # the text before; None: there was none, or there is no room for another stranger
@@ -27,7 +27,7 @@ class Machines:
         self.missed = False  # something of a machine has been dropped for strangers, before it proved the key
 
     def renew(self, nonce):
-        """What is told from now on is signed for another nonce, and counted anew."""
+        """Accept only messages signed for another nonce from now on, numbered anew."""
         self._nonce = nonce
         self._openers = dict.fromkeys(self._openers)
         self.stale = False

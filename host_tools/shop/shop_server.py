@@ -73,7 +73,7 @@ class Shop:
         self.server = Server(self, key, names_of(host), "", pages=ShopPages(self, key), files={**files, "index.html": files["shop.html"]})
 
         @self.server.app.get("/texts/refused.json")
-        async def refused(request):
+        async def list_refusals(request):
             return {number: in_languages(text) for number, text in error_list().items()}
 
         @self.server.app.get("/job/<job_id>")
@@ -112,7 +112,7 @@ class Shop:
         return {**answer, "error": answer["error"].then(result) or 0}
 
     def _drop(self, order, page):
-        """A piece of a file; with the last one it is checked, and the pages are told what came of it."""
+        """Take a piece of a file. The last piece starts the check, whose result goes to the pages."""
         name, piece = order["name"], order["text"]
         if not isinstance(name, str) or not isinstance(piece, str) or len(piece) > _PIECE:
             raise Wrong("text")
@@ -205,7 +205,7 @@ class Shop:
         if self._seen == book.changed or now_s < self._look_s:
             return
         try:
-            seen, jobs, counts, used = book.changed, book.jobs(_SHOWN), book.counts(), book.used()
+            seen, jobs, counts, used = book.changed, book.jobs(_SHOWN), book.counts(), book.times_of_materials()
         except BookError:
             self._look_s = now_s + _READ_AGAIN_S
             return
@@ -218,7 +218,7 @@ class Shop:
     async def _push(self):
         try:
             await self.server.push(clock_ms())
-        except Exception as error:  # what a machine tells may be anything: STOP goes on
+        except Exception as error:  # a machine may send anything: keep STOP working
             self.desk.complain(wrong_message(error))
 
     async def run(self, host, port, ready):

@@ -1,9 +1,9 @@
 """Messages between a shop and its machines, signed as the orders of a page are (passo/web/session.py): by a key that both know and nobody sends.
 
-    text = sealed(key, SHOP, nonce, 1, {"job": …})
-    Opener(key, SHOP, nonce).open(text)     # the dict; None: not from who has the key, altered, or heard before
+    text = sign(key, SHOP, nonce, 1, {"job": …})
+    Opener(key, SHOP, nonce).open(text)     # the dict; None: without the key, altered, or received before
 
-Whoever receives chooses the nonce. What a machine tells and what a shop orders are signed for different ends, so neither is good for the other.
+The receiver chooses the nonce. Messages of machines and orders of a shop are signed for different ends, so neither passes for the other.
 """
 
 import json
@@ -18,7 +18,7 @@ def _session(key, end, nonce):
     return Session(key, f"{end} {nonce}")
 
 
-def sealed(key, end, nonce, count, body):
+def sign(key, end, nonce, count, body):
     text = json.dumps(body, ensure_ascii=False)
     return f"{count}.{_session(key, end, nonce).proof(str(count), text)}.{text}"
 

@@ -1,10 +1,10 @@
-"""What a machine tells the shop: the topics of its state, made of what its page shows (passo/protocols/page).
+"""The topics of a machine's state, made of the values that its page shows (passo/protocols/page).
 
     telling = Telling()
     telling.look(machine.shown(), now_s)    # {topic: text} of all topics, see TOPICS
     telling.events(now_s)                   # [{"what": "begun", …}] since the last time
 
-A topic is text, JSON where it has several values, "" where there is nothing to tell.
+A topic is text, JSON if it has several values, "" if it has none.
 """
 
 import json
@@ -16,9 +16,9 @@ TOPICS = ("state", "job", "progress", "left", "place", "alarm", "counters")
 GONE = "gone"  # state: nobody speaks for the machine any more, the broker says so
 LOST = "lost"  # state: the board does not answer
 _MOVES = ("run", "jog", "home")
-_OFTEN = ("place", "counters", "left")  # they change with each report of a machine that moves, and are told anew
-_OFTEN_S = 1.0  # no more often than that
-_SURE = 2  # per cent of a job, from which on the time left is told
+_OFTEN = ("place", "counters", "left")  # change with each report of a machine that moves: published
+_OFTEN_S = 1.0  # at most once in this time
+_SURE = 2  # per cent of a job from which on the time left is published
 
 
 class Telling:
@@ -32,7 +32,7 @@ class Telling:
         self._late = None  # how often steps were late since the board's start, as it said last
         self._then_s = self._often_s = None
         self.counters = {"jobs": 0, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 0.0, "metres": 0.0, "steps": 0, "late": 0, "retries": 0, "connections": 0}
-        self.told = {}  # what look() has said last
+        self.told = {}  # the last result of look()
         self.full = None  # per cent of the board's queue that is in use, if it tells
 
     def look(self, shown, now_s):
@@ -67,17 +67,17 @@ class Telling:
         return told
 
     def events(self, now_s):
-        """What has happened since the last time; `at`: seconds since 1970."""
+        """[{"at", "what", …}] since the last call; `at`: seconds since 1970."""
         found, self._events = self._events, []
         return [{"at": round(now_s, 3), **event} for event in found]
 
-    def stopped(self):
-        """Somebody at the broker has stopped the machine."""
+    def count_stop(self):
+        """Count a STOP that came from the broker."""
         self.counters["stops"] += 1
         self._event("stop")
 
-    def refused(self, number):
-        """The board has refused something, or notes an error."""
+    def count_refusal(self, number):
+        """Count an order that the board refused, or an error of its log."""
         self.counters["refused"] += 1
         self._event("refused", number=number, text=error_text(number))
 
@@ -93,7 +93,7 @@ class Telling:
 
     @staticmethod
     def _job_of(shown):
-        """(name, per cent) of the job that runs; ("", None): none. One that the board keeps is told as `per cent,NAME`."""
+        """(name, per cent) of the job that runs; ("", None): none. The board reports a job that it stores as `per cent,NAME`."""
         job, stored = shown.get("job"), shown.get("stored") or ""
         if job and job["how"] in ("run", "halting"):
             return job["name"], 100 * job["done"] // max(job["lines"], 1)

@@ -4,7 +4,7 @@
     work.act("release")         # "paper is in"; "withdraw", "go", "give up". Returns "", or why not
     work.order(text)            # of the shop, signed
     work.poll(now_s)
-    work.told(nonce)            # what the shop is told, signed; "": the shop is not known yet
+    work.message_for(nonce)     # the message to the shop, signed for its nonce; "": the nonce is not known yet
 
 The agent keeps nothing of a job: the shop's book knows which machine has it, the board's journal, which is announced the job's number before its first
 line, whether it was begun, and which line is done. A job is begun without a question only for the release that asked for it. After
@@ -25,13 +25,13 @@ from host_tools.panel.store import Store
 from host_tools.programs import gcode_file
 from host_tools.programs.job_record import Record
 from host_tools.shop.book import DONE
-from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
+from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
 from passo import errors
 from passo.web.guard import nonce
 
 REST, FREE, FETCH, RUN, WAITS, GOES = "rest", "free", "fetch", "run", "waits", "goes"
 GIVEN_UP, REFUSED = "given up", "refused"  # how a job has ended; or DONE
-_RELEASED_S = 1800  # a release lapses: whoever gave it may have gone
+_RELEASED_S = 1800  # a release lapses: the person may have gone
 _SETTLE_S = 0.6  # a report has come by then
 _TRIES = 4  # to unlock, to home
 _ORDER = {"id": re.compile("[0-9a-fA-F]{1,8}"), "sha": re.compile("[0-9a-f]{64}"), "name": re.compile(r"[^\x00-\x1f]{1,200}")}
@@ -41,7 +41,7 @@ _COUNTS_S = 20  # counts of messages a second, so that those of an agent that be
 
 
 class _Files:
-    """The program of the job, by the job's number: what RecoverableJobs wants of a panel's Store."""
+    """The program of the job, by the job's number: the methods of a panel's Store that RecoverableJobs calls."""
 
     numbered = staticmethod(Store.numbered)
 
@@ -80,7 +80,7 @@ class _Job(RecoverableJobs):
         self.files.keep(*program)
 
     def heard(self, line):
-        """The agent has asked for the log before the journal was asked: its lines are none of the journal's."""
+        """Take a line of the journal's answer. Lines of the log do not belong to it: the agent asked for them before."""
         return line[:4] != "[LOG" and RecoverableJobs.heard(self, line)
 
     def fail(self, error):
@@ -141,13 +141,13 @@ class Work:
         self._renew()
 
     def _renew(self):
-        """What was ordered until now is of no use any more."""
+        """Choose another nonce: orders signed for the old one are void."""
         self._nonce = nonce()
         self._opener = Opener(self._key, SHOP, self._nonce)
 
     # --- the shop
 
-    def told(self, shop):
+    def message_for(self, shop):
         body = {
             "how": self.how, "job": self._order["id"] if self._order else "", "nonce": self._nonce, "line": self.line, "text": self.text,
             "ended": self._ended, "area": self._area(), **self._about,
@@ -156,11 +156,11 @@ class Work:
             return ""
         if (shop, body) != self._said[:2]:
             self._count = max(self._count + 1, int(time.time() * _COUNTS_S) % _MOST_COUNT)
-            self._said = shop, body, sealed(self._key, MACHINE, f"{shop} {self._name}", self._count, body)
+            self._said = shop, body, sign(self._key, MACHINE, f"{shop} {self._name}", self._count, body)
         return self._said[2]
 
-    def shown(self):
-        """For the page at the machine."""
+    def page_row(self):
+        """The job's fields of the page at the machine."""
         name = self._order["name"] if self._order else ""
         return {"how": self.how, "file": name, "line": self.line, "text": self.text or self._yields, "ended": self._ended, "down": self._job.waits_to_go_down()}
 
@@ -169,7 +169,7 @@ class Work:
         return [round(float(settings.get(number, 0)), 3) for number in (130, 131)]
 
     def order(self, text):
-        """An order of the shop; one that is not signed for this nonce, or is heard again, is nothing."""
+        """Take an order of the shop. Ignores one that is not signed for this nonce, or has come before."""
         order = self._opener.open(text)
         if order is None or self._yields or self._order or self.how not in (REST, FREE) or not _is_order(order):
             return
@@ -185,7 +185,7 @@ class Work:
         return {"release": self._release, "withdraw": self._withdraw, "go": self._go, "give up": self._give_up}.get(what, lambda: _("no such order"))()
 
     def press(self):
-        """The machine's button: what is next."""
+        """The machine's button: go on if a job waits, else release the machine."""
         return self._go() if self.how == WAITS else self._release()
 
     def _release(self):
@@ -234,8 +234,8 @@ class Work:
         self._end(GIVEN_UP, self.text)
         return ""
 
-    def stopped(self):
-        """Somebody has said STOP: what was released or told to go on before it begins no more."""
+    def note_stop(self):
+        """Note a STOP: a release or a "go" given before it starts no motion any more."""
         text = _("it was stopped")
         if self.how == FETCH:
             self._released, self._held_up = False, text
@@ -243,7 +243,7 @@ class Work:
             self._fall_back(text)
 
     def yields(self, text):
-        """Another agent speaks for the machine: no order is taken, and what has not begun does not begin here. A job that runs goes on."""
+        """Take no more orders, because another agent speaks for the machine. A job that has not begun does not begin here; one that runs goes on."""
         self._yields = text
         if self.how == FETCH or not self._order and self.how in (FREE, GOES):
             if self._order:
@@ -255,8 +255,8 @@ class Work:
         elif self.how == GOES:
             self._fall_back(text)
 
-    def refused(self, text):
-        """Why a job does not go on."""
+    def note_refusal(self, text):
+        """Keep the sentence that says why a job does not go on."""
         self._why = text
 
     # --- as time goes on
@@ -271,7 +271,7 @@ class Work:
         elif self.how == FETCH:
             self._fetch()
         elif self.how == RUN and not self._job.busy():
-            self._stopped()
+            self._judge_stop()
         elif self.how == GOES and not self._job.busy() and now_s - self._quiet_s > _SETTLE_S:
             self._go_on()
         elif self.how == WAITS:
@@ -317,7 +317,7 @@ class Work:
             self._become(RUN)
         return error
 
-    def _stopped(self):
+    def _judge_stop(self):
         job = self._machine.state["job"]
         if self._job.waits_to_go_down():
             self._become(WAITS, _("over the place where it stopped: next the tool goes down"), self.line)

@@ -33,7 +33,7 @@ def test_a_question_amid_packed_rows(uf2, monkeypatch, show):  # noqa: F811
     """At 125 MHz, over USB: the most that a link brings."""
     monkeypatch.setenv("PASSO_FLASH_MISS", "50")
     machine = rows.fast_laser(125)
-    run = rows.measured(machine, "usb", "packed", 1000, 4)
+    run = rows.measure(machine, "usb", "packed", 1000, 4)
     p99_ms = _p99(run["asked_ms"])
     show("`?` amid packed rows at 125 MHz", f"p99 {p99_ms:.1f} ms of {len(run['asked_ms'])}, {run['rate']:.0f} dots a second")
     assert (run["late"], run["stands"]) == (0, 0)

@@ -10,7 +10,7 @@ from test_pico_flash import LIMIT_MS
 from host_tools import boards
 from host_tools.build.budget import JOB_KB, PICO_KB, PICO_W_KB, heap_kb
 from host_tools.emulator.heap import Heap
-from host_tools.emulator.machine import EmulatedMachine, written
+from host_tools.emulator.machine import EmulatedMachine, files_of
 from passo.config.boardfile import check
 
 READY = b"        import gc; start.rooms = None; gc.collect(); print('ready')\n"
@@ -24,7 +24,7 @@ NAMES = [name for name in boards.names() if boards.load(name)["chip"] == "rp2040
 
 
 def taken_kb(board, uf2):
-    files = dict(written(board))
+    files = dict(files_of(board))
     assert files["main.py"].count(RUN) == 1
     files["main.py"] = files["main.py"].replace(RUN, READY + RUN)
     machine = EmulatedMachine(board, files, uf2=uf2, trace=None).boot()

@@ -53,16 +53,16 @@ def test_pulses_and_answers(rig, mhz, show):
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
     assert run.widths == {13 * CYCLES_PER_TICK}, "13 ticks, the least that last 1 µs"
     assert min(run.setups) == 63 * CYCLES_PER_TICK, "63 ticks, the least that last 5 µs"
-    assert run.position == rig.counted()
+    assert run.position == rig.count_steps()
     stamps = rig.wire().stamps
     rig.pico.exec("while pending(): app.cycle()")
     rig.pico.run(10_000)
-    assert rig.wire().lost == 0
+    assert rig.wire().overruns == 0
     gaps = [after - before for before, after in zip(stamps, stamps[1:])]
     character = 10 * 1e9 / CYCLE_NS / BAUD
     assert min(gaps) == pytest.approx(character, rel=0.005), "as far apart as the baud rate says"
     assert rig.wire().drain() == b"n" * POINTS
-    show(f"pulses at {mhz} MHz", f"{run.steps} steps, all where their words put them; interrupts leave {run.left():.0%}")
+    show(f"pulses at {mhz} MHz", f"{run.steps} steps, all where their words put them; interrupts leave {run.share_left():.0%}")
 
 
 @pytest.mark.on_a_copy
@@ -101,7 +101,7 @@ def test_the_timer_player(timer_rig, mhz):
     at_clock(timer_rig, mhz, player="timer")
     run = timer_rig.play([((600, 400, -300), 20_000)], COLLECT)
     jitter_us = [cycles / CYCLES_PER_US for cycles in run.lateness]
-    assert run.late == 0 and run.position == timer_rig.counted() == [600, 400, -300]
+    assert run.late == 0 and run.position == timer_rig.count_steps() == [600, 400, -300]
     assert max(jitter_us) - min(jitter_us) < 3.2 and abs(run.span_off) / CYCLES_PER_US < 3.2
     assert min(run.widths) >= CYCLES_PER_US, "a pulse is never shorter than it has to be"
 

@@ -13,7 +13,7 @@ from host_tools import boards
 from host_tools.build.constants import fold_constants
 from host_tools.build.mpy import in_place
 from host_tools.build.tree import FIRMWARE, compile_module, select_modules
-from host_tools.emulator.machine import firmware_files, written
+from host_tools.emulator.machine import firmware_files, files_of
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.sim.machine import VirtualMachine
 from passo.protocols.plotter.host import COMMANDS, packet, status_from
@@ -96,7 +96,7 @@ def test_conversation_homing_and_squares_are_those_of_the_virtual_board(make_mac
     assert 0 <= took_ms - on_virtual_ms < 20  # the path's time is exact; the rest is the chip's, in bytecode
     status = status_from(machine.ask(packet(COMMANDS["STATUS"]), 12))
     assert (status["state"], status["error"], status["x"], status["y"]) == ("idle", 0, 600, 300)
-    assert machine.plant.errors == [] and machine.wire().lost == 0
+    assert machine.plant.errors == [] and machine.wire().overruns == 0
     show(
         "the conversation of 2014 on the Pico",
         f"first answer {up_ms:.0f} ms after USB is up; the square took {took_ms / 1000:.3f} s"
@@ -165,7 +165,7 @@ def with_fault(module, after, inserted, board=BOARD):
     texts = {path.as_posix(): (FIRMWARE / path).read_text() for path in select_modules(board if isinstance(board, dict) else boards.load(board))}
     assert texts[module].count(after) == 1
     texts[module] = texts[module].replace(after, after + inserted)
-    files = dict(written(board) if isinstance(board, dict) else firmware_files(board))
+    files = dict(files_of(board) if isinstance(board, dict) else firmware_files(board))
     with tempfile.TemporaryDirectory() as folder:
         changed, target = Path(folder) / "changed.py", Path(folder) / "changed.mpy"
         changed.write_text(fold_constants(texts)[module])

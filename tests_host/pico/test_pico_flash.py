@@ -11,7 +11,7 @@ from host_tools.build import mpy, tree
 from host_tools.emulator import binary
 from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.heap import Heap
-from host_tools.emulator.machine import EmulatedMachine, firmware_files, written
+from host_tools.emulator.machine import EmulatedMachine, firmware_files, files_of
 from host_tools.emulator.pico import EmulatedPico
 
 FIRST_ANSWER_MS = 2300  # of the first start, which erases the journal's blocks; later ones take 0.3 s less
@@ -121,7 +121,7 @@ def test_with_journal_jobs_and_frames_it_starts(board, uf2, show):
     """The options that take most memory: stored jobs, their journal, and frames on every link."""
     board = boards.load(board)
     board.update(EVERYTHING, links=[dict(link, frames=True) for link in board["links"]])
-    started = Started(board, written(board), uf2)
+    started = Started(board, files_of(board), uf2)
     assert "code in flash: " in started.said and started.heap.free >= 12_000
     show(f"{board['name']} with everything", f"{started.heap.free} bytes free, {started.heap.largest} in one piece")
 

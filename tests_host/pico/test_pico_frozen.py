@@ -16,7 +16,7 @@ from host_tools.build.frozen import beside, stamp
 from host_tools.emulator import gcode
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.copies import on_a_copy
-from host_tools.emulator.frozen import Started, find_frozen, frozen_machine, streamed
+from host_tools.emulator.frozen import Started, boot_for_lines, find_frozen, frozen_machine
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.uf2_format import BLOCK_BYTES, FLASH, PAGE
@@ -125,12 +125,12 @@ def test_words_of_other_languages(frozen, name):
 @pytest.mark.slow
 def test_lines_dots_and_answers(frozen, show):
     board, texts = gcode.fast_board((0.2,))
-    machine = streamed(board, frozen, texts)
+    machine = boot_for_lines(board, frozen, texts)
     run = on_a_copy(lambda: gcode.run_lines(machine, 0.2, 245, 200))
     gcode.talk_to(machine)
     steps, holds = on_a_copy(lambda: (gcode.first_steps(machine, 3), gcode.holds(machine, 3)))
     board, texts = gcode.fast_board((0.1,), laser=True)
-    laser = streamed(board, frozen, texts)
+    laser = boot_for_lines(board, frozen, texts)
     dots = on_a_copy(lambda: gcode.run_raster(laser, 0.1, 200, 200))
     show("lines, frozen", f"{run['lines_s']:.0f} lines/s, {dots['lines_s']:.0f} dots/s, first step {max(steps):.1f} ms, hold {max(holds):.1f} ms")
     assert run["late"] == dots["late"] == 0 and max(steps) <= 20 and max(holds) <= 20

@@ -37,7 +37,7 @@ def test_a_word_pulled_but_not_played_does_not_count(rig):
 
 def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
     stood, index, position, edge = resume(rig, INTERRUPT_PIN, DELTAS, RATE_HZ, 20_000, 10_000)
-    assert position == rig.counted() == list(DELTAS)
+    assert position == rig.count_steps() == list(DELTAS)
     assert stood[0] == index and 0 < index < DELTAS[0]
     rises = [cycle for cycle, state in rig.step_edges[0] if state == 1]
     assert len(rises) == DELTAS[0]
@@ -156,7 +156,7 @@ def test_when_the_main_loop_hangs_the_machine_slows_down_to_a_stand(rig, show):
     assert 170 < stood_ms < 200, "170 ms of patience, 14 of words already made, 12.5 to slow down"
     assert slowing[0] == 1250 and slowing[-1] > 10 * 1250
     assert all(after >= before - 10 for before, after in zip(slowing, slowing[1:])), "slower and slower, but for a tick"
-    assert eval(rig.pico.exec("print(feeder.position(player.played()))")) == rig.counted()
+    assert eval(rig.pico.exec("print(feeder.position(player.played()))")) == rig.count_steps()
     show("a main loop that hangs", f"the steps end {stood_ms:.0f} ms later, after a ramp")
 
 
@@ -182,4 +182,4 @@ except RuntimeError as error:
 def test_a_player_that_is_stuck_steps_nothing_and_ends_the_main_loop(rig):
     rig.clear()
     assert rig.pico.exec(STUCK % (PIO_FIELDS, PIO_STUCK)) == "the player's DMA or state machine does not answer\r\n"
-    assert rig.counted() == [0, 0, 0]
+    assert rig.count_steps() == [0, 0, 0]

@@ -43,7 +43,7 @@ def amid_lines():
     """The longest of TRIALS latencies while lines of 0.2 mm come."""
     machine = gcode.fast_router((0.2,))
     start, _ = gcode.chords(0.2)
-    head = gcode.padded("$X", "G21G90G94", f"G92X{start}Y50Z-20", "G1F12000")
+    head = gcode.pad_lines("$X", "G21G90G94", f"G92X{start}Y50Z-20", "G1F12000")
     order = bytes(range(gcode.CHORDS // gcode.LINES_A_READ))
     machine.pico.console.send(f"go('0.2.txt',{head!r},{4 + 4 * 400},40,{gcode.LINE_BYTES},{order!r})\n".encode())
     machine.pico.console.expect(b"warm", 5_000_000)

@@ -130,8 +130,8 @@ def test_a_row_at_500_mm_s(laser, dots_mm, within, show):
 @pytest.mark.slow
 @pytest.mark.parametrize("think_us", (300, 500))
 def test_a_fast_uart_loses_no_byte(uf2, monkeypatch, think_us):  # noqa: F811
-    """921 600 baud fill its FIFO in less time than one call of the feeder takes. measured() counts what is lost."""
+    """921 600 baud fill its FIFO in less time than one call of the feeder takes. measure() counts what is lost."""
     monkeypatch.setenv("PASSO_FLASH_MISS", "50")
     machine = rows.fast_laser(200)
     link = next(link["name"] for link in machine.board["links"] if link["port"] == "uart0")
-    assert rows.measured(machine, link, "dots", think_us)["late"] == 0
+    assert rows.measure(machine, link, "dots", think_us)["late"] == 0

@@ -19,7 +19,7 @@ from test_pico_frozen_w import frozen_w  # noqa: F401
 from host_tools import boards
 from host_tools.emulator.frozen import frozen_machine
 from host_tools.emulator.heap import Heap
-from host_tools.emulator.machine import EmulatedMachine, written
+from host_tools.emulator.machine import EmulatedMachine, files_of
 from host_tools.programs import stored_job
 
 pytestmark = pytest.mark.slow
@@ -108,7 +108,7 @@ class Sender:
 def test_after_many_orders_memory_is_in_as_large_a_piece(board, uf2, show):
     loaded = boards.load(board)
     loaded.update(EVERYTHING)
-    lasts(loaded, EmulatedMachine(loaded, written(loaded), uf2=uf2, trace=None), LEAST[board], show)
+    lasts(loaded, EmulatedMachine(loaded, files_of(loaded), uf2=uf2, trace=None), LEAST[board], show)
 
 
 @pytest.mark.parametrize("board", LEAST_FROZEN)

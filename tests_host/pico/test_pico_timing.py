@@ -45,13 +45,13 @@ def test_every_interval_is_its_word(rig, axes, rates, show):
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
     assert run.widths == {13 * 80 // CYCLE_NS}, "13 ticks, the least that last 1 µs"
     assert min(run.setups) == 63 * 80 // CYCLE_NS, "63 ticks, the least that last 5 µs"
-    assert run.position == rig.counted()
+    assert run.position == rig.count_steps()
     rig.pico.exec("while pending(): app.cycle()")
     rig.pico.run(10_000)  # the last answers are on the wire
-    assert rig.wire().drain() == b"n" * POINTS and rig.wire().lost == 0
+    assert rig.wire().drain() == b"n" * POINTS and rig.wire().overruns == 0
     show(
         f"pulses of {axes} axes at {', '.join(str(hz // 1000) for hz in rates)} kHz",
-        f"{run.steps} steps, all where their words put them; 0 words late; interrupts leave {run.left():.0%}",
+        f"{run.steps} steps, all where their words put them; 0 words late; interrupts leave {run.share_left():.0%}",
     )
 
 
@@ -64,8 +64,8 @@ def test_every_interval_is_its_word_with_the_flash_cache(rig, axes, hz, show):
     rig.wire().feed(points(POINTS), BAUD)
     run = rig.play(back_and_forth((10_000, hz), axes), COLLECT)
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
-    assert cache.misses - before > 1000 and run.position == rig.counted()
-    show(f"pulses of {axes} axes at {hz // 1000} kHz, flash cache", f"0 words late; interrupts leave {run.left():.0%}")
+    assert cache.misses - before > 1000 and run.position == rig.count_steps()
+    show(f"pulses of {axes} axes at {hz // 1000} kHz, flash cache", f"0 words late; interrupts leave {run.share_left():.0%}")
 
 
 @pytest.mark.xdist_group("rig")
@@ -91,7 +91,7 @@ def test_pulse_width_setup_and_polarity_are_those_of_the_board_file(rig, pulse_u
     if setup_us:
         least = max(ticks_of_us(setup_us), 2 * ticks_of_us(pulse_us))  # no word is shorter than its pulse twice
         assert min(run.setups) == least * 80 // CYCLE_NS
-    assert run.position == rig.counted() == [0, 300, 0]
+    assert run.position == rig.count_steps() == [0, 300, 0]
 
 
 @pytest.mark.xdist_group("rig")
@@ -104,8 +104,8 @@ def test_four_axes(rig, hz, missed, show):
         rig.pico.charge_flash(missed)
     run = rig.play([((12000, 9000, -6000, 3330), hz), ((-12000, 0, 6000, 10000), hz)], COLLECT)
     assert (run.off, run.span_off, run.late) == (0, 0, 0)
-    assert run.position == rig.counted() == [0, 9000, 0, 13330]
-    show(f"four axes at {hz // 1000} kHz, {missed} cycles a miss", f"0 words late; interrupts leave {run.left():.0%}")
+    assert run.position == rig.count_steps() == [0, 9000, 0, 13330]
+    show(f"four axes at {hz // 1000} kHz, {missed} cycles a miss", f"0 words late; interrupts leave {run.share_left():.0%}")
 
 
 @pytest.mark.xdist_group("rig")
@@ -166,7 +166,7 @@ def test_words_that_take_too_long_to_make_are_counted(rig):
     steps = [cycle for cycle, state in rig.step_edges[0] if state == 1]
     gaps = sum(after - before > 1.5 * 125e6 / 50_000 for before, after in itertools.pairwise(steps))
     assert run.late == gaps and gaps in (1, 2) and run.span_off > 5 * 125_000, "12 ms of words for a pause of 20 ms"
-    assert run.position == rig.counted() == [1500, 0, 0]
+    assert run.position == rig.count_steps() == [1500, 0, 0]
 
 
 @pytest.mark.xdist_group("timer")
@@ -177,7 +177,7 @@ def test_the_timer_player_keeps_time(timer_rig, miss_cycles, show):
     timer_rig.pico.flash_cache.miss_cycles = miss_cycles
     run = timer_rig.play([((600, 400, -300), hz)], COLLECT)
     jitter_us = [cycles / 125 for cycles in run.lateness]
-    assert run.late == 0 and run.position == timer_rig.counted() == [600, 400, -300]
+    assert run.late == 0 and run.position == timer_rig.count_steps() == [600, 400, -300]
     assert max(jitter_us) - min(jitter_us) < 3.2, "the flash cache modelled too"
     assert abs(run.span_off) / 125 < 3.2, "it does not drift"
     assert min(run.widths) >= 125 and max(run.widths) < 3 * 125, "pulses of 1 µs"

@@ -20,7 +20,7 @@ from host_tools.cli import agent as command
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
 from host_tools.shop.home_assistant import discovery
-from host_tools.shop.signed import SHOP, sealed
+from host_tools.shop.signed import SHOP, sign
 from host_tools.shop.telling import GONE, LOST, TOPICS, Telling
 
 MOSQUITTO = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
@@ -125,7 +125,7 @@ def agent_of(kind):
         ports.append(kind(changed))
         return ports[0]
 
-    board = _Board("m", "grbl", boards.load("corexy_plotter"), make_port, NoBroker(), lambda board, fd, opened: board.attached(opened), "KEY", {})
+    board = _Board("m", "grbl", boards.load("corexy_plotter"), make_port, NoBroker(), lambda board, fd, opened: board.note_port(opened), "KEY", {})
 
     def run(until):
         limit = time.monotonic() + 20
@@ -270,7 +270,7 @@ def test_a_stop_waits_for_no_other_board_of_the_agent():
     for name in "ab":
         links.append(NoBroker())
         agent.add(name, "grbl", boards.load("corexy_plotter"), make_port, links[-1])
-    agent._changed = lambda board, fd, opened: board.attached(opened)
+    agent._watch_port = lambda board, fd, opened: board.note_port(opened)
     busy, over = threading.Event(), threading.Event()
 
     def long_work(now_s):
@@ -609,7 +609,7 @@ def scraped():
     telling.counters["retries"] = 4
     telling.look(shown(state="Run", job=job("run", 100), full=30), 0)
     telling.look(shown(state="Run", job=job("run", 150), full=30, m=[1.0, 1002.0]), 60)
-    telling.refused(2)
+    telling.count_refusal(2)
     figures = Figures()
     figures.watch("a", telling)
     figures.watch("not yet heard of", Telling())
@@ -753,9 +753,9 @@ def test_an_agent_that_is_taken_over_says_so_takes_no_orders_and_hears_stop(shop
         links["one"].tell({"state": "hold"})
         shop.client.publish("passo/a/order", "x", 1).wait_for_publish(LIMIT_S)
         heard = []
-        shop.until(lambda: heard.extend(links["two"].heard()) or ("order", "x") in heard)
+        shop.until(lambda: heard.extend(links["two"].take_orders()) or ("order", "x") in heard)
         time.sleep(1.5)
-        assert not links["one"].heard() and not links["one"].up and links["two"].up and not doubled["two"], "no fight for the connection"
+        assert not links["one"].take_orders() and not links["one"].up and links["two"].up and not doubled["two"], "no fight for the connection"
         assert shop.told["passo/a/state"] == "idle"
         shop.client.publish("passo/stop", "x", 1)
         shop.until(lambda: sorted(stops) == ["one", "two"])
@@ -823,8 +823,8 @@ def test_what_has_not_begun_does_not_begin_at_a_machine_for_which_another_agent_
     work = board.work
     assert work.act("release") == ""
     board._yield("another one")
-    assert work.how == "rest" and work.act("release") == "another one" and work.shown()["text"] == "another one"
-    work.order(sealed("KEY", SHOP, work._nonce, 1, {"id": "1", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}))
+    assert work.how == "rest" and work.act("release") == "another one" and work.page_row()["text"] == "another one"
+    work.order(sign("KEY", SHOP, work._nonce, 1, {"id": "1", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}))
     assert work.how == "rest"
     for how, order, then in (("free", None, "rest"), ("fetch", {"id": "1", "name": "a"}, "rest"), ("goes", {"id": "1", "name": "a"}, "waits"), ("run", {"id": "1", "name": "a"}, "run")):
         work._order, work._parcel = order, SimpleNamespace(drop=lambda: None)

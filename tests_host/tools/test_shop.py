@@ -27,7 +27,7 @@ from host_tools.shop import drop
 from host_tools.shop.book import Book
 from host_tools.shop.desk import LASER_CLASSES, Desk, fits
 from host_tools.shop.machines import MOST_STRANGERS
-from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
+from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
 from passo import errors
 from passo.web import session
 
@@ -64,7 +64,7 @@ def test_a_job_is_given_once_whatever_is_asked_for_again(book, tmp_path):
     again.end(again.open_of("m1"), "done", 9, "")
     assert again.open_of("m1") is None and again.counts() == {"done": 1, "given": 1}
     assert not again.withdraw(two) and again.data(job.sha) == b"G0X1"
-    assert [row[1] for row in again.used()] == [1]
+    assert [row[1] for row in again.times_of_materials()] == [1]
     again.close()
 
 
@@ -101,7 +101,7 @@ def test_a_job_that_is_done_before_its_machine_could_say_more_began(book):
     one, two = book.add(b"G0X1", "a", {"kind": "k", "material": "A4"}, 2)
     book.end(book.give("m", "n", lambda job: True), "done", 9, "")
     book.end(book.give("m", "n", lambda job: True), "refused", 0, "")
-    assert book.job(one).begun == book.job(one).ended and book.used() == [("A4", 1, 0.0)]
+    assert book.job(one).begun == book.job(one).ended and book.times_of_materials() == [("A4", 1, 0.0)]
     assert book.job(two).begun is None
 
 
@@ -109,14 +109,14 @@ def test_a_job_that_is_done_before_its_machine_could_say_more_began(book):
 
 
 def test_an_order_is_good_once_for_its_end_its_nonce_and_as_it_was():
-    text = sealed(KEY, SHOP, "nonce", 1, {"id": "1"})
+    text = sign(KEY, SHOP, "nonce", 1, {"id": "1"})
     opener = Opener(KEY, SHOP, "nonce")
     assert opener.open(text.replace('"1"', '"2"')) is None
     assert opener.open(text) == {"id": "1"}
     assert opener.open(text) is None, "heard before"
     for other in (Opener(KEY, MACHINE, "nonce"), Opener(KEY, SHOP, "other"), Opener("B" * 16, SHOP, "nonce")):
         assert other.open(text) is None
-    for noise in ("", "..", "1", "1.2.3", "9" * 40 + ".a.b", sealed(KEY, SHOP, "nonce", 2, [1]), "2.é.{}"):
+    for noise in ("", "..", "1", "1.2.3", "9" * 40 + ".a.b", sign(KEY, SHOP, "nonce", 2, [1]), "2.é.{}"):
         assert opener.open(noise) is None
 
 
@@ -272,7 +272,7 @@ def test_what_was_heard_before_altered_or_told_by_strangers_does_nothing(bench):
     assert sum(1 for topic, _text, _kept in bench.heard if topic == "passo/m/order") > 1
     bench.until(lambda: bench.machine()["state"] == "idle" and bench.do("release").json()["text"] == "" or bench.how() != "rest")
     job = bench.book.jobs()[0]
-    for text in (order, order.replace(bench.book.jobs()[-1].id, job.id), sealed("B" * 16, SHOP, "x", 1, {"id": job.id})):
+    for text in (order, order.replace(bench.book.jobs()[-1].id, job.id), sign("B" * 16, SHOP, "x", 1, {"id": job.id})):
         bench.client.publish("passo/m/order", text, 1, retain=True)
     bench.until(lambda: bench.book.counts().get("done") == 2)
     assert bench.drawn() == ([1, 2], 0, [])
@@ -384,7 +384,7 @@ def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
     book.add(b"G0X1", "a", {"kind": "k"}, 2)
     for state in ("gone", "lost"):
         hear("state", state)
-        hear("work", sealed(KEY, MACHINE, f"{desk._nonce} m", 1 + len(broker.published), body))
+        hear("work", sign(KEY, MACHINE, f"{desk._nonce} m", 1 + len(broker.published), body))
         assert not book.open_of("m")
         hear("state", "idle")
         job = book.open_of("m")
@@ -405,7 +405,7 @@ def heard(book):
 
     def told(name, count, **fields):
         body = {"how": "rest", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k", **fields}
-        hear(name, "work", sealed(KEY, MACHINE, f"{desk._nonce} {name}", count, body))
+        hear(name, "work", sign(KEY, MACHINE, f"{desk._nonce} {name}", count, body))
 
     yield desk, broker, hear, told
     desk.close()
@@ -458,7 +458,7 @@ def test_a_clock_that_is_set_back_silences_no_machine(heard, book, monkeypatch):
 def test_a_count_has_twelve_digits_whatever_the_clock_says(now_s, monkeypatch):
     board, _port, _run = agent_of(Late)
     monkeypatch.setattr(time, "time", lambda: now_s)
-    assert Opener("KEY", MACHINE, "n m").open(board.work.told("n"))["how"] == "rest"
+    assert Opener("KEY", MACHINE, "n m").open(board.work.message_for("n"))["how"] == "rest"
 
 
 def test_a_job_of_a_machine_that_has_another_name_now_is_ended_on_the_page(heard, book, monkeypatch):

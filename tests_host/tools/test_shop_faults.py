@@ -18,7 +18,7 @@ from host_tools.shop import drop, shop_server
 from host_tools.shop.book import Book, BookError
 from host_tools.shop.desk import Desk
 from host_tools.shop.link import Broker, Link
-from host_tools.shop.signed import MACHINE, SHOP, Opener, sealed
+from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
 from host_tools.shop.work import FETCH, FREE, REST
 from passo import errors
 from passo.web.session import Session
@@ -82,7 +82,7 @@ def hear(desk, topic, payload):
 
 
 def word(desk, count, name="m", **more):
-    hear(desk, f"passo/{name}/work", sealed(KEY, MACHINE, f"{desk._nonce} {name}", count, {**WORD, **more}).encode())
+    hear(desk, f"passo/{name}/work", sign(KEY, MACHINE, f"{desk._nonce} {name}", count, {**WORD, **more}).encode())
 
 
 def until(condition):
@@ -265,7 +265,7 @@ def _listens(port):
 def test_a_stop_takes_a_release_back():
     """A job for which the machine was released before a STOP does not begin after it."""
     board, port, run = agent_of(Late)
-    board.attached(True)
+    board.note_port(True)
     run(lambda: board.work._job.record is not None and board._machine.settings)
     assert board.act("release") == ""
     run(lambda: board.work.how == FREE)
@@ -273,7 +273,7 @@ def test_a_stop_takes_a_release_back():
     order = {"id": "0000000a", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}
     board.stop()
     assert board.work.how == REST
-    board.work.order(sealed("KEY", SHOP, nonce, 1, order))
+    board.work.order(sign("KEY", SHOP, nonce, 1, order))
     assert board.work.how == REST, "it was for the release"
     assert b"\x18" in b"".join(port.lines)
 

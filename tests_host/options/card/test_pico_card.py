@@ -15,7 +15,7 @@ from test_pico_jobs import ask, ready, streamed
 
 from host_tools.build.tree import compile_module
 from host_tools.emulator.binary import CACHE
-from host_tools.emulator.machine import written
+from host_tools.emulator.machine import files_of
 from host_tools.emulator.sd_card import SdCard
 from host_tools.programs import stored_job
 
@@ -90,7 +90,7 @@ def carded(make_machine, driver, tmp_path):
         image.write_bytes(bytes(CARD_BYTES))
         on_card(image, "put", *sorted((tmp_path / "jobs").glob("*")) if jobs else ())
         board = {**fast_router(), "card": CARD, **changes}
-        machine = make_machine(board, files={**written(board), "lib/sdcard.mpy": driver}, trace=None)
+        machine = make_machine(board, files={**files_of(board), "lib/sdcard.mpy": driver}, trace=None)
         card = SdCard(machine.pico, CARD, bytearray(image.read_bytes()))
         return ready(machine), card
 

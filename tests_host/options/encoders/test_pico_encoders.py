@@ -53,20 +53,20 @@ def test_four_encoders_at_250_khz_while_three_axes_step_at_100_khz(rig, show):
     state = {"round": 0}
 
     def meanwhile():
-        if state["round"] < 2 and not any(wire.left for wire in wires):
+        if state["round"] < 2 and not any(wire.share_left for wire in wires):
             state["round"] += 1
             for number, wire in enumerate(wires):
                 wire.turn(turns[state["round"]][number])
 
     run = rig.play(lines, meanwhile=meanwhile)
-    while any(wire.left for wire in wires):
+    while any(wire.share_left for wire in wires):
         rig.pico.run(500)
     assert (run.off, run.late) == (0, 0)
-    assert run.position == [*rig.counted()[:3], 0]
+    assert run.position == [*rig.count_steps()[:3], 0]
     wanted = [wire.count for wire in wires]
     assert counted(rig) == wanted[:3] + [-wanted[3]]
     assert sum(map(abs, wanted)) and state["round"] == 2
-    show("four encoders at 250 kHz, three axes at 100 kHz", f"no count lost; interrupts leave {run.left():.0%}")
+    show("four encoders at 250 kHz, three axes at 100 kHz", f"no count lost; interrupts leave {run.share_left():.0%}")
 
 
 def test_a_change_of_both_pins_counts_nothing_and_the_next_count_is_right(rig):

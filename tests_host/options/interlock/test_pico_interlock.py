@@ -66,9 +66,9 @@ def test_a_limit_behind_lets_it_go_on(guarded):
     set_out(guarded, DELTAS, 30_000, 2000)
     guarded.pico.drive(FIRST_PIN + 1, 1)
     guarded.pico.run(3000)
-    before = sum(map(abs, guarded.counted()))
+    before = sum(map(abs, guarded.count_steps()))
     guarded.pico.run(3000)
-    assert sum(map(abs, guarded.counted())) > before + 100
+    assert sum(map(abs, guarded.count_steps())) > before + 100
     _, reported, counted, _ = on_a_copy(lambda: trial(guarded, FIRST_PIN, 0))
     assert reported == counted
 
@@ -92,7 +92,7 @@ def test_spikes_stop_nothing_and_are_counted(guarded, steps_s, show):
         wanted[number] += 1
     assert guarded.pico.run_until(lambda: guarded.pico.console.text.count(b"\x04") >= 2, 400_000, 500)
     position = eval(guarded.pico.console.take().split(b"\x04")[0].decode())
-    assert position == guarded.counted() == list(DELTAS)
+    assert position == guarded.count_steps() == list(DELTAS)
     said = guarded.pico.exec(SAID).strip()
     assert said.startswith(f"{wanted} 1 []"), said
     show(f"interlock, spikes at {steps_s // 1000} kHz", f"{sum(wanted)} spikes, all counted, no step lost")
@@ -126,7 +126,7 @@ def test_bursts_of_many_spikes_stop_nothing(guarded, steps_s, show):
         guarded.pico.run(random.randint(300, 500))
     assert guarded.pico.run_until(lambda: guarded.pico.console.text.count(b"\x04") >= 2, 400_000, 500)
     position = eval(guarded.pico.console.take().split(b"\x04")[0].decode())
-    assert position == guarded.counted() == list(DELTAS)
+    assert position == guarded.count_steps() == list(DELTAS)
     glitches, _, rest = guarded.pico.exec(SAID).strip().partition("] ")
     found = eval(glitches + "]")
     assert rest == "1 []", rest
@@ -170,4 +170,4 @@ def test_nothing_is_allocated_in_the_interrupt(guarded):
     said = guarded.pico.exec(LOCKED).split(" ", 2)
     assert said[:2] == ["0", "True"], said
     trips, position = eval(said[2].replace("] [", "], ["))
-    assert trips == [0, 0, 0, 1] and position == guarded.counted() and any(position)
+    assert trips == [0, 0, 0, 1] and position == guarded.count_steps() and any(position)

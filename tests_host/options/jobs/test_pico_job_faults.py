@@ -9,7 +9,7 @@ from emulated import uf2  # noqa: F401
 from test_pico_jobs import ask, ready
 
 from host_tools import boards
-from host_tools.emulator.machine import EmulatedMachine, written
+from host_tools.emulator.machine import EmulatedMachine, files_of
 from host_tools.programs import stored_job
 
 pytestmark = pytest.mark.slow
@@ -82,7 +82,7 @@ def test_no_upload_that_fails_loses_a_job(machine_of, show):
     """Full flash, fewer bytes than announced, a wrong CRC-32, bytes that are no job, the same name twice, delete while it runs,
     power cuts amid an upload: the stored jobs run as before."""
     board = fast_router()
-    firmware = written(board)
+    firmware = files_of(board)
     room = free(machine_of(board, firmware))
     machine = machine_of(board, {**firmware, "fill": bytes(room - 16_384)})
     assert store(machine, b"A", OLD) == b"ok\r\n"
@@ -130,7 +130,7 @@ def test_a_pc_that_closes_its_port_is_a_host_that_is_lost(machine_of, show):
     was there. DTR comes back: the machine answers, and goes on."""
     board = {**fast_router(), "links": boards.load("router_3axis")["links"]}
     board["links"][0] = {**board["links"][0], "lost": "pause", "lost_ms": LOST_MS}
-    machine = machine_of(board, written(board))
+    machine = machine_of(board, files_of(board))
     assert store(machine, b"A", OLD) == b"ok\r\n"
     port = machine.pico.usb._cdc
     packed = stored_job.pack(new_job(4))

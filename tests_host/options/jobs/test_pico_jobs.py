@@ -10,7 +10,7 @@ from dense_job import StepDigest, dense_job, fast_router, stream
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from host_tools.emulator.machine import written
+from host_tools.emulator.machine import files_of
 from host_tools.programs import stored_job
 from host_tools.sim.machine import VirtualMachine
 from passo.options.journal.control import unpacked
@@ -123,7 +123,7 @@ def test_a_large_job_is_read_while_three_axes_step_at_50_khz(make_machine, show,
     data = dense_job(int(os.environ.get("PASSO_JOB_BYTES", "40000")))
     wanted, count, at_speed, seconds = streamed(data)
     assert at_speed > 0.97 * count
-    machine = make_machine(fast_router(), files={**written(fast_router()), "jobs/BIG.job": stored_job.job_file("grbl", data)}, trace=None)
+    machine = make_machine(fast_router(), files={**files_of(fast_router()), "jobs/BIG.job": stored_job.job_file("grbl", data)}, trace=None)
     machine.pico.charge_flash(MISS_CYCLES)
     ready(machine)
     found = run_from_flash(machine, 2 * seconds + 10)

@@ -8,7 +8,7 @@ from emulated import uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.emulator.flash_times import LONGEST, TYPICAL
-from host_tools.emulator.machine import EmulatedMachine, written
+from host_tools.emulator.machine import EmulatedMachine, files_of
 from passo.options.journal.control import packed
 
 BLOCKS, SLOTS, RECORD = 4, 128, 32
@@ -25,7 +25,7 @@ def machine(request, uf2):  # noqa: F811
     board = boards.load("router_3axis")
     board["journal"] = {"every_ms": 200}
     board["links"] = [link for link in board["links"] if link["name"] == LINK]
-    files = dict(written(board))
+    files = dict(files_of(board))
     for block in range(BLOCKS):
         records = [packed(slot, 1, 7, slot, [0, 0, 0, 0]) for slot in range(block * SLOTS, min(USED, (block + 1) * SLOTS))]
         files[f"journal.{block}"] = b"".join(records).ljust(SLOTS * RECORD, b"\xff")
