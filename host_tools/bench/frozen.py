@@ -37,12 +37,12 @@ def _figures(mhz, waiting, flashed):
     steps, holds = on_a_copy(lambda: _answers(mhz, flashed))
     yield "first step after a command at rest, over USB, ms: median", f"{median(steps):.2f}"
     yield "a feed hold begins to slow at 100 mm/s, over USB, ms: worst", f"{max(holds):.1f}"
-    took_ms = on_a_copy(lambda: answers(_asked(mhz, flashed), _tiny_lines()))
+    took_ms = on_a_copy(lambda: answers(_boot_flashed(mhz, flashed), _tiny_lines()))
     yield "`?` in a stream of lines of 0.2 mm over USB, ms: median", f"{median(took_ms):.2f}"
     yield "`?` in a stream of lines of 0.2 mm over USB, ms: p99", f"{_p99(took_ms):.2f}"
 
 
-def _asked(mhz, flashed):
+def _boot_flashed(mhz, flashed):
     """(machine, Asking) of the board as flashed, started and unlocked."""
     machine = flashed({**copy.deepcopy(boards.load("router_3axis")), "commands": "pc", "clock_mhz": mhz}, trace=None).boot()
     machine.pico.console.expect(b"Grbl")

@@ -50,7 +50,7 @@ def hottest(counts, found):
     return names[::-1]
 
 
-def counted(machine, work):
+def count_shares(machine, work):
     """Accesses of each line of the flash while `work(machine)` goes on, as shares of all."""
     counts = machine.pico.flash_cache.watch_lines()
     work(machine)
@@ -58,7 +58,7 @@ def counted(machine, work):
     return [count / total for count in counts]
 
 
-def asked(machine):
+def ask_while_moving(machine):
     """`?` again and again while lines are stepped."""
     asking = Asking(machine, machine.board["links"][0]["name"])
     asking.stream([b"$X\n", b"G21G91F3000\n", *[b"G1X0.5Y0.4\n", b"G1X-0.5Y-0.4\n"] * 400])
@@ -67,7 +67,7 @@ def asked(machine):
         asking.status()
 
 
-def answered(machine):
+def move_and_hold(machine):
     gcode.talk_to(machine)
     gcode.first_steps(machine, 4)
     gcode.holds(machine, 2)
@@ -78,16 +78,16 @@ def main():
     router = gcode.fast_board((0.2,), mm_s=500, mm_s2=300_000)
     laser = gcode.fast_board((0.1,), laser=True)
     shares = [
-        counted(boot_for_lines(router[0], uf2, router[1]), lambda machine: gcode.lines_over(machine, "pc", 0.2, 490, LINES)),
-        counted(boot_for_lines(laser[0], uf2, laser[1]), lambda machine: gcode.dots_over(machine, "pc", 0.1, 200, LINES)),
-        counted(boot_for_lines(router[0], uf2, router[1]), answered),
-        counted(_started(uf2), asked),
+        count_shares(boot_for_lines(router[0], uf2, router[1]), lambda machine: gcode.lines_over(machine, "pc", 0.2, 490, LINES)),
+        count_shares(boot_for_lines(laser[0], uf2, laser[1]), lambda machine: gcode.dots_over(machine, "pc", 0.1, 200, LINES)),
+        count_shares(boot_for_lines(router[0], uf2, router[1]), move_and_hold),
+        count_shares(_boot(uf2), ask_while_moving),
     ]
     text = Path("build", "uf2-rp2040", "made", "firmware.elf.map").read_text()
     print("\n".join(hottest([sum(each) for each in zip(*shares)], sections(text))))
 
 
-def _started(uf2):
+def _boot(uf2):
     machine = frozen_machine(boards.load("router_3axis"), uf2, trace=None).boot()
     machine.run_ms(2500)
     return machine

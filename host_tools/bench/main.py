@@ -36,7 +36,7 @@ _TIMEOUT_S = 600
 
 
 def _environment():
-    """Where the firmware and the tests are, for a script under MicroPython."""
+    """The environment of a script under MicroPython, which imports the firmware and the tests."""
     return interpreter.environment(unix_tree(), *_FOLDERS)
 
 

@@ -37,7 +37,7 @@ def stops():
         ("other pins", *_row(on_a_copy(lambda: _stops(halting.INTERRUPT_PIN)))),
         ("other pins, a word pulled but not yet out", *_row(on_a_copy(_in_hand))),
     ]
-    resumed = _resumed()
+    resumed = _resume_after_halts()
     rows.append(("taken up again", len(resumed), "", "", "", sum(resumed)))
     return ("halt by", "trials", "word in hand", "last step after, µs: median", "worst", "exact"), rows
 
@@ -66,7 +66,7 @@ def _in_hand():
     return [one for one in found if one]
 
 
-def _resumed():
+def _resume_after_halts():
     random = Random(RESUMED)
 
     def right(wait_us):

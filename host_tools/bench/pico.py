@@ -64,7 +64,7 @@ def _pulses(axes, hz):
 
 
 TIMER_KHZ = (10, 25, 36, 50, 80, 120)
-LATENESS_US = (0, 1, 2, 3, 5)  # where its classes begin
+LATENESS_US = (0, 1, 2, 3, 5)  # lower ends of its classes
 
 
 def timer():
@@ -153,7 +153,7 @@ def links():
 
 
 def gcode():
-    """G-code lines a second from memory and over each link, while they are stepped; what a command and a feed hold wait, over USB."""
+    """G-code lines a second from memory and over each link, while they are stepped; and how long a command and a feed hold wait over USB."""
     rows = [(what, mhz, *figures) for mhz in CLOCKS_MHZ for what, *figures in _gcode(mhz)]
     return ("G-code on router_3axis", "MHz", "asked", "measured", "blocks ahead, least", "words late"), rows
 

@@ -28,17 +28,17 @@ class Tables:
         return next(row for row in self.rows(part) if tuple(row.values())[: len(cells)] == cells)
 
     def must(self, figure):
-        """What the row of this figure at the top must reach, as it stands there."""
+        """The text of the figure's row at the top in the column of its promise."""
         return re.search(rf"^\| {re.escape(figure)} \| ([^|\n]*) \|", self._document, re.MULTILINE)[1]
 
 
-def cached(row, column):
+def with_cache(row, column):
     return row.get(column + CACHED, row[column])
 
 
 def _pulses(tables, axes, template):
     left = [tables.row("pulses", axes, khz) for khz in ("480", "400") if (axes, khz) != ("1", "400")]
-    return template.format(*[cached(row, "CPU left")[:-1] for row in left], free=left[0]["CPU left"][:-1])
+    return template.format(*[with_cache(row, "CPU left")[:-1] for row in left], free=left[0]["CPU left"][:-1])
 
 
 def _edges(tables):
@@ -62,14 +62,14 @@ def _timer(tables):
 def _halt(tables, by, figure):
     """The worst of the row `by`, and by which way of measuring it is over the `figure`'s must."""
     row, must = tables.row("stops", by), tables.must(figure)
-    free, charged = row["worst"], cached(row, "worst")
+    free, charged = row["worst"], with_cache(row, "worst")
     must_us = float(must.removesuffix(" µs"))
     over = f", more than the {must}" if float(charged) > must_us else ""
     worst = f"{free} µs{f', with the flash cache {charged}' if charged != free else ''}{over}"
     return f"at most {worst}; {row['exact']} of {row['trials']} positions exact"
 
 
-def _taken_up(tables):
+def _resumes(tables):
     row = tables.row("stops", "taken up again")
     return f"{row['exact']} of {row['trials']} lines end on target, no step more or less"
 
@@ -89,14 +89,14 @@ def _uart(tables):
 
 
 def _usb_points(tables):
-    idle, busy = (cached(tables.row("links", "USB", khz, "32"), "points/s") for khz in ("0", "100"))
+    idle, busy = (with_cache(tables.row("links", "USB", khz, "32"), "points/s") for khz in ("0", "100"))
     return f"{idle}/s with the flash cache; {busy}/s with three axes at 100 kHz"
 
 
 def _status(tables):
     def answers(mhz, stream):
         rows = (tables.row("status", link, mhz, stream) for link in ("USB", "UART, 115 200 baud"))
-        return [f"{float(cached(row, 'p99')):.1f}" for row in rows]
+        return [f"{float(with_cache(row, 'p99')):.1f}" for row in rows]
 
     short, longer = "a stream of lines of 0.2 mm at 50 mm/s", "a stream of lines of 1.5 mm at 3 × 100 kHz"
     first = "{} ms on USB, {} on a UART; at 125 MHz {} and {}".format(*answers("200", short), *answers("125", short))
@@ -109,7 +109,7 @@ def _gcode(template, *names):
     def fill(tables):
         rows = [next(row for row in tables.rows("gcode") if row["G-code on router_3axis"].startswith(name) and row["MHz"] == mhz)
                 for mhz in ("125", "200") for name in names]  # fmt: skip
-        return template.format(*[cached(row, "measured") for row in rows])
+        return template.format(*[with_cache(row, "measured") for row in rows])
 
     return fill
 
@@ -153,7 +153,7 @@ ROWS = {
     "timer player, one axis or three, garbage collected without pause": _timer,
     FIRST_HALT: lambda tables: _halt(tables, "first pin", FIRST_HALT),
     OTHER_HALTS: lambda tables: _halt(tables, "other pins", OTHER_HALTS),
-    "taken up again after a halt at speed": _taken_up,
+    "taken up again after a halt at speed": _resumes,
     "asking for the position while three axes step at 100 kHz": _queries,
     "points on the UART, three axes at 100 kHz, part of the wire's limit": _uart,
     "points over USB": _usb_points,

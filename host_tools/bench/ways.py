@@ -125,7 +125,7 @@ def stands(machine, seen=[]):
 
 
 def _idle():
-    """What most cycles pass; now and then one has more to do."""
+    """The count that most cycles pass; now and then one has more to do."""
     machine = _machine()
     found = []
     for _ in range(100):
@@ -185,7 +185,7 @@ class _Browser:
         self.socket.sendall(bytes((_TEXT, _MASKED)) + len(text).to_bytes(2, "big") + bytes(4) + text)
 
 
-def _pressed(again=False):
+def _press_key(again=False):
     browser = _Browser()
     machine = browser.machine
     if again:
@@ -210,8 +210,8 @@ WAYS = {
     "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.received()),
     "`$H`, to its answer": _homing,
     "`$110=`, to its answer": lambda: _answer(b"$110=3100\n", b"ok"),
-    "a key on the board's own page, to its answer and its first words": _pressed,
-    "the same key again": lambda: _pressed(True),
+    "a key on the board's own page, to its answer and its first words": _press_key,
+    "the same key again": lambda: _press_key(True),
 }
 
 

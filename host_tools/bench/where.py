@@ -1,4 +1,4 @@
-"""Where the time of a G-code line goes on the emulated Pico, for `bench`: by parts of the interpreter, to the cycle.
+"""Splits the time of a G-code line on the emulated Pico, for `bench`: by parts of the interpreter, to the cycle.
 
     PASSO_FLASH_MISS=50 python -m host_tools.bench.where [FILE.elf [count]]     # the dearest functions and kernels
 
@@ -30,7 +30,7 @@ def symbols():
 
 
 @lru_cache
-def measured():
+def measure_parts():
     """(what, lines, Spent) of lines and of dots, as many as the processor takes."""
     machine = gcode.fast_router((LENGTH_MM,))
     lines = on_a_copy(lambda: gcode.run_lines(machine, LENGTH_MM, FEED_MM_S, LINES, profiled=True))
@@ -44,7 +44,7 @@ def where():
     names = symbols()
     rows = [[part] for part in (*ORDER, "all")]
     header = ["µs of"]
-    for what, count, spent in measured():
+    for what, count, spent in measure_parts():
         costs = spent.parts(names)
         total = costs["all"] = spent.total()
         assert set(costs) <= {*ORDER, "all"}
@@ -61,7 +61,7 @@ def where():
 def main(elf="", count="40"):
     os.environ["PASSO_ELF"] = elf or os.environ.get("PASSO_ELF", "")
     names = symbols()
-    for what, lines, spent in measured():
+    for what, lines, spent in measure_parts():
         print(f"\n{'µs of a ' + what:40} {'part':20} {'main':>8} {'interr.':>8} {'flash':>8}")
         for name, cost in [*spent.functions(names)[: int(count)], ("all", spent.total())]:
             figures = [value / CYCLES_PER_US / lines for value in (cost.main, cost.interrupts, cost.waits)]

@@ -4,12 +4,12 @@
     replay.run()
     replay.path                                     # [position], each step from the snapshot on
     replay.rows, replay.events                      # (ms, *position, tool) of each step; (ms, text)
-    replay.faults                                   # where it did otherwise than the board
+    replay.faults                                   # differences from the board
 
-Steps depend on the bytes alone, ticks on their timing too. So the replay lets time pass as the board did, but for what has stopped the
-machine: there it plays on until the position, and the block, at which the board stopped, to the step, freezes, and only then lets the
-cause happen: an input, a real-time byte, the slowing down of a hold. What no byte and no input says (an encoder, an inverter, a host that
-is silent for longer than the machine plays) is an alarm by its number.
+Steps depend on the bytes alone, ticks on their timing too. So the replay lets time pass as on the board, except at stops: there it plays on until
+the position, and the block, at which the board stopped, to the step, freezes, and only then lets the cause happen: an input, a real-time byte, the
+slowing down of a hold. Stops without a byte or an input (an encoder, an inverter, a host that is silent for longer than the machine plays) become
+an alarm by their number.
 """
 
 from passo import commands, errors
@@ -174,26 +174,26 @@ class Replay(Machine):
         queue, feeder, machine = self._queue, self._feeder, self._record
         halt, drop, hold, standing = queue.halt, queue.drop, feeder.set_hold, feeder.standing
 
-        def halted():
+        def note_halt():
             self._aborts = True
             halt()
 
-        def dropped():
+        def note_drop():
             drop()
             self._held = False
-            self._passed(HALTED if self._aborts else DROPPED)
+            self._pass_stop(HALTED if self._aborts else DROPPED)
             self._aborts = False
 
-        def held(on):
+        def note_hold(on):
             if self.stops and on:
                 self._held = True
                 return
             hold(on)
             if not on and self._held and self.stops and self.stops[0].kind == STOOD and self._player.frozen:
-                self._passed(STOOD)
+                self._pass_stop(STOOD)
             self._held = False
 
-        queue.halt, queue.drop, feeder.set_hold = halted, dropped, held
+        queue.halt, queue.drop, feeder.set_hold = note_halt, note_drop, note_hold
         feeder.standing = lambda: self._player.frozen if self._held else standing()
         self._player.due = self._due
 
@@ -212,8 +212,9 @@ class Replay(Machine):
 
     _same_count = True  # no stop has emptied the queue yet
 
-    def _passed(self, kind):
-        """The firmware has stopped, or gone on, at a stop of this kind."""
+    def _pass_stop(self, kind):
+        """Drop the recorded stops up to the next one of this kind, and report a fault if it was elsewhere. Called as the firmware stops, or goes
+        on."""
         while self.stops:
             row = self.stops.pop(0)
             if kind != STOOD:
@@ -279,7 +280,7 @@ class Replay(Machine):
                 return
 
     def _ready(self, rows, at):
-        """True if a row's time has come. What has stopped the machine comes when that stands where the board did."""
+        """True if a row's time has come. The cause of a stop comes when the machine stands where the board stood."""
         row = rows[at]
         if row.kind in PLACES or row.kind == LOGGED:
             return row.ms <= self._board_ms() or self._player.frozen
@@ -323,7 +324,7 @@ class Replay(Machine):
         end = self.box.base + len(self.box.text)
         for row in rows:
             if row.kind == HALTED and row in self.stops and not self._log and not self._player.frozen:
-                end = come  # what has stopped it is among the bytes
+                end = come  # one of the bytes has stopped it
                 break
             if row.ms >= self._board_ms():
                 share = (self._board_ms() - ms) / max(row.ms - ms, 1)
@@ -361,7 +362,7 @@ class Replay(Machine):
         stop = self.stops[0]
         numbers = [row.value for row in rows[rows.index(stop) :] if row.kind == LOGGED and row.value > _ALARMS]
         if stop.kind == STOOD:
-            self._passed(STOOD)
+            self._pass_stop(STOOD)
         elif numbers:
             self._record.raise_alarm(numbers[0])
         else:

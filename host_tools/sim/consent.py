@@ -1,13 +1,13 @@
-"""Who may move the machine from a port of this PC that any program here can reach: whom its operator has let in.
+"""Admits senders at a port of this PC, which any program here can reach, only after the operator agrees.
 
     consent = Consent()                         # of one start of a program
     line = GuestLine(TcpLine(5000), consent)    # as a line of serial_line.py or websocket_line.py
     consent.poll()                              # a few times a second: reads the operator's answer
     consent.give()                              # the page's button
 
-Until then a sender is shown the machine: questions go on, and so do `?`, hold, door, jog cancel and reset. Any other line is error 178 and
-asks the operator: once a start, in the terminal that the program was started in (y or n), or on the page. Where there is neither, the
-token that was printed at the start admits a connection whose first line it is: `$TOKEN=ABCD-EFGH-JKLM-NPQR`.
+Until then a sender may only look: questions, `?`, hold, door, jog cancel and reset pass. Any other line is error 178 and asks the operator: once a
+start, in the program's terminal (y or n), or on the page. Without either, the token that was printed at the start admits a connection whose first
+line it is: `$TOKEN=ABCD-EFGH-JKLM-NPQR`.
 """
 
 import os
@@ -65,7 +65,7 @@ class Consent:
 
 
 class GuestLine:
-    """A line whose client has to be let in. What it is refused is answered behind the answers to what went on."""
+    """A line whose client must be admitted. Refusals come behind the board's answers to the lines that passed."""
 
     def __init__(self, line, consent):
         self._line = line
@@ -105,7 +105,7 @@ class GuestLine:
         return self.consent.given or self._admitted
 
     def _through(self):
-        """What may go on of the lines held."""
+        """Bytes of the held lines that may pass to the board."""
         out = b""
         while self._held:
             word = self._held[0].strip().upper()
@@ -153,7 +153,7 @@ def _terminal():
 
 
 def tell(line):
-    """Print where a sender may connect, and what it says first where nobody can be asked."""
+    """Print the port for senders, and the token for their first line if nobody can be asked."""
     print(f"port: {line.name}", flush=True)
     if line.consent and not line.consent.terminal:
         print(_("token: {}   (the first line of a sender: $TOKEN=…)", shown(line.consent.token)), flush=True)

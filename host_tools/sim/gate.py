@@ -1,14 +1,14 @@
-"""What keeps a browser out of a TCP port that takes a machine's orders: any page may have one send bytes to any port of the PC.
+"""Keeps browsers out of a TCP port that takes a machine's orders: any page can make a browser send bytes to any port of the PC.
 
     gate = Gate()                           # of one connection
-    data = gate.take(received, now)         # what the board may have of it; None: hang up
-    gate.answered(said)                     # what the board says
+    data = gate.take(received, now)         # bytes for the board; None: hang up
+    gate.note_answer(said)                  # bytes from the board
 
 The gate hangs up on a connection, before it reads more, if the connection begins with a request of HTTP, with TLS or with STUN (a page's
 WebRTC sends that to a TURN server by TCP), if its first line is longer than a request may be, and if its first five lines are all refused:
 a request's body is lines to a board. Until one line has been accepted
-the next waits for an answer, or for WAIT_S: so none is carried out behind the fifth. Real-time bytes, and what a program has
-accepted answers to, pass at once.
+the next waits for an answer, or for WAIT_S: so the board executes none behind the fifth. Real-time bytes, and all bytes after an accepted line,
+pass at once.
 """
 
 import re
@@ -20,7 +20,7 @@ _STUN = re.compile(rb".{4,6}\x21\x12\xa4\x42", re.DOTALL)  # with a length befor
 _REQUEST = re.compile(rb"[A-Z]{3,16} [^\r\n]* HTTP/\d")
 _MAY_BE = re.compile(rb"[A-Z]{0,16}(?: [^\r\n]*)?")  # of which a request may still come
 _LONGEST = 8000  # bytes of a first line that may be a request
-_PUSHED = b"<[GA\r\n"  # what a grbl says unasked begins so
+_PUSHED = b"<[GA\r\n"  # first bytes of lines that a grbl sends unasked
 
 
 class Gate:
@@ -43,7 +43,7 @@ class Gate:
             if self._held[:2] == _TLS or _STUN.match(self._held) or _REQUEST.match(self._held):
                 return None
             if self._held[:1] == _TLS[:1] and len(self._held) == 1 or self._held and _MAY_BE.fullmatch(self._held):
-                # What it is shows with the next bytes, or the line's end.
+                # The next bytes, or the line's end, show whether it is a request.
                 return b"" if len(self._held) <= _LONGEST else None
             self._first = False
         if self._waits_since is not None and now - self._waits_since < WAIT_S:
@@ -53,11 +53,11 @@ class Gate:
         self._waits_since = now if data[-1:] in (b"\n", b"\r") and data.strip() else None
         return data
 
-    def held(self):
-        """True if there is something that take(b"", now) may give."""
+    def has_bytes(self):
+        """True if take(b"", now) may return bytes that wait."""
         return bool(self._held)
 
-    def answered(self, said):
+    def note_answer(self, said):
         if self._open or not said:
             return
         refused = said.count(b"error:")

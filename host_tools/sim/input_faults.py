@@ -1,4 +1,4 @@
-"""What may be wrong with the inputs of a virtual machine: as `--fault INPUT=KIND@MS-MS` says it.
+"""Faults of the inputs of a virtual machine: `--fault INPUT=KIND@MS-MS`.
 
     faults = InputFaults(board["inputs"], limits, {"bxb": "pressed@2000-2500", "dx2": "broken"}, random)
     level = faults.level("bxb", level, tick)        # `level`: without a fault
@@ -13,11 +13,11 @@ from passo.records import REGISTER_BIT
 from host_tools.sim.parts import NEVER, TICKS_PER_MS
 
 _FAULT = re.compile(r"(dead|stuck|broken|pressed|bounces)(?:@(\d+)(?:-(\d+))?)?")
-_BOUNCES, _BOUNCE_MS = 6, 5  # changes of an input that bounces, within so long
+_BOUNCES, _BOUNCE_MS = 6, 5  # changes of an input that bounces, and the ms of all
 
 
 class Fault:
-    """What is wrong with an input: "dead" never reads active, "stuck" and "pressed" always do, "broken" has lost its wire, "bounces" chatters
+    """A fault of an input: "dead" never reads active, "stuck" and "pressed" always do, "broken" has lost its wire, "bounces" chatters
     for 5 ms. With "@2000" from that virtual millisecond on, with "@2000-2500" until then; "bounces@2000" once, then."""
 
     def __init__(self, name, text, random):

@@ -4,10 +4,10 @@
     lines["inverter"] = inverter
     inverter.hz, inverter.way           # as the motor turns now: hertz; 3 clockwise, 4 counter-clockwise, 0 not driven
     inverter.fault = 7                  # it trips: the motor runs out
-    inverter.silent = True              # it does not answer any more, and goes on with what it does
-    inverter.reply_ms = 300             # so late it answers, one request after the other
+    inverter.silent = True              # it does not answer any more; its motor goes on
+    inverter.reply_ms = 300             # it answers after this time, one request after the other
 
-Speed changes by RAMP_HZ_S. The test under pymodbus replaces answer(): what a frame means is then not ours to say.
+Speed changes by RAMP_HZ_S. The test under pymodbus replaces answer(), so that pymodbus decodes the frames.
 """
 
 from passo.options.inverter.config import MAKES

@@ -4,13 +4,11 @@
     job.run([(1, b"G21"), (2, b"G1X10F600")])
     job.seconds, job.low, job.high, job.errors
 
-It starts at machine zero, unlocked, soft limits off: where the job's box lies on a machine is not known. With `zero`, where
-the program's zero lies on the homed machine, soft limits are on; so they are as `changes` say if `start`, where the homed
-machine stands, is given.
-Pauses for the operator are noted in `pauses` and resumed at once; their time counts for nothing. There is nothing that a
-probe could touch: what probes goes its whole way, and is noted in `probes`. $ lines other than settings and jogs are no
-part of a job: they are noted in `skipped`. What guards a real machine (encoders, interlock, changeover) has nothing to
-guard here and is left out.
+It starts at machine zero, unlocked, soft limits off: the position of the job's box on a machine is unknown. With `zero`, the position of the
+program's zero on the homed machine, soft limits are on. With `start`, the position of the homed machine, they are as in `changes`.
+Pauses for the operator are noted in `pauses` and resumed at once; their time counts for nothing. A probe touches nothing: probing moves go their
+whole way, and are noted in `probes`. $ lines other than settings and jogs are no part of a job: they are noted in `skipped`. Guards of a real
+machine (encoders, interlock, changeover) are left out.
 
 The firmware runs under MicroPython, in a process of its own, if there is one (pip install 'passo[check]'): its machine code
 makes words some five times faster than Python. Without it kernels run as C, if there is a compiler (host_tools/build/pc_kernels.py). The
@@ -100,7 +98,7 @@ class VirtualJob:
         self.pauses = []  # (line of the file, its text)
         self.probes = []  # the same
         self.skipped = []
-        self.origin = language.line_text  # what line `number` is called in a failure
+        self.origin = language.line_text  # origin(number): the name of a line in a failure
         self.seconds = 0.0
         self._progress = None
         self._runner = None
@@ -208,7 +206,7 @@ class VirtualJob:
                 raise
         finally:
             self._end()
-        if trouble:  # the runner may have come to the end of what it got before it was killed
+        if trouble:  # the runner may have finished its input before it was killed
             raise trouble[0]
 
     def _frame(self):
@@ -231,7 +229,7 @@ class VirtualJob:
         return kind
 
     def _failure(self, line, said):
-        """What a runner says as the reason why a job cannot go on."""
+        """The Failure of a runner's message, which says why a job cannot go on."""
         text, *values = said
         why = Failure(text, *(_(value) if isinstance(value, str) else value for value in values))
         return Failure("{}, {}", self.origin(line), why) if line else why

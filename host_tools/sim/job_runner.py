@@ -213,7 +213,7 @@ class Runner:
 
         try:
             board = check(board)
-            plain = dict.fromkeys(("journal", "jobs", "card", "network"))  # what needs flash or a radio, and changes no step
+            plain = dict.fromkeys(("journal", "jobs", "card", "network"))  # keys that need flash or a radio, and change no step
             board = check(dict(board, links=board["links"][:1], commands="", **plain))
         except BoardError as error:
             raise Failed("{}", str(error))
@@ -301,20 +301,20 @@ class Runner:
         self._player.flush()
 
     def _play_on(self):
-        """No line can come while the queue is this full, so all but the player may wait: a cycle costs ten times as much."""
+        """Play until the queue has room, without the other parts of a cycle, which cost ten times as much: no line can come before."""
         app, port = self._app, self._port
         machine = app.controller.machine
         if machine.alarm or machine.hold or machine.command is not None or machine.dropping:
             return
         ticks = COARSE_TICKS
-        queued = self._queued()
+        queued = self._count_queued()
         while queued > _FULL and app.feeder.open:
             app._feed()
             port.advance(ticks)
-            before, queued = queued, self._queued()
+            before, queued = queued, self._count_queued()
             ticks = _LONG_TICKS if before - queued <= _FEW else COARSE_TICKS
 
-    def _queued(self):
+    def _count_queued(self):
         """Blocks that have not been played."""
         indices = self._app.planner.indices
         return (indices[QUEUE_ADDED] - indices[QUEUE_RETIRED]) & COUNT_MASK

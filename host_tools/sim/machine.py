@@ -31,7 +31,7 @@ LAST_TICKS = 12_500_000  # the machine is watched for another second after the b
 
 
 class _Slots(FileSlots):
-    """The firmware answers by an error if settings cannot be saved; here it is told why, too."""
+    """Files of the settings. Prints the reason if they cannot be saved, beside the firmware's error."""
 
     def write(self, slot, data):
         try:
@@ -46,11 +46,10 @@ class Machine:
     `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant.
     `radio`: the network of a board file that has one, as host_tools.sim.radio; None: it is off.
     `flash`: the folder that stands for the board's flash: settings and stored jobs; None: they last as long as the machine.
-    `slots`, `pages`: what keeps settings and the job's journal, if not that folder.
-    `plant`, `player`: the classes of what is wired to the pins, and of what plays words.
-    `inverter`: who plays the spindle's inverter, if the board file has one.
-    `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
-    same, all else is."""
+    `slots`, `pages`: storages of the settings and of the job's journal, instead of that folder.
+    `plant`, `player`: the classes of the model at the pins, and of the player of words.
+    `inverter`: a SimInverter, if the board file has one.
+    `idle`: False leaves idle time out of the trace: only the time that the PC thinks differs from run to run."""
 
     def __init__(
         self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, pages=None, slots=None,
@@ -142,11 +141,11 @@ class VirtualMachine(Machine):
         self.lines[link or self.first].incoming += bytes(data)
 
     def received(self, link=None):
-        """All that the board has said on a link so far; stays there until `take`."""
+        """Bytes that the board has sent on a link so far; they stay there until `take`."""
         return self.lines[link or self.first].outgoing
 
     def take(self, link=None):
-        """What the board has said since the last `take`."""
+        """Bytes that the board has sent since the last `take`."""
         line = self.lines[link or self.first]
         data, line.outgoing = line.outgoing, b""
         return data

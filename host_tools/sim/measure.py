@@ -31,7 +31,7 @@ class Result:
     time_s: float  # from its first step to the last row, the pen's arrivals included
     first: int  # index of the row before the drawing's first step
     deviation: float  # largest distance from the ideal line, in steps on the minor axis
-    faults: list = field(default_factory=list)  # what differs from the commanded points, in words
+    faults: list = field(default_factory=list)  # differences from the commanded points, sentences
 
 
 def read_trace(path):

@@ -1,7 +1,7 @@
 """The raw pages of a virtual board's flash: bytes in memory or in a file, that may be torn by a power cut at any byte.
 
     pages = Pages(Path("flash/pages"))
-    pages.cut_after(1000)       # so many bytes more are programmed or erased, then PowerCut
+    pages.cut_after(1000)       # 1000 bytes more are programmed or erased, then PowerCut
 
 The byte that is torn keeps some of its bits; of a block whose erasure is torn every byte does.
 """
@@ -23,7 +23,7 @@ class Pages:
     SLOTS = BLOCK // RECORD
 
     def __init__(self, path=None, data=None):
-        """`data`: what the flash holds, None: it is erased."""
+        """`data`: the bytes of the flash; None: erased."""
         self._path = path
         if path is not None and path.exists():
             data = path.read_bytes()
@@ -56,7 +56,7 @@ class Pages:
         self._save()
 
     def spend(self, count=1):
-        """So many bytes are being programmed or erased. Raises PowerCut if the power does not last for them."""
+        """Program or erase `count` bytes. Raises PowerCut if the power does not last for them."""
         if self._left is not None:
             if self._left < count:
                 raise PowerCut
@@ -72,7 +72,7 @@ class Pages:
 
     def _save(self):
         if self._path is not None:
-            fresh = self._path.with_suffix(".new")  # whoever is killed here leaves the old file or the new one
+            fresh = self._path.with_suffix(".new")  # a process killed here leaves the old file or the new one
             try:
                 fresh.write_bytes(self.data)
                 fresh.replace(self._path)

@@ -43,7 +43,7 @@ class Carriage:
         self.lost = 0  # steps lost at the ends
         self.stall = 0  # steps to come that are lost
         self.play = play  # steps of the motor that are lost at each turn
-        self._taken = 0  # of which so many are taken up: all behind a move forth, none behind one back
+        self._taken = 0  # steps of `play` taken up: all behind a move forth, none behind one back
         self._stalled = False
         self._report = report
 
@@ -84,7 +84,7 @@ class Encoder:
         self._turn = 4 * pulses
         self._turned = 0
 
-    def turned(self):
+    def index_passed(self):
         """True if the index mark has passed since the last call."""
         at = (self._carriage.position - self._start) * self._counts // self._steps
         before, self._turned = self._turned, at
@@ -182,7 +182,7 @@ class Solenoid:
 
 
 class Spindle:
-    """A spindle that follows its speed by a ramp, and gives so many pulses a turn. `held`: it does not get beyond that, rpm."""
+    """A spindle that follows its speed by a ramp, and gives `pulses` a turn. `held`: the highest speed that it reaches, rpm."""
 
     RAMP_RPM_S = 20_000
 

@@ -5,16 +5,14 @@
 
 Motor decoders turn pins back into steps, carriages travel between hard ends, slotted barriers watch them, and the
 pen's solenoid has its delay. Times are ticks of 80 ns. Positions are steps from the *nominal* origin: the position after
-homing on a barrier that switches exactly at its edge. An axis that homes at its high end has its barrier there. `errors`
-records whatever a real machine could not have followed.
-
-Motors and encoders may fail:
+homing on a barrier that switches exactly at its edge. An axis that homes at its high end has its barrier there. `errors` records all motions that a
+real machine could not have followed. Motors and encoders may fail:
 
     plant.stall("x", 5)         # the next five steps of X are lost
     plant.slip("x2", -3)
     plant.lose_counts("y", 20)
 
-The board file gives axes, drive, polarity, travel and pen delays; what it cannot know comes as options:
+The board file gives axes, drive, polarity, travel and pen delays; options give the rest:
 
     start        steps from the nominal origin, one number an axis; None: random within reach, by `seed`, or in the middle
                  if nothing homes
@@ -47,7 +45,7 @@ class Plant:
         self.position = [0] * len(board["axes"])  # of each carriage, in steps; the list itself is kept
         self.tool = 0  # 0 … 1000, once it has arrived
         self.trace = None  # told row(tick, position, tool) at each step and each arrival of the tool
-        self.pins = None  # told changed(tick, name, level) at each change of an input
+        self.pins = None  # its note_input(tick, name, level) is called at each change of an input
         self._listeners = []  # called with the same
         self._board = board
         self.stock = stock
@@ -75,7 +73,7 @@ class Plant:
         self._in_order = list(self.encoders.values())
         self._indexes = [(item["index"], self.encoders[item["motor"]]) for item in self._board.get("encoders", ()) if item["index"]]
         self._rest_inputs()
-        self.noise = {}  # what is injected on inputs, by name
+        self.noise = {}  # {name: Noise injected on this input}
         self._solenoid = Solenoid(
             board["tool"].get("on_ms", 0) * TICKS_PER_MS, board["tool"].get("off_ms", 0) * TICKS_PER_MS
         )
@@ -121,7 +119,7 @@ class Plant:
             low, high = min(first.low, first.position + racked), max(first.high, first.position + racked)
             self.second = Carriage(first.name + "2", first.position + racked, low, high, self.report)
 
-    def racked(self):
+    def skew_steps(self):
         """Steps that the second side of a gantry stands beyond the first."""
         return self.second.position - self.carriages[self._gantry_axis].position
 
@@ -170,7 +168,7 @@ class Plant:
             self._place(limit, number, barrier)
 
     def _rest_inputs(self):
-        """What a machine's interlock wants active at rest is: a drive is good, the selector stands at this board."""
+        """Activate the inputs that the machine's interlock needs at rest: a drive is good, the selector stands at this board."""
         section = self._board.get("interlock")
         if not section:
             return
@@ -252,7 +250,7 @@ class Plant:
                     if i in self._others:
                         self._cross(tick, self._others[i], at)
         for name, encoder in self._indexes:
-            if encoder.turned():
+            if encoder.index_passed():
                 self.set_input(tick, name, True)
                 self.set_input(tick, name, False)
         if changed & self._second_mask:
@@ -260,7 +258,7 @@ class Plant:
         if moved and self.trace is not None:
             self.trace.row(tick, self.position, self.tool)
         if moved and self.stock is not None:
-            self.set_input(tick, "probe", not self.tool and self.stock.touched(self.position))
+            self.set_input(tick, "probe", not self.tool and self.stock.touches(self.position))
         if changed & self._tool_mask:
             self._solenoid.drive(tick, levels & self._tool_mask != self._tool_off)
             self._plan()
@@ -290,7 +288,7 @@ class Plant:
         self._levels[name] = self._level(barrier, 0)
 
     def encoder(self, number):
-        """What an encoder has counted, of those of the board file."""
+        """Counts of the board file's encoder `number`."""
         return self._in_order[number].count
 
     def power(self, tick, level):
@@ -300,14 +298,14 @@ class Plant:
             self._arrive(tick)
 
     def servo(self, tick, us):
-        """Pulses of so many microseconds: the arm holds the pen as low as they say."""
+        """Move the servo's arm to the height of pulses of `us` microseconds."""
         up, down = self._board["servo"]["up_us"], self._board["servo"]["down_us"]
         self.tool = 1000 * (us - up) // (down - up)
         if self.trace is not None:
             self.trace.row(tick, self.position, self.tool)
 
     def pulses(self, tick):
-        """What the spindle's tachometer has given: (pulses, tick of the last)."""
+        """Pulses of the spindle's tachometer so far: (count, tick of the last)."""
         return self.spindle.pulses(tick)
 
     def output(self, tick, name, level):
@@ -372,7 +370,7 @@ class Plant:
         if name in self.noise:
             level ^= self.noise[name].flipped
         if self.pins is not None:
-            self.pins.changed(tick, name, level)
+            self.pins.note_input(tick, name, level)
         for callback in self._listeners:
             callback(tick, name, level)
 
@@ -446,7 +444,7 @@ class Plant:
                 barrier.pass_by()
 
     def lose_counts(self, motor, counts):
-        """An encoder misses so many counts forward."""
+        """Have an encoder miss `counts` counts forward."""
         self.encoders[motor].lost += counts
 
     def _carriage(self, motor):

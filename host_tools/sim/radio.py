@@ -3,8 +3,7 @@
     radio = LoopbackRadio({"http": 8080}, key, board)
     radio.listen("http")            # a socket on 127.0.0.1; None: that port was not asked for
 
-What comes from 127.0.0.x counts as the access point's own network; from anywhere else in 127.0.0.0/8 it does not, so that both
-can be tried on one PC.
+Connections from 127.0.0.x count as of the access point's own network, those from the rest of 127.0.0.0/8 do not, so that both can be tried on one PC.
 """
 
 import socket
@@ -20,7 +19,7 @@ _BACKLOG = 64
 
 
 class LoopbackRadio:
-    names = (b"127.0.0.1", b"localhost", b"passo.local", b"192.168.4.1")  # the last: what the torch's program of 2020 calls it
+    names = (b"127.0.0.1", b"localhost", b"passo.local", b"192.168.4.1")  # the last: the board's address in the torch's program of 2020
 
     def __init__(self, ports, key, board):
         """`ports`: {"http": port, "tcp": port}, 0: any free one; `key`: text; `board`: whose files for browsers are served. Raises
@@ -37,7 +36,7 @@ class LoopbackRadio:
                 raise Failure("cannot serve {} on port {}: {}", kind, port, reason(error)) from error
 
     def kinds(self):
-        """What is served: "http", "tcp"."""
+        """Kinds of the open sockets: "http", "tcp"."""
         return list(self._sockets)
 
     def port(self, kind):

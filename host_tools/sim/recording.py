@@ -1,7 +1,7 @@
 """The files that a machine with a plant writes: a trace, and the pins as VCD.
 
     files = Recording(board, plant, trace="job.csv", vcd=None)
-    files.world     # what the pins go to: the plant, or what records them on their way there
+    files.world     # receiver of the pins: the plant, or a VcdTap before it
 """
 
 from host_tools.sim.trace import Trace

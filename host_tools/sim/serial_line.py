@@ -6,7 +6,7 @@
     line.write(b"k")
     wait([line], 5)                         # until a byte may have come, or 5 ms
 
-Clients may connect again and again. What the board says while there is none is lost, as on a real line.
+Clients may connect again and again. Bytes that the board sends while there is none are lost, as on a real line.
 """
 
 import contextlib
@@ -198,7 +198,7 @@ def _same(fd, path):
 
 
 class _Client:
-    """One connection of a TcpLine, with what keeps a browser out."""
+    """One connection of a TcpLine, with its Gate against browsers."""
 
     def __init__(self, client):
         client.setblocking(False)
@@ -216,7 +216,7 @@ class _Client:
             data = b""
         except OSError:
             return None
-        if data or self.gate.held():
+        if data or self.gate.has_bytes():
             data = self.gate.take(data, time.monotonic())
             if data is None:
                 print(_("{}: hung up on a client that is no sender", name), file=sys.stderr, flush=True)
@@ -227,10 +227,10 @@ TAKEN = {"grbl": b"[MSG:%s has taken this connection]\r\n", "pulses": b"taken:%s
 
 
 class TcpLine(_Line):
-    """A TCP server on this machine with one client at a time. A new client takes the place of the old with the first byte that it may say:
-    a browser's requests, and who is refused from the first line on, are hung up on (gate.py), and the old one notices nothing.
-    Port 0: any. `message`: what the one that loses the line is told, with the address of the one that has it now; b"": its language has no word for it. The
-    terminal tells it in any case, and `taken(address of the loser)`, for the log that each language's status reads."""
+    """A TCP server on this machine with one client at a time. A new client takes the place of the old with the first byte that the gate lets pass:
+    connections of browsers, and those refused from the first line on, are hung up on (gate.py), and the old one goes on. Port 0: any. `message`:
+    sent to the client that loses the line, with the address of the new one; b"": its language has no word for it. The loss is also printed, and
+    `taken(address of the loser)` is called, which writes the log that each language's status reads."""
 
     def __init__(self, port, host="127.0.0.1", message=b"", taken=None):
         super().__init__()
@@ -243,7 +243,7 @@ class TcpLine(_Line):
         self._server.setblocking(False)
         self._client = None
         self._coming = None  # the last that has connected, and said nothing yet, beside _client
-        self.clients = 0  # so many have come
+        self.clients = 0  # connections so far
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"
 
     def read(self):
@@ -266,7 +266,7 @@ class TcpLine(_Line):
 
     def write(self, data):
         if self._client:
-            self._client.gate.answered(bytes(data))
+            self._client.gate.note_answer(bytes(data))
         super().write(data)
 
     def watched(self):

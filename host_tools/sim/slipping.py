@@ -1,8 +1,8 @@
-"""Motors that feel: rotors that lag behind their field where something holds the carriage, and what their drivers' DIAG pins say of it.
+"""Motors that feel: rotors that lag behind their field if something holds the carriage, and the DIAG pins of their drivers.
 
     plant = Plant(board, stalls=7)          # the seed of all that trembles
     plant.slipping.wire(drivers)            # a SimDrivers or SpiDrivers: threshold and the rest are in its registers
-    plant.slipping.spike(0.02)              # so often a free motor seems to stall, until SG_RESULT is measured again
+    plant.slipping.spike(0.02)              # the share of measurements at which a free motor seems to stall, until SG_RESULT is measured again
 
 An axis homes where its hard end is, `pull_off_steps` from its origin. Against an end a rotor stands still while its field goes on; two full
 steps behind it slips to the next pole, four full steps back. SG_RESULT falls in proportion to the lag, to 0 at one full step, and trembles
@@ -39,8 +39,8 @@ class Slipping:
         self._names = names
         self._belt = board.get("kinematics") == "corexy"
         self.motors = range(len(names))
-        self._fields = self._turn(plant.position)  # where each motor's field stands
-        self._lost = [0] * len(names)  # what it is from where the rotor would be
+        self._fields = self._turn(plant.position)  # position of each motor's field
+        self._lost = [0] * len(names)  # its distance from the rotor without a load
         self._told = [None] * len(names)  # the part of a full step that SG_RESULT is of
 
     def _stop(self, number, high, pull_off):
@@ -85,7 +85,7 @@ class Slipping:
         return moved
 
     def _places(self):
-        """Where the carriages would be if nothing held them."""
+        """Positions of the carriages if nothing held them."""
         wanted = [field - lost for field, lost in zip(self._fields, self._lost)]
         if self._belt:
             wanted[:2] = (wanted[0] + wanted[1]) // 2, (wanted[0] - wanted[1]) // 2
@@ -116,4 +116,4 @@ class Slipping:
         result = FREE * (1 - lag / full) + self._random.gauss(0, TREMBLE)
         if self._random.random() < self._often:
             result = LEAST
-        self._say(tick, motor, driver.stalled(result))
+        self._say(tick, motor, driver.diag_level(result))

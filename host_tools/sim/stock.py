@@ -1,7 +1,7 @@
-"""What a tool can touch on the table of a virtual machine: it closes the probe's circuit.
+"""Solids on the table of a virtual machine: a tool that touches one closes the probe's circuit.
 
     stock = Stock(board, PIECE, radius_mm=3.0)
-    stock.touched([48000, 32000, -16000])       # steps from the machine's zero
+    stock.touches([48000, 32000, -16000])       # steps from the machine's zero
 
 Solids are boxes and round bosses with holes, in mm of the homed machine. The tool is a cylinder with a flat end. A tool that turns
 (Plant.tool) touches nothing: its clip is off.
@@ -41,7 +41,7 @@ class Stock:
         """True if a board's machine can touch something."""
         return len(board["axes"]) >= 3 and "probe" in [item["name"] for item in board.get("inputs", ())]
 
-    def touched(self, position):
+    def touches(self, position):
         z = position[2] * self._mm[2]
         if z > self._top:
             return False

@@ -1,11 +1,11 @@
-"""A whole machine in a browser's tab: the firmware on the virtual port, the plant wired to it, and what the page may ask for.
+"""A whole machine in a browser's tab: the firmware on the virtual port, the plant wired to it, and the orders of the page.
 
     tab = Tab("router_3axis", {"part.gcode": "G0 X1\n"}, send)      # send(text): a message to the page, JSON
     tab.hear('{"do": "home", "id": 1}')                             # an order of the page, as over the network
     pause_ms = tab.turn(12)                                         # again and again: at most about 12 ms of work
 
-It runs under MicroPython in a Web Worker (host_tools/site/worker.js), and the same under CPython. Time is the wall clock's; where
-the tab is too slow for that, the machine lags and says so, and skips nothing. Whoever has the tab has the key: orders need none.
+It runs under MicroPython in a Web Worker (host_tools/site/worker.js), and the same under CPython. Time is the wall clock's; if the tab is too slow,
+the machine lags and says so, and skips nothing. Orders need no key.
 """
 
 import json
@@ -30,7 +30,7 @@ _START = (30, 80, 55)  # percent of each axis' travel where the machine of a pag
 
 
 def start(board):
-    """Where a machine stands that is to be seen as it homes: in steps, an axis a number."""
+    """A start from which the page shows the homing: [steps of each axis]."""
     homing = board["homing"]
     signs = [-1 if homing and axis["name"] in homing["high_end"] else 1 for axis in board["axes"]]
     return [axis["travel_steps"] * _START[n % 3] // 100 * signs[n] for n, axis in enumerate(board["axes"])]
@@ -42,7 +42,7 @@ def board_named(name):
 
 
 class Trail:
-    """Where the machine has been since it was last asked: what the plant tells as its trace."""
+    """The machine's positions since the page last asked, taken from the plant as its trace."""
 
     def __init__(self):
         self.positions = []  # flat: each axis in steps, and the tool, 0 … 1000

@@ -50,7 +50,7 @@ class Jobs:
             return {"error": errors.JOB_LINE, "line": wrong.number, "text": ""}
 
     def about(self, name, settings):
-        """What a job will do is not looked at in a tab."""
+        """{} for any job: a tab does not analyse jobs. An error number if there is no such job."""
         return {} if name in self._jobs else errors.NO_SUCH_JOB
 
     def text(self, name, at):

@@ -42,7 +42,7 @@ class SimDriver:
     def feels(self):
         return bool(self.registers.get(0x14, 0)) and not self.registers[0x00] & 4
 
-    def stalled(self, result):
+    def diag_level(self, result):
         """The level of DIAG with an SG_RESULT."""
         return self.feels and max(0, result) <= 2 * self.registers.get(0x40, 0)
 

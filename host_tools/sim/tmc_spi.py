@@ -6,12 +6,12 @@
     drivers["x"].power_cycle()          # it was gone for a moment
     drivers["x"].registers[0x6F] |= 1 << 25     # DRV_STATUS: overheated
 
-SPI mode 3: bits are taken as the clock rises. As CS rises, each chip takes the 40 bits that it has last seen; as it falls, the answer to that stands
-in its register: a status byte, and of a read the register, of a write what was written.
+SPI mode 3: bits are taken as the clock rises. As CS rises, each chip takes the last 40 bits; as it falls, the answer to them stands in its
+register: a status byte, and the register read or the value written.
 """
 
-A_SGT = 4  # what SG_RESULT rises by with SGT
-AT_ZERO = -100  # and what it is with an SGT of 0 and the load at which slipping.py has it 0
+A_SGT = 4  # SG_RESULT rises by this with SGT
+AT_ZERO = -100  # SG_RESULT with an SGT of 0 and the load at which slipping.py has it 0
 _MASK = (1 << 40) - 1
 _READABLE = {0x00, 0x01, 0x04, 0x12, 0x6A, 0x6B, 0x6C, 0x6F}
 _DEFAULTS = {
@@ -43,7 +43,7 @@ class SpiDriver:
         gconf = self.registers[0x00]
         return bool(self.registers.get(0x14, 0)) and not gconf & 4 and gconf >> 7 + self.diag & 1 and gconf >> 12 + self.diag & 1
 
-    def stalled(self, result):
+    def diag_level(self, result):
         """The level of its DIAG pin at a load: `result` is that of slipping.py."""
         sgt = self.registers.get(0x6D, 0) >> 16 & 0x7F
         result = min(max(round(result) + AT_ZERO + A_SGT * (sgt - 128 if sgt > 63 else sgt), 0), 1023)

@@ -4,8 +4,8 @@
     track.words(tick, words)            # numpy's uint32: words that begin at `tick`, one behind the other
     track.low, track.high, track.fastest, track.strokes, track.samples
 
-Positions at each step come from sums over an array; what depends on the position before (where the path is drawn, where a speed
-is measured) leaps over the steps that cannot matter. Memory does not grow with the job: when the path or the speeds become too
+Positions at each step come from sums over an array; computations that need the position before (points of the path, windows of a speed) leap over
+the steps that cannot matter. Memory does not grow with the job: when the path or the speeds become too
 many, every second one of them is dropped, and from then on they are taken half as densely. Strokes that are too many become fewer:
 the shortest are drawn as the ones before them.
 """
@@ -51,7 +51,7 @@ class Rows:
 
 class Track:
     def __init__(self, layout, drive, steps_per_mm, by_height, drawn=True, belt=False):
-        """`by_height`: what is below Z0 of the program, `surface` in mm, is drawn as cut, whether the tool is on or not;
+        """`by_height`: path below Z0 of the program, `surface` in mm, is drawn as cut, whether the tool is on or not;
         `drawn`: False keeps no path; `belt`: the first two motors hold one belt (CoreXY)."""
         self._belt = belt
         self.by_height = by_height
@@ -227,7 +227,7 @@ class Track:
     # --- speeds
 
     def _measure(self, ticks, positions):
-        """Where the machine was, each 20 ms or, while it stood, more."""
+        """Note speeds from the positions at the ends of windows of 20 ms, longer while the machine stands."""
         found = []
         at = int(np.searchsorted(ticks, self._window + SPEED_TICKS))
         while at < len(ticks):

@@ -68,7 +68,7 @@ class VcdTap:
     def input(self, tick, name):
         return self._plant.input(tick, name)
 
-    def changed(self, tick, name, level):
+    def note_input(self, tick, name, level):
         """Called by the plant if an input has changed."""
         self._change(tick, self._others[name], level)
 

@@ -1,1 +1,1 @@
-"""The page with the firmware in it: a static site. What lies here goes into it, but for its builder."""
+"""The page with the firmware in it: a static site. The files of this folder go into it, except its builder."""

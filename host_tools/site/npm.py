@@ -21,7 +21,7 @@ _FETCH_S = 60
 
 @dataclass
 class Package:
-    what: str  # what it is, for people
+    what: str  # its name for people
     name: str  # with its @scope/
     version: str
     integrity: str  # SHA-512, base64
@@ -30,28 +30,28 @@ class Package:
     def _file(self):
         return f"{self.name.rpartition('/')[2]}-{self.version}.tgz"
 
-    def kept(self, cache=None):
-        """Where its archive is kept."""
+    def path_in(self, cache=None):
+        """Path of its archive in the cache, a folder (None: ~/.cache/passo)."""
         return (cache or Path("~/.cache/passo").expanduser()) / self._file
 
     def files(self, *names, cache=None):
         """{name: bytes} of some of its files. Raises Failure: it cannot be fetched, or is not the one that is known."""
-        kept = self.kept(cache)
+        kept = self.path_in(cache)
         if kept.is_file():
             data = kept.read_bytes()
         else:
-            data = self._fetched()
+            data = self._fetch()
             kept.parent.mkdir(parents=True, exist_ok=True)
             fresh = kept.with_suffix(f".{os.getpid()}")
             fresh.write_bytes(data)
             os.replace(fresh, kept)
         try:
-            return self.unpacked(data, names)
+            return self.extract(data, names)
         except Failure:
             kept.unlink(missing_ok=True)
             raise
 
-    def _fetched(self):
+    def _fetch(self):
         registry = os.environ.get("NPM_CONFIG_REGISTRY", "https://registry.npmjs.org").rstrip("/")
         address = f"{registry}/{self.name}/-/{self._file}"
         try:
@@ -60,7 +60,7 @@ class Package:
         except (OSError, urllib.error.URLError) as error:
             raise Failure("cannot fetch {}, {}: {}", self.what, address, error) from error
 
-    def unpacked(self, data, names):
+    def extract(self, data, names):
         """Files of an archive. Raises Failure if it is not the one that is known."""
         found = base64.b64encode(hashlib.sha512(data).digest()).decode()
         if found != self.integrity:

@@ -1,9 +1,9 @@
-"""What makes the page installable, and loads it where its server is not: a manifest, and a service worker that keeps the files by their hash.
+"""Makes the page installable, and loads it without its server: a manifest, and a service worker that keeps the files by their hash.
 
     offline.files({"index.html": b"…", …}, first="cache")       # {name: bytes} to be served beside them
     offline.page(text)                                          # index.html that names them
 
-`first`: "cache", a static site; "network", a server that may have been updated: what is kept is for when it does not answer. Browsers allow
+`first`: "cache", a static site; "network", a server that may have been updated: the files kept serve while it does not answer. Browsers allow
 it at 127.0.0.1 and over HTTPS only; elsewhere the page is as without. New files make another service worker, which keeps those alone.
 """
 

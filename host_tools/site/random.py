@@ -1,4 +1,4 @@
-"""What the plant asks of Python's `random`, in a tab: MicroPython has no generator apart from its only one."""
+"""The part of Python's `random` that the plant uses, for a tab: MicroPython has no generator of one's own."""
 
 
 class Random:

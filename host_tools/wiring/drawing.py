@@ -114,14 +114,14 @@ def _module(sheet):
         numbers = module.numbers[0 if direction > 0 else 1] if module.numbers else [""] * len(side)
         for row, (number, (label, pin)) in enumerate(zip(numbers, side)):
             y = sheet.top + row * PITCH
-            lines += _pad(x, y, direction, label, pin, number, room, pin in _used(sheet))
+            lines += _pad(x, y, direction, label, pin, number, room, pin in _pins_of(sheet))
     for row, pin in enumerate(module.loose):
         y = sheet.top + (rows + row) * PITCH
         lines += _pad(left, y, 1, _("{}: on the module only", module.label(pin)), pin, "", right - left - 2.5, True)
     return lines
 
 
-def _used(sheet):
+def _pins_of(sheet):
     return {wire.pin for wire in sheet.wires}
 
 
@@ -237,11 +237,11 @@ def _supply(sheet, top):
     second = _("2nd contact: input {}", stop["name"]) if stop else _("no input: 2nd contact unused")
     lines.append(_text(65, y + 8.4, second, 2.2, "middle", most=40))
     fed = ", ".join(placed.part.title for placed in sheet.parts if "M+" in placed.part.supply)
-    rows = _wrapped(_("M+ feeds: {}. A program cannot replace this switch.", fed), 2.5, 108)
+    rows = _wrap(_("M+ feeds: {}. A program cannot replace this switch.", fed), 2.5, 108)
     lines += [_text(96, y - 3.2 + 3.4 * row, text, 2.5) for row, text in enumerate(rows)]
     y += 14
     for note in _notes(sheet):
-        for row in _wrapped("• " + note, 2.4, 196):
+        for row in _wrap("• " + note, 2.4, 196):
             lines.append(_text(6, y, row, 2.4))
             y += 3.5
     return lines, y + 3
@@ -261,7 +261,7 @@ def _notes(sheet):
         yield _("EN of all drivers goes to the output enable.") if "enable" in names else _("EN of the drivers stays open, or as their manual says.")
 
 
-def _wrapped(text, size, most):
+def _wrap(text, size, most):
     """The lines of a text that are `most` mm wide at most."""
     rows = [""]
     for word in text.split():

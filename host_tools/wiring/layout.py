@@ -1,4 +1,4 @@
-"""Where the parts of a wiring drawing stand, and the way of each wire. Units are mm on a sheet of A4, y downwards.
+"""Places the parts of a wiring drawing, and routes each wire. Units are mm on a sheet of A4, y downwards.
 
     sheet = arrange(board)          # sheet.module, sheet.parts, sheet.bits, sheet.wires
 
@@ -68,15 +68,15 @@ def arrange(board):
     right = {terminal.pin for part in direct if part.name == "registers" for terminal in part.terminals}
     module = module_of(board, used, right)
     rows = max(len(module.left), len(module.right)) + len(module.loose)
-    top = _snapped((TOP + BOTTOM - rows * PITCH) / 2)
+    top = _snap((TOP + BOTTOM - rows * PITCH) / 2)
     pads = _pads(module, columns["module"], top)
     placed = _columns(direct, pads, columns, registers, board)
     bits = {}
     if registers:
         bank = next(each for each in placed if each.part.name == "registers")
         bits = _bits(bank, chips_of(board))
-        placed += _attached([part for part in found if _behind(part)], bits, columns["bits"])
-    wires = _routed(pads, placed, columns, top, top + rows * PITCH)
+        placed += _place_beside_bits([part for part in found if _behind(part)], bits, columns["bits"])
+    wires = _route_wires(pads, placed, columns, top, top + rows * PITCH)
     wires += [Wire(pin, [(each, terminal)], [[bits[pin], (x, y)]], []) for each in placed for terminal, x, y in each.points
               if isinstance(pin := terminal.pin, tuple)]  # fmt: skip
     return Sheet(board, columns, module, top, pads, placed, bits, wires)
@@ -86,7 +86,7 @@ def _behind(part):
     return isinstance(part.terminals[0].pin, tuple)
 
 
-def _snapped(y):
+def _snap(y):
     return TOP + round((y - TOP) / PITCH) * PITCH
 
 
@@ -164,14 +164,14 @@ def _spread(wished, heights):
     tops, at = [], iter(heights)
     lowest = TOP
     for block in blocks:
-        y = max(lowest, min(_snapped(_start(block)), _snapped(BOTTOM - block[2])))
+        y = max(lowest, min(_snap(_start(block)), _snap(BOTTOM - block[2])))
         for _ in range(block[0]):
             tops.append(y)
             y += next(at)
         lowest = y
     over = max(0, round((lowest - BOTTOM) / PITCH + 0.49)) if tops else 0
     for index in reversed(range(len(tops) if over else 0)):
-        limit = (tops[index + 1] if index + 1 < len(tops) else _snapped(BOTTOM)) - heights[index]
+        limit = (tops[index + 1] if index + 1 < len(tops) else _snap(BOTTOM)) - heights[index]
         tops[index] = min(tops[index], limit)
     return tops
 
@@ -200,8 +200,8 @@ def _bits(bank, chips):
     return bits
 
 
-def _attached(behind, bits, edges):
-    """Parts beside their bits. Terminals of one part on bits that are no neighbours stand apart, under the same title."""
+def _place_beside_bits(behind, bits, edges):
+    """Place parts beside their bits. Terminals of one part on bits that are no neighbours stand apart, under the same title."""
     placed = []
     for part in behind:
         runs = []
@@ -219,7 +219,7 @@ def _attached(behind, bits, edges):
 # --- wires
 
 
-def _routed(pads, placed, columns, top, bottom):
+def _route_wires(pads, placed, columns, top, bottom):
     """The wires of the module's pins."""
     nets = {}
     for each in placed:

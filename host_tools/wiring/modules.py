@@ -34,7 +34,7 @@ class Module:
         return f"{self.prefix}{pin}"
 
     def position(self, pin):
-        """What the module's print or drawing says of where a pin is; empty if nothing."""
+        """The number of a pin in the module's print or drawing; empty if it has none."""
         for side, numbers in zip((self.left, self.right), self.numbers or ()):
             for number, (_, other) in zip(numbers, side):
                 if other == pin:
@@ -49,17 +49,17 @@ def module_of(board, pins, right):
         wireless = board.get("network") is not None or "pico_w" in board["name"]
         edges = _edge(_PICO_LEFT, "GP"), _edge(_PICO_RIGHT, "GP")
         numbers = range(1, 21), range(40, 20, -1)
-        return _made(_CHIPS[chip] + (" W" if wireless else ""), "GP", *edges, pins, numbers)
+        return _module(_CHIPS[chip] + (" W" if wireless else ""), "GP", *edges, pins, numbers)
     if chip == "esp32" and board["name"] != MKS:
-        return _made(_CHIPS[chip], "GPIO", _edge(_DEVKIT_LEFT, "GPIO"), _edge(_DEVKIT_RIGHT, "GPIO"), pins)
+        return _module(_CHIPS[chip], "GPIO", _edge(_DEVKIT_LEFT, "GPIO"), _edge(_DEVKIT_RIGHT, "GPIO"), pins)
     title = "Makerbase MKS DLC32 V2" if board["name"] == MKS else chip.upper() + " " + _("board")
     known = sorted(pins - right)
     half = len(known) if right else (len(known) + 1) // 2
     left, right = ([(f"GPIO{pin}", pin) for pin in some] for some in (known[:half], sorted(right) or known[half:]))
-    return _made(title, "GPIO", [("3V3", None), *left], [("GND", None), *right], pins)
+    return _module(title, "GPIO", [("3V3", None), *left], [("GND", None), *right], pins)
 
 
-def _made(title, prefix, left, right, pins, numbers=None):
+def _module(title, prefix, left, right, pins, numbers=None):
     there = {pin for _, pin in left + right}
     return Module(title, prefix, left, right, sorted(pin for pin in pins if pin not in there), numbers)
 

@@ -37,7 +37,7 @@ class Part:
     opens: bool = False
 
 
-_ONE_BELT = {"x": "A (X + Y)", "y": "B (X − Y)"}  # CoreXY: what each motor moves
+_ONE_BELT = {"x": "A (X + Y)", "y": "B (X − Y)"}  # CoreXY: axes that each motor moves
 
 
 def parts(board):
@@ -114,7 +114,7 @@ def _tools(board):
 
 
 def _tool(board):
-    """(kind, title, notes) of the tool, by what the board file says of the machine."""
+    """(kind, title, notes) of the machine's tool."""
     languages = {link["protocol"] for link in board["links"]}
     if board["spindle"]["laser"]:
         return "laser", _("Laser"), [_("PWM {} Hz, 10 kΩ to GND each", board["spindle"]["pwm_hz"])]

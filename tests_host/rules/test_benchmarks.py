@@ -10,7 +10,7 @@ import subprocess
 import pytest
 
 from host_tools.bench import main as bench
-from host_tools.bench.summary import Tables, cached
+from host_tools.bench.summary import Tables, with_cache
 from host_tools.resources import ROOT
 from test_docs import COMMANDS
 
@@ -99,7 +99,7 @@ def packed_dots():
 
 
 def halt_us(by):
-    return float(cached(Tables(DOCUMENT).row("stops", by), "worst"))
+    return float(with_cache(Tables(DOCUMENT).row("stops", by), "worst"))
 
 
 def test_pages_have_the_figures_of_these_tables():
@@ -112,4 +112,4 @@ def test_pages_have_the_figures_of_these_tables():
     first, others = halt_us("first pin"), halt_us("other pins")
     assert f"the first one of the board file {first:g} µs, others up to {others:.0f} (" in page("use/interlock.md")
     lines = next(row for row in Tables(DOCUMENT).rows("gcode") if row["G-code on router_3axis"].startswith("lines of 0.2 mm at 490 mm/s from memory") and row["MHz"] == "125")
-    assert f"| {int(cached(lines, 'measured')) // 10 * 10} by gcc |" in page("inside/kernels.md")
+    assert f"| {int(with_cache(lines, 'measured')) // 10 * 10} by gcc |" in page("inside/kernels.md")

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from host_tools.bench.summary import LINES, Tables, cached, summarise
+from host_tools.bench.summary import LINES, Tables, with_cache, summarise
 from host_tools.prove.promises import BETTER, KEPT, MEMORY, PROMISES, WORSE, verdict
 from host_tools.resources import ROOT
 
@@ -63,7 +63,7 @@ def test_readme_has_figures_of_these_tables(page):
     fastest = tables.row("pulses", "3", "480")
     assert fastest["words late"] == "0" and f"{fastest['kHz']} 000 " in text
     over_usb = [row for row in tables.rows("gcode") if row["G-code on router_3axis"].startswith(LINES + " over USB, the PC takes 0 ")]
-    low, high = (int(cached(row, "measured")) // 100 * 100 for row in over_usb)
+    low, high = (int(with_cache(row, "measured")) // 100 * 100 for row in over_usb)
     assert re.findall(r"(\d+) (?:to|a) (\d+) (?:short lines|linhas curtas)/s", text) == [(str(low), str(high))]
 
 

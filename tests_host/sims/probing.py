@@ -11,7 +11,7 @@ class Wall:
         self.met = []  # the machine's position at each change, contact or its end
         self._touches = False
 
-    def touched(self, position):
+    def touches(self, position):
         """The method of host_tools.sim.stock.Stock."""
         touches = (position[self.axis] - self.steps) * self.sign >= 0
         if touches != self._touches:

@@ -42,13 +42,13 @@ def test_from_anywhere_on_barriers_that_bounce(runs):
         start = (chance.randint(-600, 3000), chance.randint(-600, 3000), -chance.randint(-600, 3000))
         router = machine(start=start, options={"bounce_ms": 3, "seed": turn, "racked": chance.randint(-20, 20)}, homing={"order": "xyz ", "locate_steps_s": 2000})
         assert "ok" in router.go("$H") and router.controller.machine.homed
-        places.add((*router.plant.position, router.plant.racked()))
+        places.add((*router.plant.position, router.plant.skew_steps()))
     assert all(abs(place) <= 1 for found in places for place in found), places
     said = router.ask(f"$HR={runs}")
     found = re.findall(r"\[HOM:(\w+),(\d+),(\d+),(\d+\.\d+),(.*?)\]", said)
     assert [line[:2] for line in found] == [(name, str(runs)) for name in ("x", "x2", "y", "z")]
     assert all(int(line[2]) <= 1 and float(line[3]) <= 0.5 and line[4] == "good" for line in found), found
-    assert (*router.plant.position, router.plant.racked()) in places
+    assert (*router.plant.position, router.plant.skew_steps()) in places
 
 
 @pytest.mark.parametrize("name", ("laser_xy", "corexy_plotter"))
@@ -76,13 +76,13 @@ def test_a_step_between_the_position_and_the_look_is_counted(name, monkeypatch):
 @pytest.mark.parametrize("offset", (0, 15, -9))
 def test_a_racked_gantry_comes_out_square(racked, offset):
     router = machine(("x", "x2", "y"), options={"bounce_ms": 2, "racked": racked}, offset_steps=offset)
-    assert router.plant.racked() == racked
+    assert router.plant.skew_steps() == racked
     router.go("$H")
-    assert router.plant.racked() == 0 and router.plant.position == [0, 0, 0] == router.controller.position()
+    assert router.plant.skew_steps() == 0 and router.plant.position == [0, 0, 0] == router.controller.position()
     assert not router.noted(errors.SQUARED), "counts of before the homing must not matter"
     router.go("G90")
     router.go("G1X10F2000")
-    assert router.plant.racked() == 0 and router.plant.position[0] == 3200
+    assert router.plant.skew_steps() == 0 and router.plant.position[0] == 3200
 
 
 def test_axes_at_once_are_as_exact_and_sooner():
@@ -184,19 +184,19 @@ def test_every_failure_ends_in_its_alarm_and_within_its_distance(faults, alarm, 
     said = router.machine.take().decode()
     assert f"ALARM:{alarm}\r\n" in said and "ok\r\n" in said, said
     assert router.controller.machine.alarm == 200 + alarm and not router.controller.machine.homed
-    assert abs(router.plant.racked()) <= RACK + 1
+    assert abs(router.plant.skew_steps()) <= RACK + 1
     for axis, at, begun in zip(axes, router.plant.position, start):
         assert abs(at - begun) <= axis["travel_steps"] + 2 * max(axis["travel_steps"] // 10, 5 * PULL_OFF)
     router.plant.mend_inputs()
     for motor, at, begun in zip("xyz", router.plant.position, start):
         router.plant.slip(motor, begun - at)  # by hand, off a hard end
-    router.plant.slip("x2", -router.plant.racked())
+    router.plant.slip("x2", -router.plant.skew_steps())
     router.machine.run_ms(100)
     router.machine.send(b"\x18")
     router.machine.run_ms(100)
     router.machine.take()
     assert router.go("$H").startswith("ok") and router.controller.machine.homed, "once it is repaired"
-    assert router.plant.position == [0, 0, 0] and router.plant.racked() == 0
+    assert router.plant.position == [0, 0, 0] and router.plant.skew_steps() == 0
 
 
 @pytest.mark.parametrize("after_ms", (100, 700, 1500, 2500, 3500, 4200))
@@ -210,12 +210,12 @@ def test_a_reset_and_the_door_end_it_at_any_moment(after_ms):
         router.machine.send(what)
         router.machine.run_ms(200)
         assert f"ALARM:{alarm}" in router.machine.take().decode()
-        at = list(router.plant.position), router.plant.racked()
+        at = list(router.plant.position), router.plant.skew_steps()
         router.machine.run_ms(500)
-        assert at == (router.plant.position, router.plant.racked()) and abs(at[1]) <= RACK + 20
+        assert at == (router.plant.position, router.plant.skew_steps()) and abs(at[1]) <= RACK + 20
         router.ask("$X")
         router.go("$H")
-        assert router.plant.position == [0, 0, 0] and router.plant.racked() == 0
+        assert router.plant.position == [0, 0, 0] and router.plant.skew_steps() == 0
 
 
 def test_what_cannot_be_asked_is_refused():

@@ -134,7 +134,7 @@ def test_a_site_is_written_over_an_older_one(tmp_path):
 @pytest.mark.quick
 def test_another_package_is_refused():
     with pytest.raises(Failure, match="is not what it was"):
-        site.MICROPYTHON.unpacked(b"something else", ())
+        site.MICROPYTHON.extract(b"something else", ())
 
 
 def test_a_package_that_cannot_be_fetched_is_told(monkeypatch, tmp_path):
@@ -145,7 +145,7 @@ def test_a_package_that_cannot_be_fetched_is_told(monkeypatch, tmp_path):
 
 
 def test_a_package_kept_broken_is_fetched_again(monkeypatch, tmp_path):
-    kept = site.MICROPYTHON.kept(tmp_path)
+    kept = site.MICROPYTHON.path_in(tmp_path)
     kept.write_bytes(b"torn")
     with pytest.raises(Failure, match="is not what it was"):
         site.package(tmp_path)

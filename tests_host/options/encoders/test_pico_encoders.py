@@ -150,15 +150,16 @@ def test_a_gantry_homes_square_catches_up_and_stops(make_machine, show):  # noqa
         return machine.take().decode()
 
     assert "ok" in ask("$H")
-    assert max(map(abs, machine.plant.position)) <= 1 and abs(machine.plant.racked()) <= 1
-    racked = machine.plant.racked()
+    assert max(map(abs, machine.plant.position)) <= 1 and abs(machine.plant.skew_steps()) <= 1
+    racked = machine.plant.skew_steps()
     ask("G91")
     machine.plant.stall("x2", 7)
     ask("G1X5F1500")
     machine.run_ms(600)
-    assert machine.plant.racked() == racked
+    assert machine.plant.skew_steps() == racked
     assert "142,x2 +7]" in ask("$LOG")
     machine.plant.stall("x2", 10_000)
     said = ask("G1X20F3000", (b"ALARM",)) + ask("$LOG")
-    assert "231,x " in said and abs(machine.plant.racked() - racked) <= 20 + 3 * 3000 * 320 // 60_000 + 3
-    show("a gantry on the emulated Pico", f"homed from 17 steps out of square to {racked}, caught up 7, halted at a lag of {machine.plant.racked() - racked}")
+    assert "231,x " in said and abs(machine.plant.skew_steps() - racked) <= 20 + 3 * 3000 * 320 // 60_000 + 3
+    lag = machine.plant.skew_steps() - racked
+    show("a gantry on the emulated Pico", f"homed from 17 steps out of square to {racked}, caught up 7, halted at a lag of {lag}")

@@ -22,7 +22,7 @@ class Watched(Router):
 
         def watch(tick, levels, changed):
             edges(tick, levels, changed)
-            self.most = max(self.most, abs(self.plant.racked()))
+            self.most = max(self.most, abs(self.plant.skew_steps()))
 
         self.machine.port._player._edges = watch
 
@@ -32,7 +32,7 @@ def test_two_motors_go_the_same_way_on_pins_of_their_own():
     for line in ("G1X10F2000", "G1X-3Y2F300", "G0X5Z1", "G2X2Y2I1J1F500"):
         router.go(line)
     assert router.most == 0, "one word steps both"
-    assert router.plant.racked() == 0 and router.off() == [0, 0, 0] and not router.plant.errors
+    assert router.plant.skew_steps() == 0 and router.off() == [0, 0, 0] and not router.plant.errors
     assert word_pins(check(board())) == [2, 3, 4, 5, 6, 7, 8, 9, 10]
 
 
@@ -43,7 +43,7 @@ def test_what_one_side_loses_it_catches_up_with(motor, lost):
     router.go("G1X2F1000")
     router.plant.stall(motor, lost)
     router.go("G1X10F1000")
-    assert router.plant.racked() == 0 and router.off() == [0, 0, 0] and not router.plant.errors
+    assert router.plant.skew_steps() == 0 and router.off() == [0, 0, 0] and not router.plant.errors
     assert router.noted(errors.SQUARED) == [f"{motor} +{lost}"], "which side, and how far"
     assert router.controller.position()[0] == 12 * 320 and router.controller.state == "idle"
 
@@ -57,9 +57,9 @@ def test_from_wait_steps_on_the_move_itself_waits():
         router.plant.slip("x2", -lost)
         router.machine.run_ms(800)
         assert router.controller.state == "run"
-        assert (router.plant.racked() == 0) == waits
+        assert (router.plant.skew_steps() == 0) == waits
         router.go("G1X-1F1000")
-        assert router.plant.racked() == 0 and router.off() == [0, 0, 0]
+        assert router.plant.skew_steps() == 0 and router.off() == [0, 0, 0]
         assert router.controller.position()[0] == 39 * 320
 
 
@@ -76,7 +76,7 @@ def test_random_losses_on_both_sides():
         (router.plant.stall if stalls else router.plant.slip)(motor, steps)
         back = "-" if turn % 2 else ""
         router.go(f"G1X{back}8Y{back}2F{chance.choice((300, 2500))}")
-        assert router.plant.racked() == 0 and router.off() == [0, 0, 0] and router.controller.state == "idle"
+        assert router.plant.skew_steps() == 0 and router.off() == [0, 0, 0] and router.controller.state == "idle"
     assert not router.plant.errors
 
 
@@ -110,7 +110,7 @@ def test_a_side_that_loses_counts_slowly_is_racked_to_the_limit_at_most(motor, c
         for turn in range(3 * LIMIT):
             router.plant.encoders[motor].lost += counts
             said = router.go(f"G1X{'-' if turn % 2 else ''}1F2000")
-            assert abs(router.plant.racked()) <= LIMIT
+            assert abs(router.plant.skew_steps()) <= LIMIT
             if "ALARM:31" in said:
                 break
         lag, taken = map(int, re.search(r"counts lag ([-+]\d+) steps, ([-+]\d+) taken away since homing", said).groups())
@@ -119,7 +119,7 @@ def test_a_side_that_loses_counts_slowly_is_racked_to_the_limit_at_most(motor, c
         router.machine.send(b"\x18")
         router.machine.run_ms(200)
         router.go("$H")
-        assert router.controller.machine.homed and router.plant.racked() == 0
+        assert router.controller.machine.homed and router.plant.skew_steps() == 0
 
 
 def test_a_hold_of_the_operator_stays_one():
@@ -129,7 +129,7 @@ def test_a_hold_of_the_operator_stays_one():
     router.plant.slip("x2", -WAIT)
     router.machine.send(b"!")
     router.machine.run_ms(3000)
-    assert router.controller.state == "hold" and router.plant.racked() == 0
+    assert router.controller.state == "hold" and router.plant.skew_steps() == 0
     router.machine.send(b"~")
     router.go("G1X1F1000")
     assert router.controller.position()[0] == 41 * 320 and router.off() == [0, 0, 0]

@@ -148,19 +148,19 @@ def test_stallguard2_is_the_datasheet_s():
     """SG_RESULT falls with the load, more of it with a lower SGT; 0 is a stall, in bit 24 of DRV_STATUS and, asked for and in spreadCycle only, on the pin."""
     driver = SpiDriver("tmc5160")
     driver.registers.update({0x00: 0x3180, 0x14: 0xFFFFF, 0x6D: (-10 & 0x7F) << 16})
-    assert not driver.stalled(200) and driver.registers[0x6F] == 0x80000000 | 60
-    assert driver.stalled(140) and driver.registers[0x6F] == 0x81000000
+    assert not driver.diag_level(200) and driver.registers[0x6F] == 0x80000000 | 60
+    assert driver.diag_level(140) and driver.registers[0x6F] == 0x81000000
     driver.diag = 0
-    assert driver.stalled(140)
+    assert driver.diag_level(140)
     driver.registers[0x6D] = 10 << 16
-    assert not driver.stalled(140) and driver.registers[0x6F] & 1023 == 80
+    assert not driver.diag_level(140) and driver.registers[0x6F] & 1023 == 80
     driver.registers[0x6D] = 0
     for register, silent in ((0x00, 0x3184), (0x00, 0x3100), (0x00, 0x2180), (0x14, 0)):
         before = driver.registers[register]
         driver.registers[register] = silent
-        assert not driver.stalled(0), (register, silent)
+        assert not driver.diag_level(0), (register, silent)
         driver.registers[register] = before
-    assert driver.stalled(0)
+    assert driver.diag_level(0)
 
 
 def test_either_diag_pin_may_be_wired():
