@@ -2,8 +2,8 @@
 
     text = set_values(text, {"step_program.interval_us": 250, "axes.x.steps_per_m": 80000, "inputs.stop": None})
 
-A key is a path of dict keys; within a list of things that have names, such as axes or inputs, it is their name. What is not there is added
-behind its neighbours. None removes: in a file that is like another one it is written, for merge() to take that key away.
+A key is a path of dict keys; within a list of things that have names, such as axes or inputs, it is their name. A new key goes behind its
+neighbours. None removes: in a file that is like another one it is written, for merge() to take that key away.
 """
 
 import ast

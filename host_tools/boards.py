@@ -2,13 +2,13 @@
 
     board = load("plotter_2014")            # boards/plotter_2014.py
     board = load("~/mine/router.py")        # any file with BOARD = {...}
-    data = board_py("router_4axis")         # what lies on the board as board.py: the file, or the whole of one that is like another
+    data = board_py("router_4axis")         # the board's board.py: the file, or the whole of one that is like another
 
-A file with `"like": "router_3axis"` says only what differs from that file of boards/: see merge(). Boards, builds and everything behind
+A file with `"like": "router_3axis"` has only its differences from that file of boards/: see merge(). Boards, builds and everything behind
 load() get the whole.
 
 A board file is data, though it is written in Python: it is read here, and nowhere else on a PC, and never executed.
-What is wrong with a file is a Failure; its values are checked by the firmware (passo.config.boardfile).
+Faults of a file are a Failure; the firmware checks its values (passo.config.boardfile).
 """
 
 import ast
@@ -49,13 +49,13 @@ def path(name):
 
 
 def load(name):
-    """The BOARD dict of a board given by name or path, as it stands there. Raises Failure with what was wrong with the file."""
+    """The BOARD dict of a board given by name or path, as it stands there. Raises Failure if the file is wrong."""
     found = path(name)
-    return checked(table(read(found), found), name)
+    return check_board(table(read(found), found), name)
 
 
-def checked(board, name):
-    """`board`, a dict, which the firmware takes. Raises Failure with what is wrong with it; `name` says which file."""
+def check_board(board, name):
+    """Return `board`, a dict, if the firmware takes it. Raises Failure, with `name`, if it does not."""
     try:
         _check_speeds(check(copy.deepcopy(board)))
     except BoardError as error:
@@ -120,7 +120,7 @@ def read(found):
 
 
 def table(text, found):
-    """The BOARD dict of a board file's text, whole; `found`: where it stands. Raises Failure, with the line of what is more than data."""
+    """The BOARD dict of a board file's text, whole; `found`: where it stands. Raises Failure, with its line, if a statement is more than data."""
     return resolve(_own_table(text, found), found)
 
 
@@ -147,8 +147,7 @@ def resolve(board, found):
 def merge(base, changes, where=""):
     """`base` with `changes`; both stay as they are. None removes a key. A dict is merged key by key; a list of things that have names, such
     as axes or links, name by name: known ones are changed where they stand, new ones go to the end. A dict in the place of such a list is
-    {name: changes}, so that None removes one. Everything else takes the place of what was there.
-    Raises Failure."""
+    {name: changes}, so that None removes one. Any other value replaces the old one. Raises Failure."""
     result = {key: copy.deepcopy(value) for key, value in base.items() if key not in changes}
     for key, change in changes.items():
         before, at = base.get(key), f"{where}{key}"
@@ -180,7 +179,7 @@ def _has_names(value):
 
 
 def text_of_value(value, indent):
-    """The text of a value that stands so many columns in: what does not fit on a line of 120 characters has a line an item."""
+    """The text of a value behind `indent` columns: a value that does not fit on a line of 120 characters has a line an item."""
     text, inner = _line(value), " " * (indent + 4)
     if len(text) + indent <= 120 and indent or not value or not isinstance(value, (dict, list)):
         return text
@@ -201,7 +200,7 @@ def _line(value):
 
 
 def _own_table(text, found):
-    """What a board file itself says: only what differs, if it is like another."""
+    """The dict of a board file itself: only the differences, if it is like another."""
     try:
         with warnings.catch_warnings(action="ignore"):  # a backslash that means nothing, in a comment of several lines
             statements = ast.parse(text).body
@@ -210,7 +209,7 @@ def _own_table(text, found):
     board = None
     for statement in statements:
         if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
-            continue  # what the file says of itself
+            continue  # the file's docstring
         try:
             board = _value(statement)
         except (ValueError, TypeError, RecursionError, MemoryError):
@@ -222,7 +221,7 @@ def _own_table(text, found):
 
 
 def _value(statement):
-    """What `BOARD = …` says. Raises ValueError or another error if it is another statement, or more than plain values."""
+    """The value of `BOARD = …`. Raises ValueError or another error if it is another statement, or more than plain values."""
     if not _assigns_board(statement):
         raise ValueError
     return ast.literal_eval(statement.value)

@@ -1,6 +1,6 @@
-"""The error for users: one line that says what was wrong, where, and what would be right."""
+"""The error for users: one line that names the fault, its place, and the cure."""
 
-from host_tools.language import _, board_file_error, filled
+from host_tools.language import _, board_file_error, fill_in
 
 
 class Failure(Exception):
@@ -11,11 +11,11 @@ class Failure(Exception):
     str() is English, told() the language that was chosen. A value may be another failure."""
 
     def __str__(self):
-        return filled(*self.args) if self.args else ""
+        return fill_in(*self.args) if self.args else ""
 
-    def told(self):
-        """The text, in the language that was chosen. Half a character, which no terminal takes, is shown by its number."""
-        text = _(*(each.told() if isinstance(each, Failure) else each for each in self.args)) if self.args else ""
+    def message(self):
+        """The text in the current language. Half a character, which no terminal takes, is shown by its number."""
+        text = _(*(each.message() if isinstance(each, Failure) else each for each in self.args)) if self.args else ""
         return text.encode("utf-8", "backslashreplace").decode()
 
 

@@ -1,4 +1,4 @@
-"""Starts CPython and MicroPython so that they find no modules but those of Python, of Passo and of what is installed beside it.
+"""Starts CPython and MicroPython so that they find only modules of Python, of Passo and of packages installed beside it.
 
     subprocess.Popen(passo("board", "--board", "plotter_2014"))
     subprocess.run([*python(), "-c", "print(1)"])
@@ -16,7 +16,7 @@ import importlib.util
 import os
 import sys
 
-_PATHS = "PYTHONPATH", "PYTHONHOME", "MICROPYPATH"  # where an interpreter looks for modules, by the user's environment
+_PATHS = "PYTHONPATH", "PYTHONHOME", "MICROPYPATH"  # the user's variables with folders of modules
 _RUN_SCRIPT = "import runpy, sys; sys.path[:0] = {!r}; del sys.argv[0]; runpy.run_path(sys.argv[0], run_name='__main__')"
 _RUN_MICROPYTHON = "import sys; sys.path.append({!r}); import micropython_unix; micropython_unix.main()"
 
@@ -50,8 +50,8 @@ def environment(*folders, **more):
 
 
 def isolate():
-    """Let this process find no modules in the current folder, and what it starts in other ways neither there nor in the user's paths.
-    Windows looks for programs in the current folder first, unless it is told not to."""
+    """Let this process find no modules in the current folder, and processes that it starts in other ways neither there nor in the user's paths.
+    Windows looks for programs in the current folder first if no variable forbids it."""
     for name in _PATHS:
         os.environ.pop(name, None)
     os.environ |= {"PYTHONSAFEPATH": "1", "NoDefaultCurrentDirectoryInExePath": "1"}

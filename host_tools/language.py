@@ -1,4 +1,4 @@
-"""What `passo` says in another language, by gettext: the English text is the key.
+"""Translates the texts of `passo`, by gettext: the English text is the key.
 
     choose("pt")
     error_text(18)                              # "a máquina está ocupada: …"
@@ -6,9 +6,8 @@
     raise Failure("no file {}", path)           # likewise (failure.py), looked up when it is shown
 
 The words of numbered errors and of settings are the page's (firmware/passo/web/page/pt.json), those of the command its own
-(pt.json beside this file): help, failures, and what is printed for people; pt_boards.json has what is wrong with board files. Options have
-theirs in words.py (options.py).
-What programs read is in no language: the port that a board prints, CSV, G-code. `passo --lang` chooses; without it LANGUAGE,
+(pt.json beside this file): help, failures, and texts printed for people; pt_boards.json has faults of board files. Options have theirs in words.py
+(options.py). Output for programs is in no language: the port that a board prints, CSV, G-code. `passo --lang` chooses; without it LANGUAGE,
 LC_ALL, LC_MESSAGES and LANG do, as for any program.
 """
 
@@ -25,7 +24,7 @@ _chosen = None
 
 
 class Catalogue(gettext.NullTranslations):
-    """Words from JSON files; what they lack is said in English."""
+    """Words from JSON files; texts that they lack stay English."""
 
     def __init__(self, words, *files):
         import json
@@ -56,7 +55,7 @@ def choose(language):
     _chosen = language
 
 
-def preferred(environment):
+def language_of(environment):
     """The first of LANGUAGES that variables of the environment ask for: the one of most weight that is set decides."""
     for name in _VARIABLES:
         wanted = environment.get(name, "")
@@ -65,12 +64,12 @@ def preferred(environment):
     return "en"
 
 
-def chosen():
-    """The one of LANGUAGES that is spoken."""
-    return _chosen or preferred(os.environ)
+def current_language():
+    """The one of LANGUAGES in which texts come out."""
+    return _chosen or language_of(os.environ)
 
 
-def filled(text, *values, **named):
+def fill_in(text, *values, **named):
     """`text` with its fields; one without values is taken as it is, braces and all."""
     return text.format(*values, **named) if values or named else text
 
@@ -100,21 +99,22 @@ def count_text(count, noun):
 
 def _(text, *values, **named):
     """`text` in the language chosen, with its fields."""
-    return filled(catalogue(chosen()).gettext(text), *values, **named)
+    return fill_in(catalogue(current_language()).gettext(text), *values, **named)
 
 
-def reworded(text, sentences):
+def reword(text, sentences):
     """`text` that is one of `sentences` with its fields filled in, in the language chosen; any other as it is. Fields are reworded too."""
     for sentence in sentences:
         found = re.fullmatch(re.escape(sentence).replace(r"\{\}", "(.*?)"), text, re.DOTALL)
         if found:
-            return _(sentence, *(reworded(each, sentences) for each in found.groups()))
+            return _(sentence, *(reword(each, sentences) for each in found.groups()))
     return text
 
 
 @lru_cache(maxsize=1000)
 def in_languages(text):
-    """{language: `text` in it} of what another program has said in one of LANGUAGES, fields too; it may be none of our texts. "" of none."""
+    """{language: `text` in it} of another program's text in one of LANGUAGES, fields too; a text that is not ours stays as it is. "" if it is
+    empty."""
     if not text:
         return ""
     words = catalogue("pt").words
@@ -127,7 +127,7 @@ def in_languages(text):
         found = next(filter(None, (pattern.fullmatch(text) for pattern in patterns)), None)
         if found:
             fields = [in_languages(each) for each in found.groups()]
-            return {language: _refilled(form, [field[language] for field in fields]) for language, form in zip(LANGUAGES, pair)}
+            return {language: _refill(form, [field[language] for field in fields]) for language, form in zip(LANGUAGES, pair)}
     return {"en": text, "pt": text}
 
 
@@ -136,7 +136,7 @@ _FIELD = re.compile(r"\{[^{}]*\}")
 
 @lru_cache(maxsize=1)
 def _with_fields():
-    """[((English, Portuguese), (pattern of each))] of texts with fields: what has most words of its own comes first."""
+    """[((English, Portuguese), (pattern of each))] of texts with fields: those with most words of their own first."""
 
     def pattern(text):
         return re.compile("(.*?)".join(map(re.escape, _FIELD.split(text))), re.DOTALL)
@@ -146,18 +146,18 @@ def _with_fields():
     return [(pair, tuple(map(pattern, pair))) for pair in words]
 
 
-def _refilled(form, fields):
+def _refill(form, fields):
     return "".join(part + field for part, field in zip(_FIELD.split(form), [*fields, ""]))
 
 
 def board_file_error(text):
-    """What the firmware says of a wrong board file, in the language chosen."""
-    return reworded(text, _sentences(chosen()))
+    """The firmware's text about a wrong board file, in the current language."""
+    return reword(text, _sentences(current_language()))
 
 
 @lru_cache(maxsize=None)
 def _sentences(language):
-    """Those of board files and options, with `{}` where the firmware has its values: what has most words of its own comes first."""
+    """Sentences about board files and options, with `{}` for the firmware's values: those with most words of their own first."""
     if language == "en":
         return []
     from host_tools import options
@@ -167,7 +167,7 @@ def _sentences(language):
 
 
 def line_text(number):
-    """What line `number` of a file is called."""
+    """The name of line `number` of a file."""
     return _("line {}", number)
 
 
@@ -189,7 +189,7 @@ def speak(command):
     """Put the help of a command and its subcommands, and of their options, into the language chosen."""
     for each in [command, *command.params]:
         english = each.english = getattr(each, "english", getattr(each, "help", None))
-        if english and catalogue(chosen()) is not catalogue("en"):
+        if english and catalogue(current_language()) is not catalogue("en"):
             each.help = "".join(before + _(text) + after for before, text, after in pieces(english))
         else:
             each.help = english
@@ -198,7 +198,7 @@ def speak(command):
 
 
 def error_text(number):
-    """What error or alarm `number` means, in one line."""
+    """The meaning of error or alarm `number`, in one line."""
     from passo import error_texts
 
     return _(error_texts.text(number))

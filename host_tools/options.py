@@ -1,4 +1,4 @@
-"""What options say of themselves to people: `words.py` in their folders, which no board has.
+"""Texts of options for people: `words.py` in their folders, which no board has.
 
     settings()      # {58: ("parking: target, machine coordinate", "mm", -2000, 2000), …}
     status()        # {"Vac": "vacuum cleaner", …}

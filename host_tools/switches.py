@@ -2,7 +2,7 @@
 
     for text in cautions(board): …          # a line each, with the names that it may have
 
-A plain fault of a board file that is in use: it is said, and the board is built and starts as before.
+A plain fault of a board file that is in use: `passo` warns of it, and the board is built and starts as before.
 """
 
 import sys
@@ -15,7 +15,7 @@ _OF_GCODE = {"flood", "mist", "reverse", "clamp"}
 _NUMBERED = {f"p{number}" for number in range(10)}
 
 
-def unswitched(board):
+def outputs_without_switch(board):
     """Names of the outputs that nothing switches."""
     gcode = any(link["protocol"] == "grbl" for link in board["links"])
     clamped = "clamp" in names_of(board.get("outputs"), 2)
@@ -34,7 +34,7 @@ def _is_switched(item, gcode, clamped):
 
 def cautions(board):
     """A sentence of each output that nothing switches."""
-    free = unswitched(board)
+    free = outputs_without_switch(board)
     return [_caution(board, name) for name in free]
 
 

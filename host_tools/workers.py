@@ -5,7 +5,7 @@
     with table(Path("results.csv"), ("item", "result")) as write: write(cells)
 
 `work(item)`: a function of a module, which another process imports; so items and results are pickled. If a worker
-dies, the item it had is tried again, TRIES times in all; then its result is DIED. What `work` raises ends it all.
+dies, the item it had is tried again, TRIES times in all; then its result is DIED. An exception of `work` ends all work.
 
 A task costs a cluster 4 ms, so small items go there several a task, as many as take _TASK_S. They are tried again together; those of a task
 that has used up its tries are then tried each by itself.
@@ -51,7 +51,7 @@ class _Worker:
 
 
 def _serve(work, pipe):
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever started this ends it
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process ends it
     while True:
         try:
             pipe.send((work(pipe.recv()), None))

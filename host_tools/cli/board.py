@@ -208,12 +208,12 @@ def _radio(config, ports, key):
 
 def _tell(radio):
     if radio is not None:
-        from host_tools.clients.page_key import shown
+        from host_tools.clients.page_key import in_groups
 
         for kind in radio.kinds():
             path = f"/#key={radio.key}" if kind == "http" else ""
             print(f"{kind}: {kind}://127.0.0.1:{radio.port(kind)}{path}")
-        print(f"key: {shown(radio.key)}", flush=True)
+        print(f"key: {in_groups(radio.key)}", flush=True)
 
 
 def _loop(machine, stopped):

@@ -78,7 +78,7 @@ def work(item):
             job.origin = program.origin
             job.run(program.rows())
         except Failure as failure:
-            return Row(0.0, 0, (), (), failure.told())
+            return Row(0.0, 0, (), (), failure.message())
         return Row(job.seconds, job.track.steps, tuple(map(float, job.low)), tuple(map(float, job.high)), _fault(job, program))
 
 
@@ -107,7 +107,7 @@ def check_folder(folder, board, place, dialect, tools, out, count, cluster):
     if board.endswith(".py"):
         board = Sent.of(Path(board).expanduser(), travels)
     table = tools and Sent.of(tools, travels)
-    items = (Item(Sent.of(path, travels), board, table, dialect, place, language.chosen()) for path in files)
+    items = (Item(Sent.of(path, travels), board, table, dialect, place, language.current_language()) for path in files)
     begun = time.monotonic()
     found = workers.done(work, items, min(count or os.cpu_count() or 1, len(files)), cluster)
     width = min(max(len(_name(folder, path)) for path in files), 60)

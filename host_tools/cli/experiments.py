@@ -82,7 +82,7 @@ def measure(names, place):
                 outcome = run(name, place)
                 failed = failed or any(row.agrees is False for row in outcome.rows)
         except (Failure, OSError, CopyFailed) as error:
-            outcome, failed = error.told() if isinstance(error, Failure) else str(error).strip().splitlines()[-1], True
+            outcome, failed = error.message() if isinstance(error, Failure) else str(error).strip().splitlines()[-1], True
             tell(f"{name}: {outcome}")
         except KeyboardInterrupt:
             return [*done, (name, _("interrupted"))], True

@@ -98,13 +98,13 @@ class Kit:
 
     def press(self, data):
         """Send one task: a byte, or two for a speed."""
-        from host_tools.clients.serial_port import gone
+        from host_tools.clients.serial_port import port_error
 
         try:
             self._serial.write(data)
             self._serial.flush()
         except (OSError, ValueError) as error:
-            raise gone(self._serial.port, error) from error
+            raise port_error(self._serial.port, error) from error
         self._note(data)
 
     def _note(self, data):
@@ -167,7 +167,7 @@ def _speed(kit, key):
         try:
             kit.play(parse(f"{key}{digits}"))
         except Failure as failure:
-            print(f"\r\x1b[K{failure.told()}\r")
+            print(f"\r\x1b[K{failure.message()}\r")
 
 
 @contextmanager

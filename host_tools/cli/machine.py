@@ -272,7 +272,7 @@ def _edited(file, text, pairs):
 
     boards.table(text, file)
     text = board_edit.set_values(text, dict(board_edit.parse(pair) for pair in pairs))
-    boards.checked(boards.table(text, file), file)
+    boards.check_board(boards.table(text, file), file)
     return text
 
 

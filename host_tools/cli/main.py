@@ -163,7 +163,7 @@ def main():
         help_with_first_steps(command)
         command()
     except Failure as failure:
-        print(f"passo: {failure.told()}", file=sys.stderr)
+        print(f"passo: {failure.message()}", file=sys.stderr)
         sys.exit(1)
     except ModuleNotFoundError as missing:
         explained = explain_missing(missing.name)

@@ -107,7 +107,7 @@ class Panel:
         except (LinkError, Stopped):
             raise
         except Failure as refused:
-            self._typed, self._said = "", refused.told()
+            self._typed, self._said = "", refused.message()
 
     def _show(self, status):
         if not sys.stderr.isatty():

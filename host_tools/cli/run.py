@@ -109,5 +109,5 @@ if __name__ == "__main__":
     try:
         main()
     except Failure as failure:
-        print(f"run: {failure.told()}", file=sys.stderr)
+        print(f"run: {failure.message()}", file=sys.stderr)
         sys.exit(1)

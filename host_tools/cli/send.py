@@ -108,7 +108,7 @@ def _converse(client):
                 _send(client, item)
         except Failure as failure:
             failed = failure
-            print(failure.told(), file=sys.stderr)
+            print(failure.message(), file=sys.stderr)
     if failed and not tty:
         raise Failure("not every packet was carried out")
 

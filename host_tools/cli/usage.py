@@ -5,7 +5,7 @@
 
 import typer
 
-from host_tools.language import N_, _, reworded
+from host_tools.language import N_, _, reword
 
 FRAMES = {
     "ARGUMENTS_PANEL_TITLE": N_("Arguments"), "OPTIONS_PANEL_TITLE": N_("Options"), "COMMANDS_PANEL_TITLE": N_("Commands"),
@@ -41,7 +41,7 @@ def _refusing(plain):
         try:
             return plain(*arguments, **named)
         except refusal as error:
-            text = reworded(error.format_message(), SENTENCES)
+            text = reword(error.format_message(), SENTENCES)
             error.format_message = lambda: text
             raise
 

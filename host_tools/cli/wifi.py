@@ -108,7 +108,7 @@ def _set(mode, name, passphrase, port, new_key):
     if status:
         raise Failure("the board on {} did not take the file: try again", port)
     print(_("access point {}; the board starts anew", name) if mode == "access" else _("station of {}; the board starts anew", name))
-    print(f"key: {page_key.shown(key)}")
+    print(f"key: {page_key.in_groups(key)}")
     if len(passphrase) < _WEAK:
         print(_("a passphrase of {} characters or more would be harder to guess", _WEAK), file=sys.stderr)
 
@@ -160,7 +160,7 @@ def show(port: Port = None):
         return
     name = found["name"]
     print(_("access point {}", name) if found["mode"] == "access" else _("station of {}", name))
-    print(f"key: {page_key.shown(_key_of(found))}" if _key_of(found) else _("its key is too short, and the radio stays off: passo wifi {} makes a new one", found["mode"]))
+    print(f"key: {page_key.in_groups(_key_of(found))}" if _key_of(found) else _("its key is too short, and the radio stays off: passo wifi {} makes a new one", found["mode"]))
 
 
 @app.command()

@@ -1,11 +1,11 @@
-"""What the clients of several languages have in common: an open port that may go away, and a log of what passes.
+"""The base of clients of several languages: an open port that may go away, and a log of all bytes.
 
     class GrblClient(Client): …         # with GrblClient(…) as client: closes port and log at its end
 """
 
 import time
 
-from host_tools.clients.serial_port import gone
+from host_tools.clients.serial_port import port_error
 
 
 class Client:
@@ -30,7 +30,7 @@ class Client:
         try:
             self._serial.write(data)
         except (OSError, ValueError) as error:
-            raise gone(self.port, error) from error
+            raise port_error(self.port, error) from error
 
     def _write_now(self, data, cut=False):
         """Send real-time bytes; in frames they overtake what is written, or, if they `cut`, end it. Raises LinkError."""
@@ -41,19 +41,19 @@ class Client:
         try:
             self._serial.urgent(data, cut)
         except OSError as error:
-            raise gone(self.port, error) from error
+            raise port_error(self.port, error) from error
 
     def _read(self):
         """The bytes received, after a short wait if there are none. Raises LinkError."""
         try:
             return self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError, ValueError) as error:
-            raise gone(self.port, error) from error
+            raise port_error(self.port, error) from error
 
     def _note(self, arrow, data):
         if self._log:
-            self._log.write(f"{time.time():.3f} {arrow} {self._shown(data)}\n")
+            self._log.write(f"{time.time():.3f} {arrow} {self._log_text(data)}\n")
 
-    def _shown(self, data):
+    def _log_text(self, data):
         """Bytes as the log has them."""
         return repr(data)

@@ -1,10 +1,10 @@
 """The reference client of docs/reference/languages/frames.md: a serial port whose bytes go in frames, so that none is lost, doubled or changed.
 
-    opened = offered(serial.Serial("/dev/ttyACM0", 115200, timeout=0.05))    # a FramedPort, or the same port if the board has no frames
+    opened = offer_frames(serial.Serial("/dev/ttyACM0", 115200, timeout=0.05))    # a FramedPort, or the same port if the board has no frames
     opened.write(b"G1X1\\n")                # one message: a line, a packet, a command
-    opened.read(100)                        # what the board says, as from a serial port
+    opened.read(100)                        # bytes of the board, as from a serial port
     opened.urgent(b"!")                     # ahead of all that is written
-    opened.urgent(b"\\x18", cut=True)        # and what has been written and has not come is dropped
+    opened.urgent(b"\\x18", cut=True)        # and drop written bytes that have not come
     opened.report(250, b"?")                # the board asks itself every 250 ms
     opened.close()
 
@@ -37,7 +37,7 @@ _PROBE = b"$G\n"
 _ENDED = re.compile(rb"(?:^|\n)(ok|error:\d+)\r?\n")
 
 
-def offered(port, wait_s=OFFER_S, text=False, patient=False):
+def offer_frames(port, wait_s=OFFER_S, text=False, patient=False):
     """`port`, an open pyserial port, or a FramedPort on it if the board answers HELLO within `wait_s`. `text`: the link's language has
     lines, each of which is answered by one; then a board without frames is found out at once, unless `patient`: on a bad wire one that has
     them may miss the first HELLO."""
@@ -46,7 +46,7 @@ def offered(port, wait_s=OFFER_S, text=False, patient=False):
         port.timeout = framed.timeout
         opened = port
     if text:
-        opened.write(_PROBE)  # what came of HELLO ends, or what another program has written before it in frames
+        opened.write(_PROBE)  # ends the line begun by HELLO, or by another program's frames before it
         heard, end_ms = b"", _milliseconds() + 1000 * wait_s
         while not _ENDED.search(heard) and _milliseconds() < end_ms:
             heard += opened.read(1)
@@ -74,7 +74,7 @@ class FramedPort:
         self._new = self._open = self._leaving = False
         self._delimited = False  # a byte 0 has come, which no language of lines has
         self._said_ms = 0  # of HELLO; 0: not yet
-        self._pleading_ms = None  # since when nothing else is said: whoever does not look for a while has lost nothing
+        self._pleading_ms = None  # since then only HELLO is sent; set by a call, so that a program that paused loses nothing
         self._heard_ms = self._sent_ms = clock()
 
     def begin(self, wait_s, text=False):
@@ -119,9 +119,9 @@ class FramedPort:
         self._pump()
 
     def urgent(self, data, cut=False):
-        """Real-time bytes, ahead of what is written. `cut`: the board drops what was written before and has not come."""
+        """Send real-time bytes ahead of written ones. `cut`: the board drops bytes that were written before and have not come."""
         if cut:
-            sender = self._sender  # what may be under way is less than half of the numbers; of more the board would not know the way round
+            sender = self._sender  # less than half of the numbers are under way, or the board could not tell old from new
             behind = (sender.first + min(sender.kept, NUMBERS // 2 - 1)) % NUMBERS
             sender.clear(behind)
             data = behind.to_bytes(2, "big") + data
@@ -129,7 +129,7 @@ class FramedPort:
         self._pump()
 
     def report(self, every_ms, question):
-        """Have the board ask itself `question`, and answer here, every so many ms; 0: not any more."""
+        """Have the board ask itself `question` every `every_ms` ms and send the answer; 0: stop that."""
         self._urgents.append((REPORT, every_ms.to_bytes(2, "big") + question))
         self._pump()
 

@@ -50,7 +50,7 @@ class GrblClient(Client):
         self._write_now(data, RESET in data)
 
     def report(self, every_ms):
-        """Have the board report its status by itself every so many ms; 0: not any more. False if it cannot."""
+        """Have the board report its status by itself every `every_ms` ms; 0: stop that. False if it cannot."""
         if self.framed:
             self._serial.report(every_ms, b"?")
         return self.framed
@@ -96,8 +96,8 @@ class GrblClient(Client):
     # --- lines
 
     def connect(self):
-        """Reset the controller, if its machine stands, and wait for its banner. Raises LinkError if nothing, or something else,
-        answers; Refused if the machine is at work, for whoever it may be."""
+        """Reset the controller, if its machine stands, and wait for its banner. Raises LinkError if the answer is missing or not grbl's; Refused if
+        the machine is at work."""
         self.be_sure_it_stands()
         self.reset()
         return self

@@ -6,7 +6,7 @@
     wire.order(Command(HOLD))                    # answered(event) follows: of a reset once the board has begun anew
     wire.feed(data, now_ms)                      # heard(line, owner) of each line that is no answer
 
-A controller answers each line once, in order; so the answers find their way by a list of who has asked.
+A controller answers each line once, in order: a list of the owners of lines leads each answer back.
 """
 
 from micropython import const
@@ -16,11 +16,11 @@ from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.gcode.words import longest
 from passo.protocols.grbl.lines import real_time
 
-# Of each grbl's reports; what else is there is a word of commands.STATUS_WORDS, or of an option.
+# Fields of every grbl's reports; others are words of commands.STATUS_WORDS, or of an option.
 FIELDS = ("state", "MPos", "WPos", "WCO", "FS", "F", "Ov", "A", "Pn", "Ln", "Bf")
 PAGE = const(0)
 GUEST = const(1)
-RX_ROOM = const(128)  # bytes of lines under way: what every grbl has room for
+RX_ROOM = const(128)  # bytes of lines under way that every grbl has room for
 _NUMBER = const(8)  # characters of an N word
 _MOST_NUMBER = const(9_999_999)
 _LONGEST = const(1024)  # bytes of a line from the board; more is noise
@@ -47,7 +47,7 @@ class Wire:
         self._buffer = b""
 
     def room(self, length):
-        """True if a line of so many bytes may be sent now."""
+        """True if a line of `length` bytes may be sent now."""
         return not self._under_way or self._bytes + length + 1 <= self.window
 
     def of(self, owner):
@@ -83,14 +83,14 @@ class Wire:
         self.write(b"?")
 
     def silent(self):
-        """What is under way may still be answered."""
+        """Do nothing: the board may still answer the lines under way."""
 
     def oldest(self):
         """The line that is answered next, b"" if there is none."""
         return self._under_way[0][1] if self._under_way else b""
 
     def feed(self, data, now_ms):
-        """What the board has said."""
+        """Take bytes of the board."""
         lines, rest = whole_lines(self._buffer + data)
         self._buffer = b""
         for line in lines:
@@ -109,7 +109,7 @@ class Wire:
         self._buffer = rest
 
     def drop(self):
-        """The board has begun anew: what was under way is not answered any more."""
+        """Give up the lines under way, because the board has begun anew: their answer is LOST."""
         lost = self._under_way
         self._under_way = []
         self._bytes = 0

@@ -1,4 +1,4 @@
-"""A client of the two-motor kit's board for what is no key: lines about its settings.
+"""A client of the two-motor kit's board for its settings, which have lines; keys need no client.
 
     with KeysClient("/dev/ttyUSB0") as client:
         client.ask("$100")                  # ["$100=1.111"]
@@ -8,7 +8,7 @@ import time
 
 from host_tools.clients.client import Client
 from host_tools.clients.answers import complete
-from host_tools.clients.refusal import answered
+from host_tools.clients.refusal import lines_before_ok
 from host_tools.clients.serial_port import LinkError
 from host_tools.clients.wire import open_port
 from passo.protocols.typed_words import line_of
@@ -32,4 +32,4 @@ class KeysClient(Client):
             if time.monotonic() > deadline:
                 raise LinkError("{}: no answer to {}; is it a board of Passo, and its speed?", self.port, line)
             text += self._read().decode("ascii", "replace")
-        return answered(line, text)
+        return lines_before_ok(line, text)

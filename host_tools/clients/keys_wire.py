@@ -1,4 +1,4 @@
-"""The kit's keys as the page's machine speaks them: keys out, and what has been refused in.
+"""The kit's keys as the page's machine speaks them: keys out, refusals in.
 
     wire = KeysWire(write, machine)     # machine.report(dict), machine.answered(event)
     wire.open = True                    # the port is: a kit that does not answer is taken to be there

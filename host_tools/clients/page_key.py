@@ -1,7 +1,7 @@
 """The key of a board's page, as people read it: passo/web/session.py proves orders by it.
 
     key = make_key(os.urandom)
-    read_key("abcd-efgh …"), shown(key)
+    read_key("abcd-efgh …"), in_groups(key)
 """
 
 KEY_LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # none looks like another
@@ -9,11 +9,11 @@ _KEY_LENGTH = 16  # of 32 letters: 80 bits
 
 
 def make_key(random):
-    """A new key of 80 bits. `random(count)`: so many random bytes, from the system."""
+    """A new key of 80 bits. `random(count)`: `count` random bytes, from the system."""
     return "".join([KEY_LETTERS[byte & 31] for byte in random(_KEY_LENGTH)])
 
 
-def shown(key):
+def in_groups(key):
     """The key as people read it: groups of four."""
     return "-".join([key[at : at + 4] for at in range(0, len(key), 4)])
 

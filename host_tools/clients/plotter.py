@@ -97,10 +97,10 @@ class PlotterClient:
         """Draw the object and wait until it is drawn. `points`: their number; a lost answer is recognised by it. Calls
         `progress(status)` about once a second."""
 
-        def drawn(status):
+        def has_drawn(status):
             return points is not None and status["drawn"] >= points
 
-        self._perform("END", "DONE", drawn, progress)
+        self._perform("END", "DONE", has_drawn, progress)
 
     def origin(self, progress=None):
         """Home the machine and wait until it stands at 0;0."""

@@ -2,8 +2,8 @@
 
     wire = PlotterWire(write, board, machine)       # machine.answered(event), machine.report(dict)
 
-One packet is under way at a time. The language has no word for "no": STATUS, which is asked all the time, tells what was refused. What is
-not answered, though a later STATUS is, has got lost and is said again; a point twice is a line of no length.
+One packet is under way at a time. The language has no word for "no": STATUS, which is asked all the time, tells the refusals. If a later STATUS is
+answered, but not the packet before it, the packet was lost and is sent again; a point twice is a line of no length.
 """
 
 from micropython import const
@@ -33,12 +33,12 @@ class PlotterWire:
         self._buffer = b""
         self._heard_ms = 0
         self._command = None  # under way
-        self._asked = 0  # STATUS answered since it was said
+        self._asked = 0  # STATUS answered since it was sent
         self._idle = 0  # of these the newest in a row that said idle
         self._attempts = 0
-        self.retries = 0  # packets that were said again
+        self.retries = 0  # packets that were sent again
         self._packets = []  # those of a line about settings that are left
-        self._text = None  # of its answer so far, once all have been said
+        self._text = None  # of its answer so far, once all have been sent
         self._told = 0  # the error of such an answer: the next STATUS has it, too
 
     # --- commands
@@ -90,7 +90,7 @@ class PlotterWire:
 
     silent = drop
 
-    # --- what is heard
+    # --- answers
 
     def feed(self, data, now_ms):
         if self._buffer and (now_ms - self._heard_ms) % 0x20000000 > _TORN_MS:
@@ -141,7 +141,7 @@ class PlotterWire:
         self._machine.report(status)
 
     def _settle(self, name, error, free):
-        """What a STATUS tells of the packet under way, which has not been answered: refused, held back, done, or lost."""
+        """Take from a STATUS whether the packet under way, which has no answer, was refused, held back, done, or lost."""
         kind = self._command.kind
         refused = error if error == errors.STOPPED or error not in PlotterPage.untold else 0
         if refused or name == "alarm" and kind not in (commands.HOME, commands.STOP):

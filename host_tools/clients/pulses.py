@@ -30,7 +30,7 @@ class PulsesClient(Client):
         self._serial.timeout = 0.01
         self._part = b""
         self.acks = 0
-        self.said = []  # what came unasked
+        self.said = []  # unasked messages
 
     # --- the wire
 
@@ -115,7 +115,7 @@ class PulsesClient(Client):
         self.send(b"\n")
         self.acks = 0
         sent = 0
-        piece, at = b"", 0  # what is being sent, and how much of it is
+        piece, at = b"", 0  # the piece under way, and its bytes sent
         latest = time.monotonic()
         while True:
             if at == len(piece):
@@ -147,7 +147,7 @@ class PulsesClient(Client):
         return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, self._looking(idle)).split()[1])
 
     def _looking(self, idle):
-        """`idle`, and now and then a look whether the board still answers: what is streamed may take hours. Raises LinkError."""
+        """A function that calls `idle`, and asks the board each TIMEOUT_S whether it still answers: a stream may take hours. It raises LinkError."""
         latest = [time.monotonic()]
 
         def looking():

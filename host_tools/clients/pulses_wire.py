@@ -3,11 +3,11 @@
     wire = PulsesWire(write, "xyz", machine)
     wire.order(command)                         # machine.answered(event) follows
     wire.control(("load", 100), answered)       # True if it was sent; answered(error) follows, 0: ok
-    wire.feed(data, now_ms)                     # machine.report(dict) of each status, machine.heard(line) of what answers nothing
+    wire.feed(data, now_ms)                     # machine.report(dict) of each status, machine.heard(line) of lines that are no answer
 
-A board answers control commands in order. Errors of a file come between them, with their line and column or without a command that
-waits: those are heard, and never take the place of an answer. {end} is the exception: of a file that has failed there may be an
-answer to it or not; the next status tells.
+A board answers control commands in order. Errors of a file come between them, with their line and column or without a command that waits: those go
+to heard(), and never take the place of an answer. {end} is the exception: a board may or may not answer it after a file has failed; the next status
+shows that.
 """
 
 from micropython import const
@@ -93,11 +93,11 @@ class PulsesWire:
         return len(self._under_way) < _MOST or command.kind == commands.STOP
 
     def order(self, command):
-        def answered(error):
+        def tell_machine(error):
             told, self._told = self._told, []
             self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
 
-        self._send(words_of(command, self._axes), answered)
+        self._send(words_of(command, self._axes), tell_machine)
 
     def ask(self):
         self.control(_ASK, None)
@@ -124,10 +124,10 @@ class PulsesWire:
         self.credit -= len(data)
         self._write(data)
 
-    # --- what is heard
+    # --- answers
 
     def drop(self):
-        """Nothing that is under way will be answered."""
+        """Give up the commands under way: their answer is LOST."""
         lost = self._under_way
         self._under_way = []
         self._buffer = b""

@@ -19,12 +19,12 @@ class Refused(Failure):
 
 
 def explain(answer, line=b""):
-    """An `error:N` with its meaning, and what it comes from if the line shows it."""
+    """An `error:N` with its meaning, and its cause if the line shows it."""
     number = re.sub(r"\D", "", answer)
     return _("error {}, {}", number, meaning(int(number), line)) if number else answer
 
 
-def answered(line, text):
+def lines_before_ok(line, text):
     """The lines before the ok of an answer. Raises Refused."""
     *told, last = text.splitlines()
     if last != "ok":
@@ -33,7 +33,7 @@ def answered(line, text):
 
 
 def meaning(error, line):
-    """What an error means, for the line (bytes) that it refuses."""
+    """The meaning of an error, for the line (bytes) that it refuses."""
     if error == errors.LETTER and _CHECKSUM.search(line):
         return _("checksums such as {} are for 3D printers: switch them off in the program that made the file", _CHECKSUM.search(line)[0].decode())
     text = bare(line)

@@ -26,8 +26,8 @@ class LinkError(Failure):
     """The port, the wire or the device at its other end failed."""
 
 
-def gone(port, error):
-    """A LinkError: what is known of a port that was open."""
+def port_error(port, error):
+    """A LinkError for an open port that went away."""
     if str(port).startswith("socket://"):
         return LinkError("{} hung up: the board has ended, or another program has taken the connection ({})", port, reason(error))
     return LinkError("port {} went away: {}", port, reason(error))
@@ -36,14 +36,14 @@ def gone(port, error):
 def open_link(port, baud, slice_s, text):
     """As open_exclusively(), without old input; a FramedPort if the board has frames. It is asked if the language is of lines, each answered
     by one (`text`), or if `frames` says so; then for longer, as the wire may be bad."""
-    from host_tools.clients.frames import SURE_S, offered
+    from host_tools.clients.frames import SURE_S, offer_frames
 
     opened = open_exclusively(port, baud, slice_s)
     try:
         opened.reset_input_buffer()
         if text if frames is None else frames:
             plain = opened
-            opened = offered(plain, SURE_S, text, True) if frames else offered(plain, text=text)
+            opened = offer_frames(plain, SURE_S, text, True) if frames else offer_frames(plain, text=text)
             if frames and opened is plain:
                 plain.close()
                 raise LinkError("the board on {} answers no frames: leave --frames out, or give its link the key in the board file", port)
@@ -51,7 +51,7 @@ def open_link(port, baud, slice_s, text):
         return opened
     except OSError as error:
         opened.close()
-        raise gone(port, error) from error
+        raise port_error(port, error) from error
 
 
 def open_exclusively(port, baud, slice_s):
@@ -64,7 +64,7 @@ def open_exclusively(port, baud, slice_s):
         if "://" in str(port):
             lock = _lock_of_url(str(port))
             opened = serial.serial_for_url(port, baudrate=baud, timeout=slice_s, write_timeout=5)
-            _closed_with(opened, lock)
+            _release_lock_with(opened, lock)
         else:
             _refuse_left_link(str(port))
             opened = serial.serial_for_url(port, baudrate=baud, timeout=slice_s, write_timeout=5, exclusive=True)
@@ -135,8 +135,8 @@ def _lock_of_url(url):
     return descriptor
 
 
-def _closed_with(opened, lock):
-    """Give the lock up when the port is closed."""
+def _release_lock_with(opened, lock):
+    """Have the port's close() release the lock."""
     close = opened.close
 
     def close_both():
@@ -165,7 +165,7 @@ def _users_of(port):
 
 
 def _command(process):
-    """What a person typed, roughly: without the interpreter and its folders."""
+    """The command line of a process, about as a person typed it: without the interpreter and its folders."""
     words = (process / "cmdline").read_bytes().decode("utf-8", "replace").split("\0")
     words = [word for word in words if word]
     if words and Path(words[0]).name.startswith("python"):

@@ -87,7 +87,7 @@ class Asked:
         return told.partition("=")[2]
 
     def command(self, line):
-        """As a grbl client's, for back-ups: of lines that this language has not, none are told. Raises Refused."""
+        """The answer to a line, as a grbl client's, for back-ups; [] if this language does not have the line. Raises Refused."""
         if line == "$$":
             return [f"${number}={self.get(number)}" for number in self.numbers()]
         return self.client.ask(line) if line.startswith("$") and "=" in line else []

@@ -2,9 +2,9 @@
 
     bridge = Bridge("passo.local", 23, key, line)       # line: host_tools.sim.serial_line's PtyLine or TcpLine
     while True:
-        bridge.turn(100)                                # at most so many ms
+        bridge.turn(100)                                # at most 100 ms
 
-The other end is passo/web/signed.py, which says what is sent.
+The other end is passo/web/signed.py, which describes the bytes.
 """
 
 import select
@@ -47,7 +47,7 @@ class Bridge:
         return first[7:-1]
 
     def turn(self, milliseconds):
-        """Carry bytes both ways; wait for some at most so long. Raises Failure when the board hangs up."""
+        """Carry bytes both ways; wait for them at most `milliseconds`. Raises Failure when the board hangs up."""
         if self._rest:
             self._line.write(self._rest)
             self._rest = b""
@@ -56,7 +56,7 @@ class Bridge:
             data = self._socket.recv(_READ) if self._socket in ready else None
             typed = self._line.read()
             if typed:
-                self._socket.sendall(self._signed(typed))
+                self._socket.sendall(self._prove_bytes(typed))
         except OSError as error:
             raise Failure("the board has hung up: {}", reason(error)) from error
         if data == b"":
@@ -64,8 +64,8 @@ class Bridge:
         if data:
             self._line.write(data)
 
-    def _signed(self, data):
-        """What the board is sent for a sender's bytes."""
+    def _prove_bytes(self, data):
+        """A sender's bytes as lines with proofs for the board; real-time bytes of FREE as they are."""
         out = b""
         for byte in data:
             if byte in FREE:

@@ -14,7 +14,7 @@ import time
 from host_tools.clients import refusal
 from host_tools.clients.client import Client
 from host_tools.clients.answers import complete
-from host_tools.clients.refusal import answered
+from host_tools.clients.refusal import lines_before_ok
 from host_tools.clients.torch_wire import Answers
 from host_tools.clients.serial_port import LinkError
 from host_tools.clients.wire import open_port
@@ -48,7 +48,7 @@ class TorchClient(Client):
     def send(self, data):
         self._write(data)
 
-    def _shown(self, data):
+    def _log_text(self, data):
         return data.hex(" ")
 
     def _listen(self, name, seconds):
@@ -115,9 +115,9 @@ class TorchClient(Client):
         while fields is not None:
             text += fields["text"]
             if complete(text):
-                return answered(line, text)
+                return lines_before_ok(line, text)
             fields = self._listen("TEXT", self.timeout_s)
-        self.status()  # which clears the error of what was not understood
+        self.status()  # this clears the error of the frame that was not understood
         raise refusal.Refused("{}: the board's firmware is older than its settings' lines: flash it anew", line, number=errors.STATEMENT)
 
     # --- commands

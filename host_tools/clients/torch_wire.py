@@ -2,7 +2,7 @@
 
     wire = TorchWire(write, machine)        # machine.answered(event), machine.report(dict)
 
-Nothing but a line about settings is answered: what is said is taken for done. The board counts what it drops, and its reports say why.
+The board answers lines about settings only: other commands count as done once sent. The board counts those it drops, and its reports say why.
 """
 
 import struct
@@ -71,7 +71,7 @@ class TorchWire:
         self._answers = Answers()
         self._line = None  # the command of a line that is not answered
         self._text = ""  # of its answer so far
-        self._reports = 0  # since it was said
+        self._reports = 0  # since it was sent
 
     def takes(self, command):
         return True
@@ -90,7 +90,7 @@ class TorchWire:
         self._write(torch.passo(torch.STATUS_OF))
 
     def drop(self):
-        """Nothing but a line about a setting waits for an answer."""
+        """Give up the line about a setting; other commands wait for no answer."""
         self._drop_line()
 
     def _drop_line(self, error=errors.NO_ANSWER, told=None):
@@ -99,7 +99,7 @@ class TorchWire:
             self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error, told))
 
     def _late_line(self):
-        """A board answers in order: what several reports have overtaken, it does not know."""
+        """Give up a line that several reports have overtaken: a board answers in order, so it does not know the line."""
         self._reports += 1
         if self._line and self._reports > _OVERTAKEN:
             self._drop_line()

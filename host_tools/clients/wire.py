@@ -9,7 +9,7 @@ A STATUS answer is twelve bytes and every other answer one, so a `?` makes the r
 
 import time
 
-from host_tools.clients.serial_port import gone, open_link
+from host_tools.clients.serial_port import open_link, port_error
 from passo.protocols.plotter import host as plotter
 
 _SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
@@ -21,7 +21,7 @@ RESEND = ANSWER["RESEND"]
 NAMES = {code: name for name, code in plotter.COMMANDS.items()}
 
 
-def signed(data):
+def log_text(data):
     """Bytes as the log of 2014 shows them: [109, 2, -124, 1, 58, 46]."""
     return "[" + ", ".join(str(byte - 256 if byte > 127 else byte) for byte in data) + "]"
 
@@ -35,14 +35,14 @@ def packet_name(data):
 
 def packet_text(data):
     """A packet in one line: name, signed bytes, hex."""
-    text = f"{packet_name(data) or 'BYTES'} {signed(data)}"
+    text = f"{packet_name(data) or 'BYTES'} {log_text(data)}"
     return f"{text:<35} {data.hex(' ')}"
 
 
 def answer_text(data):
     """An answer's name and bytes as the log of 2014 shows them."""
     name = "STATUS" if len(data) > 1 else plotter.ANSWERS.get(data[0], "UNKNOWN")
-    return f"{name} {signed(data)}"
+    return f"{name} {log_text(data)}"
 
 
 def open_port(port, baud):
@@ -72,7 +72,7 @@ class Wire:
         try:
             self._serial.write(data)
         except (OSError, ValueError) as error:
-            raise gone(self.port, error) from error
+            raise port_error(self.port, error) from error
 
     def event(self, timeout_s):
         """The next answer: ("answer", byte), ("status", fields), ("torn", bytes) or (None, None) after `timeout_s`."""
@@ -95,8 +95,8 @@ class Wire:
             return "torn", data
 
     def text(self, timeout_s):
-        """What answers a packet of WORDS: one byte, or lines of which the last is ok or error; None if they do not come. A RESEND that
-        something follows was meant for what another program has left behind."""
+        """The answer to a packet of WORDS: one byte, or lines of which the last is ok or error; None if they do not come. A RESEND with bytes
+        behind it answers the rest of another program's packet."""
         deadline = time.monotonic() + timeout_s
         while True:
             if self._buffer and self._buffer[0] == RESEND:
@@ -129,7 +129,7 @@ class Wire:
         try:
             self._buffer += self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError) as error:
-            raise gone(self.port, error) from error
+            raise port_error(self.port, error) from error
 
     def _note(self, arrow, data, text):
         if self._log:

@@ -24,7 +24,7 @@ from host_tools.drawings.svg_page import page_size, root_of, view_box
 from host_tools.drawings.svg_shapes import SHAPES, Shapes, length
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure
-from host_tools.language import N_, chosen
+from host_tools.language import N_, current_language
 
 _WAY_PX = 0.05  # how finely the path of a text is followed
 _CLIP_PX = 0.02  # a line along the edge of its clip path is inside: 5 µm
@@ -440,6 +440,6 @@ def _suits(element):
     languages = element.get("systemLanguage")
     if languages is not None:
         wanted = [each.strip().lower() for each in languages.split(",")]
-        if not any(each == chosen() or each.startswith(chosen() + "-") for each in wanted):
+        if not any(each == current_language() or each.startswith(current_language() + "-") for each in wanted):
             return False
     return element.get("requiredExtensions") is None

@@ -10,7 +10,7 @@ from html import escape
 from host_tools.experiments.authors import NAMES, data
 from host_tools.experiments.experiments import EXPERIMENTS
 from host_tools.experiments.row import figure
-from host_tools.language import _, chosen
+from host_tools.language import _, current_language
 from host_tools.resources import version
 
 COLUMNS = ("experiment", "what", "document", "page", "at", "printed", "author", "author_unit", "ours", "unit", "note", "right", "measured_on")
@@ -50,7 +50,7 @@ def page(done, place_title):
     about = _("Measured on: {}. Passo {}, {}.", place_title, version(), time.strftime("%Y-%m-%d"))
     who = "".join(f"<span>{escape(each)}</span>" for each in (_("Name"), _("Class"), _("Date")))
     return (
-        f'<!doctype html><html lang="{chosen()}"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escape(title)}</title>'
+        f'<!doctype html><html lang="{current_language()}"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escape(title)}</title>'
         f"<style>{STYLE}</style></head><body><h1>{escape(title)}</h1><p class=about>{escape(about)}</p><div class=who>{who}</div>{body}{_sources(done)}</body></html>\n"
     )
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from host_tools.experiments.authors import Author
-from host_tools.language import chosen
+from host_tools.language import current_language
 
 NOTHING = 1e-9  # of a distance: what floats leave
 
@@ -36,7 +36,7 @@ def figure(value, digits=4):
         text = f"{value:.0f}"
     else:
         text = "0" if abs(value) < NOTHING else f"{value:.{digits}g}"
-    return text.replace(".", ",") if chosen() == "pt" else text
+    return text.replace(".", ",") if current_language() == "pt" else text
 
 
 def better(float_time, integer_time):

@@ -34,7 +34,7 @@ class Cable:
             try:
                 table = check(boards.load(file))
             except (Failure, BoardError) as error:
-                self.wrong.append(f"{shown}: {error.told() if isinstance(error, Failure) else reason(error)}")
+                self.wrong.append(f"{shown}: {error.message() if isinstance(error, Failure) else reason(error)}")
                 continue
             if chip in (None, table["chip"]) and self._link(table, speaking):
                 self._files.setdefault(shown, file)

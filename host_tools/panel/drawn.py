@@ -49,7 +49,7 @@ def _no_program(name, text):
         for _row in gcode_file.jobs_only(gcode_file.lines_of(name, raw_lines_of(text.encode("utf-8", "replace")))):
             pass
     except Failure as failure:
-        return {"error": errors.NOT_A_JOB, "text": failure.told()}
+        return {"error": errors.NOT_A_JOB, "text": failure.message()}
     return 0
 
 

@@ -154,7 +154,7 @@ class Panel:
             port, link, board = await self._loop.run_in_executor(None, self._change, name)
         except Failure as failure:
             self._port.take(self._port.name, self._port.baud)
-            self._tell({"t": "refused", "text": failure.told()})
+            self._tell({"t": "refused", "text": failure.message()})
             return
         finally:
             self._changing = None

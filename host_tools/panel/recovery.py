@@ -201,7 +201,7 @@ class RecoverableJobs(StoredJobs):
 
         def offer(held):
             if isinstance(held, Failure):
-                self._tell_all({"t": "refused", "text": held.told()})
+                self._tell_all({"t": "refused", "text": held.message()})
                 return
             self._stage = ""
             machine.state["recover"] = {"name": name, "line": line, "known": False, "next": "", "held": held}
@@ -224,7 +224,7 @@ class RecoverableJobs(StoredJobs):
 
     def _go_over(self, offer, planned):
         if isinstance(planned, Failure):
-            self._tell_all({"t": "refused", "text": planned.told()})
+            self._tell_all({"t": "refused", "text": planned.message()})
             return
         lead, self._rest, self._next = planned
         if self._machine.state["recover"] is not offer or self._machine.refusal():

@@ -35,7 +35,7 @@ def gcode_lines(path):
 
 def refusal(failure):
     """Why a file is no job, as an order is answered."""
-    return {"error": errors.NOT_A_JOB, "text": failure.told()}
+    return {"error": errors.NOT_A_JOB, "text": failure.message()}
 
 
 class Store:

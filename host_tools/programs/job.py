@@ -126,7 +126,7 @@ class Job:
             if self._warn is None:
                 raise
             if not self._warned:
-                self._warn(_("{}. The drawing goes on; if interrupted, it cannot be continued from here", failure.told()))
+                self._warn(_("{}. The drawing goes on; if interrupted, it cannot be continued from here", failure.message()))
             self._warned = True
 
 

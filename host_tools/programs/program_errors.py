@@ -100,8 +100,8 @@ class ProgramError(Failure):
     def __str__(self):
         return self._whole(f"error {self.number}: {TEXTS[self.number]}", super().__str__())
 
-    def told(self):
-        return self._whole(_("error {}: {}", self.number, _(TEXTS[self.number])), super().told())
+    def message(self):
+        return self._whole(_("error {}: {}", self.number, _(TEXTS[self.number])), super().message())
 
     def _whole(self, error, detail):
         where = f"{self.place}: " if self.place else ""

@@ -55,9 +55,9 @@ class Proof:
             yield from part(self)
         except Silent as silent:
             self._silent = True
-            yield Row(part.__name__, _(title), silent.told(), verdict=WORSE, advice=_("begin anew: what was not asked is left out"))
+            yield Row(part.__name__, _(title), silent.message(), verdict=WORSE, advice=_("begin anew: what was not asked is left out"))
         except (Failure, TimeoutError, ValueError) as error:
-            said = error.told() if isinstance(error, Failure) else str(error)
+            said = error.message() if isinstance(error, Failure) else str(error)
             advice = _("something else takes memory: flash the board anew, leave out a link or a language") if "memory" in said else _("flash the board again, and report this")
             yield Row(part.__name__, _(title), said, verdict=WORSE, advice=advice)
 

@@ -147,7 +147,7 @@ class Shop:
                 made, data, facts = await asyncio.to_thread(drop.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
             await self._add(data, made, {**wants, **facts}, copies)
         except Failure as failure:
-            why = failure.told()
+            why = failure.message()
         except Exception as error:  # a full disk, a file on which a reader fails
             why = _("{}: it could not be queued: {}", name, reason(error) or type(error).__name__)
         self.server.pages.tell({"t": "dropped", "name": name, "text": in_languages(why), **({} if why else {"copies": copies})})

@@ -295,7 +295,7 @@ class Work:
         try:
             lines = _lines_of(data)
         except Failure as failure:
-            self._end(REFUSED, failure.told())
+            self._end(REFUSED, failure.message())
             return
         except OSError as error:  # its disk is full
             self._end(REFUSED, _("the PC beside the machine cannot keep the job's file: {}", reason(error)))

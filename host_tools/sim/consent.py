@@ -17,7 +17,7 @@ import sys
 from host_tools.language import _
 from passo import errors
 from host_tools.page.guest import ALWAYS, QUESTIONS
-from host_tools.clients.page_key import make_key, read_key, shown
+from host_tools.clients.page_key import in_groups, make_key, read_key
 from passo.web.session import same
 
 _LONGEST = 256  # bytes of a line that is kept
@@ -156,4 +156,4 @@ def tell(line):
     """Print the port for senders, and the token for their first line if nobody can be asked."""
     print(f"port: {line.name}", flush=True)
     if line.consent and not line.consent.terminal:
-        print(_("token: {}   (the first line of a sender: $TOKEN=…)", shown(line.consent.token)), flush=True)
+        print(_("token: {}   (the first line of a sender: $TOKEN=…)", in_groups(line.consent.token)), flush=True)

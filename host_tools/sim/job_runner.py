@@ -10,7 +10,7 @@ One text for CPython and MicroPython, whose machine code makes words some five t
 The job: a line with repr((BOARD, changes, zero, start)), then blocks of lines `number TAB text`, each behind a line with its size;
 0 ends them. The frames: HEADER, then so many bytes. job.py writes the one and reads the other.
 
-What `sink` has to have:
+Methods of `sink`:
 
     words(number, tick, words)          step words that begin at `tick`, one behind the other; `number`: the line under way
     note(kind, number, code, text)      a NOTE_… about that line: its text, and the number of an error

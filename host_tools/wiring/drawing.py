@@ -8,7 +8,7 @@ DejaVu Sans or Verdana at most, and made smaller where they would not fit.
 
 from xml.sax.saxutils import escape, quoteattr
 
-from host_tools.language import _, chosen
+from host_tools.language import _, current_language
 from host_tools.wiring.layout import PITCH, TOP, arrange
 from host_tools.wiring.parts import REGISTER_BIT, chips_of, common_enable, motors
 from host_tools.wiring.symbols import COLOURS, GROUNDED, LIGHTER, symbol
@@ -31,7 +31,7 @@ def drawing(board):
     shift = TOP - 4 - first
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="210mm" height="{_n(bottom + shift)}mm" viewBox="0 0 210 {_n(bottom + shift)}"'
-        f' role="img" lang="{chosen()}" font-family="DejaVu Sans, Verdana, sans-serif" fill="{INK}">',
+        f' role="img" lang="{current_language()}" font-family="DejaVu Sans, Verdana, sans-serif" fill="{INK}">',
         f"<title>{escape(title)}</title>",
         f'<rect width="210" height="{_n(bottom + shift)}" fill="{PAPER}"/>',
         *_heading(sheet, title),

@@ -13,7 +13,7 @@ from passo.protocols.page.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace
 from passo.protocols.page.orders import too_deep
 from passo.web.session import Hmac, Session
-from host_tools.clients.page_key import make_key, read_key, shown
+from host_tools.clients.page_key import in_groups, make_key, read_key
 from host_tools.page.teach import lines_of
 from host_tools.clients.grbl_wire import PAGE, Wire, dwell_ms
 
@@ -54,8 +54,8 @@ def check_a_session():
 
 def check_keys():
     made = make_key(lambda count: bytes(range(100, 100 + count)))
-    assert len(made) == 16 and read_key(" " + shown(made).lower()) == made
-    assert shown("ABCDEFGH") == "ABCD-EFGH"
+    assert len(made) == 16 and read_key(" " + in_groups(made).lower()) == made
+    assert in_groups("ABCDEFGH") == "ABCD-EFGH"
 
 
 def check_a_lease(events):

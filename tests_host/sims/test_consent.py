@@ -14,7 +14,7 @@ from host_tools import interpreter
 from host_tools.sim.consent import Consent, GuestLine
 from panel_process import PanelProcess
 from host_tools.page.guest import ALWAYS, QUESTIONS
-from host_tools.clients.page_key import shown
+from host_tools.clients.page_key import in_groups
 
 LIMIT_S = 60
 ORDERS = [b"G0X1", b"$LINK=0", b"$X", b"$J=G91X10F1000", b"$H", b"$110=5", b"$SLP", b"$JR", b"M3S100", b"$token=", b"$TOKEN=ABCD"]
@@ -79,7 +79,7 @@ def test_each_line_has_one_answer_in_its_place(words, piece):
 def test_a_token_in_the_first_line_admits_one_connection():
     consent = Consent()
     line = GuestLine(Memory(), consent)
-    first = b"$TOKEN=" + shown(consent.token).lower().encode() + b"\r\n"
+    first = b"$TOKEN=" + in_groups(consent.token).lower().encode() + b"\r\n"
     assert through(line, first + b"G0X1\n") == b"G0X1\n" and line._line.said.startswith(b"ok\r\n") and not consent.given
     line._line.clients += 1
     assert through(line, b"G0X1\n" + first + b"G0X1\n") == b"", "another connection, and it came second"

@@ -28,7 +28,7 @@ def board(data, gate):
         given += got
         for line in got.splitlines(True):
             if line.strip() and line[-1:] in b"\r\n":
-                gate.answered(b"ok\r\n" if line.strip() in BODY.splitlines() else b"error:1\r\n")
+                gate.note_answer(b"ok\r\n" if line.strip() in BODY.splitlines() else b"error:1\r\n")
         now += WAIT_S
     return given, False
 
@@ -74,7 +74,7 @@ def test_what_senders_send_passes(data):
         rest = b""
         assert got is not None
         given += got
-        gate.answered(b"ok\r\n" * got.count(b"\n"))
+        gate.note_answer(b"ok\r\n" * got.count(b"\n"))
         now += WAIT_S
     assert given == data
 
@@ -82,10 +82,10 @@ def test_what_senders_send_passes(data):
 def test_a_garbled_line_behind_an_accepted_one_hangs_up_on_nobody():
     gate = Gate()
     assert gate.take(b"$G\n", 0) == b"$G\n"
-    gate.answered(b"[GC:G0]\r\nok\r\n")
+    gate.note_answer(b"[GC:G0]\r\nok\r\n")
     for _ in range(9):
         assert gate.take(b"foo\n", 0) == b"foo\n"
-        gate.answered(b"error:1\r\n")
+        gate.note_answer(b"error:1\r\n")
     assert gate.take(b"G1X1\n", 0) == b"G1X1\n"
 
 

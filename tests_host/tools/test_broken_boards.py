@@ -258,7 +258,7 @@ def test_a_board_file_that_is_no_text_is_one_sentence(tmp_path):
 
 
 def test_half_a_character_is_shown_by_its_number():
-    assert Failure("{}: unknown key {}", "my\ud800.py", "\udfff").told() == "my\\ud800.py: unknown key \\udfff"
+    assert Failure("{}: unknown key {}", "my\ud800.py", "\udfff").message() == "my\\ud800.py: unknown key \\udfff"
 
 
 @pytest.mark.parametrize("key, wanted", [("encoder", "encoders"), ("gantri", "gantry"), ("axis", "axes"), ("Tool", "tool"), ("inter_lock", "interlock"), ("qqq", None)])

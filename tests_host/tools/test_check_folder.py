@@ -106,7 +106,7 @@ def test_what_cannot_be(tmp_path):
 
 def test_what_travels_is_all_that_a_worker_needs(tmp_path, monkeypatch):
     """Nothing of the sender's disk is there any more."""
-    monkeypatch.setattr(language, "_chosen", language.chosen())  # as it was, behind the test
+    monkeypatch.setattr(language, "_chosen", language.current_language())  # as it was, behind the test
     file = tmp_path / "p.nc"
     file.write_text(GOOD.format(3))
     board = tmp_path / "mine.py"

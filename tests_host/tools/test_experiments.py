@@ -309,7 +309,7 @@ def test_the_list_names_each_experiment():
 def test_what_is_refused_is_told(monkeypatch, tmp_path, words, told):
     monkeypatch.setenv("PASSO_UF2", str(tmp_path / "none.uf2"))
     result = passo(*words, "--out", tmp_path / "out")
-    assert isinstance(result.exception, Failure) and told in result.exception.told() and not (tmp_path / "out").exists()
+    assert isinstance(result.exception, Failure) and told in result.exception.message() and not (tmp_path / "out").exists()
 
 
 def test_a_board_moves_only_if_that_is_allowed():

@@ -34,8 +34,8 @@ TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "RefusedLi
 # Functions that hand on a text of their caller's, or one of a table.
 HANDED_ON = {
     "shop/home_assistant.py": ("discovery",),
-    "language.py": ("_", "speak", "error_text", "reworded", "count_text"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
-    "programs/compensation.py": ("_misfit",), "programs/file_kinds.py": ("refuse_others",), "programs/made_by.py": ("advice_for",), "programs/program_errors.py": ("told",), "programs/ngc/interpreter.py": ("_groups",),
+    "language.py": ("_", "speak", "error_text", "reword", "count_text"), "failure.py": ("message", "reason"), "sim/job.py": ("_failure",),
+    "programs/compensation.py": ("_misfit",), "programs/file_kinds.py": ("refuse_others",), "programs/made_by.py": ("advice_for",), "programs/program_errors.py": ("message",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
     "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
@@ -281,11 +281,11 @@ def test_no_function_hides_the_catalogue():
 
 
 def test_what_the_environment_asks_for():
-    assert language.preferred({}) == "en"
-    assert language.preferred({"LANG": "pt_BR.UTF-8"}) == "pt"
-    assert language.preferred({"LC_ALL": "C", "LANG": "pt_BR.UTF-8"}) == "en"
-    assert language.preferred({"LANGUAGE": "de:pt:en", "LC_ALL": "C"}) == "pt"
-    assert language.preferred({"LANG": "de_DE.UTF-8"}) == "en"
+    assert language.language_of({}) == "en"
+    assert language.language_of({"LANG": "pt_BR.UTF-8"}) == "pt"
+    assert language.language_of({"LC_ALL": "C", "LANG": "pt_BR.UTF-8"}) == "en"
+    assert language.language_of({"LANGUAGE": "de:pt:en", "LC_ALL": "C"}) == "pt"
+    assert language.language_of({"LANG": "de_DE.UTF-8"}) == "en"
 
 
 def test_errors_and_settings_in_portuguese(portuguese):
@@ -302,12 +302,12 @@ def test_errors_and_settings_in_portuguese(portuguese):
 def test_a_failure_is_english_until_it_is_told(portuguese):
     failure = Failure("{}: faults in {} of {}", "a{0}.nc", 3, Failure("no file {}", "{x}"))
     assert str(failure) == "a{0}.nc: faults in 3 of no file {x}"
-    assert failure.told() == "a{0}.nc: falhas em 3 de não há arquivo {x}"
-    assert str(Failure("{no field}")) == Failure("{no field}").told() == "{no field}"
+    assert failure.message() == "a{0}.nc: falhas em 3 de não há arquivo {x}"
+    assert str(Failure("{no field}")) == Failure("{no field}").message() == "{no field}"
     assert reason(OSError(errno.ENOENT, os.strerror(errno.ENOENT))) == "arquivo ou pasta não encontrado"
     error = program_errors.ProgramError(program_errors.RANGE, "F{:g}: seconds, 99.99 at most", 120, place="p.num:4")
     assert str(error) == "p.num:4: error 316: a value is out of its range: F120: seconds, 99.99 at most"
-    assert error.told() == "p.num:4: erro 316: um valor está fora da faixa: F120: segundos, no máximo 99.99"
+    assert error.message() == "p.num:4: erro 316: um valor está fora da faixa: F120: segundos, no máximo 99.99"
 
 
 def test_a_help_in_pieces():
@@ -340,10 +340,10 @@ def test_what_another_program_has_said_in_all_languages():
     from passo import errors
 
     said = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY))
-    english = said.told()
+    english = said.message()
     try:
         language.choose("pt")
-        portuguese = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY)).told()
+        portuguese = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY)).message()
         both = {"en": english, "pt": portuguese}
         assert english != portuguese
         assert language.in_languages(english) == language.in_languages(portuguese) == both

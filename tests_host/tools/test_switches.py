@@ -51,7 +51,7 @@ def test_each_output_is_switched_by_its_command(name):
     board = check(boards.load(name))
     if not board["outputs"]:
         return
-    assert switches.unswitched(board) == []
+    assert switches.outputs_without_switch(board) == []
     absent = {key: None for key in ("inverter", "drivers", "spi_drivers", "network")}  # these wait for hardware that is not there
     links = [{"name": "pc", "port": "usb", "protocol": board["links"][0]["protocol"]}]
     board = check({key: value for key, value in {**boards.load(name), **absent, "links": links, "commands": ""}.items() if value is not None})
@@ -92,10 +92,10 @@ def changed(**outputs):
 def test_what_nothing_switches(names, free):
     board = changed(**{name: 17 + count for count, name in enumerate(names)})
     check(copy.deepcopy(board))
-    assert switches.unswitched(board) == free
+    assert switches.outputs_without_switch(board) == free
     for protocol in ("plotter", "pulses", "torch", "keys"):
         plotter = {**board, "links": [{"name": "pc", "port": "usb", "protocol": protocol}]}
-        assert switches.unswitched(plotter) == [name for name in names if not name.startswith("enable")]
+        assert switches.outputs_without_switch(plotter) == [name for name in names if not name.startswith("enable")]
 
 
 def test_the_caution_is_said_and_the_board_starts(tmp_path):

@@ -61,7 +61,7 @@ def test_a_refusal_says_what_to_choose(row, tmp_path, capsys):
     path = written(tmp_path, name, text)
     with pytest.raises(Failure) as failure:
         _check_file(path, "router_3axis", ((), None, None), None, None, None)
-    assert said in failure.value.told() + capsys.readouterr().err
+    assert said in failure.value.message() + capsys.readouterr().err
 
 
 def test_a_sender_says_what_to_choose(tmp_path, capsys):
