@@ -8,7 +8,7 @@ One text for CPython and MicroPython, whose machine code makes words some five t
     MICROPYPATH=build/unix/STATE micropython job_runner.py < job > frames
 
 The job: a line with repr((BOARD, changes, zero, start)), then blocks of lines `number TAB text`, each behind a line with its size;
-0 ends them. The frames: HEADER, then so many bytes. job.py writes the one and reads the other.
+0 ends them. A frame: HEADER, then the bytes that it counts. job.py writes the one and reads the other.
 
 Methods of `sink`:
 

@@ -42,7 +42,7 @@ class WebSocketLine:
         self._server = Server(listener, _Nothing(), Guard((_HOST.encode(), b"localhost"), None, "", lambda peer: False), _now_ms, False)
         self._server.sockets[b"/"] = self
         self._connection = None
-        self.clients = 0  # so many have come
+        self.clients = 0  # connections so far
         self._come = b""
         self.name = f"ws://{_HOST}:{listener.getsockname()[1]}/"
 
