@@ -5,7 +5,7 @@
 
 A board keeps every public name it has loaded: its text, an entry in the module's dict, and a share of the table of names,
 which doubles when it is full. MicroPython itself folds a constant only inside its module and if its name begins with an
-underscore. Its machine code can index an array by numbers only, so MicroPython on a PC runs such texts too (`numbered_only`).
+underscore. Its machine code can index an array by numbers only, so MicroPython on a PC runs such texts too (`fold_in_place`).
 Lines keep their numbers, so a traceback shows the line of the source.
 
 A name is kept if it is more than a constant: bound twice, or in a module that is passed around as an object.

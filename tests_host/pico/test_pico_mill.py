@@ -150,11 +150,11 @@ def test_a_drive_fault_behind_the_register(mill):
 
 
 def test_a_motor_of_the_gantry_that_lags_is_waited_for(mill):
-    racked = mill.plant.racked()
+    racked = mill.plant.skew_steps()
     mill.plant.stall("x2", 7)
     mill.ask("G1X5F1500")
     mill.machine.run_ms(800)
-    assert mill.plant.racked() == racked
+    assert mill.plant.skew_steps() == racked
     assert "142,x2 +7]" in mill.ask("$LOG")
 
 
