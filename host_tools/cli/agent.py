@@ -23,9 +23,10 @@ def agent(
     port: Annotated[
         Optional[list[str]], typer.Option(metavar="[NAME=]PORT", help="Serial port, pty or pyserial URL of a board; give one for each board.")
     ] = None,
-    emulated: Annotated[
+    virtual: Annotated[
         Optional[list[str]], typer.Option(metavar="[NAME=]BOARD", help="A virtual board of this board file; give one for each.")
     ] = None,
+    emulated: Annotated[Optional[list[str]], typer.Option(metavar="[NAME=]BOARD", hidden=True, help="The old name of --virtual.")] = None,
     baud: Annotated[Optional[int], typer.Option(help="Bits per second of the serial ports.")] = None,
     protocol: Annotated[
         Optional[str], typer.Option(help="Language of the boards on --port: grbl, pulses, torch, plotter or keys. Default: grbl, pulses and torch are found by asking.")
@@ -65,11 +66,13 @@ def agent(
 
         passo agent --port mill=/dev/ttyUSB0 --port laser=/dev/ttyUSB1 --broker 192.168.1.20 --user pc-3 --password-file mqtt.txt --ca ca.crt
 
-        passo agent --emulated a=router_3axis --emulated b=plotter_2014 --broker localhost
+        passo agent --virtual a=router_3axis --virtual b=plotter_2014 --broker localhost
     """
     _check(shop_key, at_machine, page_key, tool or laser_class or page)
     served = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
-    boards = _named(port or [], emulated or [])
+    if emulated:
+        print(_("--emulated is now called --virtual; the old name still works"), file=sys.stderr, flush=True)
+    boards = _named(port or [], [*(virtual or []), *(emulated or [])])
     key = key_in(shop_key) if shop_key else ""
     about = (_of_machines(*each, boards) for each in (("--tool", tool), ("--laser-class", laser_class), ("--page", page)))
     told = make_broker(broker, user, password, ca), home_assistant, key, about
@@ -205,12 +208,12 @@ def _figures(address, stack):
     return found
 
 
-def _named(ports, emulated):
+def _named(ports, virtual):
     """{name: (port or board file, whether it is virtual)}. Raises Failure."""
     from host_tools.shop.machines import NAME
 
     found = {}
-    for text, virtual in [*((each, False) for each in ports), *((each, True) for each in emulated)]:
+    for text, is_virtual in [*((each, False) for each in ports), *((each, True) for each in virtual)]:
         name, equals, where = text.partition("=")
         if not equals or "/" in name:
             name, where = re.sub(r"[^A-Za-z0-9._-]+", "-", Path(text).stem).strip("-._"), text
@@ -218,9 +221,9 @@ def _named(ports, emulated):
             raise Failure("{!r} is no machine's name: at most 40 letters, digits, '.', '_' and '-'", name)
         if name in found:
             raise Failure("two machines are called {}: give names, NAME=…", name)
-        found[name] = where, virtual
+        found[name] = where, is_virtual
     if not found:
-        raise Failure("which board? --port PORT, or --emulated BOARD without hardware")
+        raise Failure("which board? --port PORT, or --virtual BOARD without hardware")
     return found
 
 

@@ -43,7 +43,7 @@ class Lesson:
         self.shop = self.said(self.passo("shop", "--shop-key", key, "--book", folder / "book.sqlite", "--http", "0"), r"(http\S+)")
         self.pages = []
         for at in range(0, machines, AN_AGENT):
-            words = [word for name in self.names[at : at + AN_AGENT] for word in ("--emulated", f"{name}=corexy_plotter")]
+            words = [word for name in self.names[at : at + AN_AGENT] for word in ("--virtual", f"{name}=corexy_plotter")]
             self.pages.append(self.said(self.passo("agent", *words, "--shop-key", key, "--at-machine", "0", "--page-key", folder / "page.key"), r"page: (\S+)/"))
         self.pages = [MachinePage(address, (folder / "page.key").read_text().strip()) for address in self.pages]
 

@@ -414,6 +414,16 @@ def test_names():
             command._named(ports, virtual)
 
 
+def test_the_old_name_of_virtual_boards_still_works_and_says_the_new_one(capsys):
+    """Both lists name machines: here the same one."""
+    with pytest.raises(Failure, match="two machines are called a"):
+        command.agent("localhost", virtual=["a=plotter_2014"], emulated=["a=router_3axis"])
+    assert "--emulated is now called --virtual" in capsys.readouterr().err
+    with pytest.raises(Failure, match="two machines are called a"):
+        command.agent("localhost", virtual=["a=plotter_2014", "a=router_3axis"])
+    assert capsys.readouterr().err == ""
+
+
 def test_what_is_said_of_machines():
     boards = {"a": ("x", False)}
     assert command._of_machines("--laser-class", ["a=3B"], boards) == {"a": "3B"}
@@ -520,7 +530,7 @@ def shop(tmp_path):
 
 @needs_broker
 def test_two_boards_a_killed_agent_and_a_broker_that_begins_anew(shop):
-    agent = shop.agent("--emulated", "a=router_3axis", "--emulated", "b=plotter_2014")
+    agent = shop.agent("--virtual", "a=router_3axis", "--virtual", "b=plotter_2014")
     shop.until(lambda: shop.told.get("passo/a/state") == "alarm" and shop.told.get("passo/b/state") == "idle" and "passo/a/alarm" in shop.told and "passo/b/place" in shop.told)
     assert shop.told["passo/a/alarm"] and json.loads(shop.told["passo/b/place"]) == [0, 0]
     assert LOST not in [text for _topic, text, _kept in shop.heard]
@@ -533,7 +543,7 @@ def test_two_boards_a_killed_agent_and_a_broker_that_begins_anew(shop):
     agent.send_signal(signal.SIGKILL)
     shop.until(lambda: shop.told["passo/a/state"] == shop.told["passo/b/state"] == GONE)
     # A second one takes its place.
-    agent = shop.agent("--emulated", "b=plotter_2014")
+    agent = shop.agent("--virtual", "b=plotter_2014")
     shop.until(lambda: shop.told["passo/b/state"] == "idle")
     agent.send_signal(signal.SIGTERM)
     assert agent.wait(10) == 0
@@ -566,7 +576,7 @@ def test_a_stop_for_all_and_one_that_was_kept(shop, tmp_path):
     board = shop.run("board", "--board", "router_3axis", "--link", f"pc={tmp_path}/one", "--link", f"serial={tmp_path}/two")
     for _line in range(2):
         board.stdout.readline()
-    shop.agent("--port", f"a={tmp_path}/one", "--protocol", "grbl", "--emulated", "b=plotter_2014")
+    shop.agent("--port", f"a={tmp_path}/one", "--protocol", "grbl", "--virtual", "b=plotter_2014")
     shop.until(lambda: shop.told.get("passo/a/state") == "alarm" and shop.told.get("passo/b/state") == "idle")
     with GrblClient(f"{tmp_path}/two") as client:
         client.command("$LINK=0")
@@ -647,7 +657,7 @@ def test_the_dashboard_asks_for_figures_that_there_are():
 @needs_broker
 def test_prometheus_scrapes_and_the_dashboard_s_queries_answer(shop, tmp_path):
     figures, served = free_port(), free_port()
-    shop.agent("--emulated", "a=plotter_2014", "--figures", str(figures))
+    shop.agent("--virtual", "a=plotter_2014", "--figures", str(figures))
     shop.until(lambda: shop.told.get("passo/a/state") == "idle")
     (tmp_path / "prometheus.yml").write_text(
         f"scrape_configs: [{{job_name: passo, scrape_interval: 200ms, scrape_timeout: 200ms, static_configs: [{{targets: ['127.0.0.1:{figures}']}}]}}]\n"
@@ -702,7 +712,7 @@ def test_discovery():
 def test_home_assistant_is_told_again_behind_each_start_of_the_broker(shop):
     shop.client.subscribe("homeassistant/#", 1)
     shop.client.on_connect = lambda *_: shop.client.subscribe([("passo/#", 1), ("homeassistant/#", 1)])
-    shop.agent("--emulated", "a=plotter_2014", "--home-assistant", "homeassistant")
+    shop.agent("--virtual", "a=plotter_2014", "--home-assistant", "homeassistant")
     shop.until(lambda: sum(topic.startswith("homeassistant/") for topic in shop.told) == 6)
     shop.broker.kill()
     shop.broker.wait()
@@ -713,9 +723,9 @@ def test_home_assistant_is_told_again_behind_each_start_of_the_broker(shop):
 
 @needs_broker
 def test_of_two_agents_with_one_name_the_second_says_so_and_tells_nothing(shop):
-    first = shop.agent("--emulated", "a=corexy_plotter")
+    first = shop.agent("--virtual", "a=corexy_plotter")
     shop.until(lambda: shop.told.get("passo/a/state") == "alarm")
-    second = shop.agent("--emulated", "a=plotter_2014", stderr=subprocess.PIPE)
+    second = shop.agent("--virtual", "a=plotter_2014", stderr=subprocess.PIPE)
     for line in second.stderr:
         if "another agent speaks for a" in line:
             break

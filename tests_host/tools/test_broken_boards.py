@@ -219,7 +219,7 @@ def test_code_in_a_board_file_is_refused_with_its_line_and_not_run(kind, tmp_pat
 
 
 @pytest.mark.parametrize("verb", ("wiring FILE", "flash --dry-run --board FILE", "build --board FILE", "check part.gcode --board FILE", "board --board FILE",
-                                  "interlock FILE", "panel --demo --board FILE", "agent --broker x --emulated m=FILE", "machine add FILE --port /dev/null"))  # fmt: skip
+                                  "interlock FILE", "panel --demo --board FILE", "agent --broker x --virtual m=FILE", "machine add FILE --port /dev/null"))  # fmt: skip
 def test_no_command_runs_the_code_of_a_board_file(verb, tmp_path, capsys, monkeypatch):
     (tmp_path / "mine.py").write_text(f"{RAN}\n{ROUTER}\n")
     (tmp_path / "part.gcode").write_text("G1X1F100\n")

@@ -25,7 +25,7 @@ SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="20mm" viewBo
 NO_PORT = ("--port", "nosuch")
 WORDS = {
     "examples": [()],
-    "panel": [("--demo", "--http", "0")], "site": [("--help",)], "agent": [("--emulated", "m=plotter_2014", "--broker", "127.0.0.1:1")], "shop": [("--broker", "127.0.0.1:1", "--http", "0")],
+    "panel": [("--demo", "--http", "0")], "site": [("--help",)], "agent": [("--virtual", "m=plotter_2014", "--broker", "127.0.0.1:1")], "shop": [("--broker", "127.0.0.1:1", "--http", "0")],
     "wiring": [("router_3axis",)], "board": [("--time", "fast")], "emulate": [("--help",)], "draw": [("part.svg", "--dry-run")],
     "nest": [("part.svg", "part.svg")], "engrave": [("--help",)], "experiments": [("arcs", "--out", "experiments")], "send": [(*NO_PORT, "END")], "stream": [("part.nc", *NO_PORT)], "resume": [("part.nc", *NO_PORT)],
     "keys": [NO_PORT], "check": [("part.nc",), ("programs", "--workers", "2")], "calibrate": [("--help",)], "settings": [("show", *NO_PORT)],

@@ -100,7 +100,7 @@ def test_an_agent_tells_its_key_to_a_terminal_or_a_file_and_nobody_else(tmp_path
     """Into a pipe, as to a log, it prints the page without it; in a terminal with it. The list of processes has none."""
     shop_key, file = tmp_path / "shop.key", tmp_path / "page.key"
     key_option.make_key_file(shop_key)
-    words = [*interpreter.passo(), "agent", "--emulated", "m=corexy_plotter", "--broker", "127.0.0.1:1", "--shop-key", str(shop_key), "--at-machine", "0"]
+    words = [*interpreter.passo(), "agent", "--virtual", "m=corexy_plotter", "--broker", "127.0.0.1:1", "--shop-key", str(shop_key), "--at-machine", "0"]
     home = {**os.environ, "HOME": str(tmp_path)}
     logged = subprocess.Popen([*words, "--page-key", str(file)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=home)
     main, end = pty.openpty()
@@ -140,7 +140,7 @@ def test_short_keys_are_refused_wherever_one_is_read(tmp_path):
         file = tmp_path / "key"
         file.write_text(word + "\n")
         file.chmod(0o600)
-        board = ["--emulated", "m=corexy_plotter", "--broker", "127.0.0.1:1"]
+        board = ["--virtual", "m=corexy_plotter", "--broker", "127.0.0.1:1"]
         for words in (["agent", *board, "--shop-key", str(file)], ["shop", "--broker", "127.0.0.1:1", "--shop-key", str(file), "--http", "0", "--book", str(tmp_path / "b")],
                       ["board", "--board", "torch_pico_w", "--http", "0", "--key", word], ["wifi", "bridge", "127.0.0.1", "--key", word, "--tcp", "0"]):  # fmt: skip
             ended = subprocess.run([*interpreter.passo(), *words], capture_output=True, text=True, timeout=60)

@@ -666,7 +666,7 @@ def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     shop = bench.run("shop", "--broker", f"127.0.0.1:{bench.port}", "--book", str(tmp_path / "page.sqlite"), "--shop-key", str(bench.key_file), "--http", "0")
     address = shop.stdout.readline().strip()[6:]
     agent = bench.agent(
-        "--emulated", "plotter=corexy_plotter", "--shop-key", str(bench.key_file), "--at-machine", "0", "--tool", "plotter=red", "--page", "plotter=http://127.0.0.1:1/",
+        "--virtual", "plotter=corexy_plotter", "--shop-key", str(bench.key_file), "--at-machine", "0", "--tool", "plotter=red", "--page", "plotter=http://127.0.0.1:1/",
         "--laser-class", "plotter=1M", "--page-key", str(bench.page_key),
     )
     local = next(line[6:].strip() for line in agent.stdout if line.startswith("page: ")) + "#key=" + bench.page_key.read_text().strip()

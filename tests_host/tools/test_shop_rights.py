@@ -106,7 +106,7 @@ def test_a_stranger_a_reader_and_who_may_stop(guarded):
     )  # fmt: skip
     assert outcome(guarded.as_user("wall", ca=other), port) == "SSLCertVerificationError"
     # The agent may publish for its own machine, not for another one.
-    agent = guarded.agent_as("pc-1", "--emulated", "mill=plotter_2014", "--emulated", "press=plotter_2014")
+    agent = guarded.agent_as("pc-1", "--virtual", "mill=plotter_2014", "--virtual", "press=plotter_2014")
     guarded.until(lambda: guarded.told.get("passo/mill/state") == "idle")
     # A reader: stops nothing, pretends nothing.
     tried = [("passo/stop", "x"), ("passo/mill/stop", "x"), ("passo/mill/state", "gone"), ("passo/new/state", "idle")]
@@ -135,7 +135,7 @@ def test_an_agent_says_why_it_is_not_let_in(guarded, tmp_path):
         (("--user", "pc-1", "--password-file", str(secret), "--ca", str(guarded.folder / "ca.crt")), "Not authorized"),
         ((), "the connection to the broker is lost"),  # it speaks no TLS
     ):
-        agent = guarded.agent("--emulated", "mill=plotter_2014", *words, stderr=subprocess.PIPE)
+        agent = guarded.agent("--virtual", "mill=plotter_2014", *words, stderr=subprocess.PIPE)
         line = agent.stderr.readline()
         assert why in line and line.startswith("mill: "), line
         agent.terminate()
