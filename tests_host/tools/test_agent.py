@@ -79,7 +79,7 @@ class NoBroker:
     parcel = None
     connections = 3
 
-    def heard(self):
+    def take_orders(self):
         return []
 
     def log(self, event):
