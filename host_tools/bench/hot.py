@@ -68,6 +68,7 @@ def ask_while_moving(machine):
 
 
 def move_and_hold(machine):
+    """The work of first steps, and of holds while lines are stepped."""
     gcode.talk_to(machine)
     gcode.first_steps(machine, 4)
     gcode.holds(machine, 2)

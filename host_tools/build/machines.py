@@ -138,14 +138,14 @@ def duplicate(source, target):
 
 
 def note(name, last):
-    """Which machine is chosen, and which was before."""
+    """Write the names of the chosen machine and of the one before it, by a new file that replaces the old one."""
     with open(FOLDER + "/new", "w") as made:
         made.write(name + "\n" + last)
     move(FOLDER + "/new", FOLDER + "/chosen")
 
 
 def make_folder(path):
-    """The folder of a file, and those above it."""
+    """Make the folder of a file, and those above it."""
     parts = path.split("/")[:-1]
     for count in range(len(parts)):
         folder = "/".join(parts[: count + 1])

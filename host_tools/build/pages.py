@@ -83,6 +83,7 @@ def bundle(modules, *entries):
 
 
 def _variable_of(name):
+    """Name of the constant that stands for a module in the bundle."""
     return "of_" + name.removesuffix(".js")
 
 

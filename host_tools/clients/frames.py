@@ -101,10 +101,13 @@ class FramedPort:
 
     @property
     def in_waiting(self):
+        """Bytes received and not read. Raises OSError if the board does not answer."""
         self._poll()
         return len(self._received)
 
     def read(self, size=1):
+        """Up to `size` bytes of the board's messages; waits for the first at most `timeout` seconds. Raises OSError if the board does not
+        answer."""
         end_ms = self._clock() + 1000 * (self.timeout or 0)
         self._poll()
         while not self._received and self._clock() < end_ms:
@@ -114,6 +117,7 @@ class FramedPort:
         return data
 
     def write(self, data):
+        """Send one message; returns at once, later calls repeat it until the board has it. Raises OSError if the board does not answer."""
         self._expect_nothing()
         self._sender.put(data)
         self._pump()

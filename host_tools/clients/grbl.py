@@ -136,6 +136,7 @@ class GrblClient(Client):
         return self.status
 
     def reset(self):
+        """Send Ctrl-X and wait for the banner. Raises LinkError if none comes within `timeout_s`."""
         before = self.banners
         self.real_time(RESET)
         deadline = time.monotonic() + self.timeout_s
@@ -270,4 +271,5 @@ class GrblClient(Client):
 
 
 def alarm_text(number):
+    """The meaning of grbl's ALARM:`number`, in one line."""
     return error_text(200 + number)

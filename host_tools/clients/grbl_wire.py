@@ -66,9 +66,11 @@ class Wire:
     # --- commands of a page
 
     def takes(self, command):
+        """True if `command` can be sent now: a real-time byte always, a line if there is room."""
         return command.kind not in _LINES or self.room(len(_LINES[command.kind]))
 
     def order(self, command):
+        """Send a command as a line or a real-time byte; the event ACCEPTED or REFUSED follows at `answered`."""
         kind = command.kind
         if kind in _LINES:
             self.say(PAGE, _LINES[kind], lambda error: self._answered(Event(REFUSED if error else ACCEPTED, command, error)))
@@ -80,6 +82,7 @@ class Wire:
             self._answered(Event(ACCEPTED, command))
 
     def ask(self):
+        """Ask for a report."""
         self.write(b"?")
 
     def silent(self):

@@ -38,6 +38,7 @@ class KeysWire:
         self.write(line_of(setting_line(command)))
 
     def feed(self, data, now_ms):
+        """Take bytes of the board: an answer is WHY and the number of its last refusal."""
         self._buffer += bytes(data)
         while self._buffer:
             first = self._buffer[0]
@@ -66,6 +67,7 @@ class KeysWire:
         self._machine.report({"state": "alarm" if error >= errors.ALARM_HARD_LIMIT else "idle", "error": error})
 
     def ask(self):
+        """Ask for the last refusal. A kit that never answers is asked _TIMES times only."""
         if not self.open:
             return
         if self._answers or self._unheard < _TIMES:
@@ -75,6 +77,7 @@ class KeysWire:
             self._tell(0)
 
     def drop(self):
+        """Forget whether the board answers, because it has begun anew."""
         self._answers = False
         self._unheard = 0
         self._buffer = b""

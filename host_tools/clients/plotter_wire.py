@@ -44,9 +44,11 @@ class PlotterWire:
     # --- commands
 
     def takes(self, command):
+        """True if `command` can be sent now: no packet is under way, or it is a STOP."""
         return self._command is None or command.kind == commands.STOP
 
     def order(self, command):
+        """Send a command. Its event follows at the machine; a STOP ends the command under way."""
         if self._command is not None:
             self._end(errors.NO_ANSWER if self._command.kind == commands.SETTING else 0)  # a STOP overtakes it
         self._command = command
@@ -81,9 +83,11 @@ class PlotterWire:
         self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
 
     def ask(self):
+        """Ask for STATUS."""
         self.write(packet(COMMANDS["STATUS"]))
 
     def drop(self):
+        """Give up the command under way: NO_ANSWER."""
         self._buffer = b""
         if self._command is not None:
             self._end(errors.NO_ANSWER)
@@ -93,6 +97,7 @@ class PlotterWire:
     # --- answers
 
     def feed(self, data, now_ms):
+        """Take bytes of the board: STATUS has twelve, every other answer one. Drops a STATUS that is torn for longer than _TORN_MS."""
         if self._buffer and (now_ms - self._heard_ms) % 0x20000000 > _TORN_MS:
             self._buffer = b""
         self._heard_ms = now_ms

@@ -35,6 +35,7 @@ class PulsesClient(Client):
     # --- the wire
 
     def send(self, data):
+        """Send bytes as they are. Raises LinkError if the port has gone away."""
         self._write(data)
 
     def lines(self):

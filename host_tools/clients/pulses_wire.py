@@ -90,9 +90,11 @@ class PulsesWire:
         return bool([1 for words, _ in self._under_way if words[0] == verb])
 
     def takes(self, command):
+        """True if `command` can be sent now: fewer than _MOST are under way, or it is a STOP."""
         return len(self._under_way) < _MOST or command.kind == commands.STOP
 
     def order(self, command):
+        """Send a command; the event ACCEPTED or REFUSED follows at the machine."""
         def tell_machine(error):
             told, self._told = self._told, []
             self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
@@ -100,6 +102,7 @@ class PulsesWire:
         self._send(words_of(command, self._axes), tell_machine)
 
     def ask(self):
+        """Ask for the status."""
         self.control(_ASK, None)
 
     def control(self, words, answered):
@@ -138,6 +141,7 @@ class PulsesWire:
     silent = drop
 
     def feed(self, data, now_ms):
+        """Take bytes of the board: each ACK gives CREDIT bytes more of a file, all else are lines."""
         data = bytes(data)
         acks = data.count(ACK)
         if acks:

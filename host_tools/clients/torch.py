@@ -46,6 +46,7 @@ class TorchClient(Client):
     # --- frames
 
     def send(self, data):
+        """Send bytes as they are. Raises LinkError if the port has gone away."""
         self._write(data)
 
     def _log_text(self, data):

@@ -29,7 +29,7 @@ def _run(command):
 
 
 def frame_of(command):
-    """The frame that asks for a command."""
+    """The frame, bytes, of a command (passo.commands)."""
     kind = command.kind
     if kind == commands.RUN:
         return _run(command)
@@ -50,9 +50,11 @@ class Answers:
         self._cutter = torch.answer_cutter()
 
     def put(self, data, now_ms):
+        """Take bytes of the board; `now_ms` tells a torn frame from the next one."""
         self._cutter.put(bytes(data), now_ms)
 
     def next(self):
+        """The next whole answer, (name, {field: value}), or None. Skips frames that are not understood."""
         while True:
             found = self._cutter.next()
             if found is None:
@@ -74,9 +76,11 @@ class TorchWire:
         self._reports = 0  # since it was sent
 
     def takes(self, command):
+        """True: commands need no answer, so any number may be under way."""
         return True
 
     def order(self, command):
+        """Send a command. Its event ACCEPTED comes at once; that of a setting comes with the board's answer."""
         if command.kind == commands.SETTING:
             self._drop_line()
             self._line = command
@@ -87,6 +91,7 @@ class TorchWire:
         self._machine.answered(Event(ACCEPTED, command))
 
     def ask(self):
+        """Ask for a report."""
         self._write(torch.passo(torch.STATUS_OF))
 
     def drop(self):
@@ -112,6 +117,7 @@ class TorchWire:
     silent = drop
 
     def feed(self, data, now_ms):
+        """Take bytes of the board: reports go to the machine, texts end the setting under way."""
         self._answers.put(data, now_ms)
         told = self._answers.next()
         while told:

@@ -132,6 +132,7 @@ class FlashCache:
         return counts
 
     def flush(self):
+        """Empty the cache."""
         ctypes.memset(self.state.tags, 0, ctypes.sizeof(self.state.tags))
 
     def _registers(self):

@@ -32,6 +32,7 @@ class Kernels:
         self._addresses = [address for address, _ in self.starts]
 
     def name(self, address):
+        """Name of the kernel whose code has `address`; None if it lies before all."""
         index = bisect.bisect_right(self._addresses, address) - 1
         return self.starts[index][1] if index >= 0 else None
 

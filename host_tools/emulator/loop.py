@@ -31,6 +31,7 @@ class Loop:
         self.ended = True
 
     def run(self):
+        """Run some milliseconds of wall time, or until `ended`. Raises the clock's fault if there is one."""
         self.ended = False
         if self._system.hz != system_clock.PARSE_HZ:
             self._run_slowly()

@@ -95,6 +95,7 @@ class EmulatedMachine:
         return all(self.pico.chip.uart[self.uart_number(name)].enabled for name in self.uart_links())
 
     def uart_number(self, link):
+        """Number of the UART of a link."""
         return int(self._links[link]["port"][4:])
 
     def _zero_trace(self):
@@ -109,9 +110,11 @@ class EmulatedMachine:
         return self
 
     def now_ms(self):
+        """Emulated milliseconds since power-on."""
         return self.pico.now_us / 1000
 
     def run_ms(self, milliseconds):
+        """Let emulated time pass."""
         self.pico.run(milliseconds * 1000)
 
     def run_until(self, condition, limit_ms=60_000, slice_us=1000):

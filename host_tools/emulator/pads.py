@@ -36,6 +36,7 @@ class Pads:
         pads.write_uint32 = write_and_watch
 
     def listen(self, gpio, heard):
+        """Call heard(gpio, state) at each change of the chip's side of a pin: 0, 1 or RELEASED."""
         self._listeners.setdefault(gpio, []).append(heard)
 
     def state(self, gpio):
@@ -43,6 +44,7 @@ class Pads:
         return min(int(self._chip.gpio[gpio].value), RELEASED)
 
     def drive(self, gpio, level):
+        """Drive a pin from outside to `level`; None lets go, and the pull decides."""
         if level is None:
             self._outside.pop(gpio, None)
         else:

@@ -163,6 +163,7 @@ class EmulatedPico:
         return self.boot()
 
     def _await_usb(self, before, limit_us, given_up=None):
+        """Run until the USB host has connected once more. Raises TimeoutError after `limit_us`."""
         if not self.run_until(lambda: self.usb.connections > before or given_up and given_up(), limit_us):
             raise TimeoutError(f"USB did not come up within {limit_us / 1e6:g} s of emulated time")
         self.run(MAIN_US)

@@ -57,10 +57,12 @@ class Cost:
 
     @property
     def cycles(self):
+        """Cycles in main loop and interrupts."""
         return self.main + self.interrupts
 
     @property
     def waits(self):
+        """Of these, cycles that waited for the flash."""
         return self.main_waits + self.interrupts_waits
 
     def __iadd__(self, other):
@@ -87,6 +89,7 @@ class Profile:
         self._counts[handler][2 * _slot(pc)] += cycles
 
     def end(self):
+        """Stop counting; returns a Spent."""
         self._state.profile[:] = [None, None]
         self._loop.spent = None
         return Spent(self._counts, bytes(self._chip.sram), bytes(self._chip.flash[:_FLASH_BYTES]))
@@ -165,6 +168,7 @@ def _sum(costs):
 
 
 def part_of(name):
+    """The part of the interpreter that a function of this name belongs to."""
     if name in (IN_RAM, ROM, UNNAMED):
         return name
     for part, pattern in _PARTS:
@@ -181,6 +185,7 @@ class Symbols:
         self._starts, self._ends, self._names = map(list, zip(*sorted(functions)))
 
     def name(self, address):
+        """Name of the function at `address`, or of the region if the ELF file has none there."""
         index = bisect.bisect_right(self._starts, address) - 1
         if index >= 0 and address < self._ends[index]:
             return self._names[index]

@@ -20,6 +20,7 @@ class Quadrature:
         self._show()
 
     def turn(self, counts):
+        """Turn by `counts` from now on, behind those under way; negative: back."""
         if counts and not self.left:
             self._alarm.schedule(self._period_ns + self._offset_ns)
         self.left += counts

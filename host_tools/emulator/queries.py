@@ -137,7 +137,7 @@ class Asking:
             self._put(line)
 
     def status(self):
-        """ms from when `?` is there to when the first byte of its answer is. Raises TimeoutError."""
+        """Send `?`; returns the emulated ms from its arrival to the first byte of the answer. Raises TimeoutError."""
         self._begins.clear()
         asked = self._put(b"?")
         self._machine.run_until(lambda: self._begins, ANSWER_LIMIT_MS, 200)

@@ -166,9 +166,11 @@ class Rig:
         self.step_edges, self.dir_edges = self.edges[: self.axes], self.edges[self.axes : 2 * self.axes]
 
     def wire(self):
+        """The wire of UART0."""
         return self.pico.uart(0)
 
     def clear(self):
+        """Forget the edges so far, and count steps anew."""
         for log in self.edges:
             log.clear()
         pins = word_pins(self.board)

@@ -43,6 +43,7 @@ def fast_router(clock_mhz):
 
 
 def _boot(board):
+    """A booted machine of `board` without frames, its UART links at BAUD."""
     board["links"] = [{key: value for key, value in link.items() if key != "lost"} for link in board["links"]]
     for link in board["links"]:
         if link["port"] != "usb":

@@ -23,11 +23,13 @@ class Chains:
         pico.pads.listen(config["latch"], self._on_latch)
 
     def set_input(self, bit, level):
+        """Set an input of the 74HC165 chain to 0 or 1."""
         self._inputs[bit] = level
         if self._latch == 0:
             self._load()
 
     def input(self, bit):
+        """The level of an input of the 74HC165 chain."""
         return self._inputs[bit]
 
     def _load(self):

@@ -83,9 +83,11 @@ class SystemClock:
         self._counted = None  # (nanoseconds at which it is done, result) of the frequency counter
 
     def cycle(self):
+        """System clocks since power-on."""
         return self._cycles + int((self._clock.nanos - self._since_ns) / self.cycle_ns + _ROUNDING)
 
     def nanos_at(self, cycle):
+        """Emulated nanoseconds at a cycle of the clock as it runs now."""
         return self._since_ns + (cycle - self._cycles) * self.cycle_ns
 
     def align(self):

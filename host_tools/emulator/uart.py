@@ -95,6 +95,7 @@ class Pl011(RPUART):
         self.check_interrupts()
 
     def feed_byte(self, value, error=0):
+        """Receive a character; `error`: FRAMING, PARITY or BREAK. A full FIFO drops it and counts an overrun."""
         if not (self.enabled and self.rx_enabled):
             return
         if len(self._received) >= self._depth:

@@ -50,6 +50,7 @@ class Wire:
         return self._free_at
 
     def drain(self):
+        """Bytes that the Pico has sent since the last call."""
         data = bytes(self.sent)
         self.sent.clear()
         self.stamps.clear()

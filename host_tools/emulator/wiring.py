@@ -57,6 +57,7 @@ class Wiring:
 
     @property
     def tick(self):
+        """Ticks of 80 ns since power-on."""
         return cycles.now(self._clock) // cycles.CYCLES_PER_TICK
 
     def unplug(self):
@@ -71,6 +72,7 @@ class Wiring:
         self._drive(self._inputs[name], level)
 
     def _drive(self, gpio, level):
+        """Set an input's pin, or its bit of a register and the pins that diodes connect to it."""
         if gpio >= REGISTER_BIT:
             self.chains.set_input(gpio - REGISTER_BIT, level)
             for pin, names in self._edges:  # diodes

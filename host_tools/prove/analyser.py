@@ -31,6 +31,7 @@ class Capture:
 
     @property
     def hz(self):
+        """Samples a second."""
         return self.clock_hz / self.divider
 
     @property

@@ -30,6 +30,7 @@ from passo.memory import forget
 
 
 def deep_copy(value):
+    """A copy of lists and dicts: MicroPython has no copy.deepcopy."""
     if isinstance(value, dict):
         return {key: deep_copy(value[key]) for key in value}
     return [deep_copy(each) for each in value] if isinstance(value, list) else value

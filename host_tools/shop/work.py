@@ -88,7 +88,7 @@ class _Job(RecoverableJobs):
         RecoverableJobs.fail(self, error)
 
     def ask_again(self):
-        """Homing may be over before a report says that the machine homes."""
+        """Read the journal anew: homing may have ended before a report showed it."""
         self._asked = False
         self.record = None
 

@@ -52,6 +52,7 @@ class Witness(Plant):
         return self._given.get(name, 1 - self._active(name))
 
     def give(self, tick, name, active):
+        """Set an input to its active or inactive level at `tick`; the firmware sees it at once."""
         level = self._active(name) if active else 1 - self._active(name)
         if level != self._given.get(name):
             self._given[name] = self._levels[name] = level
@@ -232,6 +233,7 @@ class Replay(Machine):
     # --- time
 
     def run(self):
+        """Play the record from the snapshot to its end; `faults` lists the differences."""
         rows = self.since
         at = 0
         limit = self.now_ms() + self.box.end_ms - self.snapshot.ms + _LONGEST_MS

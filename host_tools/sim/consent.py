@@ -37,6 +37,7 @@ class Consent:
         self.terminal = _terminal()
 
     def ask(self, name):
+        """Ask the operator in the terminal, once a start, whether the program at `name` may move the machine."""
         if self.asked:
             return
         self.asked = True
@@ -44,6 +45,7 @@ class Consent:
             print(_("a program at {} wants to move the machine: let it until this ends? y/n", name), end=" ", flush=True)
 
     def give(self):
+        """Let senders move the machine until this program ends."""
         self.given = self._answered = True
 
     def admits(self, text):

@@ -43,6 +43,8 @@ class StepDir:
         self._rose = self._fell = self._turned = -(1 << 30)
 
     def decode(self, tick, levels, changed):
+        """Steps (−1, 0 or 1) of the pins' `levels` at `tick`, of which the bits `changed` have changed. Reports times that the driver's limits
+        forbid."""
         levels ^= self._inverted
         steps = 0
         if changed & self._dir:
@@ -84,6 +86,7 @@ class Coils:
         self.released = True
 
     def decode(self, tick, levels, changed):
+        """Phase steps, signed, of the coils' `levels` at `tick`. Reports patterns that the drive does not have, and jumps."""
         pattern = (levels >> self._shift) & self._mask ^ self._inverted
         state = self._table[pattern]
         if state < 0:
@@ -155,6 +158,7 @@ class Pbl3770a(Coils):
         return current if pins & 1 else -current
 
     def decode(self, tick, levels, changed):
+        """Phase steps, signed, as Coils.decode(); notes the current of the pattern."""
         self.current = self._currents[(levels >> self._shift) & self._mask ^ self._inverted]
         return super().decode(tick, levels, changed)
 

@@ -30,6 +30,7 @@ class Fault:
         self._random = random
 
     def holds(self, tick):
+        """True if the fault is present at `tick`; bounces are changes, which InputFaults makes."""
         return self.kind != "bounces" and self.begin <= tick < self.end
 
     def bounces(self):
@@ -72,6 +73,7 @@ class InputFaults:
         self.bounces = [(name, fault.bounces()) for name, fault in self._faults.items() if fault.kind == "bounces"]
 
     def level(self, name, level, tick):
+        """The level that the firmware reads of an input whose true one is `level`, at `tick`."""
         fault = self._faults.get(name)
         if fault is None or not fault.holds(tick):
             return level

@@ -44,6 +44,7 @@ class SimInverter:
     # --- the line
 
     def write(self, data):
+        """Take a frame of the board; its reply can be read `reply_ms` later, or never if `silent`."""
         self._run()
         self.requests.append(bytes(data))
         if not self.silent:
@@ -52,6 +53,7 @@ class SimInverter:
                 self._due.append((self.now_ms() + self.reply_ms, reply))
 
     def read(self):
+        """Bytes of the replies that have come by now."""
         self._run()
         data = b""
         while self._due and self._due[0][0] <= self.now_ms():

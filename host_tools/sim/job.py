@@ -248,6 +248,7 @@ class VirtualJob:
 
     @property
     def high(self):
+        """Highest position of each axis, mm."""
         return self.track.high
 
     def excess(self, number):

@@ -170,6 +170,7 @@ def is_order(line):
 
 
 def probes(line):
+    """True if a line of G-code, bytes, has a probing move."""
     return b"G38" in line.upper()
 
 

@@ -32,20 +32,24 @@ class Pages:
         self._random = random.Random(0)  # which bits are torn
 
     def cut_after(self, count, seed=0):
+        """Cut the power after `count` bytes more; `seed` decides which bits of the torn byte are programmed."""
         self._left = count
         self._random = random.Random(seed)
 
     def read(self, block, slot):
+        """The record at `slot` of `block`, RECORD bytes."""
         at = block * BLOCK + slot * RECORD
         return bytes(self.data[at : at + RECORD])
 
     def write(self, block, slot, data):
+        """Program `data` at `slot` of `block`: bits go from 1 to 0 only, as in flash. Raises PowerCut."""
         at = block * BLOCK + slot * RECORD
         for offset, byte in enumerate(data):
             self._put(at + offset, self.data[at + offset] & byte)
         self._save()
 
     def erase(self, block):
+        """Set all bits of a block. Raises PowerCut, and leaves random bits, if the power does not last."""
         first = block * BLOCK
         if self._left is not None and self._left < BLOCK:
             for at in range(first, first + BLOCK):

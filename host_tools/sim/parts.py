@@ -18,6 +18,7 @@ def endless(board, axis):
 
 
 def pull_off_of(homing, axis):
+    """Steps from the sensor to the origin of `axis`, by the board file's `homing`."""
     own = homing.get("each", {}).get(axis, {})
     return own.get("pull_off_steps", homing.get("pull_off_steps", 0))
 
@@ -92,6 +93,7 @@ class Encoder:
 
     @property
     def count(self):
+        """The counts that the firmware's encoder should read: those of the carriage, less the lost ones."""
         return (self._carriage.position - self._start) * self._counts // self._steps - self.lost
 
 
@@ -152,6 +154,7 @@ class Noise:
         self._ticks = []  # of the changes to come, the last one first
 
     def add(self, ticks):
+        """Flip the input at each of `ticks`; a spike is two of them."""
         self._ticks = sorted(self._ticks + list(ticks), reverse=True)
         self.due = self._ticks[-1] if self._ticks else NEVER
 
@@ -171,6 +174,7 @@ class Solenoid:
         self._wanted = 0
 
     def drive(self, tick, on):
+        """Switch the coil at `tick`; the pen follows after the board file's delay."""
         self._wanted = 1000 if on else 0
         # Released before it has arrived, it falls back without having moved.
         self.due = tick + self._delays[on] if self._wanted != self.value else NEVER
@@ -203,6 +207,7 @@ class Spindle:
         self._asked = self._max_rpm * level / 1000
 
     def run(self, tick):
+        """Move the rotor on to `tick`: its speed follows by RAMP_RPM_S."""
         seconds = (tick - self._tick) / 12_500_000
         self._tick = tick
         target = min(self._asked, self.held)

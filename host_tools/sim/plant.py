@@ -233,6 +233,7 @@ class Plant:
                 self._show(tick, barrier)
 
     def edges(self, tick, levels, changed):
+        """Take new levels of the player's pins at `tick`; `changed`: a mask of the bits that are new. Called by the port."""
         if tick >= self._due:
             self.run(tick)
         moved = False
@@ -309,6 +310,7 @@ class Plant:
         return self.spindle.pulses(tick)
 
     def output(self, tick, name, level):
+        """Take a new level of an output: enables and relays matter to the machine."""
         if name in self._enables:
             (self._without.discard if level == self._enables[name] else self._without.add)(name)
             self.enabled = not self._without
@@ -340,6 +342,7 @@ class Plant:
             self._plan()
 
     def next_event(self):
+        """The tick at which something happens by itself next; None: nothing will."""
         return None if self._due is NEVER else self._due
 
     # --- the machine
@@ -394,6 +397,7 @@ class Plant:
         return carriage.move(tick, steps)
 
     def _arrive(self, tick):
+        """The tool has reached its state: note it in the trace, and drive the spindle."""
         if self._board.get("servo"):
             return  # which sees to the pen
         self.tool = self._solenoid.value * self._power // 1000

@@ -52,6 +52,7 @@ class Slipping:
         carriage.position = self._plant.position[number] = min(max(carriage.position, carriage.low), carriage.high)
 
     def wire(self, drivers):
+        """Connect the DIAG pins of `drivers` to this model's inputs."""
         self._drivers = drivers
         for number in self.sensors:
             driver = drivers[self._names[number]]
@@ -62,6 +63,7 @@ class Slipping:
             self._plant.set_input(tick, self.sensors[motor], stalled)
 
     def spike(self, often):
+        """Have a share `often` (0…1) of the measurements show a stall on free motors."""
         self._often = often
 
     def _turn(self, places):

@@ -50,6 +50,7 @@ class Trail:
         self._tool = 0
 
     def row(self, tick, position, tool):
+        """Note a position, at most one each _SPACING_TICKS unless the tool changes."""
         if tick < self._next and tool == self._tool:
             return
         self._next = tick + _SPACING_TICKS
@@ -59,6 +60,7 @@ class Trail:
             self.positions.append(tool)
 
     def take(self):
+        """Positions since the last call: flat, each axis in steps and the tool, 0…1000."""
         positions = self.positions
         self.positions = []
         return positions

@@ -72,6 +72,7 @@ class Jobs:
         return self.put(name, text) if last else 0
 
     def put(self, name, text):
+        """Store a job; returns 0 or the number of an error (its name, its size, its text)."""
         error = self.name_error(name)
         if error:
             return error
@@ -83,6 +84,7 @@ class Jobs:
         return error
 
     def remove(self, name):
+        """Delete a job; returns 0, or NO_SUCH_JOB."""
         if name not in self._jobs:
             return errors.NO_SUCH_JOB
         del self._jobs[name]

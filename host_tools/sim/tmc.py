@@ -34,12 +34,14 @@ class SimDriver:
         self.power_cycle()
 
     def power_cycle(self):
+        """Reset all registers, as after a loss of the supply."""
         self.registers = dict(_DEFAULTS)
         if self.written:
             self.written()
 
     @property
     def feels(self):
+        """True if StallGuard works: TCOOLTHRS is set, and the chopper is StealthChop."""
         return bool(self.registers.get(0x14, 0)) and not self.registers[0x00] & 4
 
     def diag_level(self, result):
@@ -88,6 +90,7 @@ class SimDrivers:
     # --- the line
 
     def write(self, data):
+        """Take bytes of the board. Echo and replies can be read after the time that they take on the wire."""
         if self.echo:
             self._due.append((self._now_ms() + len(data) * 10 * self._bit_ms, bytes(data)))
         for reply in self.hear(data):
@@ -121,10 +124,12 @@ class SimDrivers:
         return found
 
     def read(self):
+        """Bytes that have come by now."""
         data = b""
         while self._due and self._due[0][0] <= self._now_ms():
             data += self._due.pop(0)[1]
         return data
 
     def any(self):
+        """0: the firmware waits for replies by the clock."""
         return 0

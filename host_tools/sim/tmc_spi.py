@@ -32,6 +32,7 @@ class SpiDriver:
         self.power_cycle()
 
     def power_cycle(self):
+        """Reset all registers, as after a loss of the supply."""
         self.registers = dict(_DEFAULTS[self.chip])
         self.answer = 0
         if self.written:
@@ -51,6 +52,7 @@ class SpiDriver:
         return bool(self.feels and not result)
 
     def select(self):
+        """CS falls: put the status and the answer into the shift register."""
         state = self.registers[0x01] & 3 | (self.registers[0x6F] >> 31 & 1) << 3
         self.shift = state << 32 | self.answer
 
@@ -73,6 +75,7 @@ class SpiDriver:
 
     @property
     def out(self):
+        """The level of SDO, the highest bit of the shift register; 0 without a supply."""
         return 0 if self.dead else self.shift >> 39
 
     def clock(self, bit):
@@ -96,6 +99,7 @@ class SpiDrivers:
         return self._motors[axis]
 
     def select(self, cs, level):
+        """Set a CS pin: low begins an exchange, high has the chips take their 40 bits."""
         for driver in self.chains.get(cs, ()):
             if level:
                 if not driver.dead:
@@ -110,10 +114,12 @@ class SpiDrivers:
         return chain[-1].out if chain else 0
 
     def clock(self, cs, bit):
+        """A rising edge of SCK with `bit` on SDI: each chip of the chain hands its highest bit on."""
         for driver in self.chains.get(cs, ()):
             bit = driver.clock(bit)
 
     def exchange(self, cs, data):
+        """Exchange `data` at a CS, highest bit first; returns as many bytes."""
         self.select(cs, 0)
         found = 0
         for each in data:

@@ -46,6 +46,7 @@ class Rows:
         self._most = max(self._most, 2 * self._count)
 
     def all(self):
+        """The rows so far, a view."""
         return self._room[: self._count]
 
 
@@ -99,6 +100,7 @@ class Track:
 
     @property
     def high(self):
+        """Highest position of each axis, mm."""
         return [float(position) for position in self._high / self._scale]
 
     # --- the words

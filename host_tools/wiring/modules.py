@@ -65,4 +65,5 @@ def _module(title, prefix, left, right, pins, numbers=None):
 
 
 def _edge(names, prefix):
+    """[(label, pin or None)] of an edge of the module; a name of digits is a pin."""
     return [(prefix + name, int(name)) if name.isdigit() else (name, None) for name in names]
