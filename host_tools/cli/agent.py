@@ -23,9 +23,7 @@ def agent(
     port: Annotated[
         Optional[list[str]], typer.Option(metavar="[NAME=]PORT", help="Serial port, pty or pyserial URL of a board; give one for each board.")
     ] = None,
-    virtual: Annotated[
-        Optional[list[str]], typer.Option(metavar="[NAME=]BOARD", help="A virtual board of this board file; give one for each.")
-    ] = None,
+    virtual: Annotated[Optional[list[str]], typer.Option(metavar="[NAME=]BOARD", help="A virtual board of this board file; give one for each.")] = None,
     emulated: Annotated[Optional[list[str]], typer.Option(metavar="[NAME=]BOARD", hidden=True, help="The old name of --virtual.")] = None,
     baud: Annotated[Optional[int], typer.Option(help="Bits per second of the serial ports.")] = None,
     protocol: Annotated[
@@ -70,9 +68,7 @@ def agent(
     """
     _check(shop_key, at_machine, page_key, tool or laser_class or page)
     served = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
-    if emulated:
-        print(_("--emulated is now called --virtual; the old name still works"), file=sys.stderr, flush=True)
-    boards = _named(port or [], [*(virtual or []), *(emulated or [])])
+    boards = _named(port or [], _add_old_name(virtual or [], emulated or []))
     key = key_in(shop_key) if shop_key else ""
     about = (_of_machines(*each, boards) for each in (("--tool", tool), ("--laser-class", laser_class), ("--page", page)))
     told = make_broker(broker, user, password, ca), home_assistant, key, about
@@ -81,6 +77,13 @@ def agent(
         made = {name: (where, _virtual(where, stack) if virtual else _real(where, baud, protocol, board)) for name, (where, virtual) in boards.items()}
         agent = _agent(made, served, told, stack)
         _run(agent, (at_machine, page_key), stopped, stack)
+
+
+def _add_old_name(virtual, emulated):
+    """`virtual` and the boards of --emulated, its old name, of which this says the new one on stderr."""
+    if emulated:
+        print(_("--emulated is now called --virtual; the old name still works"), file=sys.stderr, flush=True)
+    return [*virtual, *emulated]
 
 
 def _check(shop_key, at_machine, page_key, more):
