@@ -67,9 +67,11 @@ def check_board(board, name):
 
 def _check_speeds(board):
     """Raise BoardError if speeds of a checked board leave its drive's pulses no time: those of `speed`, with which no board would start, and those
-    of each axis, which would come out as pulses too short."""
+    of each axis, which would come out as STEP pulses too short."""
     least = word_times(board)[1]
     check_speed(board, least)
+    if board["drive"]["kind"] != "step_dir":
+        return  # coils have no pulses
     for axis in board["axes"]:
         steps_s = axis["steps_per_m"] * axis["max_mm_min"] // 60_000
         if steps_s > TICKS_PER_S // least:
