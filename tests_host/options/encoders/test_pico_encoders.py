@@ -53,13 +53,13 @@ def test_four_encoders_at_250_khz_while_three_axes_step_at_100_khz(rig, show):
     state = {"round": 0}
 
     def meanwhile():
-        if state["round"] < 2 and not any(wire.share_left for wire in wires):
+        if state["round"] < 2 and not any(wire.left for wire in wires):
             state["round"] += 1
             for number, wire in enumerate(wires):
                 wire.turn(turns[state["round"]][number])
 
     run = rig.play(lines, meanwhile=meanwhile)
-    while any(wire.share_left for wire in wires):
+    while any(wire.left for wire in wires):
         rig.pico.run(500)
     assert (run.off, run.late) == (0, 0)
     assert run.position == [*rig.count_steps()[:3], 0]

@@ -56,7 +56,7 @@ class StallSensor(Sensor):
     def stopped(self, queue, axis):
         """Its interrupt has stopped the player."""
         edge = queue.axis(axis, self._latch)
-        self.restart(self._last_ms, True)
+        self.restart(self.last_ms, True)
         self.edge = edge
 
 
