@@ -165,7 +165,7 @@ class Settings:
         """True if the board file's speeds, and with `speeds` the axes' own, leave no room for STEP pulses of `pulse_us`."""
         if self._longest_pulse_us is None:
             return False
-        steps_s = TICKS_PER_S // (4 * us_to_ticks(pulse_us))  # as limit_steps() has it, after the next start
+        steps_s = TICKS_PER_S // (2 * us_to_ticks(pulse_us))  # a pulse is as long low as it is high
         most = max([self.value(STEPS + axis) * self.value(SPEED + axis) for axis in range(len(self.steps_per_m))]) if speeds else 0
         return pulse_us > self._longest_pulse_us or most > steps_s * 60_000_000
 
