@@ -1,6 +1,7 @@
 """The commands of `passo pulses` that need no board: check, convert, image, example. Those that count in mm ask one for its steps/mm, if they are given
 its port."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -19,12 +20,12 @@ GCODE = (".gcode", ".nc", ".ngc", ".tap", ".g")
 
 
 def _running_board(name, port, baud):
-    """_board() with the steps/mm of the board at `port`; says whose they are."""
+    """_board() with the steps/mm of the board at `port`; says whose they are, beside what the command prints."""
     from host_tools.running_board import running
 
     config, axes = _board(name)
     config, whose = running(config, "pulses", port, baud)
-    print(whose)
+    print(whose, file=sys.stderr)
     return config, axes
 
 

@@ -6,6 +6,7 @@ from passo import errors, machine_builder
 from passo.config import setting_numbers as table
 from passo.config.boardfile import check
 from passo.config.journal import Journal, MemorySlots
+from passo.config.setting_numbers import longest_pulse_us
 from passo.config.settings import MASKS, Settings
 from passo.steps.wiring import inverted_pins
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
@@ -127,7 +128,7 @@ def check_refusals():
         (7, 1, errors.STATEMENT), (103, 1, errors.STATEMENT), (110, -1, errors.NEGATIVE),
         (0, 2, errors.STEP_PULSE), (32, 1, errors.LASER_WITHOUT_PWM), (22, 2, errors.SETTING_RANGE),
         (100, 0, errors.SETTING_RANGE), (110, 50_000_000, errors.STEP_RATE), (100, 9_000_000, errors.STEP_RATE),
-        (22, 0, 0), (20, 1, errors.LIMITS_NEED_HOMING), (20, 0, 0), (22, 1, 0), (20, 1, 0), (0, 10, 0), (0, 100, errors.STEP_RATE),
+        (22, 0, 0), (20, 1, errors.LIMITS_NEED_HOMING), (20, 0, 0), (22, 1, 0), (20, 1, 0), (0, 10, 0), (0, 100, errors.SETTING_RANGE),
     ):
         assert settings.change(number, value) == error, (number, value)
     board = check(PLOTTER)
@@ -138,6 +139,8 @@ def check_refusals():
 
 def check_a_pulse_leaves_room_for_the_speeds():
     """What counts after the next start: the board starts, and all speeds are within what it then can do. A longer one that was kept is forgotten."""
+    longest = longest_pulse_us(check(BOARD))
+    assert 10 < longest < 100
     for kept in range(3, 101):
         slots = MemorySlots()
         settings = make(slots)
@@ -145,7 +148,7 @@ def check_a_pulse_leaves_room_for_the_speeds():
         if not error:
             assert settings.save() == 0
         else:
-            assert error == errors.STEP_RATE
+            assert error == (errors.STEP_RATE if kept <= longest else errors.SETTING_RANGE)
             Journal(slots).write("0=%d" % kept)
         board = check(BOARD)
         started = Settings(board, Journal(slots))
@@ -155,8 +158,12 @@ def check_a_pulse_leaves_room_for_the_speeds():
             assert board["drive"]["pulse_us"] == kept
             for axis in range(3):
                 assert started.value(100 + axis) * started.value(110 + axis) <= TICKS_PER_S // least * 60_000_000, kept
-    assert error and settings.change(0, 9) == 0 and settings.change(110, 4_000_000) == settings.change(111, 4_000_000) == 0
-    assert settings.change(0, 11) == 0, "slower axes have time for more"
+    settings = make(MemorySlots())
+    assert settings.change(0, longest) == errors.STEP_RATE and settings.change(110, 4_000_000) == settings.change(111, 4_000_000) == 0
+    assert settings.change(0, longest) == 0, "slower axes have time for more"
+    most_um_min = TICKS_PER_S // (2 * us_to_ticks(longest)) * 60_000_000 // settings.value(100)
+    assert settings.change(110, most_um_min + 1) == errors.STEP_RATE, "a kept pulse counts with the next start"
+    assert settings.change(110, most_um_min) == 0
 
 
 def check_the_board_follows():

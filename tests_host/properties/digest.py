@@ -215,10 +215,10 @@ def copied(value):
     return [copied(each) for each in value] if isinstance(value, list) else value
 
 
-def board_named(name):
-    """A file of boards/; NAME+laser has a laser instead of its spindle."""
+def board_named(name, table=None):
+    """A file of boards/, or its `table` where it is like another's; NAME+laser has a laser instead of its spindle."""
     name, _, laser = name.partition("+")
-    board = copied(getattr(__import__("boards." + name), name).BOARD)
+    board = copied(table or getattr(__import__("boards." + name), name).BOARD)
     board["links"] = board["links"][:1]  # a second one would only want memory
     if laser:
         board["spindle"] = {"max_rpm": 1000, "pwm": True, "pin": 22, "laser": True}

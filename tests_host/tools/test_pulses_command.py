@@ -26,9 +26,9 @@ def passo(*words):
     """(exit status or failure's text, what was printed)"""
     result = CliRunner().invoke(app, ["pulses", *map(str, words)])
     if isinstance(result.exception, Failure):
-        return str(result.exception), result.output
+        return str(result.exception), result.stdout
     assert result.exception is None or result.exit_code, result.exception
-    return result.exit_code, result.output
+    return result.exit_code, result.stdout
 
 
 def rows_of(trace):

@@ -9,6 +9,8 @@ from micropython import const
 from passo.records import (
     SETTING_INCHES as INCHES, SETTING_LASER as LASER, SETTING_MAX_RPM as MAX_RPM, SETTING_REPORT as REPORT,
 )  # fmt: skip
+from passo.steps.ring import fastest
+from passo.steps.word import TICKS_PER_S, us_to_ticks
 
 PULSE_US = const(0)
 IDLE_DELAY = const(1)
@@ -49,6 +51,16 @@ def _active(items, names):
     return 0
 
 
+def longest_pulse_us(board):
+    """The longest STEP pulse, at most 100 µs, that the board file's speeds leave room for: it is as long low as it is high. With a longer
+    one no board starts. Drives without STEP pulses: 100."""
+    if board["drive"]["kind"] != "step_dir":
+        return 100
+    steps_s = fastest(board["speed"], ())
+    pulse_us = 500_000 // steps_s
+    return min(pulse_us - (2 * us_to_ticks(pulse_us) * steps_s > TICKS_PER_S), 100)
+
+
 def make(board):
     """{number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min, jerk in mm/s³. Masks as grbl has them: steps whose
     pulse is low, directions where high is positive, drivers enabled by high, limits and a probe active when high, axes that home at their
@@ -79,7 +91,7 @@ def make(board):
         table[ACCELERATION + number] = (name + "_acceleration", 3, axis["accel_mm_s2"] * 1000, 1, 999_999_999)
         table[TRAVEL + number] = (name + "_travel", 3, travel_um, 1, 999_999_999)
     table.update({
-        PULSE_US: ("step_pulse_us", 0, board["drive"]["pulse_us"], 3, 100),
+        PULSE_US: ("step_pulse_us", 0, board["drive"]["pulse_us"], 3, longest_pulse_us(board)),
         IDLE_DELAY: ("idle_delay_ms", 0, min(release_ms, 254) if release_ms else 255, 0, 255),
         STEP_INVERT: ("step_invert", 0, 0 if board["drive"]["step_active"] else mask, 0, mask),
         DIRECTION_INVERT: ("direction_invert", 0, directions, 0, mask),

@@ -25,8 +25,6 @@ from passo.config.setting_numbers import (
     HOMING_SEEK, IDLE_DELAY, INTERVAL, JERK, JOG, JOG_SPEED, LASER, LIMIT_INVERT, PROBE_INVERT, PULSE_US, SOFT_LIMITS, SPEED, STEPS,
     STEP_INVERT, TRAVEL,
 )  # fmt: skip
-
-from passo.steps.ring import fastest
 from passo.steps.word import TICKS_PER_S, us_to_ticks
 
 _LONGEST_TEXT = const(80)
@@ -34,13 +32,6 @@ _LEAST_JERK = const(10_000)  # 10 mm/s³; 0: no limit
 
 MASKS = (STEP_INVERT, DIRECTION_INVERT, ENABLE_INVERT, LIMIT_INVERT, PROBE_INVERT, HOMING_DIRECTION)
 _VERSION = "2:"
-
-
-def longest_pulse_us(board):
-    """The longest STEP pulse that the board file's speeds leave room for: it is as long low as it is high. With a longer one no board starts."""
-    steps_s = fastest(board["speed"], ())
-    pulse_us = 500_000 // steps_s
-    return pulse_us - (2 * us_to_ticks(pulse_us) * steps_s > TICKS_PER_S)
 
 
 class Settings:
@@ -55,7 +46,6 @@ class Settings:
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
         self._most_steps_s = steps_s
-        self._longest_pulse_us = longest_pulse_us(board) if board["drive"]["kind"] == "step_dir" else None
         from passo.config.setting_numbers import make  # the app forgets it again
 
         self._table = make(board)
@@ -137,10 +127,6 @@ class Settings:
             return errors.NEGATIVE
         if number == PULSE_US and value < 3:
             return errors.STEP_PULSE
-        if number == PULSE_US and value <= most and self._is_too_long(value):
-            return errors.STEP_RATE
-        if number == INTERVAL and value <= most and value * self._most_steps_s < 1_000_000:
-            return errors.STEP_RATE
         if number == HOMING and value and not most:
             return errors.NO_HOMING
         if number == SOFT_LIMITS and value and not self.value(HOMING):
@@ -157,17 +143,19 @@ class Settings:
             speed = value if number >= SPEED else self.value(SPEED + axis)
             if number in (STEPS, STEPS + 1) and self._one_belt:  # both axes get them
                 speed = max(self.value(SPEED), self.value(SPEED + 1))
-            if steps * speed > self._most_steps_s * 60_000_000:
+            if steps * speed > min(self._most_steps_s, self._pulses_s(self.value(PULSE_US))) * 60_000_000:
                 return errors.STEP_RATE
+        if number == INTERVAL and value * self._most_steps_s < 1_000_000:
+            return errors.STEP_RATE
+        if number == PULSE_US:
+            for axis in range(len(self.steps_per_m)):
+                if self.value(STEPS + axis) * self.value(SPEED + axis) > self._pulses_s(value) * 60_000_000:
+                    return errors.STEP_RATE
         return 0
 
-    def _is_too_long(self, pulse_us, speeds=True):
-        """True if the board file's speeds, and with `speeds` the axes' own, leave no room for STEP pulses of `pulse_us`."""
-        if self._longest_pulse_us is None:
-            return False
-        steps_s = TICKS_PER_S // (2 * us_to_ticks(pulse_us))  # a pulse is as long low as it is high
-        most = max([self.value(STEPS + axis) * self.value(SPEED + axis) for axis in range(len(self.steps_per_m))]) if speeds else 0
-        return pulse_us > self._longest_pulse_us or most > steps_s * 60_000_000
+    def _pulses_s(self, pulse_us):
+        """STEP pulses of `pulse_us` that fit into a second: one is as long low as it is high. Drives without them: no bound."""
+        return TICKS_PER_S // (2 * us_to_ticks(pulse_us)) if self._board["drive"]["kind"] == "step_dir" else 1_000_000
 
     def _touch(self):
         self.dirty = True
@@ -254,7 +242,7 @@ class Settings:
             rule = self._table.get(number)
             if rule is None:
                 self._texts[key] = value
-            elif rule[3] <= amount <= rule[4] and not (number == PULSE_US and self._is_too_long(amount, False)):
+            elif rule[3] <= amount <= rule[4]:
                 if number in MASKS and not new:
                     old.append((number, amount))
                 else:

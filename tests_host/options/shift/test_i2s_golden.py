@@ -13,6 +13,7 @@ from test_digest import HEX_JOBS, PICO_PULSES, PULSES, hex_job, hex_of, job_of
 
 from passo.records import COUNT_MASK
 
+from host_tools import boards
 from host_tools.drawings.objects import objects
 
 pytestmark = pytest.mark.unmeasured
@@ -56,7 +57,7 @@ def job(name):
 
 
 def board(name, ramps=False):
-    data = digest.board_named(name)
+    data = digest.board_named(name, boards.load(name.partition("+")[0]))
     if data["drive"]["kind"] == "step_dir":
         data["drive"] = dict(data["drive"], pulse_us=4, setup_us=8, step_active=1)
     if ramps:

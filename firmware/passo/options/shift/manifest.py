@@ -5,8 +5,7 @@ Pin 100 of such a board is the first output of the register: QA of the chip whos
 
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import PIN
-from passo.config.setting_numbers import PULSE_US, STEP_INVERT
-from passo.config.settings import longest_pulse_us
+from passo.config.setting_numbers import PULSE_US, STEP_INVERT, longest_pulse_us
 from passo.records import REGISTER_BIT
 
 OUTPUTS = 15  # the 16th would follow the others a frame later
