@@ -29,7 +29,7 @@ ESP32_POWER = (20, 4)  # more, of a laser or a spindle whose power is PWM
 # machine code and arrays included: measured on the emulated Pico (tests_host/pico/test_pico_budget.py). Stored jobs keep 14, and want JOB_KB
 # in large pieces while one is stored.
 PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
-LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 122, "keys": 122, "plotter": 124}
+LANGUAGES_KB = {"grbl": 168, "pulses": 150, "torch": 124, "keys": 124, "plotter": 124}
 ADDITIONS_KB = {"motion": 4, "drives": 6, "stalls": 6}
 LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
 FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dots, and the code that burns them

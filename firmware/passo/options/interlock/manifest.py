@@ -2,7 +2,7 @@
 
 from passo.config.board_error import BoardError
 
-HEAP_KB = 12  # of a Pico with stock MicroPython
+HEAP_KB = 13  # of a Pico with stock MicroPython
 RULES = {
     "interlock": {
         "rows": (dict, {}, 0, 40),

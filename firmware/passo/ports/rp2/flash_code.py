@@ -38,7 +38,7 @@ from passo.ports.rp2.flash_names import KNOWN_BYTES, bound, learn, look, move, s
 code = None  # see begin()
 _COLLECT = const(72_000)  # bytes taken on a board with a radio until garbage is collected: see begin()
 _BUFFER_BYTES = const(4608)  # more than any file has before its functions
-_TEXTS_BYTES = const(2048)  # of names that do not lie in flash: more than most boards have
+_TEXTS_BYTES = const(4096)  # of names that do not lie in flash: more than most boards have
 _PAGE = const(256)  # as the interpreter mounts it
 _LAYOUT = "unknown layout of functions"
 _FLASH = const(0x10000000)
