@@ -7,24 +7,23 @@
 Every command of the PC that turns mm into steps asks here, so that all count alike.
 """
 
+from passo.config.setting_numbers import LASER, MAX_RPM, STEPS, TRAVEL
+
 from host_tools.failure import Failure
 from host_tools.language import _
-
-_SCALE, _TRAVEL = 100, 130  # settings of x; those of other axes follow
-_LASER, _MAX_RPM = 32, 30
 
 
 def as_set(board, settings):
     """The board file with what a machine's settings, {number: value}, say of it. A machine that tells its axes has those only."""
     axes, spindle = [], dict(board.get("spindle") or {})
     for number, axis in enumerate(board["axes"]):
-        per_mm, travel_mm = (float(settings.get(first + number, 0)) for first in (_SCALE, _TRAVEL))
+        per_mm, travel_mm = (float(settings.get(first + number, 0)) for first in (STEPS, TRAVEL))
         if per_mm and travel_mm:
             axis = {**axis, "steps_per_m": round(1000 * per_mm), "travel_steps": round(per_mm * travel_mm)}
-        if not settings or _SCALE + number in settings:
+        if not settings or STEPS + number in settings:
             axes.append(axis)
-    if spindle and _LASER in settings:
-        spindle.update(laser=float(settings[_LASER]) > 0, max_rpm=float(settings.get(_MAX_RPM, spindle["max_rpm"])))
+    if spindle and LASER in settings:
+        spindle.update(laser=float(settings[LASER]) > 0, max_rpm=float(settings.get(MAX_RPM, spindle["max_rpm"])))
     return {**board, "axes": axes, **({"spindle": spindle} if spindle else {})}
 
 
@@ -56,7 +55,7 @@ def by_client(board, client):
 
 def _values(asked, board):
     """{number: value} of its steps/mm and travel."""
-    return {first + axis: asked.get(first + axis) for axis in range(len(board["axes"])) for first in (_SCALE, _TRAVEL)}
+    return {first + axis: asked.get(first + axis) for axis in range(len(board["axes"])) for first in (STEPS, TRAVEL)}
 
 
 def _compared(board, found):

@@ -11,13 +11,11 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
+from passo.config.setting_numbers import JOG, JOG_SPEED, STEPS, TRAVEL
 from passo.protocols.setting_lines import thousandths
 
 _RESTING = ("Idle", "Sleep")
 _MISSES = const(8)  # answers that may get lost
-_X_SCALE = const(100)
-_X_TRAVEL = const(130)
-_X_JOG_SPEED = const(170)
 
 
 def _question(number=None):
@@ -32,10 +30,10 @@ class Known:
         self._scale = scale
 
     def jog_steps(self, axis):
-        return max(1, round(float(self._values[150 + axis]) * self._scale[axis]))
+        return max(1, round(float(self._values[JOG + axis]) * self._scale[axis]))
 
     def jog_steps_s(self, axis):
-        return max(1, round(float(self._values[170 + axis]) * self._scale[axis] / 60))
+        return max(1, round(float(self._values[JOG_SPEED + axis]) * self._scale[axis] / 60))
 
 
 class Questions:
@@ -140,11 +138,11 @@ def with_settings(kind):
         def _follow_told(self):
             """All have been told: steps/mm, travel and jogs are the board's, as every page sees them."""
             axes = range(len(self.scale))
-            self.scale = [float(self.settings[_X_SCALE + axis]) for axis in axes]
+            self.scale = [float(self.settings[STEPS + axis]) for axis in axes]
             if self.travel:
-                far = [float(self.settings[_X_TRAVEL + axis]) for axis in axes]
+                far = [float(self.settings[TRAVEL + axis]) for axis in axes]
                 self.travel = [[-far[axis], 0] if self.travel[axis][0] < 0 else [0, far[axis]] for axis in axes]
-            if _X_JOG_SPEED in self.settings:
+            if JOG_SPEED in self.settings:
                 self._take_jogs(Known(self.settings, self.scale))
             self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
 
