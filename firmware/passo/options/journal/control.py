@@ -93,7 +93,7 @@ class JobJournal(Feature):
                 if not data:  # an erase makes the block
                     break
                 if data == _EMPTY:  # most are: 512 of them would be garbage
-                    if pages.read(block, pages.SLOTS - 1) == _EMPTY:  # so are those between; else power went amid an erase
+                    if pages.read(block, pages.SLOTS - 1) == _EMPTY:  # those between are empty, too; else power went amid an erase
                         self._empty[block] += pages.SLOTS - slot
                         break
                     self._empty[block] += 1

@@ -26,7 +26,7 @@ def fits(number):
 
 
 class Pages:
-    """A file is made as it is first erased: that takes 70 ms, and a board answers before it. Where memory is in small pieces, all are made
+    """A file is made as it is first erased: that takes 70 ms, and a board answers before it. If memory is in small pieces, all are made
     at the start."""
 
     BLOCKS = 4
