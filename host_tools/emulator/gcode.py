@@ -27,6 +27,8 @@ from host_tools.emulator.profile import Profile
 from host_tools.emulator.queries import Asking
 from passo.config.journal import Journal, MemorySlots
 from passo.config.setting_numbers import JERK
+from passo.steps.wiring import word_times
+from passo.steps.word import TICKS_PER_S
 
 CHORDS = 64
 LINE_BYTES = 24
@@ -144,15 +146,16 @@ def pad_lines(*lines, width=LINE_BYTES):
 
 def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
     """A booted EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for
-    run_raster(). Its axes take 250 mm/s and 20 m/s², so that the processor is the limit."""
+    run_raster(). Its axes take 250 mm/s and 20 m/s², so that the processor is the limit; or what the drive's pulses leave room for."""
     return router(*fast_board(lengths_mm, name, laser, clock_mhz, mm_s, mm_s2))
 
 
 def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
     """(board, texts) of fast_router()."""
     board = {**boards.load(name), "clock_mhz": clock_mhz}
+    pulses_s = TICKS_PER_S // word_times(board)[1]
     for axis in board["axes"]:
-        axis.update(max_mm_min=60 * mm_s, accel_mm_s2=mm_s2)
+        axis.update(max_mm_min=min(60 * mm_s, 60_000 * pulses_s // axis["steps_per_m"]), accel_mm_s2=mm_s2)
     if laser:
         board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": LASER_PIN, "pwm_hz": 5000, "laser": True}
     return board, {f"{length}.txt": raster(length)[0] if laser else chords(length)[1] for length in lengths_mm}
