@@ -1,4 +1,4 @@
-"""A board file with what its running board has set above it: steps/mm and travel.
+"""A board file with the steps/mm and travel that its running board has set.
 
     board = as_set(board, {100: "49.218", 130: "200.000"})
     board, told = running(board, "plotter", "/dev/ttyUSB0", 57600)      # asks the board; `told`: a line for people
@@ -14,7 +14,8 @@ from host_tools.language import _
 
 
 def as_set(board, settings):
-    """The board file with what a machine's settings, {number: value}, say of it. A machine that tells its axes has those only."""
+    """The board file with steps/mm, travel and the spindle's laser and highest speed from a machine's settings, {number: value}. Axes without
+    steps/mm in the settings are left out; without any settings all stay."""
     axes, spindle = [], dict(board.get("spindle") or {})
     for number, axis in enumerate(board["axes"]):
         per_mm, travel_mm = (float(settings.get(first + number, 0)) for first in (STEPS, TRAVEL))

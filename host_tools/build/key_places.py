@@ -1,4 +1,4 @@
-"""Where each key of a board file is changed: by a setting, which the page's card Settings and `passo settings` have, or in the file, and why only there.
+"""How each key of a board file is changed: by a setting, on the page's card Settings or by `passo settings`, or in the file only, and the reason.
 
     setting_of("axes.steps_per_m")      # 100: of the first axis
     reason_of("inputs.pin")             # "wiring": a row of docs/reference/board-file.md

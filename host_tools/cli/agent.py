@@ -129,7 +129,7 @@ def _agent(boards, served, told, stack):
 
 
 def _page_key(file, terminal):
-    """(key of the page at the machine, the file that has it or None). Where there is no terminal that tells the key, it stands in a file."""
+    """(key of the page at the machine, the file that has it or None). Without a terminal to print the key on, it is kept in a file."""
     from host_tools.clients.page_key import make_key
 
     if file is None and terminal:

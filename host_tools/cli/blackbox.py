@@ -1,4 +1,4 @@
-"""`passo blackbox`: what led to an alarm or a crash: read off the board, drawn, played again on the virtual board."""
+"""`passo blackbox`: the events before an alarm or a crash, read off the board, drawn, and replayed on the virtual board."""
 
 from pathlib import Path
 from typing import Annotated, Optional
@@ -80,7 +80,7 @@ for name in {}:
 
 
 def files_of(board):
-    """{name: bytes} of what a board in the raw REPL has of programs.blackbox.FILES. Raises Failure."""
+    """{name: bytes} of those programs.blackbox.FILES that are on a board in the raw REPL. Raises Failure if it has no black box."""
     import base64
 
     from host_tools.programs.blackbox import FILE, FILES
@@ -109,7 +109,7 @@ def replayed(box):
 
 
 def lines(box, played):
-    """What people read: what happened when, and how the replay went."""
+    """Yield the lines for people: the events with their times, the crash, the result of the replay."""
     from host_tools.programs.timeline import lines_of, mm, reason
 
     yield _("{}, written behind {}. Seconds before its end:", box.board["name"], reason(box))

@@ -227,14 +227,14 @@ def _loop(machine, stopped):
 
 
 def _summary(plant):
-    """What the machine could not follow, on stderr."""
+    """Print on stderr how many steps and signals the machine could not follow, and the first of them."""
     if plant.error_count:
         tick, text = plant.errors[0]
         typer.echo(_("the machine: {} errors; the first at {:.3f} ms: {}", plant.error_count, tick / 12500, text), err=True)
 
 
 def _pairs(option, texts, names):
-    """{name: value} of `NAME=VALUE` texts. Where `names` are given a text without a name is for the first of them."""
+    """{name: value} of `NAME=VALUE` texts. With `names`, a text without a name belongs to the first of them. Raises Failure."""
     pairs = {}
     for text in texts or ():
         name, equals, value = text.partition("=")

@@ -42,7 +42,7 @@ def checked(name):
 
 
 def print_budget(name):
-    """What a board file uses of its chip. Raises Failure if it is wrong."""
+    """Print how much of its chip a board file uses. Raises Failure if the board file is wrong."""
     from host_tools.build.budget import budget
 
     rows = budget(checked(name))
@@ -61,7 +61,7 @@ def print_kernel(board, name):
 
 
 def print_kernels(board, march, by):
-    """What compiled the kernels, and what that costs."""
+    """Print which compilers compiled the kernels; if only viper did, the time and memory that costs."""
     march = march or MARCH[boards.load(board)["chip"]]
     if by:
         print(_("Kernels compiled by {}.", ", ".join(by)))
@@ -77,7 +77,7 @@ def build(
     march: Annotated[Optional[str], typer.Option("--march", help="Instruction set, instead of the chip's own.")] = None,
     show: Annotated[Optional[str], typer.Option("--show", help="Print a kernel as C, and build nothing.")] = None,
 ):
-    """Compile the firmware of one board; show its sizes, and what the board file uses of pins, PIO and shift registers.
+    """Compile the firmware of one board; show its sizes, and the pins, PIO and shift registers that the board file uses.
 
     Example: passo build --board plotter_2014
 

@@ -101,7 +101,7 @@ def table_of_means(lengths):
 
 
 def proposed(fit, taken):
-    """What to set for the backlash that was found, if it is sure: in lines. `taken`: mm of each axis that are taken up already."""
+    """Yield lines that say how to take up the backlash found, if the fit is sure of it. `taken`: mm of each axis that are taken up already."""
     play = backlash(fit, taken)
     if play is None:
         return
@@ -136,7 +136,7 @@ def _fits(rows, used, reading):
 
 
 def told(fit, used):
-    """What was found of an axis, in lines."""
+    """Yield lines with the fit of an axis: steps/mm, backlash, the distance of each reading from the line, χ², verdict."""
     name = fit.axis.upper()
     text = _("{}  steps/mm {:.3f} ± {:.3f}, {:g} were used; scale {:.5f} ± {:.5f}")
     yield text.format(name, fit.steps_per_mm, fit.u_steps_per_mm, used, fit.scale, fit.u_scale)

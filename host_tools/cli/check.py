@@ -202,7 +202,7 @@ def table_mm(board):
 
 
 def summary(job):
-    """What the job would do, in lines of text."""
+    """Yield lines about a job: its time, the range and speed of each axis, pauses, skipped lines, probes."""
     from host_tools.programs.gcode_file import clock
 
     yield _("time    {} ({:.1f} s), {} words with a step", clock(job.seconds), job.seconds, job.track.steps)

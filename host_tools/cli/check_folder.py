@@ -54,7 +54,7 @@ class Item(NamedTuple):
 
 
 class Row(NamedTuple):
-    """What is said of one program. `low`, `high`: mm of each axis; `fault`: "" if it is right."""
+    """The result of one program. `low`, `high`: mm of each axis; `fault`: its first error, "" if it has none."""
 
     seconds: float
     words: int
@@ -83,7 +83,7 @@ def work(item):
 
 
 def _fault(job, program):
-    """What is wrong with a program that has been run; "": nothing."""
+    """The first error of a program that has been run, or the travel that it exceeds; "" if it has no fault."""
     if job.errors:
         number, text, what = job.errors[0]
         more = "; " + _("{} in all", count_text(job.error_count, "line")) if job.error_count > 1 else ""
@@ -128,7 +128,7 @@ def _name(folder, path):
 
 
 def _in_order(paths, found):
-    """(path, Row) in the order of `paths`, each as soon as those before it are there; at a terminal with what has been done."""
+    """Yield (path, Row) in the order of `paths`, each as soon as all before it are done; at a terminal show how many are checked."""
     waiting, at, done = {}, 0, 0
     shown = sys.stderr.isatty()
     for item, row in found:

@@ -92,7 +92,7 @@ def as_running(machine, said):
 
 
 def options_of(said):
-    """The Options of those that the command was given, a dict; what is not in it is as by default."""
+    """The Options of a dict of the command's options; those that it lacks have their defaults."""
     from host_tools.drawings.drawing import Options
 
     known = {key: said[key] for key in PLACED if key in said}

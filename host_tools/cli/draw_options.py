@@ -10,7 +10,7 @@ import typer
 
 @dataclass
 class Said:
-    """What the command was given."""
+    """Arguments and options of `passo draw`."""
 
     file: Annotated[list[Path], typer.Argument(help="The drawing: SVG, HPGL, DXF or G-code. Several are nested on one sheet.")]
     port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")] = None
@@ -79,7 +79,7 @@ class Said:
         return {name: getattr(self, name) for name in KEPT}
 
 
-# Of drawing.Options, but for `origin`, `layer` and `hatch`, which are said otherwise.
+# Options that drawing.Options has by the same name and type; options_of() converts `origin`, `layer` and `hatch`.
 PLACED = (
     "fit", "center", "scale", "place", "margin", "tolerance", "crop", "pens", "repeat", "copies", "gap", "turn", "nesting", "marks", "keep_order", "unseen",
 )  # fmt: skip

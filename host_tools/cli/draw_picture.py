@@ -1,4 +1,4 @@
-"""Pictures of what `passo draw` would draw: PNG, SVG, or dots in the terminal."""
+"""Pictures of a drawing as `passo draw` would draw it: PNG, SVG, or dots in the terminal."""
 
 from pathlib import Path
 

@@ -53,7 +53,7 @@ class Plotted:
         return self._plan.digest(self._said.points)
 
     def told(self):
-        """What else there is to say of it."""
+        """Yield a line for each pen that the operator has to insert."""
         for part in self._changes.values():
             yield _("pen {}: you are asked for it before it draws", pen_of(part))
 
@@ -78,7 +78,7 @@ class Plotted:
 
 
 def pen_of(part):
-    """What a pen is called."""
+    """Number and name of a pen, for people."""
     return f"{part.number} ({part.name})" if part.name else str(part.number)
 
 
@@ -165,7 +165,8 @@ def go_on(record):
 
 
 def _prepare(client, way):
-    """The machine at rest. What it still draws of an interrupted drawing is drawn to its end."""
+    """Wait until the machine is at rest: it draws the points that it has of an interrupted drawing. Raises Failure if it moves and
+    --continue is not given."""
     while True:
         status = client.request()
         if status["state"] in ("idle", "alarm"):
@@ -177,7 +178,8 @@ def _prepare(client, way):
 
 
 def _spot(client, objects, record, way, numbers):
-    """Where the drawing goes on, by the board's journal, if it is of this drawing; else by that of the PC. Raises Failure."""
+    """The spot at which the drawing goes on, by the board's journal if it is of this drawing, else by that of the PC. None: at
+    the start. Raises Failure."""
     if not way.resume:
         return None
     found = None

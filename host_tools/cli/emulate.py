@@ -54,7 +54,7 @@ def emulate(
     from host_tools.emulator.binary import find_uf2, load_emulator
 
     for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: sys.exit(0))  # nothing runs yet that has to be ended
+        signal.signal(number, lambda *_: sys.exit(0))  # exit at once: the emulated machine does not run yet
     load_emulator()
     uf2 = find_uf2()
     boards.load(board)

@@ -190,7 +190,8 @@ def _describe(console, powers, rows, options, machine, lines, seconds):
 
 
 def save_preview(path, powers, rows, options, machine, seconds):
-    """What will burn, in grey, and the ways of the head at both sides in the order of rows. Raises Failure if it cannot be written."""
+    """Draw the powers of the dots in grey, and the head's overscan at both ends of each row, coloured in the order of rows. Raises Failure if the
+    file cannot be written."""
     from matplotlib.collections import LineCollection
 
     from host_tools.drawings import engraving

@@ -19,7 +19,7 @@ def film(
     speed: Annotated[Optional[float], typer.Option(min=0.001, help="Instead: so many times as fast as the machine.")] = None,
     per_second: Annotated[int, typer.Option("--fps", min=1, max=60, help="Frames a second.")] = 20,
 ):
-    """Make a film of a trace, seen from above: what has been drawn, what is to come, the head, time and speed.
+    """Make a film of a trace, seen from above: the path drawn so far and the rest of it, the head, time and speed.
 
     An .mp4 wants pip install '.[film]'.
 

@@ -1,4 +1,4 @@
-"""README's film of the first minute: what `passo` says, and the drawing that the virtual plotter's pins make of it.
+"""README's film of the first minute: the output of `passo`, and the drawing that the virtual plotter's pins make.
 
     python -m host_tools.cli.first_minute            # writes docs/start/first-minute.svg anew
 
@@ -29,7 +29,7 @@ COMMANDS = (
 )
 DRAWS = 2  # the command during which the pen moves
 _SECONDS = 20
-_FINISHED_S = 16  # the film begins where all is drawn: what shows no motion, and who looks once, sees what becomes of it
+_FINISHED_S = 16  # the film begins with the finished drawing, for viewers without motion and for a short look
 _TYPING_S, _LINE_S, _DRAWING_S = 0.7, 0.2, 8.0
 _WIDTH, _HEIGHT, _TERMINAL, _MARGIN = 1000, 420, 610, 20
 _COLUMNS, _ROW = 64, 21

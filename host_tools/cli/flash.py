@@ -62,7 +62,7 @@ def no_answer(port):
 
 
 def reason_of(output):
-    """The last line of what mpremote printed, without its name."""
+    """The last line of mpremote's output, without the name of mpremote."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     return lines[-1].removeprefix("mpremote: ") if lines else ""
 
@@ -74,7 +74,7 @@ def check_port(port):
 
 
 def probe(command, port):
-    """What the board prints. Raises Failure unless one with MicroPython answers."""
+    """Run `command` of mpremote and return its output. Raises Failure unless a board with MicroPython answers."""
     if find_spec("mpremote") is None:
         raise Failure("mpremote, which talks to the board, is not installed: pip install mpremote")
     check_port(port)

@@ -1,4 +1,4 @@
-"""What `passo flash` does with UF2s: it asks the board what it has, and puts another one there by the chip's own boot loader.
+"""UF2s of `passo flash`: it asks the board which one it runs, and puts another one there by the chip's own boot loader.
 
     has = ask(port)                 # has.chip is None: MicroPython without Passo
     replace(port, path, has)        # the board starts with the UF2 of a file; files survive
@@ -26,7 +26,7 @@ from host_tools.uf2_format import is_whole
 
 ASK = HOST_TOOLS / "build" / "ask_board.py"
 REMOVE_PACKAGE = HOST_TOOLS / "build" / "remove_package.py"
-DRIVES = "RPI-RP2", "RP2350"  # by what the boot loaders of the chips call them
+DRIVES = "RPI-RP2", "RP2350"  # names of the drives that the chips' boot loaders show
 INFO = "INFO_UF2.TXT"
 DRIVE_S, START_S, COPY_S = 20, 30, 600
 _OF_PACKAGE = "passo", "main.py", "stamp.txt", "source.txt"  # not carried over: another build brings its own
@@ -43,7 +43,7 @@ def asking(port):
 
 
 def told(text, port):
-    """What ask_board.py has printed. Raises Failure if the board runs something else."""
+    """The Has of ask_board.py's output. Raises Failure if the board runs something other than MicroPython."""
     lines = text.splitlines()
     words = lines[0].split() if lines else []
     if len(lines) < 2 or words[0] not in ("uf2", "micropython"):
@@ -122,7 +122,7 @@ def write(path, drive):
             target.flush()
             os.fsync(target.fileno())
     except OSError:
-        pass  # what counts is whether the board starts
+        pass  # replace() finds out by waiting for the board to start
 
 
 def awaited(question, limit_s):
@@ -164,7 +164,7 @@ def drive_of():
 
 
 def check_file(path):
-    """What a UF2 holds, as label_of(): None is MicroPython as it comes. Raises Failure if it is not whole."""
+    """The label of a UF2, as label_of() returns it: None is plain MicroPython. Raises Failure if the file is missing or not whole."""
     if not path.is_file():
         raise Failure("no file {}", path)
     if not is_whole(path.read_bytes()):

@@ -14,7 +14,7 @@ MOST_INPUTS = 12  # of one row: 4096 lines
 
 
 class Table:
-    """Rows of a board file, with what they mean to the pins.
+    """Rows of a board file's interlock, and the masks that the firmware makes of them.
 
     table = Table(boards.load("mill_2004"))
     table.rows["hx"].value({"bxb": 0, …})
@@ -37,7 +37,7 @@ class Table:
         self.masks = self.board["additions"].masks
 
     def gated(self):
-        """{name: Row} of what the firmware gates: over the inputs alone, as its masks have it."""
+        """{name: Row} of the directions, tool and outputs that the firmware gates: in inputs only, without signals, as in its masks."""
         from passo.options.interlock.steps_viper import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
 
         found = {}
@@ -84,8 +84,8 @@ def truth_table(row):
 
 
 def draw(table, path):
-    """A picture: what is gated against the inputs. Each product of a row is a line of its marks: filled, the input must be
-    active; empty, it must not."""
+    """Draw a picture of the gated directions, tool and outputs against the inputs. Each product of a row is a line of marks: filled,
+    the input must be active; empty, it must not."""
     from host_tools.figures import pyplot
 
     gated = table.gated()

@@ -153,7 +153,7 @@ def _tell_end(file, number, behind):
 
 
 def _check_here(client, file):
-    """Raises Failure at the first line that the firmware's parser refuses, with the machine's settings: what is on the board stays."""
+    """Parse the file as the firmware would with the machine's settings. Raises Failure at the first line refused; nothing on the board changes."""
     from host_tools.programs import gcode_file
     from host_tools.programs.made_by import advice_of
     from host_tools.programs.replay import Replay

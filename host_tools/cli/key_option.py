@@ -12,7 +12,7 @@ from host_tools.failure import Failure, reason
 
 
 def key_of(text, where):
-    """`where`: what a person is told of a wrong one; never the key itself."""
+    """The key in `text`. Raises Failure if it is wrong: the message names `where` the text came from, never the text itself."""
     try:
         return page_key.read_key(text)
     except ValueError:

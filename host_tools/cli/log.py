@@ -35,7 +35,7 @@ def log(
 
 
 def link(port, baud, protocol):
-    """(language, port, baud) of a link that is asked, of the options: what they leave out is found."""
+    """(language, port, baud) of the link to ask, from the options; those left out are found. Raises Failure."""
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
@@ -142,7 +142,7 @@ def entry_text(ms, number, who):
 
 
 def pin_text(name, active, trips, glitches, at_ms, lasted_ms):
-    """An input of the interlock: what it has done since the start."""
+    """A line about an input of the interlock: its state, and its trips and glitches since the start."""
     state = _("active") if active == "1" else _("inactive")
     text = _("input {}: {}, stopped the machine {} times, {} glitches", name, state, trips, glitches)
     if int(at_ms):

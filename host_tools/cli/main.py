@@ -89,7 +89,7 @@ def _passo(
 
 
 def first_steps():
-    """What a newcomer may try, with each command's purpose beside it."""
+    """Commands for a newcomer to try, each with its purpose beside it."""
     rows = [
         ("passo panel --demo --open", _("a router and its page, in a browser")),
         ("passo site --serve 8000", _("the same page with the firmware inside, for any web server")),
@@ -104,7 +104,7 @@ def first_steps():
 
 
 def help_with_first_steps(command):
-    """Let `passo --help` end with what a newcomer may try."""
+    """Let `passo --help` end with first_steps()."""
     plain = command.format_help
 
     def format_help(context, formatter):
@@ -115,7 +115,7 @@ def help_with_first_steps(command):
 
 
 def explain_missing(name):
-    """What to do about a module that is not there; None if it is none that may be missing."""
+    """Advice about a missing module; None if it is not one that may be missing."""
     package = (name or "").partition(".")[0]
     if package in UNIX_ONLY:
         return _("this command needs Linux, macOS or WSL, because Windows has no pseudo-terminals")

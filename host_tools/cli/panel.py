@@ -127,7 +127,7 @@ def _speaking(guest):
 
 
 def _demos(virtual, guest):
-    """The virtual machines to choose from, and what starts one."""
+    """(names of the virtual machines to choose from, function that starts one)."""
     from host_tools import boards
 
     def change(name):
@@ -138,7 +138,7 @@ def _demos(virtual, guest):
 
 
 def _cable(port, prompt, board, own, guest):
-    """The machines that the board on `port` may become, and what makes it one."""
+    """(names of the machines that the board on `port` may become, function that makes it one)."""
     from host_tools.cli.machine import become
     from host_tools.panel.cable import Cable
 
@@ -191,7 +191,7 @@ def _check_torch(port, baud):
 
 
 def _language(board):
-    """What the first link of a board file speaks."""
+    """Protocol of the first link of a board file."""
     return board["links"][0]["protocol"]
 
 

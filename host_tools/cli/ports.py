@@ -25,7 +25,7 @@ def kind_of(vendor, product):
 
 
 def found():
-    """[(port, kind, serial number)] of what is connected now."""
+    """[(port, kind, serial number)] of the boards that are connected now."""
     from serial.tools import list_ports
 
     boards = []

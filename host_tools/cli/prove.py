@@ -139,7 +139,7 @@ def is_terminal():
 
 
 def watched(proof):
-    """The rows, with a bar for whoever waits."""
+    """Yield the rows of a proof as they are measured; show a progress bar on stderr."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 

@@ -1,7 +1,7 @@
 """Plays a pulse file that is longer than a board's memory: from any command, backward, and repeated, streamed by this PC.
 
-The board remembers the last of what was streamed and can go back so far by itself; when it has come to the oldest of that, it is
-stopped there and gets the rest of the way as a new stream.
+The board remembers the last commands of the stream and goes back through them by itself. At the oldest one it is stopped, and gets the
+rest of the way back as a new stream.
 """
 
 from host_tools.cli.pulses_panel import Panel, status_text
@@ -78,7 +78,7 @@ def go_to(client, file, number):
 
 
 def go_by(client, way):
-    """Move by hand, tool off, by so many steps of each axis, one axis after the other."""
+    """Move by hand, tool off, by `way`: steps of each axis, one axis after the other. Raises Failure if a move does not end."""
     place = list(way)
     while any(place):
         words = ["jog"]

@@ -73,7 +73,7 @@ def _home(client):
 
 
 def settled(client):
-    """What was queued when the cable was cut is played to its end; nothing is reset while it moves."""
+    """Wait until the machine has played the blocks queued when the cable was cut: it is not reset while it moves. Raises Failure if it is held."""
     state = client.ask_status()["state"]
     if state == _SLOWING:
         print(_("the machine moves ({}): waiting until it stands", state))

@@ -52,7 +52,7 @@ def resume(file, port, baud, home, unverified, yes):
 
 
 def _awake(client):
-    """The status. What was cut off amid a command is refused once, a second after its last byte."""
+    """Return the status. A command whose end was lost with the cable is refused a second after its last byte: ask once more then."""
     try:
         return client.status()
     except LinkError:

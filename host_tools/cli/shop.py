@@ -30,8 +30,8 @@ def shop(
     Drop a file on the page: it is checked, and waits. A machine takes the next job that fits when somebody at it says that paper is in
     (passo agent --at-machine). The book gives each job to one machine, once; the machine's journal knows how far it has come.
 
-    It prints the page's address with a key for those who may queue jobs. Who has no key may look, and stop all machines. The agents want
-    the other key, that of --shop-key: copy the file.
+    It prints the page's address with a key for those who may queue jobs. Without the key the page shows the machines, and can stop them all.
+    The agents want the other key, that of --shop-key: copy the file.
 
     Examples:
 

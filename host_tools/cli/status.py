@@ -21,7 +21,7 @@ def status(
     baud: AnyBaud = None,
     protocol: Protocol = None,
 ):
-    """Show state, position, inputs, encoders and the last errors and alarms. Nothing moves, and nothing is changed, but that a
+    """Show state, position, inputs, encoders and the last errors and alarms. Moves and changes nothing, except that a
     plotter forgets its error once it is asked.
 
     A grbl link tells all of it, with the glitches of each input of an interlock and the following errors of encoders; the other

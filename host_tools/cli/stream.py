@@ -25,7 +25,7 @@ from passo import errors
 _STATUS_S = 0.25
 _RATE_REPORTS = 10  # over which lines a second are counted
 _STARVES = 0.1  # part of the queue: with less the machine slows down
-_WORTH_S = 5  # of a job whose pace is told
+_WORTH_S = 5  # a shorter job's lines a second are not printed
 _KEEP_S = 1.0
 _MOST_SETTINGS = 10  # lines that are shown
 FirstLine = Annotated[
@@ -175,8 +175,8 @@ class Aborted(Failure):
 
 
 class Panel:
-    """The progress bar and the keys. `seconds`: estimated time of each line; `origin(number)`: what a line is called; `keep(number)`
-    is called once a second, and at the end, with the line that moves the machine."""
+    """The progress bar and the keys. `seconds`: estimated time of each line; `origin(number)`: the name of a line; `keep(number)` is
+    called once a second, and at the end, with the line that moves the machine."""
 
     def __init__(self, client, lines, seconds=None, origin=line_text, keep=None):
         self._keep = keep

@@ -45,7 +45,7 @@ class Units:
 
         self.steps = steps
         self.per_mm = (1.0, 1.0)
-        self.whose = ""  # steps/mm they are, in a line; of a board that has the file's nothing is said
+        self.whose = ""  # a line that says whose steps/mm count; "" if the board's are the file's
         if not steps:
             file = boards.load(board)
             here, self.whose = by_client(file, client)
@@ -54,14 +54,14 @@ class Units:
                 self.whose = ""
 
     def count(self, axis, length):
-        """Whole steps. Raises Failure if a frame cannot say so many."""
+        """A length in whole steps. Raises Failure above 2²⁹ − 2 steps, the most that a frame holds."""
         steps = length * self.per_mm[axis]
         if not _fits(steps):
             raise Failure("too far: {} is {:g}, and at most 2²⁹ − 2 steps go into a move or jog", "xy"[axis], length)
         return round(steps)
 
     def speed(self, axis, speed, default):
-        """Whole steps/s, at least 1. Raises Failure if a frame cannot say so many."""
+        """A speed (mm/min; steps/s with --steps) in whole steps/s, at least 1. Raises Failure above 2²⁹ − 2 steps/s, the most that a frame holds."""
         value = default if speed is None else speed
         steps_s = value if self.steps else value * self.per_mm[axis] / 60
         if not _fits(steps_s):

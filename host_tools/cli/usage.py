@@ -1,4 +1,4 @@
-"""What typer says by itself, in the language chosen: usage, the frames of --help, what is wrong with a command line. It has no catalogue.
+"""Texts of typer itself in the language chosen: usage, the frames of --help, errors of a command line. Typer has no catalogue.
 
     speak_by_itself(typer.main.get_command(app))
 """

@@ -67,7 +67,7 @@ def _client(protocol, port, baud):
 
 
 def _grbl(client, known):
-    """(rows, position) of a grbl link. `known`: fields of earlier reports; some are told only now and then."""
+    """(rows, position) of a grbl link. `known`: fields of earlier reports, because a report has some only now and then."""
     from host_tools.cli.status import grbl_rows
 
     fresh = client.ask_status()
@@ -97,7 +97,7 @@ _LOOKS = {"grbl": _grbl, "torch": _others, "pulses": _others, "plotter": _others
 
 
 class View:
-    """What is shown: a table of what the board says, and a map of where the head has been."""
+    """The picture in the terminal: a table of the board's report, and a map of the head's path so far."""
 
     def __init__(self, title):
         self._title = title

@@ -18,7 +18,7 @@ _TIMEOUT_S = 60
 _LEAST, _MOST = 8, 63  # characters of a WPA2 passphrase
 _NAME_BYTES = 32
 _TURN_MS = 100
-_WEAK = 12  # characters: shorter ones are said to be so
+_WEAK = 12  # characters: a shorter passphrase gets a warning
 
 app = typer.Typer(
     help="""Set up the Wi-Fi of a board whose board file has a network: its radio is off until then.
@@ -59,7 +59,7 @@ def _port(port):
 
 
 def _saved(port):
-    """What the board has, or None."""
+    """The board's network file, parsed; None if it has none, or a damaged one."""
     text, status = _mpremote(port, "cat", ":" + FILE)
     if status:
         return None
@@ -70,7 +70,7 @@ def _saved(port):
 
 
 def _key_of(found):
-    """The key of what a board has; "": there is none, or one that is too short."""
+    """The key in a network file that _saved() returned; "" if it has none, or a wrong one."""
     from host_tools.clients import page_key
 
     try:

@@ -1,4 +1,4 @@
-"""`passo wiring`: what goes to which pin, as a table and as a drawing."""
+"""`passo wiring`: the connection of each pin, as a table and as a drawing."""
 
 from pathlib import Path
 from typing import Annotated, Optional

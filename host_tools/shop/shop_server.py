@@ -140,7 +140,7 @@ class Shop:
         return 0
 
     async def _queue(self, name, said, wants, copies):
-        """Check a file and put it into the book. Whatever comes of it, the pages are told."""
+        """Check a file and put it into the book. Send the pages the result, or the error."""
         why = ""
         try:
             async with self._checks:
