@@ -1,11 +1,11 @@
-"""DXF files as a drawing, by ezdxf: what its own drawing add-on would show, as lines and areas; a layer is a layer of the file.
+"""DXF files as a drawing, by ezdxf: the lines and areas that its own drawing add-on shows; a layer is a layer of the file.
 
     file = DxfFile("part.dxf")
     page = file.outlines(deviation_px=0.1)
 
 Blocks, splines, ellipses, bulges, dimensions, hatches and text (as outlines of its letters) are those of ezdxf. Lengths are in the unit
 that $INSUNITS names; without it `notes` says which one was taken, inches if $MEASUREMENT is 0, else mm. Layers that are off or frozen are
-left out, and what lies under a wipeout, or under an area of the background's colour; pictures are counted in `left_out`.
+left out, and lines under a wipeout or under an area of the background's colour; pictures are counted in `left_out`.
 """
 
 import io

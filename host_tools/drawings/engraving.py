@@ -70,7 +70,7 @@ class Options:
     least: float = 0.0  # of the lightest dots that burn
     speed: float = 3000.0  # mm/min
     one_way: bool = False
-    offset_mm: float = 0.0  # rows from right to left are moved by so much
+    offset_mm: float = 0.0  # added to X of rows from right to left
     overscan_mm: float | None = None
     origin: tuple[float, float] = (0.0, 0.0)  # of the lower left corner
     passes: int = 1

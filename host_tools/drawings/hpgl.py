@@ -32,7 +32,7 @@ _ESCAPE = re.compile(r"\x1b(?:\.[@-Z()](?:[\d;,]*:)?|%-?\d*[A-Z]|[&*()][a-z]?[-\
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _INSTRUCTION = re.compile(r"[A-Za-z]{2}")
 _TERMINATOR = re.compile(r"([^;])(?:\s*,\s*([01])(?![\d.]))?|", re.DOTALL)  # of DT; with 0 it is drawn, too
-# No ink, or none that a pen could draw otherwise: speeds, forces, widths, pauses, answers to a PC.
+# Ignored: they draw nothing, or change only what a pen cannot: speeds, forces, widths, pauses, answers to a PC.
 _SILENT = frozenset(
     "VS FS AS VA VN PW WU PT FT NP NR PS EC MG OA OC OD OE OF OG OH OI OK OL OO OP OS OT OW IM RP BP MC SB SA SS CS CA AP CC "
     "GM GP DC DP CV LA TR ST SV RF AC UL BL PB CF AD SD TD FI FN IV LM QL AF AH CT CR PC".split()

@@ -19,7 +19,7 @@ def moves(text):
         elif letter == "7":
             base = 32
         else:
-            ends = 191 if base == 64 else 95  # where a number's last digits begin
+            ends = 191 if base == 64 else 95  # the lowest code of a number's last digit
             digit = code - (ends if code >= ends else 63)
             if not 0 <= digit < base:
                 continue

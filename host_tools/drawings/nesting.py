@@ -109,8 +109,8 @@ def _mask(shape, gap, cell):
 
 
 def _free(sheet, mask, size, room, cell, gap, across):
-    """(top, column, row, column) of the lowest free place, `across`: (right end, row, row, column) of the leftmost; or None. What was put on the sheet has the gap around it already; the
-    shape itself needs none."""
+    """(top, column, row, column) of the lowest free place, `across`: (right end, row, row, column) of the leftmost; or None. Shapes on the
+    sheet have the gap around them already; the new shape needs none."""
     pad = _pad(gap, cell)
     inner = mask[pad:-pad, pad:-pad]
     rows, columns = sheet.shape

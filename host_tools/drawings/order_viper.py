@@ -335,7 +335,7 @@ def improve(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: pt
 
 @micropython.viper
 def kick(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32):
-    """Let two neighbouring pieces change places, and take that back if the way does not get shorter by what follows. Wants three lines."""
+    """Swap two neighbouring pieces of the tour, improve the ends at the three seams, and undo both if the tour is not shorter. Wants three lines."""
     count = state[COUNT]
     low = 1 + chance(state, count - 1)
     middle = low + chance(state, PIECE)
@@ -368,7 +368,7 @@ def kick(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32
 
 @micropython.viper
 def kick_often(state: ptr32, xs: ptr32, ys: ptr32, near: ptr32, tour: ptr32, at: ptr32, log: ptr32, queue: ptr32, times: int, most: int):
-    """Kick so many times, or until `most` comparisons have been made in all."""
+    """Kick `times` times, or until `most` comparisons have been made in all."""
     while times > 0 and state[TRIED] < most:
         kick(state, xs, ys, near, tour, at, log, queue)
         times -= 1

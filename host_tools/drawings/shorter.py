@@ -3,8 +3,8 @@
     lines = shorten(lines, 0j)            # in drawing order, from a place on
 
 It begins by the nearest end, again and again, or by the order that is given, if that is shorter. 2-opt and or-opt (Croes, 1958; Or, 1976)
-follow, over the nearest ends of each line. Then two neighbouring pieces change places, again and again, and what follows of it is kept if
-it is shorter (Martin, Otto and Felten, 1991). The same lines give the same order every time: a drawing that is gone on with is the one
+follow, over the nearest ends of each line. Then two neighbouring pieces are swapped and the seams improved, again and again; a tour that
+got shorter is kept (Martin, Otto and Felten, 1991). The same lines give the same order every time: a drawing that is gone on with is the one
 that was begun. The kernels of order_viper.py run as C if there is a compiler; without one there are a hundred times fewer tries.
 """
 
@@ -26,7 +26,7 @@ _MOST_TRIED = 60_000_000  # comparisons in all
 _KICKS_A_LINE = 50
 _KICKS = 80_000
 _MOST_KICKED = 1_000_000_000  # kicks times lines: among many lines a kick shortens little, and takes longer
-_PLAIN = 100  # without a compiler all of that is divided by so much, but for moves
+_PLAIN = 100  # without a compiler starts, comparisons and kicks are divided by this, the lines of a move are not
 _CHUNK = 2_000_000  # comparisons between two calls of progress()
 _MORTON = 8  # neighbours on a curve that are tried, in each direction
 _SHIFTED = 0, 9157  # of the two curves: units

@@ -365,7 +365,7 @@ class SvgFile:
         return style
 
     def _paint(self, value):
-        """What svg_paint.of() says of a paint, worked out once."""
+        """The result of svg_paint.of() for a paint, computed once."""
         if value not in self._paints:
             self._paints[value] = svg_paint.of(value, self._by_id, self._plain_style)
         return self._paints[value]

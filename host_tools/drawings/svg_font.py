@@ -36,8 +36,8 @@ def heights(font):
 
 
 def of(style, left_out, text=""):
-    """matplotlib's font of a style, and of those letters of `text` that it has not; what stands for one that is not installed is named in
-    `left_out`."""
+    """matplotlib's font of a style, with fonts added for letters of `text` that it lacks. A font that is not installed is named in `left_out`,
+    with its replacement."""
     named = tuple(part.strip().strip("'\"") for part in style.get("font-family", "").split(",") if part.strip())
     families = named or tuple(_USUAL.split(","))
     slant = style.get("font-style", "normal")
@@ -54,7 +54,7 @@ def of(style, left_out, text=""):
 
 @lru_cache(maxsize=256)
 def _find_font(families, weight, slant):
-    """(name, matplotlib's font) of a CSS family list, and the name of what stands for it if none of them is installed."""
+    """(name, matplotlib's font, name of the replacement or None) of a CSS family list. None: the font is of the first family, or generic."""
     from matplotlib import font_manager
 
     known = _font_names()

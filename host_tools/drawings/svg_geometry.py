@@ -101,7 +101,7 @@ def numbers(text):
 
 
 def matrix(text, viewport=(0.0, 0.0), font_size=16.0):
-    """The matrix of a transform attribute, or of the property of a style sheet, which has units. `viewport`: of what per cent are.
+    """The matrix of a transform attribute, or of the property of a style sheet, which has units. `viewport`: the size that per cent refer to.
     Raises ValueError if it cannot be read, TooFar."""
     text = text or ""
     found = IDENTITY
@@ -307,7 +307,7 @@ def _inner(count, *points):
 
 
 def _weights(count, size):
-    """What each of `size` control points counts for at those positions."""
+    """Weights (Bernstein) of `size` control points, 4 or 3, at the `count` − 1 inner positions: a row each."""
     t = numpy.linspace(0, 1, count + 1)[1:-1, None]
     s = 1 - t
     return numpy.hstack((s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t) if size == 4 else (s * s, 2 * s * t, t * t))

@@ -1,7 +1,7 @@
 """The elements of an SVG file, and the size of its page.
 
     root = root_of("map.svg")
-    width, height = page_size(root, style)      # px; `style`: what style sheets say of the root
+    width, height = page_size(root, style)      # px; `style`: properties of the root
     box = view_box(root)                        # [x, y, width, height] or None
 """
 

@@ -17,7 +17,7 @@ _MOST = 20  # gradients that lead to each other
 _SHAPES = frozenset("rect circle ellipse line polyline polygon path".split())
 _NOT_SEEN = frozenset(("", "g", "title", "desc", "metadata"))
 _WHOLE = re.compile(r"\s*(1(\.0*)?|100(\.0*)?%)\s*")
-_WHITE_IN_PARTS = "rgba(255, 255, 255, 0.5)"  # the page, or what lies below, is seen through it
+_WHITE_IN_PARTS = "rgba(255, 255, 255, 0.5)"  # the page, or a shape below, is seen through it
 _KINDS = {"linearGradient": "gradient", "radialGradient": "gradient", "pattern": "pattern"}
 
 

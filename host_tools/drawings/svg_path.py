@@ -1,4 +1,4 @@
-"""Path data of SVG as segments: what `d` says, up to its first mistake.
+"""Path data of SVG as segments: those of `d` up to its first mistake.
 
     segments, whole = read("M0 0C1 1 2 2 3 0")
 

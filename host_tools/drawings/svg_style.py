@@ -58,7 +58,7 @@ def local_name(name):
 
 @lru_cache(maxsize=4096)
 def _read(text):
-    """([(name, value)] of what is not !important, and of what is)."""
+    """([(name, value)] of the declarations without !important, the same of those with it)."""
     import tinycss2
 
     found = [], []

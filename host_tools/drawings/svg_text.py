@@ -3,9 +3,9 @@
     pieces = collect(element, style_of, lengths)    # letters with their positions and fonts
     lines = outlines(pieces, deviation, left_out)   # polylines, in the element's own coordinates
 
-`left_out` is told of a font that is not installed. Letters follow each other as the font has them; x, y, dx, dy, rotate, textLength, text-anchor, letter-spacing, word-spacing, baseline-shift and
-text-transform are kept, and letters stand on the path of a <textPath>, each by its middle. Vertical text is not drawn; text from right
-to left, small capitals and lines under text are named.
+A font that is not installed is named in `left_out`. Letters follow each other as the font has them; x, y, dx, dy, rotate,
+textLength, text-anchor, letter-spacing, word-spacing, baseline-shift and text-transform are kept, and letters stand on the path of a
+<textPath>, each by its middle. Vertical text is not drawn; text from right to left, small capitals and lines under text are named.
 """
 
 import unicodedata

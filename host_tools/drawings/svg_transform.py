@@ -3,7 +3,7 @@
     matrix = of_style(style, viewport, box)     # `box()`: of the element in its own coordinates, for transform-box
     is_valid("transform", "rotate(45)")          # False: a style sheet wants units, an attribute does not
 
-CSS Transforms 1 and 2, flat: what turns a shape out of its plane is drawn as it is seen from in front.
+CSS Transforms 1 and 2, flat: a shape that is turned out of its plane is drawn as seen from the front.
 """
 
 import math
