@@ -20,7 +20,7 @@ def wait_up(machine):
 
 
 def ask(machine, line):
-    """What it says to a line. Raises Failure if it refuses the line."""
+    """The machine's answer to a line, bytes. Raises Failure if it is not ok."""
     machine.take()
     machine.send(line)
     machine.run_until(lambda: any(end in machine.received() for end in (b"ok\r\n", b"error", b"ALARM")), MOST_MS)

@@ -29,7 +29,7 @@ class Pressed:
 
 
 class Outputs:
-    """What the pins of a plant's outputs have done: {name: levels}."""
+    """Records each change of a plant's outputs in `seen`: {name: [level, …]}."""
 
     def __init__(self, plant):
         self.seen = {}

@@ -1,4 +1,4 @@
-"""Where experiments are measured: the virtual machine, the emulated Pico, a board on a serial port.
+"""The machines on which experiments are measured: the virtual machine, the emulated Pico, a board on a serial port.
 
     with place_of("emulated") as place:
         place.kind                          # "virtual", "emulated" or "board"

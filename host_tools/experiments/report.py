@@ -1,4 +1,4 @@
-"""What `passo experiments` writes: report.html, one page to print on A4 and hand in, and table.csv.
+"""Writes the files of `passo experiments`: report.html, one page to print on A4 and hand in, and table.csv.
 
     write(folder, done, place_title)        # done: [(name, Outcome, or the sentence why it is not measured)]
 """
@@ -29,7 +29,7 @@ footer { margin-top: 9mm; border-top: 1px solid #ccc; padding-top: 2mm; font-siz
 
 
 def printed(author):
-    """A document's figure as it prints it, and what it makes if that is another unit."""
+    """A document's figure as it prints it, and its value in the table's unit if it prints another one."""
     if not author.printed:
         return _("no figure")
     plain = author.printed.replace(",", "").replace(".", "").isdigit()

@@ -1,11 +1,11 @@
-"""What an experiment returns: rows of the table, and pictures beside them."""
+"""The result of an experiment: rows of the table, and pictures beside them."""
 
 from dataclasses import dataclass, field
 
 from host_tools.experiments.authors import Author
 from host_tools.language import current_language
 
-NOTHING = 1e-9  # of a distance: what floats leave
+NOTHING = 1e-9  # of a distance: less is the rounding of floats
 
 
 @dataclass
@@ -29,7 +29,7 @@ class Outcome:
 
 
 def figure(value, digits=4):
-    """A number with so many digits, in the notation of the language; "" of None."""
+    """A number with `digits` digits, in the notation of the language; "" for None."""
     if value is None:
         return ""
     if value == round(value) or abs(value) >= 10 ** (digits - 1):

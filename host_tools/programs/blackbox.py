@@ -186,8 +186,8 @@ def _row(numbers, at, board, platform):
 
 
 def _levels(bits, board, platform):
-    """{input: active} of what port.levels() has said there. The bits are pins on an RP2040, inputs in their order elsewhere: of an
-    ESP32 whether they are active."""
+    """{input: active} of `bits` from port.levels(). On an RP2 bit n is pin n; elsewhere the last input is bit 0, the one before it bit 1, and
+    so on. A bit is the level of its pin; on an ESP32 1 is active."""
     inputs = board["inputs"]
     if platform == "rp2":
         return {item["name"]: bits >> item["pin"] & 1 == item["active"] for item in inputs if item["pin"] < 32}

@@ -11,7 +11,7 @@ A table has a line for each length, or for each reading of it; # begins a commen
     x       20         18.078    0.167  10        turn
     xy+     100x100    141.52    0.05   5
 
-`measured` is the mean of so many `readings` with the standard deviation `sigma`; without both it is one reading. `after` turn (what
+`measured` is the mean of readings; `readings` is their number, `sigma` their standard deviation; without both it is one reading. `after` turn (what
 stands there by default): the axis had moved the other way before, so its backlash is missing in the length; same: it had not.
 xy+ and xy- are the two diagonals of a rectangle, from its lower left corner and from its lower right.
 
@@ -188,7 +188,7 @@ def _verdict(scale, u_scale, chance):
 
 
 def chi2_above(chi2, freedom):
-    """The chance that χ² of so many degrees of freedom is above `chi2` (Abramowitz and Stegun, 26.4.4 and 26.4.5)."""
+    """The chance that χ² of `freedom` degrees of freedom is above `chi2` (Abramowitz and Stegun, 26.4.4 and 26.4.5)."""
     half = chi2 / 2
     tail = math.erfc(math.sqrt(half)) if freedom % 2 else math.exp(-half)
     for degrees in range(freedom % 2 or 2, freedom, 2):

@@ -122,7 +122,8 @@ def offset(contour, side, radius):
 
 
 def _turn(before, piece):
-    """Sine of the angle by which the contour turns left between two pieces; -2 or 2 if it turns back, by what lies between them."""
+    """Sine of the angle by which the contour turns left between two pieces. If it turns back: 2 or -2, to the left or the right by the points
+    beside the corner; nan if it goes back on itself."""
     into, out = before.direction(before.end), piece.direction(piece.start)
     sine = _cross(into, out)
     if abs(sine) > _SMOOTH or _dot(into, out) > 0:
@@ -200,7 +201,7 @@ def _meet(before, beside, number):
     found = [point for point in crossings(first, beside) if _within(first, point) and _within(beside, point)]
     if not found:
         raise _misfit(origin, number)
-    # Of two crossings the first one on the way: what lies behind it would be cut into.
+    # Of two crossings the first one on the way: beyond it the tool would cut into the contour.
     point = min(found, key=lambda point: _along(beside, point) - _along(first, point))
     cut = _shorten(first, first.start, point)
     if abs(cut.start - cut.end) < SMALL and first.whole:

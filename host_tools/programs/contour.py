@@ -4,9 +4,9 @@ The contour is the way of the tool's edge, from the end of the first motion to t
 A straight one ends square to the contour's start, a radius away: straight, or if that would cut into the contour, around its start. An
 arc ends beside its own end, along it; so does a straight one if neither is free. The way out is the first motion in X or Y behind G40, straight, as the way in.
 
-What cuts into what the contour leaves (kept.py) is refused: lead-ins, lead-outs and edges that lead beyond the part lie in the air. A contour that
-encloses nothing has material behind each of its pieces. Its path is checked against the ten pieces before and behind, as controllers
-look ahead; what comes too near further away is a warning, because several passes of a pocket may overlap.
+A path that cuts into an area that the contour leaves (kept.py) is refused; lead-ins, lead-outs and edges that lead beyond the part lie in
+the air. A contour that encloses nothing has material behind each of its pieces. Its path is checked against the ten pieces before and
+behind, as controllers look ahead; a piece too near beyond these is a warning, because several passes of a pocket may overlap.
 """
 
 import math

@@ -1,5 +1,5 @@
-"""Canned cycles, drawn out into plain motions: what all dialects, by their numbers of RS274/NGC, mean by them; in the plane in
-which the holes lie.
+"""Canned cycles, drawn out into plain motions, in the plane in which the holes lie. All dialects use these, by their numbers of
+RS274/NGC.
 
     cycle = Cycle(83, above=2.0, bottom=-10.0, feed=100.0, peck=3.0)
     cycle.hole(path, [5.0, 5.0])        # the tool is above that position, at `above` or higher; ends at `back`

@@ -18,7 +18,7 @@ _INCH = 25.4
 
 
 def slow_feeds(rows, seconds):
-    """What to say of a job of so many seconds whose every feed is very low; "" if there is nothing to say. `rows`: [(number, line)]."""
+    """A hint about units if a job takes over five minutes and every feed is 100 mm/min or less; else "". `rows`: [(number, line)]."""
     fastest = fastest_feed(rows, _SLOW_MM_MIN) if seconds > _LONG_S else 0.0
     if not 0 < fastest <= _SLOW_MM_MIN:
         return ""

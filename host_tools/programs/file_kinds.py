@@ -1,4 +1,4 @@
-"""What a file is that somebody gives to a verb which cannot take it: told by its first bytes, with the verb that does.
+"""Refuses files of the wrong kind: finds the kind by a file's first bytes, and names the verb that takes it.
 
     refuse_others("photo.png", first, GCODE)    # Failure: photo.png is a picture: passo engrave burns it
 """

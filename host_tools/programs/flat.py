@@ -51,7 +51,7 @@ class _Heights:
 
 
 def without_z(rows, pen=None):
-    """Rows (number, bytes) without Z. `pen`: Z above so many mm of the program lifts the pen, it is down else; None: Z means nothing. Raises
+    """Rows (number, bytes) without Z. `pen`: Z above this height, mm of the program, lifts the pen, else it is down; None: Z means nothing. Raises
     Failure at the first line in which Z rises with the tool on, if there is no pen, and at the end if there is one that nothing switches."""
     heights = _Heights()
     shown = _OFF

@@ -3,9 +3,9 @@
     limits = Limits.of_settings(["$110=5000.000", …])
     seconds = estimate(lines, limits)       # [(number, bytes)] → one figure a line
 
-A line takes its length at its feed rate, bounded by the axes' highest speeds and accelerations. Where the path turns by more than
-a few degrees, the machine is taken to stand; between two stands it speeds up and slows down over as many lines as it takes. Offsets, probing, homing and pauses are ignored: the measured pace corrects for
-them (see `Remaining`).
+A line takes its length at its feed rate, bounded by the axes' highest speeds and accelerations. At corners of 10° or
+more the machine is assumed to stop; between two stops it speeds up and slows down over as many lines as it takes. Offsets, probing,
+homing and pauses are ignored: the measured pace corrects for them (see `Remaining`).
 """
 
 import math

@@ -5,8 +5,8 @@
     grid.heights = [z, …]                               # work coordinates, in the order of grid.points()
     text = level("G1 X10 Z-1\\n…", grid)                # the same job, its Z moved by the map's height
 
-Between points the height is bilinear, beyond the grid that of its edge. Lines and arcs (G17) become pieces of a quarter of a cell. What it
-cannot follow (G91, cycles, arcs of other planes, a place that is not known) raises Unfollowed: a job is levelled whole or not at all. It
+Between points the height is bilinear, beyond the grid that of its edge. Lines and arcs (G17) become pieces of a quarter of a cell. Lines
+that it cannot follow (G91, cycles, arcs of other planes, an unknown position) raise Unfollowed: a job is levelled whole or not at all. It
 runs under MicroPython too, in a browser's tab.
 """
 

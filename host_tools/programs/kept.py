@@ -4,10 +4,10 @@
     kept.known                  # False: the contour encloses nothing, each of its pieces has material behind it
     kept.reaches(piece, 3.0)    # does a tool of this radius on its way along `piece` cut into what is left?
 
-The pieces, as chords, divide the plane into areas. Each piece says of the area on the tool's side that it goes, of the other that it
-stays; what only stays is left. Ends that divide nothing, such as lead-ins, lead-outs and edges longer than the part, lie in the air. An
-area is disputed if the first or the last piece alone takes it and others leave it: that is a lead through the part, or a pass of its own.
-Needs shapely. Costs some 0.2 ms a piece: ask only for pieces that come too near.
+The pieces, as chords, divide the plane into areas. Each piece marks the area on the tool's side as cut, and the other one as
+standing; an area that no piece marks as cut is left. Ends that divide nothing, such as lead-ins, lead-outs and edges longer than the part,
+lie in the air. An area is disputed if the first or the last piece alone takes it and others leave it: that is a lead through the part, or
+a pass of its own. Needs shapely. Costs some 0.2 ms a piece: ask only for pieces that come too near.
 """
 
 import numpy

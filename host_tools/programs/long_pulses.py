@@ -5,8 +5,8 @@
     for chunk in file.forward(500_000): …       # bytes of a pulse file: the state there, then the rest
     for chunk in file.backward(500_000): …      # from there to the start: directions inverted, tool and speeds as they were
 
-The file is read block by block; an index keeps the state at each block's beginning. What is streamed has one command for each of the
-file, in its order, after `lead_of()` of them that only make the state: so a place in the stream is a place in the file. Backward a wait,
+The file is read block by block; an index keeps the state at each block's beginning. A stream begins with `lead_of()` commands that
+set the state; then it has one for each command of the file, in order: a position in the stream is a position in the file. Backward a wait,
 and a question for the speed, become `*0`; at the start the drives go off.
 """
 

@@ -1,4 +1,4 @@
-"""Programs whose settings decide if a board of Passo takes their G-code: found by what they write at a file's beginning.
+"""Programs whose settings decide if a board of Passo takes their G-code: recognised by the first lines that they write.
 
     advice_for(first)       # "made by FreeCAD's post rrf: …", or "" if nothing is known
     advice_of(path)         # of a file

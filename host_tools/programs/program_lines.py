@@ -125,7 +125,7 @@ def text_of(raw):
 
 
 def latin_bytes(text):
-    """A file's text as bytes, one a letter, for those who count letters: what Latin-1 lacks is a blank, or ? if it is none."""
+    """A file's text as bytes, one a letter, for readers that count letters. Letters that Latin-1 lacks become a blank if they are blanks, else ?."""
     return "".join([" " if letter in _BLANKS else letter for letter in text]).encode("latin-1", "replace")
 
 

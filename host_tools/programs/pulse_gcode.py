@@ -3,8 +3,8 @@
     text, counts = to_gcode(items, board)       # items as pulse_file.items() gives them
     text, counts = to_gcode(items, board, (LEFT, 1.5))      # the tool's centre 1.5 mm to the left of what was taught
 
-What pulse_file.Converter makes of it has the same steps: to_gcode() checks that itself. With a tool's radius each contour, from tool on
-to tool off, is compensated (compensation.py); what lies between them leads from one's end to the next one's start.
+pulse_file.Converter makes the same steps of the G-code: to_gcode() checks that itself. With a tool's radius each contour, from tool on
+to tool off, is compensated (compensation.py); the motions between two contours lead from the end of one to the start of the next.
 
 `+2000` becomes F2000, `$` rapid moves (G0), `@` the board file's speed, `*5000` G4 P5, `+0` M0, `(` and `)` M3 and M5. G-code
 has no word for the drives: `[` and `]` become comments.

@@ -1,4 +1,4 @@
-"""Where a program of G-code stands at any of its lines, and how a machine gets there: state is replayed, nothing moves.
+"""The state of a G-code program at any of its lines, and the lines that bring a machine into it: state is replayed, nothing moves.
 
     replay = Replay(Machine.of_answers(settings, parameters), lines)
     stages, rest = replay.from_line(120)                # begin at a line
@@ -80,7 +80,8 @@ class Replay:
         return self._stages(self._level(), None), self._rest(at)
 
     def _level(self):
-        """Where the program stands, steps; in a series of cycles no lower than G98 goes back to: there the series begins anew."""
+        """The program's position in steps; in a series of cycles Z is at least the height to which G98 returns, at which
+        the series begins anew."""
         place = list(self._board.target)
         if CODES.get(self._gcode.motion, 0) & CYCLE:
             height = self._gcode.cycle[1] + self._offsets.of(self._gcode.system, TOOL_AXIS)
@@ -88,8 +89,8 @@ class Replay:
         return place
 
     def from_place(self, number, place):
-        """Go on amid line `number`, at `place` (steps from machine zero) on its way. What is no single line or arc is done again
-        from its start. Raises Failure if the place is not on the line's path."""
+        """Go on amid line `number`, at `place` (steps from machine zero) on its way. A line that is neither a
+        single straight motion nor an arc of one turn at most is done again from its start. Raises Failure if the place is not on its path."""
         at = self._index(number)
         for index in range(at):
             self._carry_out(index)
@@ -118,8 +119,8 @@ class Replay:
     # --- what is not known of how the program began
 
     def check_offsets(self, number):
-        """Raise Failure if from line `number` on the program relies on offsets that it changes later, or has changed: what they were
-        when it began is not known."""
+        """Raise Failure if from line `number` on the program relies on offsets that it changes later, or has changed: their values at
+        its beginning are not known."""
         changed = self._find_changes()
         if not changed:
             return

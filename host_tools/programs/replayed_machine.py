@@ -1,4 +1,4 @@
-"""The machine that a program is replayed for: what it says of itself, as the firmware's parser asks for it."""
+"""The machine for which a program is replayed: the facts that it reports, in the form in which the firmware's parser asks for them."""
 
 import re
 from dataclasses import dataclass, field

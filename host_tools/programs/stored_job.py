@@ -36,7 +36,7 @@ def crc(data):
 
 
 def name_of(path):
-    """The name of a file as a job's: capitals, and '_' for what a name may not have."""
+    """A job's name for a file: its name in capitals, with '_' for letters that a job's name may not have."""
     name = re.sub(f"[^{re.escape(NAME_LETTERS)}]", "_", Path(path).name.upper()).lstrip(".")
     return name[-LONGEST_NAME:]
 
@@ -112,7 +112,7 @@ def plotter_job(path):
     return data
 
 
-# Of each language: what makes a job of a file; what its bytes in flash are counted by.
+# Of each language: the function that makes a job of a file, the unit by which flash is counted, the function that counts these units.
 KINDS = {
     "grbl": (gcode_job, N_("line"), lambda data: data.count(b"\n")),
     "pulses": (pulses_job, N_("code"), len),

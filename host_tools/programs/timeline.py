@@ -35,7 +35,7 @@ def _orders():
 
 
 def reason(box):
-    """Behind what it was written."""
+    """The event behind which the black box was written, for people."""
     return {
         "alarm": _("an alarm"), "end": _("the firmware ended: a crash, or the prompt was asked for"), "reset": _("a reset: the watchdog, or its button"),
     }.get(box.why, box.why)  # fmt: skip

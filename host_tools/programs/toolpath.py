@@ -7,8 +7,8 @@
     path.arc(17, True, [5.0, 4.0, None], (0.0, 2.0), 600.0)
     path.word("M8")
 
-An axis is not known (None) until a program moves it in its own coordinates: who wrote the program does not know where the machine
-stands. The listing says each axis that changes, absolute, in mm to five decimals; A, the fourth, in degrees, or in mm where it is linear.
+An axis is not known (None) until a program moves it in its own coordinates: a program is written without knowing where the
+machine stands. The listing says each axis that changes, absolute, in mm to five decimals; A, the fourth, in degrees, or in mm if it is linear.
 """
 
 import cmath
@@ -26,8 +26,8 @@ _FARTHEST_MM = 1_000_000
 _SHORTEST_ARC_MM = 0.005
 _FASTEST = 1_000_000  # mm/min
 _HALF_TURN = 18_000_000  # of A, in units of the listing
-_RADIUS_MM = 0.005  # an arc's ends may differ so much from its radius, or by a thousandth of it, but never
-_MOST_RADIUS_MM = 0.5
+_RADIUS_MM = 0.005  # an arc's two radii may differ by this, or by a thousandth of the radius
+_MOST_RADIUS_MM = 0.5  # but never by more than this
 
 
 class Toolpath:
@@ -69,7 +69,7 @@ class Toolpath:
         self.place = self._program(self.place)
 
     def turn(self, degrees):
-        """The program's coordinates are turned around the board's zero in XY, by so many degrees from the X axis."""
+        """Turn the program's coordinates in XY around the board's zero, by `degrees` from the X axis."""
         here = self._board(self.place)
         self._turned = cmath.rect(1.0, math.radians(degrees)) if degrees % 360 else None
         self.place = here if self._turned is None else self._program(here)
@@ -303,8 +303,8 @@ def round_end(begin, end, centre, clockwise, sweep):
 
 def circle_through(begin, end, centre, slack=0.0):
     """The centre, from the start, of an arc whose ends need not be equally far from it, by grbl's rule. With `slack` (mm) LinuxCNC's counts as
-    well: up to `slack`, or a thousandth of the radius, but not 100 times `slack`; what is beyond grbl's then gets the nearest centre that
-    is equally far from both. Raises ProgramError."""
+    well: up to `slack`, or a thousandth of the radius, but not 100 times `slack`; an arc that only LinuxCNC takes gets the nearest centre
+    that is equally far from both. Raises ProgramError."""
     radius = math.hypot(*centre)
     other = math.hypot(end[0] - begin[0] - centre[0], end[1] - begin[1] - centre[1])
     wrong = abs(other - radius)

@@ -4,7 +4,7 @@
     for line in flow: …         # a Line to carry out; flow.end() ends the program
 
 Labels are matched before anything runs, each within its file. `values` has enter(arguments) and leave(value) for calls of subroutines, `saved`
-enter() and leave() for all calls; `state()` returns the rest of what the program depends on, in plain values.
+enter() and leave() for all calls; `state()` returns all else on which the program depends, in plain values.
 """
 
 import re

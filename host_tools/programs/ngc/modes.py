@@ -1,4 +1,4 @@
-"""What an NGC line sets: spindle, tool, coolant, outputs, offsets, compensation; much of it goes to the board as it is."""
+"""Words of an NGC line for spindle, tool, coolant, outputs, offsets and compensation; many go to the board unchanged."""
 
 import cmath
 import math
@@ -82,7 +82,7 @@ class Modes:
             self.path.word(f"M{output // 10} P{self.whole('p', 0, 9)}")
 
     def wait(self):
-        """M66: the board waits; what it finds, #5399, only the machine knows."""
+        """M66: the board waits for an input. Its result, #5399, is known to the machine only."""
         if "e" in self.words:
             raise ProgramError(NOT_ON_BOARD, "M66 E: {}", _("analogue inputs"))
         port = self.whole("p", 0, 9)

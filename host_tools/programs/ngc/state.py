@@ -1,7 +1,7 @@
-"""What an NGC program can ask about: its parameters, and those by which the interpreter tells its state.
+"""Values that an NGC program can read: its own parameters, and those with the interpreter's state.
 
 Parameters 1 to 30 and named ones without an underscore belong to a subroutine; a call saves and restores them. Numbered
-parameters are 0 until they are set. What only the machine knows (probed places, work offsets that the program does not set) is refused.
+parameters are 0 until they are set. Values that only the machine knows (probed positions, work offsets that the program does not set) are refused.
 """
 
 from host_tools.programs.program_errors import MACHINE_ONLY, PARAMETER, ProgramError

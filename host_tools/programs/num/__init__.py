@@ -1,1 +1,1 @@
-"""The dialect of NUM's controllers, as the milling shop of 2004 used it: its table of words, and what NUM's syntax gives them."""
+"""The dialect of NUM's controllers, as the milling shop of 2004 used it: its table of words, with NUM's syntax."""
