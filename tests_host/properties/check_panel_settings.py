@@ -24,7 +24,7 @@ MACHINES = ((TORCH, TorchMachine), (PLOTTER, PlotterMachine), (LPT, PulsesMachin
 
 
 def read(desk):
-    """The settings, once the page has been told them anew."""
+    """Ask for the settings, and return those that the page gets."""
     desk.told.clear()
     answer = desk.api.order({"do": "settings"}, True)
     assert answer["t"] == "settings", answer
@@ -59,7 +59,7 @@ def check_one_is_set_and_refused():
         desk.told.clear()
         assert desk.order("set", number=100, value=49.218) == 0
         assert told(desk)[100] == "49.218" and settings.value(100) == 49218 and desk.machine.scale[0] == 49.218
-        assert desk.order("set", number=100, value=900_000) == 0  # the board refuses it, and its error is told once
+        assert desk.order("set", number=100, value=900_000) == 0  # the board refuses it, and the page gets its error once
         desk.run_ms(3000)
         assert desk.machine.log() == [errors.SETTING_RANGE], (board["name"], desk.machine.log())
         assert settings.value(100) == 49218 and desk.machine.state["link"]

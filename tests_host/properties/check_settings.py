@@ -138,7 +138,7 @@ def check_refusals():
 
 
 def check_a_pulse_leaves_room_for_the_speeds():
-    """What counts after the next start: the board starts, and all speeds are within what it then can do. A longer one that was kept is forgotten."""
+    """The board starts with the kept pulse, and all speeds are then within its reach. A kept pulse that is too long is forgotten."""
     longest = longest_pulse_us(check(BOARD))
     assert 10 < longest < 100
     for kept in range(3, 101):

@@ -45,7 +45,7 @@ MODULES = {
 
 @pytest.fixture
 def firmware(tmp_path, monkeypatch):
-    """Of its board file only chip and links matter: what is left out is not asked for."""
+    """A tree for boards whose file has only chip and links: the check for all other keys is off."""
     monkeypatch.setattr(boards, "check_board", lambda board, name: board)
     folder = tmp_path / "firmware"
     for name, source in MODULES.items():

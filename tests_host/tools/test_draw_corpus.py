@@ -27,7 +27,7 @@ from host_tools.failure import Failure
 pytestmark = pytest.mark.slow
 
 SHARE, NEAR_PX, CHROMIUM_SCALE = 0.98, 1.7, 3
-LIGHTEST = 235  # of 255: what is darker is ink
+LIGHTEST = 235  # of 255: darker pixels are ink
 MOST_PX = 3000  # a side of a page that is looked at
 MOST_MM = 30_000  # of lines that are compared
 MOST_PIXELS = 40_000
@@ -71,7 +71,7 @@ def compare_ink(grey, scale, lines, width):
 
 
 def rsvg_reason(text):
-    """What librsvg 2.54 draws otherwise than browsers, "" for nothing."""
+    """The reason why librsvg 2.54 draws a file otherwise than browsers, "" if it does not."""
     if _STYLED.search(text) or "transform-origin" in text:
         return "librsvg knows no transform-origin, and no transform or geometry of a style sheet"
     if _NESTED_USE.search(text) and not re.search("<symbol", text):
@@ -140,7 +140,7 @@ def hpgl_row(path, _folder):
 
 
 def dxf_reason(document):
-    """What ezdxf draws otherwise than a CAD program does, "" for nothing."""
+    """The reason why ezdxf draws a file otherwise than a CAD program, "" if it does not."""
     space = document.modelspace()
     frozen = {layer.dxf.name for layer in document.layers if layer.is_frozen()}
     if any(insert.dxf.layer in frozen for insert in space.query("INSERT")):
@@ -173,7 +173,7 @@ READERS = {(".svg",): svg_rows, (".dxf",): one_by_one(dxf_row), sources.HPGL: on
 
 
 def words_of(page):
-    """What `passo draw` says of a file."""
+    """The remarks of `passo draw` about a file."""
     words = [f"{count} × {name}" if count > 1 else name for name, count in page.left_out.items()]
     return words + ["a shape that nobody sees is left out"] * bool(page.unseen) + ["a white page is left out"] * bool(page.backgrounds)
 

@@ -105,7 +105,7 @@ SQUARE = '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" v
 
 
 def test_a_drawing_counts_in_the_steps_of_the_board_that_draws_it(tmp_path):
-    """Calibrated on the board, not in the file; without a port the file's count, and it is said."""
+    """Calibrated on the board, not in the file; without a port the file's count, and `passo draw` says so."""
     (tmp_path / "a.svg").write_text(SQUARE)
     status, said = passo("draw", tmp_path / "a.svg", "--dry-run")
     assert status == 0 and said.startswith("steps/mm X 10.000, Y 10.000: the board file's\n")

@@ -10,7 +10,7 @@ from passo.options.journal.control import unpacked
 
 
 class Missing(Pages):
-    """Blocks that an erase makes, as those of port_rp2.py; `room`: for so many."""
+    """Blocks that an erase makes, as those of port_rp2.py; `room`: the most of them."""
 
     def __init__(self, room=Pages.BLOCKS):
         Pages.__init__(self)
