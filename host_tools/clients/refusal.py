@@ -34,9 +34,14 @@ def lines_before_ok(line, text):
 
 def meaning(error, line):
     """The meaning of an error, for the line (bytes) that it refuses."""
+    return cause(error, line) or error_text(error)
+
+
+def cause(error, line):
+    """What in the line (bytes) makes the error, if the line shows it; else ""."""
     if error == errors.LETTER and _CHECKSUM.search(line):
         return _("checksums such as {} are for 3D printers: switch them off in the program that made the file", _CHECKSUM.search(line)[0].decode())
     text = bare(line)
     if error == errors.LINE_TOO_LONG and len(text) > longest(text):
         return _("the line has {} characters, and the board takes {}: shorten it", len(text), longest(text))
-    return error_text(error)
+    return ""

@@ -41,6 +41,7 @@ class GrblMachine(_Cabled):
         self._blocks = 0  # that the board queues; 0: not known
         self._typed_line = b""  # the newest; b"" is no line
         self._asked = False  # ? has been typed: its report is shown
+        self.cause = None  # cause(error, line): what in a typed line makes the error, "" if the line does not show it
         self.touched = None  # touched(position): told of each probe that has touched, mm of the work
 
     # --- the board
@@ -192,14 +193,17 @@ class GrblMachine(_Cabled):
 
     def _say_typed(self, line):
         """A line whose answers are shown, those of `$$` and of `?`, too."""
-        self._typed_line = line.encode()
-        error = self.say(self._typed_line, self._typed)
+        self._typed_line = typed = line.encode()
+        error = self.say(typed, lambda error: self._typed(error, typed))
         self._asked = not error and line.strip() == "?"
         return error
 
-    def _typed(self, error):
+    def _typed(self, error, line=b""):
         self.finished(error)
         if error != LOST:
+            text = error and self.cause and self.cause(error, line)
+            if text:
+                self._tell({"t": "said", "text": text})
             self._tell({"t": "said", "text": "error:%d" % error if error else "ok"})
 
     def home(self):

@@ -4,7 +4,7 @@
     PanelOrders(spoken.machine, Store(folder, spoken.read), spoken.teach)
 """
 
-from host_tools.clients import setting_names
+from host_tools.clients import refusal, setting_names
 from host_tools.panel import drawn, job_facts, taught
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import gcode_lines
@@ -43,6 +43,7 @@ def create(language, board, write, tell, guest=None):
 
 def _grbl(board, write, tell, guest):
     machine = GrblMachine(write, tell, guest)
+    machine.cause = refusal.cause
     machine.can = (*machine.can, "place")
     teach = Teach(
         lambda points, ways: taught.program(points, ways, [float(machine.settings[100 + axis]) for axis in range(len(points[0]))])

@@ -10,6 +10,7 @@ import re
 from threading import Lock
 
 from host_tools.clients.grbl_wire import number_line
+from host_tools.clients.refusal import cause
 from host_tools.failure import Failure
 from host_tools.page.later import is_refusal
 from host_tools.panel import job_facts
@@ -92,7 +93,8 @@ class Store:
         found = self._facts(lines, settings) if self._facts else {}
         source = self._source(name)
         if found.get("refused"):
-            found["advice"] = advice_of(source if source.is_file() else self._path(name))
+            number, error = found["refused"]
+            found["advice"] = cause(error, dict(lines)[number]) or advice_of(source if source.is_file() else self._path(name))
         return {**found, "placed": True} if source.is_file() else found
 
     def tools(self, lines):

@@ -652,6 +652,17 @@ def check_what_is_asked_by_a_typed_line_is_shown():
     assert [event["text"] for event in desk.told if event["t"] == "said"] == ["ok"]
 
 
+def check_a_typed_line_that_is_refused_is_explained():
+    """If the PC knows what in the line is wrong, it says so before the answer."""
+    desk = Desk()
+    desk.machine.cause = lambda error, line: "%d in %s" % (error, line.decode()) if b"*" in line else ""
+    for line, said in (("G1 X5*18", ["1 in G1 X5*18", "error:1"]), ("G1 X", ["error:2"]), ("G4 P0 (*)", ["ok"])):
+        desk.told.clear()
+        desk.order("line", line=line)
+        desk.run_ms(500)
+        assert [event["text"] for event in desk.told if event["t"] == "said"] == said, line
+
+
 def check_one_answer_too_many_ends_the_job():
     """Another program sends lines by the same port: the page's lines are not answered one by one any more."""
     desk = Desk()
