@@ -30,7 +30,6 @@ SHARE, NEAR_PX, CHROMIUM_SCALE = 0.98, 1.7, 3
 LIGHTEST = 235  # of 255: darker pixels are ink
 MOST_PX = 3000  # a side of a page that is looked at
 MOST_MM = 30_000  # of lines that are compared
-MOST_PIXELS = 40_000
 COLUMNS = 4  # of files on one page of the browser
 MOST_SHOT = 60_000_000  # pixels of its picture
 _STYLED = re.compile(r"[\"';{\s](rotate|scale|translate|transform|transform-box|transform-origin|r|cx|cy|rx|ry|x|y|width|height|d)\s*:")
@@ -38,12 +37,25 @@ _NESTED_USE = re.compile(r"<use[^>]*\swidth\s*=")
 NO_FONT = "a text names no font, and each program takes its own"
 
 
-def places_of(ink, scale):
-    """Places of dark pixels in px, of a large dark area only some."""
-    rows, columns = numpy.nonzero(ink)
-    step = math.isqrt(len(rows) // MOST_PIXELS) + 1
-    some = (rows % step == 0) & (columns % step == 0)
-    return numpy.column_stack((columns[some] + 0.5, rows[some] + 0.5)) / scale
+def grow(ink, by):
+    """Pixels (a mask) that lie within `by` pixels of dark ones."""
+    rows, columns = ink.shape
+    reach = math.floor(by)
+    grown = numpy.zeros((rows + 2 * reach, columns + 2 * reach), bool)
+    for down in range(-reach, reach + 1):
+        for right in range(-reach, reach + 1):
+            if math.hypot(down, right) <= by:
+                grown[reach + down : reach + down + rows, reach + right : reach + right + columns] |= ink
+    return grown[reach : reach + rows, reach : reach + columns]
+
+
+def share_on_ink(lines, ink, scale):
+    """How much of our lines lies within NEAR_PX of ink. Looked up in the picture: dense drawings have millions of dark pixels."""
+    ours = samples(lines)
+    if not len(ours) or not ink.any():
+        return float(bool(len(ours)) == bool(ink.any()))
+    columns, rows = (numpy.clip(numpy.floor(ours[:, axis] * scale).astype(int), 0, ink.shape[1 - axis] - 1) for axis in (0, 1))
+    return float(grow(ink, NEAR_PX * scale)[rows, columns].mean())
 
 
 @contextmanager
@@ -67,7 +79,7 @@ def compare_ink(grey, scale, lines, width):
     """(how much of the ink's edges lies on our lines, how much of our lines on ink). An edge lies half of the widest stroke beside its line, at
     a corner 1.5 times as far."""
     ink = grey < LIGHTEST
-    return agreement(edges(ink, scale), lines, NEAR_PX + 0.75 * width)[0], agreement(places_of(ink, scale), lines, NEAR_PX)[1]
+    return agreement(edges(ink, scale), lines, NEAR_PX + 0.75 * width)[0], share_on_ink(lines, ink, scale)
 
 
 def rsvg_reason(text):
