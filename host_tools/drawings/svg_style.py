@@ -42,6 +42,7 @@ _SILENT = frozenset("charset namespace font-face page".split())  # nothing to dr
 _QUERY = re.compile(r"(?:(?:(not)|only)\s+)?(\w[\w-]*)?(?:\s*and\s*)?(\(.*\))?$", re.S)
 _ZERO = re.compile(r"[-+]?0*\.?0*(?:[eE]\d+)?\s*[a-z%]*$")
 _SHARE = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*%?\s*$")
+_LIGHTEST = {"lab": 99.9, "lch": 99.9, "oklab": 0.999, "oklch": 0.999}  # lightness of white, of spaces that have one
 _TAKEN = {"(prefers-color-scheme:light)": True, "(prefers-color-scheme:dark)": False}
 _FONT = re.compile(
     r"(?P<before>.*?)(?P<size>[\d.]+(?:px|pt|pc|mm|cm|in|em|ex|rem|%))(?:\s*/\s*\S+)?\s+(?P<family>.+)$", re.S
@@ -229,18 +230,28 @@ def is_painted(style, what):
 
 
 @lru_cache(maxsize=1024)
-def _alpha(value):
-    from tinycss2.color3 import parse_color
+def _colour(value):
+    """tinycss2's colour of a text; None: a word that is no colour by itself (currentColor)."""
+    from tinycss2.color4 import parse_color  # also #0008, rgb(0 0 0 / 50%), hsl(0 0% 100%)
 
     colour = parse_color(value)
-    return getattr(colour, "alpha", 1)
+    return None if isinstance(colour, str) else colour
+
+
+def _alpha(value):
+    colour = _colour(value)
+    return 1 if colour is None else colour.alpha or 0
 
 
 def is_white(value):
-    from tinycss2.color3 import parse_color
-
-    colour = parse_color(value)
-    return isinstance(colour, tuple) and min(colour[:3]) > 0.999
+    colour = _colour(value)
+    if colour is None or colour.space.startswith("xyz"):
+        return False
+    if colour.space in _LIGHTEST:
+        return colour.coordinates[0] is not None and colour.coordinates[0] >= _LIGHTEST[colour.space]
+    if colour.space in ("hsl", "hwb"):
+        colour = colour.to("srgb")
+    return min(each or 0 for each in colour.coordinates) > 0.999
 
 
 def invisible(opacity):

@@ -152,14 +152,13 @@ def hpgl_row(path, _folder):
 
 
 def dxf_reason(document):
-    """The reason why ezdxf draws a file otherwise than a CAD program, "" if it does not."""
-    space = document.modelspace()
+    """The reason why ezdxf draws a file, or a block of it, otherwise than a CAD program, "" if it does not."""
     frozen = {layer.dxf.name for layer in document.layers if layer.is_frozen()}
-    if any(insert.dxf.layer in frozen for insert in space.query("INSERT")):
+    if any(insert.dxf.layer in frozen for insert in document.query("INSERT")):
         return "ezdxf draws what is in a block on a frozen layer"
-    if any(len(set(list(spline.knots)[: spline.dxf.degree + 1])) > 1 for spline in space.query("SPLINE")):
+    if any(len(set(list(spline.knots)[: spline.dxf.degree + 1])) > 1 for spline in document.query("SPLINE")):
         return "ezdxf draws the whole knot vector of a spline that is not clamped"
-    if any(line.dxf.flags & 4 for line in space.query("POLYLINE")):
+    if any(line.dxf.flags & 4 for line in document.query("POLYLINE")):
         return "ezdxf draws the frame of a polyline that was fitted to a spline"
     return ""
 

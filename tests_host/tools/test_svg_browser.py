@@ -129,6 +129,7 @@ UNSEEN = {
     "no width": '<rect width="30" height="30" stroke-width="0"/>', "no width in mm": '<rect width="30" height="30" style="stroke-width:0mm"/>',
     "clear stroke": '<rect width="30" height="30" stroke-opacity="0"/>', "clear": '<g opacity="0"><rect width="30" height="30"/></g>', "clear colours": '<rect width="30" height="30" stroke="rgba(0,0,0,0)" fill="#0000"/>',
     "text": '<text y="30" stroke="none" fill="none">Passo</text>',
+    "clear by four digits": '<rect width="30" height="30" stroke="#f000" fill="#12345600"/>', "clear behind a slash": '<rect width="30" height="30" stroke="rgb(9 9 9 / 0%)" fill="hsl(90 50% 50% / 0)"/>',
 }  # fmt: skip
 PAGES = {
     "white": '<rect width="200" height="120" fill="#fff" stroke="none"/>', "of per cent": '<rect width="100%" height="100%" style="fill:white;stroke:none"/>',
@@ -145,6 +146,7 @@ PAGES = {
     "a gradient of another": '<style>stop{stop-color:rgb(255,255,255)}</style><radialGradient id="h"><stop/><stop offset="1"/></radialGradient><linearGradient id="g" href="#h"/><rect width="200" height="120" fill="url(#g)" stroke="none"/>',
     "a clear gradient": '<linearGradient id="g"><stop stop-color="#fff"/><stop offset="1" stop-color="#fff" stop-opacity="0"/></linearGradient><rect width="200" height="120" fill="url(#g)" stroke="none"/>',
     "a pattern": '<pattern id="g" width="9" height="9" patternUnits="userSpaceOnUse"><g fill="white" stroke="white"><path d="M0 0h9v9z"/><circle r="4"/></g></pattern><rect width="200" height="120" fill="url(#g)" stroke="none"/>',
+    "by blanks": '<rect width="200" height="120" fill="hsl(40 50% 100%)" stroke="none"/>', "of lightness": '<rect width="200" height="120" style="fill:oklch(100% 0 0);stroke:none"/>', "of red, green and blue": '<path d="M0 0H200V120H0Z" fill="rgb(100% 100% 100%)" stroke="#ffff"/>',
     "by currentColor": '<g color="white"><rect width="200" height="120" fill="currentColor" stroke="none"/></g>', "by a use": '<defs><rect id="r" width="200" height="120"/></defs><use href="#r" fill="#fff" stroke="none"/>',
 }  # fmt: skip
 
