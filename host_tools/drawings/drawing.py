@@ -248,7 +248,7 @@ def _why_empty(page):
 
 def _unseen_of(page):
     if page.unseen:
-        yield _("{} × a shape that nobody sees (no stroke and no fill, width or opacity 0) is left out; --unseen draws it", page.unseen)
+        yield _("{} × a shape that nobody sees (no stroke, and no fill or one without area; width or opacity 0) is left out; --unseen draws it", page.unseen)
     if page.backgrounds:
         yield _("a white background over the whole page is left out; --unseen draws its edge")
 

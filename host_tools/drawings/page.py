@@ -36,7 +36,7 @@ class Page:
     fills: dict = field(default_factory=dict)  # number: areas
     left_out: Counter = field(default_factory=Counter)
     notes: list = field(default_factory=list)  # sentences about the whole file
-    unseen: int = 0  # shapes without stroke and fill, of width or opacity 0
+    unseen: int = 0  # shapes without stroke and without a fill that has an area, of width or opacity 0
     backgrounds: int = 0  # white shapes over the whole page
     drawn: int = 0  # shapes so far
     covered: int = 0  # of them below a white one over the whole page: no viewer shows them

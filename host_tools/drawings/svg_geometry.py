@@ -201,6 +201,13 @@ def stretch(of):
     return float(numpy.linalg.norm(numpy.array([[of[0], of[2]], [of[1], of[3]]]), 2))
 
 
+def is_straight(line):
+    """True if all points lie on one line through the first and the farthest from it, but for 1e-9 of that distance."""
+    from_first = line - line[0]
+    farthest = from_first[abs(from_first).argmax()]
+    return bool(abs((from_first * farthest.conjugate()).imag).max() <= 1e-9 * abs(farthest) ** 2)
+
+
 def transform_lines(lines, by):
     a, b, c, d, e, f = by
     return [a * line.real + c * line.imag + e + 1j * (b * line.real + d * line.imag + f) for line in lines]

@@ -42,7 +42,7 @@ class Shapes:
         segments = self.segments(tag, element, context, stretch)
         lines = svg_geometry.flatten(segments, self._deviation / stretch)
         stroked, filled = svg_style.is_painted(style, "stroke"), svg_style.is_painted(style, "fill")
-        if not stroked and not filled:
+        if not stroked and (not filled or lines and all(map(svg_geometry.is_straight, lines))):  # such a fill has no area
             self._page.unseen += 1
             if not self._unseen:
                 return []

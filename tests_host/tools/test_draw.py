@@ -252,7 +252,7 @@ def test_layers_drawn_one_after_the_other_fall_on_each_other(tmp_path_factory, l
 def test_layers_are_drawn_in_their_order_or_alone(tmp_path):
     path = tmp_path / "layers.svg"
     path.write_text(
-        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">'
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100" stroke="black">'
         '<g id="layer2"><path d="M0 90 H10"/></g><g id="layer1"><path d="M0 10 H20"/></g></svg>'
     )
     lengths = [abs(line[0][0] - line[1][0]) for line in drawing.load(path, BOARD).lines]

@@ -129,6 +129,7 @@ UNSEEN = {
     "no width": '<rect width="30" height="30" stroke-width="0"/>', "no width in mm": '<rect width="30" height="30" style="stroke-width:0mm"/>',
     "clear stroke": '<rect width="30" height="30" stroke-opacity="0"/>', "clear": '<g opacity="0"><rect width="30" height="30"/></g>', "clear colours": '<rect width="30" height="30" stroke="rgba(0,0,0,0)" fill="#0000"/>',
     "text": '<text y="30" stroke="none" fill="none">Passo</text>',
+    "a line of a fill alone": '<line x1="9" y1="80" x2="90" y2="99" stroke="none"/>', "straight paths of a fill alone": '<path d="M9 80L90 99M20 70h50h-20z" fill="red" stroke="none"/>',
     "clear by four digits": '<rect width="30" height="30" stroke="#f000" fill="#12345600"/>', "clear behind a slash": '<rect width="30" height="30" stroke="rgb(9 9 9 / 0%)" fill="hsl(90 50% 50% / 0)"/>',
 }  # fmt: skip
 PAGES = {
