@@ -3,7 +3,7 @@
     text = set_values(text, {"step_program.interval_us": 250, "axes.x.steps_per_m": 80000, "inputs.stop": None})
 
 A key is a path of dict keys; within a list of things that have names, such as axes or inputs, it is their name. A new key goes behind its
-neighbours. None removes: in a file that is like another one it is written, for merge() to take that key away.
+neighbours. None removes: in a file that is like another one, and has the key from there, it is written, for merge() to take that key away.
 """
 
 import ast
@@ -44,10 +44,22 @@ def _set(text, path, value):
         if found is None:
             return place.add(node, path[depth:], value)
         node, holder, depth = found, node, depth + 1
-    is_like = _item(place.board, boards.LIKE) is not None
-    if value is None and not (is_like and isinstance(holder, ast.Dict)):
+    if value is None and not (isinstance(holder, ast.Dict) and _base_has(place.board, path)):
         return place.remove(holder, node)
     return place.replace(node, depth, value)
+
+
+def _base_has(board, path):
+    """True if the board of boards/ that this one is like, if any, has a value of that path."""
+    like = getattr(_item(board, boards.LIKE), "value", None)
+    if like not in boards.names():
+        return False
+    node = _Text(boards.read(boards.path(like))).board
+    for key in path:
+        node = _item(node, key) if isinstance(node, (ast.Dict, ast.List)) else None
+        if node is None:
+            return False
+    return True
 
 
 def _item(node, key):

@@ -83,7 +83,7 @@ def board_py(name):
     """The bytes of board.py for a board given by name or path. Raises Failure."""
     found = path(name)
     text = read(found)
-    own = _own_table(text, found)
+    own = own_table(text, found)
     if LIKE not in own:
         return found.read_bytes()
     head = f"# The whole of {found.name}, which is like {own[LIKE]}: change that file, not this one.\n"
@@ -109,7 +109,7 @@ def text_of(board):
 
 def like(base):
     """Names of the project's boards that say "like": `base`."""
-    return [name for name in names() if _own_table(read(path(name)), path(name)).get(LIKE) == base]
+    return [name for name in names() if own_table(read(path(name)), path(name)).get(LIKE) == base]
 
 
 def read(found):
@@ -123,7 +123,7 @@ def read(found):
 
 def table(text, found):
     """The BOARD dict of a board file's text, whole; `found`: where it stands. Raises Failure, with its line, if a statement is more than data."""
-    return resolve(_own_table(text, found), found)
+    return resolve(own_table(text, found), found)
 
 
 def resolve(board, found):
@@ -137,7 +137,7 @@ def resolve(board, found):
         raise Failure("board file {}: like: unknown board {!r}; known are {}", found, base, ", ".join(names()))
     if not isinstance(board.get("name"), str):
         raise Failure("board file {}: name: missing; that of {} is another machine's", found, base)
-    under = _own_table(read(path(base)), path(base))
+    under = own_table(read(path(base)), path(base))
     if LIKE in under:
         raise Failure("board file {}: like: {} is itself like {}; say what differs from that one", found, base, under[LIKE])
     try:
@@ -201,7 +201,7 @@ def _line(value):
     return repr(value)
 
 
-def _own_table(text, found):
+def own_table(text, found):
     """The dict of a board file itself: only the differences, if it is like another."""
     try:
         with warnings.catch_warnings(action="ignore"):  # a backslash that means nothing, in a comment of several lines

@@ -14,6 +14,8 @@ LC_ALL, LC_MESSAGES and LANG do, as for any program.
 import gettext
 import os
 import re
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 
 from host_tools.resources import FIRMWARE, HOST_TOOLS
@@ -21,6 +23,7 @@ from host_tools.resources import FIRMWARE, HOST_TOOLS
 LANGUAGES = ("en", "pt")
 _VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 _chosen = None
+_asked = ContextVar("language", default=None)  # of who asks now, in this thread
 
 
 class Catalogue(gettext.NullTranslations):
@@ -66,7 +69,17 @@ def language_of(environment):
 
 def current_language():
     """The one of LANGUAGES in which texts come out."""
-    return _chosen or language_of(os.environ)
+    return _asked.get() or _chosen or language_of(os.environ)
+
+
+@contextmanager
+def speaking(language):
+    """Speak one of LANGUAGES in this thread for as long as it lasts: to a page, whatever the terminal's language is."""
+    before = _asked.set(language)
+    try:
+        yield
+    finally:
+        _asked.reset(before)
 
 
 def fill_in(text, *values, **named):

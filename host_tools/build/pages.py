@@ -18,7 +18,7 @@ from passo.web.files import PACK
 PAGES = FIRMWARE / "passo" / "web" / "page"
 # The small page of the torch's HTTP table; all other files are those of the page.
 OF_HTTP = {"torch": ("torch.html", "torch.css", "torch.js", "sha256.js")}
-OF_PC = ("setup_make.js", "card_prove.js")  # computations of a PC: a board's page lacks these scripts, and says so
+OF_PC = ("setup_make.js", "card_board.js", "card_prove.js")  # computations of a PC: a board's page lacks these scripts, and says so
 ENTRIES = ("panel.js", "setup.js")  # a PC's page loads the second one when it is wanted; a board's one script has both
 _OF_G_CODE = "setup"  # files that begin so are the set-up of a machine that takes G-code
 _AS_THEY_ARE = ("torch.html",)  # it is the end of another text

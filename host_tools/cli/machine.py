@@ -19,7 +19,6 @@ from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, co
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
-from host_tools.whole_file import write_whole
 
 app = typer.Typer(
     help="""Write board files, store several on a board, choose the one that it is, and go back.
@@ -38,8 +37,6 @@ app = typer.Typer(
 )
 Port = Annotated[str, typer.Option(help="Serial port of the board (passo ports).")]
 Pairs = Annotated[list[str], typer.Argument(metavar="KEY=VALUE...", help="Values as in a board file; a KEY is a path: axes.x.steps_per_m. None removes.")]
-_TAKEN = ("before", "chosen", "files", "new")  # names in the folder of machines that machines.py gives itself
-_OLD = "_old"  # what machines.py adds to the name of a machine whose board file another has replaced
 _BAUD = 115_200  # of a chip's own USB any will do
 _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
@@ -96,19 +93,13 @@ def add(
             print(line)
 
 
-def check_name(name):
-    """Raise Failure if a machine cannot have this name."""
-    if not re.fullmatch(r"\w{1,32}", name) or name in _TAKEN or name.endswith(_OLD):
-        raise Failure("{!r} is no name for a machine: letters, digits and _, none of {}, and no {} at its end", name, ", ".join(_TAKEN), _OLD)
-
-
 def store(board, port, call, out=None):
     """Store a machine, and what is missing of its firmware; then `call` of machines.py, and a restart. `out`: folder of the build.
     Returns the lines that the call prints. Raises Failure."""
-    from host_tools import boards
+    from host_tools import board_files, boards
 
     name = Path(board).stem
-    check_name(name)
+    board_files.check_name(name)
     chip = boards.load(board).get("chip")
     told = _run(port, "tell()")
     there = next((line[5:] for line in told if line.startswith("chip ")), None)
@@ -226,12 +217,12 @@ def new(
         passo machine new mine --like lpt_router
         passo machine new mine --like lpt_router step_program.interval_us=250 axes.z=None
     """
-    check_name(name)
+    from host_tools import board_files
+
+    board_files.check_name(name)
     file = Path(f"{name}.py")
-    if file.exists():
-        raise Failure("{} exists: passo machine set changes it", file)
-    text = f'"""{name}: like {like}, but for what stands here."""\n\nBOARD = {{\n    "name": "{name}",\n    "like": "{like}",\n}}\n'
-    _write(file, _edited(file, text, pairs))
+    board_files.create(file, like, _values(pairs))
+    _say_written(file)
 
 
 @app.command("set")
@@ -248,41 +239,34 @@ def set_(
         passo machine set mine.py inputs.stop.active=0 outputs.fan=None
         passo machine set mine.py step_program.interval_us=250 --port /dev/ttyACM0
     """
-    from host_tools import boards
+    from host_tools import board_files, boards
 
-    if str(file) in boards.names() or file.resolve().parent == boards.BOARDS.resolve():
-        raise Failure("{0} is one of Passo's own: passo machine new NAME --like {0}", file.stem)
-    if file.suffix != ".py" or not file.is_file():
-        raise Failure("{} is no board file here: passo machine new NAME --like BOARD writes one", file)
+    board_files.check_own(file)
     text = boards.read(file)
-    changed = _edited(file, text, pairs)
+    changed = board_files.edited(file, text, _values(pairs))
     if port is not None:
-        check_name(file.stem)
+        board_files.check_name(file.stem)
         _at_rest(port)
-    write_whole(file.with_name(file.name + ".old"), text.encode())
-    _write(file, changed)
+    board_files.replace(file, text, changed)
+    _say_written(file)
     if port is not None:
         become(str(file), port)
         print(_("{0} starts with it; passo machine back --port {0} returns to what it was", port))
 
 
-def _edited(file, text, pairs):
-    """The text of a board file with KEY=VALUE changed, which the firmware takes. Raises Failure."""
-    from host_tools import board_edit, boards
+def _values(pairs):
+    """{path: value} of KEY=VALUE. Raises Failure."""
+    from host_tools import board_edit
 
-    boards.table(text, file)
-    text = board_edit.set_values(text, dict(board_edit.parse(pair) for pair in pairs))
-    boards.check_board(boards.table(text, file), file)
-    return text
+    return dict(board_edit.parse(pair) for pair in pairs)
 
 
-def _write(file, text):
-    write_whole(file, text.encode())
+def _say_written(file):
     print(_("{} is written", file))
 
 
 def _check_stored_name(name):
-    if not re.fullmatch(rf"\w{{1,32}}({_OLD})?", name):
+    if not re.fullmatch(r"\w{1,32}(_old)?", name):
         raise Failure("{!r} is no name of a machine", name)
 
 

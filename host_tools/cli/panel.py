@@ -111,11 +111,11 @@ def _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
 
     name = virtual.name if virtual else port or ports.only()
     language = _spoken(_language(boards.load(board)) if virtual else protocol, name, baud, line)
-    machines, change = _demos(virtual, line) if virtual else _cable(name, prompt, board, own, line)
+    machines, change, files = _demos(virtual, own, line) if virtual else _cable(name, prompt, board, own, line)
     table = boards.load(board or languages.BOARDS[language])
     return Panel(
         lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines, change,
-        lambda: ["--emulated", virtual.board] if virtual else ["--port", prompt or name],
+        lambda: ["--emulated", virtual.board] if virtual else ["--port", prompt or name], (own, files),
     )  # fmt: skip
 
 
@@ -126,26 +126,28 @@ def _speaking(guest):
     return ("grbl",) if guest else tuple(languages.BOARDS)
 
 
-def _demos(virtual, guest):
-    """(names of the virtual machines to choose from, function that starts one)."""
+def _demos(virtual, own, guest):
+    """(names of the virtual machines to choose from, function that starts one, {name: board file})."""
     from host_tools import boards
 
-    def change(name):
-        table = boards.load(name)
-        return virtual.change(name), table["links"][0], table
+    files = _machines(boards, virtual.board, own, _speaking(guest))
 
-    return _machines(boards, virtual.board, _speaking(guest)), change
+    def change(name):
+        table = boards.load(files[name])
+        return virtual.change(files[name]), table["links"][0], table
+
+    return list(files), change, files
 
 
 def _cable(port, prompt, board, own, guest):
-    """(names of the machines that the board on `port` may become, function that makes it one)."""
+    """(names of the machines that the board on `port` may become, function that makes it one, {name: board file})."""
     from host_tools.cli.machine import become
     from host_tools.panel.cable import Cable
 
     cable = Cable(port, prompt or port, board or "", own, _speaking(guest), become)
     for what in cable.wrong:
         print(_("left out: {}", what))
-    return cable.names(), cable.change
+    return cable.names(), cable.change, cable.files
 
 
 def _guest_line(guest):
@@ -195,6 +197,15 @@ def _language(board):
     return board["links"][0]["protocol"]
 
 
-def _machines(boards, first, speaking):
-    """Names of the board files whose first link speaks one of those languages, `first` at the head."""
-    return [first] + [name for name in boards.names() if name != first and _language(boards.load(name)) in speaking]
+def _machines(boards, first, own, speaking):
+    """{name: board file} of those whose first link speaks one of those languages, `first` at the head. Files that are wrong are left out."""
+    from host_tools import board_files
+
+    found = {first: first}
+    for name, file in board_files.choice(own).items():
+        try:
+            if _language(boards.load(file)) in speaking:
+                found.setdefault(name, file)
+        except Failure as failure:
+            print(_("left out: {}", failure.message()))
+    return found

@@ -17,10 +17,11 @@ _MOST_PLACED = 100_000  # mm
 
 
 class PanelOrders(Orders):
-    def __init__(self, machine, store, teach=None, choose=None, proving=None):
+    def __init__(self, machine, store, teach=None, choose=None, proving=None, own=None):
         """`store`: the jobs: names(), lines(name), text(name, at), about(name, settings), add(name, at, piece, last), put(name, text), remove(name); what
         fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
-        no choice. `proving`: its order(order) and end() begin and end a proof of the board; None: there is no proof here."""
+        no choice. `proving`: its order(order) and end() begin and end a proof of the board; None: there is no proof here. `own`: its
+        order(order) makes and changes board files of the user's own; None: there are none here."""
         Orders.__init__(self, machine)
         self.store = store
         self.teach = teach
@@ -30,6 +31,9 @@ class PanelOrders(Orders):
         self._proving = proving
         if proving:
             self._orders["prove"] = proving.order
+        self._own = own
+        if own:
+            self._orders["board"] = self._board
         self.makes = ()  # what this server computes for the set-up
         if store and machine.language == "grbl":
             made = SetUp(machine, store).orders()
@@ -50,7 +54,7 @@ class PanelOrders(Orders):
 
     def can(self):
         lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
-        return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else []) + (["prove"] if self._proving else []) + list(self.makes)
+        return [what for what in self.machine.can if what not in lacking] + (["queue"] if self._queue else []) + (["prove"] if self._proving else []) + (["board"] if self._own else []) + list(self.makes)
 
     def poll(self):
         """Some hundred times a second."""
@@ -101,6 +105,12 @@ class PanelOrders(Orders):
 
     def _machine(self, order):
         return self.machine.still() or self._choose(text(order, "name", 64))
+
+    def _board(self, order):
+        """A board file of the user's own: `what` is get, new, set, back or remove."""
+        if text(order, "what", 8) != "get" and self.machine.still():
+            return self.machine.still()
+        return Later(lambda: self._own.order(order), self._own.finish)
 
     # --- jobs
 

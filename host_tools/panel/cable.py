@@ -9,7 +9,7 @@ MicroPython's prompt may be at another port than the link that the panel speaks 
 
 from pathlib import Path
 
-from host_tools import boards
+from host_tools import board_files, boards
 from host_tools.failure import Failure, reason
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
@@ -26,27 +26,26 @@ class Cable:
         self._prompt = prompt
         self._present = Path(present).name  # of a file in another folder
         self._become = become
-        self._files = {self._present: present} if present else {}  # name: board file, as boards.load() takes it
+        self.files = {self._present: present} if present else {}  # name: board file, as boards.load() takes it
         self.wrong = []  # what of the user's own cannot be used, and why
         chip = boards.load(present)["chip"] if present else None
-        for name in boards.names() + (sorted(own.glob("*.py")) if own.is_dir() else []):
-            shown, file = (name, name) if isinstance(name, str) else (name.name, str(name))
+        for shown, file in board_files.choice(own).items():
             try:
                 table = check(boards.load(file))
             except (Failure, BoardError) as error:
                 self.wrong.append(f"{shown}: {error.message() if isinstance(error, Failure) else reason(error)}")
                 continue
             if chip in (None, table["chip"]) and self._link(table, speaking):
-                self._files.setdefault(shown, file)
+                self.files.setdefault(shown, file)
         self._speaking = speaking
 
     def names(self):
         """The present machine first."""
-        return [self._present] + [name for name in self._files if name != self._present]
+        return [self._present] + [name for name in self.files if name != self._present]
 
     def change(self, name):
         """Make the board another machine. Returns (port, link, board file's table). Raises Failure; the board is as it was then."""
-        file = self._files[name]
+        file = self.files[name]
         table = boards.load(file)
         link = self._link(table, self._speaking)
         port = self._prompt if link["port"] == USB else self._port

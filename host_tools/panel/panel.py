@@ -9,6 +9,7 @@ import sys
 from host_tools.clients import page_key
 from host_tools.failure import Failure
 from host_tools.panel import languages
+from host_tools.panel.own_boards import OwnBoards
 from host_tools.panel.proving import Proving
 from host_tools.page.orders import PanelOrders
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
@@ -43,11 +44,11 @@ def names_of(host):
 
 
 class Panel:
-    def __init__(self, make_port, jobs, guest, host, language, board, machines=(), change=None, proved=None):
+    def __init__(self, make_port, jobs, guest, host, language, board, machines=(), change=None, proved=None, own=None):
         """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `language` of the board, and its
         file's table; `machines`: names of board files to choose from, the present one first, "" if it is not known; `change(name)`: port,
         link and table of another one, or a Failure: it has the port for itself, and may take a minute; `proved()`: what names the board to
-        `passo prove`, None: it cannot be proven."""
+        `passo prove`, None: it cannot be proven; `own`: (folder of the user's board files, {name: board file} of `machines`), None: none is made here."""
         self._loop = None
         self._port = make_port(self._changed)
         self._guest = guest
@@ -58,6 +59,8 @@ class Panel:
         self._proving = Proving(proved, self._lend, self._tell) if proved else None
         self._jobs = jobs
         self._machines = list(machines)
+        self._files = own[1] if own else {}
+        self._own = OwnBoards(*own, lambda: self._machines[0], self._list) if own else None
         self.key = page_key.make_key(os.urandom)
         self._speak(language, board)
         self.server = Server(self.api, self.key, names_of(host), str(FOLDER), self._about)
@@ -71,8 +74,14 @@ class Panel:
         folder = self._jobs if language == "grbl" else self._jobs / language
         store = Store(folder, spoken.read, spoken.made, spoken.facts) if spoken.read else None
         spoken.join(store)
-        self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None, self._proving)
+        self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None, self._proving, self._own)
         self._about = {"machines": self._machines, **spoken.about}
+
+    def _list(self):
+        """Other machines to choose from: also in what a page is told that comes later."""
+        known = [name for name in self._machines if name in self._files or not name]
+        self._machines[:] = known + [name for name in self._files if name not in known]
+        self._tell({"t": "machines", "machines": list(self._machines)})
 
     def _beside(self, work, then):
         self.server.beside(work).add_done_callback(lambda done: then(done.result()))

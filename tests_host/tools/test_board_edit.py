@@ -40,6 +40,11 @@ def paths_of(value, path=()):
 FILES = [path for path in map(boards.path, boards.names()) if list(paths_of(own_values(path.read_text(encoding="utf-8"))))]
 
 
+def in_base(board, path):
+    """True if the board that this one is like has something there."""
+    return "like" in board and tuple(path) in set(paths_of(own_values(boards.path(board["like"]).read_text(encoding="utf-8"))))
+
+
 def changed(board, path, value):
     """The dict with one value, by the meaning of a path; None removes."""
     board = copy.deepcopy(board)
@@ -47,7 +52,7 @@ def changed(board, path, value):
     for depth, key in enumerate(path):
         known = [each["name"] for each in at] if isinstance(at, list) else list(at)
         if depth == last:
-            if value is None and ("like" not in board or isinstance(at, list)):
+            if value is None and (isinstance(at, list) or not in_base(board, path)):
                 at.pop(known.index(key) if isinstance(at, list) else key)
             elif isinstance(at, list):
                 at[known.index(key)] = value
@@ -97,6 +102,11 @@ def test_none_removes_or_is_written(data):
     board = own_values(text)
     path = data.draw(st.sampled_from(sorted(paths_of(board))))
     assert own_values(board_edit.set_values(text, {".".join(path): None})) == changed(board, path, None)
+
+
+def test_what_a_file_has_added_itself_is_removed_whole():
+    text = board_edit.set_values('BOARD = {"name": "mine", "like": "lpt_router"}\n', {"inputs.probe": {"pin": 15}, "inputs.stop": None})
+    assert own_values(board_edit.set_values(text, {"inputs.probe": None}))["inputs"] == {"stop": None}
 
 
 @pytest.mark.parametrize("text", ["BOARD = {}\n", 'BOARD = {"a": 1}', 'BOARD = {"a": 1,}', 'BOARD = {\n    "a": 1  # é, one\n}\n', 'BOARD = {\n    "a": 1,  # one\n    # the end\n}\n',

@@ -11,7 +11,7 @@ class Prove {
     this.page = page;
     this.now = { how: "" };
     this.card = make("details", { id: "card-prove", "data-can": "prove", "data-as-is": "" });
-    document.getElementById("machine-row").after(this.card);  // a card of its own would make the page longer than two screens
+    (document.getElementById("card-board") || document.getElementById("machine-row")).after(this.card);  // a card of its own would make the page longer than two screens
     this.speak();
   }
 

@@ -111,7 +111,7 @@ export const sentences = () => [
   ["#machine", _("Starts the virtual board anew as this machine")],
   ["#prove-pins", _("Only then may pins be switched by the proof")],
   ["#prove", _("The board measures itself and reports; the machine stands")],
-  ["#card-panel button", _("Ends the proof, or copies its report")],
+  ["#card-prove button", _("Ends the proof, or copies its report")],
   ["#help-close", _("Closes the list of keys")],
   ["#ask-yes", _("Does what is asked")],
   ["#ask-no", _("Leaves all as it is")],
@@ -162,5 +162,5 @@ export const sentences = () => [
   ["#card-setup summary", _("Wizards for zeroes, tools and tests")],
   ["#card-teach summary", _("Moves by hand become a job")],
   ["#card-job summary", _("More about jobs: queue, and all files with pictures")],
-  ["#card-panel summary", _("About this page and the board")],
+  ["#card-panel > details > summary, #card-prove summary", _("About this page and the board")],
 ];

@@ -54,7 +54,7 @@ const facts = new JobFacts((name, fields) => link.order({ do: name, ...fields })
 const cards = new Cards({ order, ask, picture, say, upload: (file) => (cards.can("jobs") ? upload(file) : shelf.upload(file)), report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 let setup = null;  // once it has been loaded
-let prove = null;  // likewise
+let prove = null, board = null;  // likewise
 const list = new Settings({ order, ask, say, axes: () => axes, turns: () => turns, rules: () => rules, lines: () => (cards.can("line") ? loadSetup().then((made) => made.lines) : null) });
 const tabs = new Tabs(() => { picture.draw(); if (language === "grbl" && !$("pane-setup").hidden) loadSetup(); });
 const typed = new Typed(order, errorText);
@@ -142,6 +142,7 @@ async function useKey() {
     await link.order({ do: "log" });
     shelf.known = false;
     if (cards.can("prove")) script("card_prove.js").then(lookAtProof);
+    if (cards.can("board")) script("card_board.js").then(() => { board = board || new window.PassoBoard({ order, ask, say }); });
   }
 }
 
@@ -170,6 +171,8 @@ function told(message) {
     own.onBoard(message.jobs && message.jobs.map(([name]) => name), shelf);
   } else if (message.t === "prove") {
     if (prove) prove.told(message);
+  } else if (message.t === "machines") {
+    showMachines(message.machines, $("machines").value);
   } else if (message.t === "changing") {
     say(_("The board becomes {name}: this may take a minute…", { name: message.name }));
   } else if (message.t === "refused") {
@@ -207,8 +210,12 @@ function hello(message) {
   setAxes(message.axes, message.turns || "");
   const machines = message.machines || [];
   $("machine-row").hidden = !machines.length;
-  $("machines").replaceChildren(...machines.map((name) => new Option(name || "—", name)));
+  showMachines(machines, machines[0]);
   tabs.show();
+}
+
+function showMachines(names, chosen) {
+  $("machines").replaceChildren(...names.map((name) => new Option(name || "—", name, false, name === chosen)));
 }
 
 const unit = (axis) => (turns.includes(axis) ? "°" : "mm");
@@ -301,7 +308,7 @@ function enable() {
   for (const id of ["run", "check"]) set(id, why.mine || why.idle || why.chosen);
   for (const id of ["zero-all", "teach-begin", "teach-save"]) set(id, why.rest);
   set("remove", why.rest || why.chosen);
-  for (const id of ["machine", "prove"]) if ($(id)) set(id, why.mine || (report.link === false && !busy ? "" : why.rest));
+  for (const button of document.querySelectorAll("#machine, #prove, [data-stands]")) grey(button, why.mine || (report.link === false && !busy ? "" : why.rest));
   set("home", why.mine || why.rest);
   set("unlock", why.mine || (locked ? "" : _("The machine is not locked.")));
   set("hold", ["Run", "Jog", "Home"].includes(state) ? "" : _("Nothing moves."));
@@ -735,7 +742,7 @@ async function speak(language) {
   axes = "";
   setAxes(now, turns);
   if (setup) setup.speak();
-  if (prove) prove.speak();
+  for (const card of [prove, board]) if (card) card.speak();
   showTitles(true);
   cards.tellElsewhere();
   facts.tell();

@@ -1,0 +1,101 @@
+"""The board files of the user's own, from the page: made like another machine, changed, taken back, removed.
+
+    own = OwnBoards(folder, files, present, tell)       # files: {name: board file} of the machines to choose from
+    PanelOrders(machine, store, teach, choose, proving, own)    # {"do": "board", "what": "set", "name": "mine.py", "values": {…}}
+
+What is written is `passo machine`'s (board_files.py): the firmware's check decides. The board takes it at its next start as that machine.
+"""
+
+import os
+from pathlib import Path
+
+from host_tools import board_files, boards
+from host_tools.failure import Failure
+from host_tools.language import LANGUAGES, speaking
+from host_tools.panel.machine_form import Form
+from passo import errors
+from passo.protocols.page.orders import Wrong, text
+
+_MOST_VALUES = 200
+_LONGEST = 32
+
+
+class OwnBoards:
+    def __init__(self, folder, files, present, tell):
+        """`present()`: the name of the machine that the board is; `tell()`: the machines to choose from are others now."""
+        self._folder = folder
+        self._files = files
+        self._present = present
+        self._tell = tell
+        self._told = set(files)
+
+    def order(self, order):
+        """The answer to an order, which touches the disk: beside the panel's loop. Then finish() returns it there."""
+        try:
+            name = text(order, "name", 64)
+            do = {"get": self._get, "new": self._new, "set": self._set, "back": self._back, "remove": self._remove}.get(order["what"])
+            if do is None or name not in self._files:
+                raise Wrong("what")
+            with speaking(order.get("language") if order.get("language") in LANGUAGES else None):
+                return self._done(lambda: do(name, order) or self._get(name, order))
+        except Wrong:
+            return errors.ORDER_FIELD
+
+    def _done(self, do):
+        """What an order's work returns, or why it refuses, in the page's language."""
+        try:
+            return do()
+        except Failure as failure:
+            return {"t": "answer", "do": "board", "error": errors.ORDER_FIELD, "text": failure.message().replace(f"{self._folder}{os.sep}", "")}
+
+    def finish(self, answer):
+        """The answer; all pages are told if there are other machines to choose from now."""
+        if set(self._files) != self._told:
+            self._told = set(self._files)
+            self._tell()
+        return answer
+
+    def _own(self, name):
+        """The file of a machine of the user's own. Raises Failure."""
+        file = Path(self._files[name])
+        board_files.check_own(file)
+        return file
+
+    def _get(self, name, order):
+        """What the page shows of a machine; of one of Passo's own only that it is."""
+        told = {"t": "board", "name": name, "own": name.endswith(".py"), "groups": [], "pins": [], "old": False}
+        if told["own"]:
+            file = self._own(name)
+            form = Form(boards.read(file), file)
+            told.update(groups=form.groups(), pins=form.pins(), old=board_files.old_of(file).is_file())
+        return told
+
+    def _new(self, name, order):
+        made = text(order, "as", _LONGEST)
+        board_files.check_name(made)
+        self._folder.mkdir(parents=True, exist_ok=True)
+        file = self._folder / f"{made}.py"
+        board_files.create(file, str(self._files[name]), {})
+        self._files[file.name] = str(file)
+        return self._get(file.name, order)
+
+    def _set(self, name, order):
+        changes = order.get("values")
+        if not isinstance(changes, dict) or len(changes) > _MOST_VALUES:
+            raise Wrong("values")
+        for key in changes:
+            if not isinstance(changes[key], bool):
+                text(changes, key, _LONGEST)
+        file = self._own(name)
+        board_files.change(file, Form(boards.read(file), file).values(changes))
+
+    def _back(self, name, order):
+        board_files.go_back(self._own(name))
+
+    def _remove(self, name, order):
+        file = self._own(name)
+        if name == self._present():
+            raise Failure("machine {} is the chosen one: choose another first", name)
+        board_files.remove(file)
+        del self._files[name]
+        return {"t": "answer", "do": "board", "error": 0}
