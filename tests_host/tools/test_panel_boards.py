@@ -208,8 +208,7 @@ def test_the_card_makes_a_machine_changes_it_and_deletes_it(language, size, tmp_
         assert browser.driver.execute_script("return document.documentElement.scrollWidth <= innerWidth && document.getElementById('card-board').scrollWidth <= document.getElementById('card-board').clientWidth")
         browser.shot(f"board-made-{language}")
         put("axes.x.steps_per_m", "160")
-        field("inputs.stop.pin").send_keys("2")  # X's STEP pin: the second of "2", which a key chooses
-        browser.driver.execute_script("arguments[0].value = '2'", field("inputs.stop.pin"))
+        browser.driver.execute_script("arguments[0].value = '2'", field("inputs.stop.pin"))  # the STEP pin of X
         browser.click("board-save")
         browser.until(lambda: "2" in browser.text("message"))
         assert "mine.py" in browser.text("message") and ("claimed" if language == "en" else "pino 2") in browser.text("message")
