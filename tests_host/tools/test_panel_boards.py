@@ -194,6 +194,9 @@ def test_the_card_makes_a_machine_changes_it_and_deletes_it(language, size, tmp_
             field(key).clear()
             field(key).send_keys(text)
 
+        def until_shown(key, text):
+            browser.until(lambda: browser.driver.execute_script("return document.querySelector(arguments[0]).value", f"[data-key='{key}']") == text)
+
         def file():
             return boards.load(str(own / "mine.py"))
 
@@ -221,9 +224,10 @@ def test_the_card_makes_a_machine_changes_it_and_deletes_it(language, size, tmp_
         assert file()["axes"][0]["steps_per_m"] == 160_000 and file()["inputs"][0] == {**boards.load("lpt_router")["inputs"][0], "pin": 17, "active": 0}
         browser.shot(f"board-saved-{language}")
         browser.click("board-back")
-        browser.until(lambda: file()["axes"][0]["steps_per_m"] == 80_000)
+        until_shown("axes.x.steps_per_m", "80")
+        assert file()["axes"][0]["steps_per_m"] == 80_000
         browser.click("board-back")
-        browser.until(lambda: file()["axes"][0]["steps_per_m"] == 160_000)
+        until_shown("axes.x.steps_per_m", "160")
         browser.click("board-remove")
         browser.answer(False)
         browser.click("board-remove")
