@@ -14,7 +14,7 @@ from host_tools.failure import Failure
 from host_tools.whole_file import write_whole
 
 TAKEN = ("before", "chosen", "files", "new")  # names in a board's folder of machines that machines.py gives itself
-OLD = "_old"  # what machines.py adds to the name of a machine whose board file another has replaced
+OLD = "_old"  # suffix of a machine with the previous board file, by machines.py
 
 
 def check_name(name):

@@ -23,7 +23,7 @@ from host_tools.resources import FIRMWARE, HOST_TOOLS
 LANGUAGES = ("en", "pt")
 _VARIABLES = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
 _chosen = None
-_asked = ContextVar("language", default=None)  # of who asks now, in this thread
+_asked = ContextVar("language", default=None)  # the language of this thread alone
 
 
 class Catalogue(gettext.NullTranslations):

@@ -1,4 +1,4 @@
-"""What the page's card of a machine shows of a board file, and what its fields mean there.
+"""The fields of a board file on the page's card of machines, and their values in the file.
 
     form = Form(text, "mine.py")
     form.groups()                                       # [{"what": "speeds", "rows": [{"name": "", "fields": [{"key": …, "value": …}]}]}]
@@ -129,7 +129,7 @@ class Form:
 
     def values(self, changes):
         """{path: value} of a board file for changed fields {key: text, True or False}. Raises Failure."""
-        items, found = {}, {}  # what is taken away or comes back as a whole; values within
+        items, found = {}, {}  # {path: None or {}} of removed and returning things; {path: value}
         port = [self._fields[f"port.{at}.{part}"]["value"] for part in ("bit", "inverted") for at in range(8)] if "port.0.bit" in self._fields else []
         for key, value in changes.items():
             field = self._field_of(key)
@@ -172,7 +172,7 @@ class Form:
 
 
 def _number(value, factor=1):
-    """The number that a text says, whole if it is; what is no number stays a text, which the firmware's check names."""
+    """The number in a text, an int if it is whole. Other texts are returned as they are: the firmware's check refuses them."""
     if isinstance(value, bool):
         return value
     try:

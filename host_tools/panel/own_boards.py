@@ -3,7 +3,7 @@
     own = OwnBoards(folder, files, present, tell)       # files: {name: board file} of the machines to choose from
     PanelOrders(machine, store, teach, choose, proving, own)    # {"do": "board", "what": "set", "name": "mine.py", "values": {…}}
 
-What is written is `passo machine`'s (board_files.py): the firmware's check decides. The board takes it at its next start as that machine.
+`passo machine` writes by the same functions (board_files.py): the firmware's check decides. The board takes it at its next start as that machine.
 """
 
 import os
@@ -42,14 +42,14 @@ class OwnBoards:
             return errors.ORDER_FIELD
 
     def _done(self, do):
-        """What an order's work returns, or why it refuses, in the page's language."""
+        """The result of do(), or an answer with its refusal in the page's language."""
         try:
             return do()
         except Failure as failure:
             return {"t": "answer", "do": "board", "error": errors.ORDER_FIELD, "text": failure.message().replace(f"{self._folder}{os.sep}", "")}
 
     def finish(self, answer):
-        """The answer; all pages are told if there are other machines to choose from now."""
+        """Return the answer. Tells all pages if the list of machines has changed."""
         if set(self._files) != self._told:
             self._told = set(self._files)
             self._tell()
@@ -62,7 +62,7 @@ class OwnBoards:
         return file
 
     def _get(self, name, order):
-        """What the page shows of a machine; of one of Passo's own only that it is."""
+        """A message with the fields of a board file; without fields for one of Passo's own."""
         told = {"t": "board", "name": name, "own": name.endswith(".py"), "groups": [], "pins": [], "old": False}
         if told["own"]:
             file = self._own(name)

@@ -78,7 +78,7 @@ class Panel:
         self._about = {"machines": self._machines, **spoken.about}
 
     def _list(self):
-        """Other machines to choose from: also in what a page is told that comes later."""
+        """Update the list of machines, and tell all pages."""
         known = [name for name in self._machines if name in self._files or not name]
         self._machines[:] = known + [name for name in self._files if name not in known]
         self._tell({"t": "machines", "machines": list(self._machines)})

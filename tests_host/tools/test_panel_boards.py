@@ -1,5 +1,5 @@
-"""Board files of the user's own, from the page: made, changed, refused by the firmware's check, taken back, deleted; what is written is what
-`passo machine` writes. PASSO_SHOTS=FOLDER keeps pictures."""
+"""Board files of the user's own, from the page: made, changed, refused by the firmware's check, taken back, deleted. `passo machine`
+writes the same. PASSO_SHOTS=FOLDER keeps pictures."""
 
 import copy
 from pathlib import Path
