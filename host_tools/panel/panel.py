@@ -1,4 +1,4 @@
-"""What runs behind `passo panel`: one loop for the board, the pages, and the sender beside them."""
+"""The process of `passo panel`: one loop for the board, the pages, and the sender beside them."""
 
 import asyncio
 import os
@@ -53,7 +53,7 @@ class Panel:
         self._port = make_port(self._changed)
         self._guest = guest
         self._watched = []
-        self._asked = False  # the pages have been told that the guest wants to be let in
+        self._asked = False  # the pages show the guest's request
         self._change = change
         self._changing = None  # the task that has the port: a change of machine, or a proof
         self._proving = Proving(proved, self._lend, self._tell) if proved else None
@@ -67,7 +67,7 @@ class Panel:
         self._stopped = asyncio.Event()
 
     def _speak(self, language, board):
-        """The machine of a language, and what is behind the page's orders to it."""
+        """Make the machine of a language, and the page's orders to it."""
         spoken = languages.create(language, board, self._port.write, self._tell, self._guest.write if self._guest else None)
         self.machine = spoken.machine
         self.machine.beside = self._beside
