@@ -27,6 +27,11 @@ class Tables:
         """The row that begins with these cells."""
         return next(row for row in self.rows(part) if tuple(row.values())[: len(cells)] == cells)
 
+    def cached(self, part, *cells):
+        """The same row with the flash cache: itself, where its figures stand side by side; the next one, where rows follow each other."""
+        row = self.row(part, *cells)
+        return self.row(part, *cells, "yes") if row.get("flash cache") == "no" else row
+
     def must(self, figure):
         """The text of the figure's row at the top in the column of its promise."""
         return re.search(rf"^\| {re.escape(figure)} \| ([^|\n]*) \|", self._document, re.MULTILINE)[1]
@@ -62,7 +67,7 @@ def _timer(tables):
 def _halt(tables, by, figure):
     """The worst of the row `by`, and by which way of measuring it is over the `figure`'s must."""
     row, must = tables.row("stops", by), tables.must(figure)
-    free, charged = row["worst"], with_cache(row, "worst")
+    free, charged = row["worst"], with_cache(tables.cached("stops", by), "worst")
     must_us = float(must.removesuffix(" µs"))
     over = f", more than the {must}" if float(charged) > must_us else ""
     worst = f"{free} µs{f', with the flash cache {charged}' if charged != free else ''}{over}"

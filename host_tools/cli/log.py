@@ -9,6 +9,7 @@ from host_tools.language import _, error_text
 from passo.protocols.plotter.host import COMMANDS, STATUS_LENGTH, packet
 
 _ANSWER_S = 1.0
+_MOST_BEFORE = 2000  # bytes that a board says by itself before its answer: its banner, messages
 _QUIET_S = 0.02  # silence that separates the next bytes from the question
 _STATUS = packet(COMMANDS["STATUS"])  # its first byte is grbl's `?`
 _WHY_LENGTH = 2  # a board of keys: `?` and the error of the last key
@@ -65,8 +66,14 @@ def spoken(port, baud, known=BAUD):
         said = line.read(9)
         if not said:
             line.write(_STATUS[1:])
-            said = line.read(STATUS_LENGTH)
-        return said
+            return line.read(STATUS_LENGTH)
+        while said[:1] != _STATUS[:1] and not set(said) & set(b"<\0") and len(said) < _MOST_BEFORE:
+            more = line.read(9)
+            if not more:
+                break
+            said += more
+        status = said.find(b"<")
+        return said if status < 1 else said[status:] + line.read(1)
 
     said = _with(open_port(port, baud), question)
     if said[:1] == _STATUS[:1] and len(said) == _WHY_LENGTH:
@@ -75,10 +82,11 @@ def spoken(port, baud, known=BAUD):
         raise _wordless("keys")
     if not said and _is_torch(port, baud):
         return "torch"
-    if (not said or b"\0" in said) and serial_port.frames is not False:
-        with contextlib.suppress(OSError):  # a session that does not end: the language is not found then, and the caller says so
-            _with(FramedPort(open_port(port, baud)), lambda line: line.begin(OFFER_S))
-        said = _with(open_port(port, baud), question)
+    if not said or b"\0" in said:
+        if serial_port.frames is not False:
+            with contextlib.suppress(OSError):  # a session that does not end: the language is not found then, and the caller says so
+                _with(FramedPort(open_port(port, baud)), lambda line: line.begin(OFFER_S))
+        said = _with(open_port(port, baud), question)  # a board may have been busy, too
     if said[:1] == b"<":
         return "grbl" if said[1:2].isupper() else "pulses"
     if said[:1] == _STATUS[:1] and len(said) == STATUS_LENGTH:

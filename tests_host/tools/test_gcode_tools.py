@@ -6,6 +6,7 @@ import threading
 import pytest
 
 from host_tools.cli import check, main as cli, settings, stream
+from host_tools.cli.log import spoken
 from host_tools.clients.grbl import RESET, GrblClient, LinkError, Refused, fields_of
 from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
@@ -432,3 +433,27 @@ def test_stream_from_a_line(board, job, capsys):
         stream.stream(job, board.line.name, 115200, "count", False, False, None, 5.0, first=6)
     with pytest.raises(Failure, match="ends before line 20"):
         stream.stream(job, board.line.name, 115200, "count", False, False, None, 5.0, first=20, yes=True)
+
+
+class Chatty:
+    """A port whose board says something by itself before it answers the first question."""
+
+    def __init__(self, said):
+        self._said = said
+
+    def write(self, data):
+        pass
+
+    def read(self, count):
+        found, self._said = self._said[:count], self._said[count:]
+        return found
+
+    def close(self):
+        pass
+
+
+@pytest.mark.parametrize("before", [b"", b"\r\nGrbl 1.1f ['$' for help]\r\n[MSG:'$H'|'$X' to unlock]\r\n", b"ok\r\n", b"[MSG:a, b, c, d, e]\r\n" * 9])
+@pytest.mark.parametrize("status, language", [(b"<Idle|MPos:0.000>", "grbl"), (b"<idle,0>", "pulses")])
+def test_what_a_board_says_by_itself_is_no_other_language(monkeypatch, before, status, language):
+    monkeypatch.setattr("host_tools.clients.wire.open_port", lambda port, baud: Chatty(before + status))
+    assert spoken("/dev/none", 115_200) == language

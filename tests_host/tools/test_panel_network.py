@@ -106,7 +106,7 @@ def too_much(panel):
             flood.socket.send('{"do":"home"}')
         while True:
             flood.hear()
-    except (websocket.WebSocketException, ConnectionError):
+    except (websocket.WebSocketException, OSError):  # closed amid a send: its descriptor may be gone
         pass
 
 
