@@ -39,6 +39,7 @@ class GrblMachine(_Cabled):
         self._letters = None
         self._doubts = 0  # how often "ok" came for $I without its lines: an answer to who spoke here before
         self._blocks = 0  # that the board queues; 0: not known
+        self._more = []  # words of the last report that has overrides: only that one has them
         self._typed_line = b""  # the newest; b"" is no line
         self._asked = False  # ? has been typed: its report is shown
         self.cause = None  # cause(error, line): what in a typed line makes the error, "" if the line does not show it
@@ -156,7 +157,8 @@ class GrblMachine(_Cabled):
             state["ov"] = [int(part) for part in fields["Ov"].split(",")]
             state["on"] = fields.get("A", "")
             state["stored"] = fields.get("SD", "")
-            state["more"] = [[word, fields[word]] for word in fields if word not in FIELDS]
+            self._more = [[word, fields[word]] for word in fields if word not in FIELDS]
+        state["more"] = self._more
         if self.jog.active:
             self.jog.report(self.position)
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking

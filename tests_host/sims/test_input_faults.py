@@ -5,6 +5,7 @@ import re
 import pytest
 
 from host_tools import boards
+from host_tools.page.grbl_machine import GrblMachine
 from host_tools.sim.machine import VirtualMachine
 
 # Inputs that only a command, or only the start, reads: {name: the effect that shows them}.
@@ -83,3 +84,12 @@ def test_each_input_is_told_by_name(name):
         told = item["name"] in named | set(BY_COMMAND) or item["halt"] or re.fullmatch(r"limit_[xyza]|p\d|jog_[xyza][+-]", item["name"])
         told = told or board.get("interlock") or item["name"] in str([board.get(key) for key in ("tachometer", "drivers", "spi_drivers", "network", "journal", "jobs", "encoders")])
         assert told, f"{item['name']} is in no report, message or setting"
+
+
+def test_an_input_stays_on_the_page_until_a_report_without_it():
+    """Only reports with overrides, every tenth at rest, name the inputs that forbid: the lamp stays lit in between."""
+    page, shown = GrblMachine(lambda data: None, lambda event: None), []
+    for words in ("Ov:100,100,100|Fb:dx2,bxb(x+)", "Pn:X", "WCO:0,0,0", "Ov:100,100,100", "Pn:X"):
+        page.wire.feed(f"<Alarm|MPos:0.000,0.000,0.000|FS:0,0|{words}>\r\n".encode(), 0)
+        shown.append(page.state["more"])
+    assert shown == 3 * [[["Fb", "dx2,bxb(x+)"]]] + 2 * [[]]
