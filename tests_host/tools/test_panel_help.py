@@ -15,6 +15,7 @@ CONTROLS = """
 return [...document.querySelectorAll("button, input:not([type=hidden]), select, textarea, summary, canvas, a[href], [tabindex]")]
   .map((e) => [e.outerHTML.slice(0, 160), e.dataset.help || e.title || "", e.title]);
 """
+SPEAKS = "return document.documentElement.lang === arguments[0]"
 
 
 def sentences(browser):
@@ -33,14 +34,14 @@ def test_no_control_is_without_a_sentence(machine, tmp_path, driver):
         folder = tmp_path / language
         folder.mkdir()
         with PanelProcess(folder, "--board", machine) as process, Browser(process, driver, query=f"lang={language}&theme=light") as browser:
-            browser.until(lambda: browser.text("state") != "")
+            browser.until(lambda language=language: browser.driver.execute_script(SPEAKS, language))
             said[language] = sentences(browser)
             if machine == "mill_2004":
                 for view in ("plate", "corner", "hole", "boss", "tool", "surface", "map", "offsets", "inout", "health", "pad"):
+                    browser.until(lambda view=view: browser.driver.execute_script("return Boolean(document.getElementById(`setup-${arguments[0]}`))", view))
                     browser.driver.execute_script("document.getElementById(`setup-${arguments[0]}`).click()", view)
                     said[language] |= sentences(browser)
                     browser.driver.execute_script("document.getElementById('setup-back').click()")
-                    browser.until(lambda view=view: browser.driver.execute_script("return Boolean(document.getElementById(`setup-${arguments[0]}`))", view))
     assert len(said["en"]) > 40 and not {text for text in said["en"] & said["pt"] if len(text.split()) > 3}, "in both languages the same"
 
 
