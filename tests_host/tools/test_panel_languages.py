@@ -59,7 +59,7 @@ def test_pulse_files(tmp_path, driver):
     with PanelProcess(tmp_path, "--board", "lpt_router") as panel:
         browser = Browser(panel, driver, (1280, 1600))
         browser.until_state("Ready")
-        hidden = ["card-tool", "card-signals", "card-line", "card-settings", "card-motors", "zero-all", "home", "jog-speed"]
+        hidden = ["card-tool", "card-signals", "card-line", "card-motors", "zero-all", "home", "jog-speed"]
         assert not [name for name in hidden if browser.find(name).is_displayed()]
         assert not browser.driver.find_elements("css selector", "[data-way='x+y+']")
         upload(browser, tmp_path, "part.txt", PULSES)
@@ -147,7 +147,7 @@ def test_the_torch(tmp_path, driver):
     with PanelProcess(tmp_path, "--board", "torch_manipulator") as panel:
         browser = Browser(panel, driver, (1280, 2000))
         browser.until_state("Ready")
-        assert not [name for name in ("card-job", "card-tool", "card-teach", "card-settings", "home") if browser.find(name).is_displayed()]
+        assert not [name for name in ("card-job", "card-tool", "card-teach", "home") if browser.find(name).is_displayed()]
         assert browser.css("[data-shows=ours]").text == "off"
         step_of(browser, 1)
         browser.tap("[data-way='x+']")
@@ -236,7 +236,7 @@ def test_the_plotter(tmp_path, driver):
     with PanelProcess(tmp_path, "--board", "plotter_2014") as panel:
         browser = Walker(panel, driver)
         browser.until_state("Ready")
-        hidden = ("card-tool", "card-teach", "card-settings", "card-switches", "hold", "resume", "zero-all", "unlock")
+        hidden = ("card-tool", "card-teach", "card-switches", "hold", "resume", "zero-all", "unlock")
         assert not [name for name in hidden if browser.find(name).is_displayed()]
         browser.click("home")
         browser.until_state("Homing")
@@ -295,6 +295,13 @@ def test_the_plotter(tmp_path, driver):
         browser.until(lambda: "Ended" in browser.text("job-state"))
         browser.until_state("Ready")
         browser.type("draw-speed", "800")
+        browser.tap("#points-card summary")
+        browser.click("points-click")
+        browser.click("points-click")
+        browser.type("points", "1,1 2,2")
+        browser.click("points-next")
+        browser.tap("#points-form .go")
+        browser.until(lambda: "points.txt" in browser.find("jobs").text)
         assert not browser.unused("card-plotter")
         assert not [row for row in browser.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
     walked = [row[:2] for row in steps(panel)]
