@@ -65,7 +65,11 @@ let starting = false;  // a job has been asked to run: the end of the one before
 // --- messages
 
 function say(text) { $("message").textContent = text; }
-$("message").onclick = () => say("");
+let dismissed = "";  // the caution that somebody has touched away: it is not said again
+$("message").onclick = () => {
+  if ($("message").textContent === alarmText) dismissed = alarmText;
+  say("");
+};
 
 function errorText(error) { return `${_("Error")} ${error}: ${_(errors[error] || "")}`; }
 
@@ -279,7 +283,8 @@ function show() {
   } else {
     const unhomed = unlimited(), said = alarmText && $("message").textContent === alarmText;
     alarmText = unhomed ? _("Not homed: {axes}. The machine keeps to no travel limits until it is.", { axes: unhomed }) : "";
-    if (said || !$("message").textContent) say(alarmText);
+    if (alarmText !== dismissed) dismissed = "";
+    if (said || !$("message").textContent) say(alarmText === dismissed ? "" : alarmText);
   }
   enable();
 }
