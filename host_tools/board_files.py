@@ -1,20 +1,20 @@
-"""A user's own board files: made like another one, changed, taken back, removed. `passo machine` and the panel's page both go through here.
+"""Makes, changes, takes back and removes a user's own board files, for `passo machine` and for the panel's page.
 
     create(Path("mine.py"), "lpt_router", {"axes.z": None})
-    change(Path("mine.py"), {"step_program.interval_us": 250})      # mine.py.old is what it was
+    change(Path("mine.py"), {"step_program.interval_us": 250})      # keeps the text before it in mine.py.old
 
-The firmware's check decides: a Failure has its sentence, and nothing is written then.
+The firmware's check looks at each new text. If it refuses, Failure is raised with its sentence, and no file is written.
 """
 
 import os
 import re
 
 from host_tools import board_edit, boards
+from host_tools.build.machines import OLD
 from host_tools.failure import Failure
 from host_tools.whole_file import write_whole
 
 TAKEN = ("before", "chosen", "files", "new")  # names in a board's folder of machines that machines.py gives itself
-OLD = "_old"  # suffix of a machine with the previous board file, by machines.py
 
 
 def check_name(name):

@@ -13,6 +13,7 @@ import typer
 
 from host_tools import interpreter
 from host_tools.build.budget import check_module
+from host_tools.build.machines import OLD
 from host_tools.build.tree import FILE_LIST, STAMP, build_tree, default_out
 from host_tools.cli import flash_uf2
 from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
@@ -266,7 +267,7 @@ def _say_written(file):
 
 
 def _check_stored_name(name):
-    if not re.fullmatch(r"\w{1,32}(_old)?", name):
+    if not re.fullmatch(rf"\w{{1,32}}({OLD})?", name):
         raise Failure("{!r} is no name of a machine", name)
 
 

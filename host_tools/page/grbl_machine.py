@@ -71,6 +71,7 @@ class GrblMachine(_Cabled):
     def lost(self):
         _Cabled.lost(self)
         self.settings = {}
+        self._more = []
         self.position = self._offset = None
 
     def silent(self):

@@ -5,7 +5,7 @@
     form.values({"axes.z.used": False, "inputs.stop.pin": "16"})     # {"axes.z": None, "inputs.stop.pin": 16}, for board_edit.set_values()
 
 The page knows no key of a board file: it shows the groups, and returns the fields that were changed. `what` is a word of its own
-(card_machine.js). Bounds are the firmware's: its check decides what is written. Values come as text, of a box as True or False.
+(card_board.js). Bounds are the firmware's: its check decides what is written. Values come as text, of a box as True or False.
 """
 
 import re

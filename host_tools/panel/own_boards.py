@@ -37,16 +37,12 @@ class OwnBoards:
             if do is None or name not in self._files:
                 raise Wrong("what")
             with speaking(order.get("language") if order.get("language") in LANGUAGES else None):
-                return self._done(lambda: do(name, order) or self._get(name, order))
+                try:
+                    return do(name, order) or self._get(name, order)
+                except Failure as failure:
+                    return {"t": "answer", "do": "board", "error": errors.ORDER_FIELD, "text": failure.message().replace(f"{self._folder}{os.sep}", "")}
         except Wrong:
             return errors.ORDER_FIELD
-
-    def _done(self, do):
-        """The result of do(), or an answer with its refusal in the page's language."""
-        try:
-            return do()
-        except Failure as failure:
-            return {"t": "answer", "do": "board", "error": errors.ORDER_FIELD, "text": failure.message().replace(f"{self._folder}{os.sep}", "")}
 
     def finish(self, answer):
         """Return the answer. Tells all pages if the list of machines has changed."""

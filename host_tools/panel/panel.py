@@ -80,7 +80,7 @@ class Panel:
     def _list(self):
         """Update the list of machines, and tell all pages."""
         known = [name for name in self._machines if name in self._files or not name]
-        self._machines[:] = known + [name for name in self._files if name not in known]
+        self._machines[:] = known + [name for name in list(self._files) if name not in known]  # list(): an order may add one meanwhile
         self._tell({"t": "machines", "machines": list(self._machines)})
 
     def _beside(self, work, then):

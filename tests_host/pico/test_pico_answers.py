@@ -7,9 +7,8 @@ from host_tools.bench.moving import _p99
 from host_tools.emulator import rows
 
 LINES = [((9000, 7000, -5000), 100_000), ((-4000, 2000, 3000), 50_000)]
-OFTEN = 8  # of some 33 times: how often depends on where the interrupt's 3 ms and the loop's meet
-LATER = {  # the interrupt comes once in 3.1 ms, or twice
-    "made up for": "port.put_off(); sleep_us(3100); head = feeder.ring.head; port.catch_up(); made += feeder.ring.head != head",
+LATER = {  # the interrupt comes every 3 ms: in 2.7 ms once at most
+    "made up for": "port.put_off(); sleep_us(2700); head = feeder.ring.head; port.catch_up(); made += feeder.ring.head != head",
     "never made up for": "port.put_off(); sleep_ms(6)",  # the second call of the interrupt makes words again, for example if the PC does not take the answer
     "nothing left out": "port.put_off(); port.catch_up()",
 }
@@ -26,7 +25,7 @@ def test_a_call_that_was_put_off_delays_no_step(rig, case):  # noqa: F811
     assert (run.late, run.off) == (0, 0)
     assert run.steps and run.turns > 10
     made = int(rig.pico.exec("print(made)"))
-    assert made > OFTEN if case == "made up for" else made == 0, (made, run.turns)
+    assert made > run.turns // 2 if case == "made up for" else made == 0, (made, run.turns)
 
 
 @pytest.mark.slow

@@ -4,10 +4,11 @@ import copy
 import re
 
 import pytest
+import key_places
 from passo.config import boardfile
 
 from host_tools import boards
-from host_tools.build import key_places, reference
+from host_tools.build import reference
 from host_tools.resources import ROOT
 
 KEYS = sorted(reference.keys(reference.all_rules(boardfile)))

@@ -838,7 +838,6 @@ def test_a_job_that_runs_makes_nothing_longer(panel, driver, tmp_path):
         browser.until(lambda: "slow.gcode" in browser.text("run"))
         browser.click("run")
         browser.until(lambda: browser.find("state").get_attribute("data-state") == "Run")
-        dismiss_caution(browser)
         for size in SIZES:
             within_two_screens(browser, size)
         browser.click("abort")

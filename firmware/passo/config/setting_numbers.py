@@ -52,8 +52,8 @@ def _active(items, names):
 
 
 def longest_pulse_us(board):
-    """The longest STEP pulse, at most 100 µs, that the board file's speeds leave room for: it is as long low as it is high. With a longer
-    one no board starts. Drives without STEP pulses: 100."""
+    """The longest STEP pulse in µs, 100 at most, with which the board can make its board file's highest speed. A pulse and the low level
+    behind it take the same time. With a longer pulse a board does not start. Drives without STEP pulses: 100."""
     if board["drive"]["kind"] != "step_dir":
         return 100
     steps_s = fastest(board["speed"], ())

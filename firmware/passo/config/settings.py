@@ -45,6 +45,7 @@ class Settings:
         self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
+        self._board_pulses_s = self._pulses_s(board["drive"]["pulse_us"])
         self._most_steps_s = steps_s
         from passo.config.setting_numbers import make  # the app forgets it again
 
@@ -143,7 +144,7 @@ class Settings:
             speed = value if number >= SPEED else self.value(SPEED + axis)
             if number in (STEPS, STEPS + 1) and self._one_belt:  # both axes get them
                 speed = max(self.value(SPEED), self.value(SPEED + 1))
-            if steps * speed > min(self._most_steps_s, self._pulses_s(self.value(PULSE_US))) * 60_000_000:
+            if steps * speed > min(self._most_steps_s, self._most_pulses_s) * 60_000_000:
                 return errors.STEP_RATE
         if number == INTERVAL and value * self._most_steps_s < 1_000_000:
             return errors.STEP_RATE
@@ -154,7 +155,7 @@ class Settings:
         return 0
 
     def _pulses_s(self, pulse_us):
-        """STEP pulses of `pulse_us` that fit into a second: one is as long low as it is high. Drives without them: no bound."""
+        """How many STEP pulses of `pulse_us` a drive can make in a second: each wants as long again for the low level. Coils have none: 1 000 000."""
         return TICKS_PER_S // (2 * us_to_ticks(pulse_us)) if self._board["drive"]["kind"] == "step_dir" else 1_000_000
 
     def _touch(self):
@@ -265,8 +266,10 @@ class Settings:
             self._board["idle_release_ms"] = 0 if delay_ms == 255 else max(delay_ms, 1)
         else:
             self._board["idle_release_ms"] = self._board_release_ms
+        self._most_pulses_s = self._board_pulses_s
         if PULSE_US in self._changed:
             self._board["drive"]["pulse_us"] = self._changed[PULSE_US]
+            self._most_pulses_s = self._pulses_s(self._changed[PULSE_US])
         homing = self._board["homing"]
         if homing:
             homing["high_end"] = ""

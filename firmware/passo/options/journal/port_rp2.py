@@ -26,8 +26,8 @@ def fits(number):
 
 
 class Pages:
-    """A file is made as it is first erased: that takes 70 ms, and a board answers before it. If memory is in small pieces, all are made
-    at the start."""
+    """Each block is a file. Its first erase makes it, in 70 ms, after the board's first answer. If free memory is in small pieces, the start
+    makes all files."""
 
     BLOCKS = 4
     SLOTS = 128

@@ -407,7 +407,8 @@ function showSignals() {
     .map(([letter, name]) => [_(name), on.includes(letter), onOff(name, on.includes(letter))]);
   if (/n/i.test(on)) rows.push([_("Somebody at the machine"), on.includes("N"), on.includes("N") ? _("Yes") : _("No")]);
   for (const [name, is] of [["", /[SC]/], ["Coolant", /F/], ["Mist", /M/]]) rows.push([name ? _(name) : toolName(), is.test(outputs), onOff(name, is.test(outputs))]);
-  rows.push(...(report.more || []).filter(([word]) => !["SD", "Al"].includes(word)).map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, null, text]));
+  const elsewhere = ["SD", "Al", ...(alarmText && $("message").textContent === alarmText ? ["Nh"] : [])];  // the message says who is not homed
+  rows.push(...(report.more || []).filter(([word]) => !elsewhere.includes(word)).map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, null, text]));
   const text = JSON.stringify(rows);
   if ($("signals").dataset.shown === text) return;
   $("signals").dataset.shown = text;
