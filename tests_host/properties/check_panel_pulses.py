@@ -8,7 +8,7 @@ from pulses_desk import PulsesDesk
 MM = 80  # steps
 FILE = "[+2000(" + "A" * 90 + "\n" + "G" * 40 + ")*200" + "D" * 30 + "]"
 END = [130, 10, 0]
-CASES = {"check_teach_in_makes_the_same_steps": (("seed", "seed"),)}
+CASES = {"check_a_hold_before_the_stand_is_taken_off": (("refusals", 0, 3),), "check_teach_in_makes_the_same_steps": (("seed", "seed"),)}
 RUNS = {"check_teach_in_makes_the_same_steps": 3}
 
 
@@ -133,6 +133,32 @@ def check_a_jog_ends():
     assert 150 < took <= 250, took
     assert desk.machine.state["state"] == "Idle"
     assert desk.order("keep", lease=2, beat=desk.beats) == errors.LEASE
+
+
+def check_a_hold_before_the_stand_is_taken_off(refusals):
+    """A board says that it holds while the steps ahead are still played, and refuses the jog of no steps that takes the hold off."""
+    desk = loaded()
+    refused = []
+    feed = desk.machine.wire.feed
+    jog = b"{jog x 0}"
+
+    def put(data):
+        if jog in bytes(data) and len(refused) < refusals:
+            refused.append(desk.now_ms())
+            feed(b"error:8\n", desk.now_ms())
+        else:
+            desk.line.incoming += data
+
+    desk.machine.wire._write = put
+    desk.hold_jog(1, 300, way={"x": 1})
+    desk.order("release")
+    desk.settle()
+    assert len(refused) == refusals and desk.machine.state["state"] == "Idle", desk.machine.state
+    assert not desk.machine.log()
+    assert desk.order("step", by={"y": 1}, speed=1) == 0
+    desk.order("hold")  # by somebody: it stays
+    desk.run_ms(500)
+    assert desk.machine.state["state"] == "Hold"
 
 
 def check_stop_and_switches():

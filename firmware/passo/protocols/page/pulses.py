@@ -43,6 +43,7 @@ class PulsesPage(PageMachine):
         self._begun = None  # steps up to which the jog is queued
         self._ahead = None  # of the piece that is not answered
         self._cut = False  # a jog was cut: its hold is to be taken off
+        self._releasing = False  # asked for, and not answered
         self._playing = False  # the motion is that of the file
         self.orders = {"pace": self._pace}
 
@@ -65,7 +66,8 @@ class PulsesPage(PageMachine):
         state["asked"] = bool(program["asked"])
         if self._cut and name == "hold" and not self.jog.waiting:
             self._cut = False
-            self._by_hand([0] * len(self.axes), None)
+            self._releasing = True
+            self._by_hand([0] * len(self.axes), self._hold_released)
         if self.jog.active:
             self.jog.report(self.position)
 
@@ -85,8 +87,16 @@ class PulsesPage(PageMachine):
         if max([abs(part) for part in steps]) > _MOST_STEPS:
             return errors.TRAVEL
         if [part for part in steps if part]:
-            self._cut = False
+            self._cut = self._releasing = False
         return self.do(Command(commands.STEP_PROGRAM, steps, commands.STEPS_JOG), answered)
+
+    def _hold_released(self, error):
+        """A machine says that it holds some steps before it stands, and is busy until then: ask again behind its next report."""
+        if error == errors.BUSY and self._releasing:
+            self._cut = True
+        else:
+            self.finished(error)
+        self._releasing = False
 
     def _move(self, steps):
         if self.state["state"] not in ("Idle", "Hold") or self.jog.active:
@@ -139,7 +149,7 @@ class PulsesPage(PageMachine):
 
     def stop(self):
         """Stop at once: the file is at its start then, the tool off."""
-        self._cut = False
+        self._cut = self._releasing = False
         return PageMachine.stop(self)
 
     def resume(self):
