@@ -28,7 +28,7 @@ class Table:
         if not section:
             raise Failure("board {} has no interlock", board.get("name"))
         self.board = check(board)
-        self.bits = manifest_table.gates(self.board)
+        self.bits = manifest_table.gate_bits(self.board)
         self.inputs = [item["name"] for item in self.board["inputs"]]
         self.signals = section.get("signals", {})
         texts = dict(section.get("rows", {}))

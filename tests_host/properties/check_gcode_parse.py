@@ -252,7 +252,7 @@ def check_same_as_in_full(seed):
         assert taken == made, line
         for shop in (short, full):
             if error:
-                shop.gcode._settle()  # as the next line will do
+                shop.gcode._take_position()  # as the next line will do
         if random.between(0, 3) == 0:
             short.gcode.leave_batch()
             assert short.state() == full.state(), line

@@ -131,7 +131,7 @@ def check_the_torchs_jogs():
     """The document's CONFIGURE is kept; steps a jog are steps/mm × mm a jog, as its window had it."""
 
     def jogs(board):
-        command = board.app.links[0].protocol._jog(0, 1)
+        command = board.app.links[0].protocol._jog_command(0, 1)
         return command.steps[0], command.rates[0][0]
 
     board = SettingBoard("torch_manipulator")

@@ -43,7 +43,7 @@ class Scale:
 
 
 def torch(made):
-    return dict([(name, str(value)) for name, value in Forms(Scale)._more(made)])
+    return dict([(name, str(value)) for name, value in Forms(Scale)._more_fields(made)])
 
 
 def check_every_language_with_words_says_them():

@@ -55,7 +55,7 @@ SEQUENCES = {
 LONG_FILES = set()
 HALF_CLASSES = set()
 LONG_FUNCTIONS = {
-    "passo/options/step_program/motion_walker.py:_steps",
+    "passo/options/step_program/motion_walker.py:_write_steps",
 }  # fmt: skip
 
 # {kernel: why it is longer}

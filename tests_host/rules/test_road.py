@@ -41,7 +41,7 @@ ASKED = {
     "motion/row_viper.py room",
     "protocols/gcode/parser.py GCode.opens",
     "protocols/grbl/lines.py keep",
-    "protocols/grbl/protocol.py Grbl._open",
+    "protocols/grbl/protocol.py Grbl._open_batch",
 }
 # The answer, and the end of the batch.
 ANSWER = {

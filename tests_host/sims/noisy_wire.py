@@ -223,13 +223,13 @@ class Pair:
         return FramedPort(_Host(self), lambda: self.now_ms)
 
     def _count_frames(self):
-        understand = self._line._understand
+        understand = self._line._do_frame
 
         def counted(begin, end):
             self.frames += 1
             return understand(begin, end)
 
-        self._line._understand = counted
+        self._line._do_frame = counted
 
     def tick(self):
         self.now_ms += 1

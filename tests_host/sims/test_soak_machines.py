@@ -48,7 +48,7 @@ def test_lives_are_one_table_in_their_order(tmp_path, monkeypatch, capsys):
 
 def doubles(monkeypatch):
     """A frame that is sent twice counts twice."""
-    monkeypatch.setattr(FramedLine, "_take", lambda self, number, data: (setattr(self, "_next", (number + len(data)) % 4096), data)[1])
+    monkeypatch.setattr(FramedLine, "_take_data", lambda self, number, data: (setattr(self, "_next", (number + len(data)) % 4096), data)[1])
 
 
 def ignores_the_door(monkeypatch):
@@ -78,7 +78,7 @@ def remembers_a_line(monkeypatch):
 
 def believes_any_sum(monkeypatch):
     """A packet is drawn whatever its sum."""
-    hear = PlotterLanguage._hear
+    hear = PlotterLanguage._keep_bytes
 
     def believing(self, data, now_ms):
         data = bytes(data)
@@ -86,7 +86,7 @@ def believes_any_sum(monkeypatch):
             data = data[:-1] + bytes([sum(data[:-1]) & 255])
         hear(self, data, now_ms)
 
-    monkeypatch.setattr(PlotterLanguage, "_hear", believing)
+    monkeypatch.setattr(PlotterLanguage, "_keep_bytes", believing)
 
 
 def filters_nothing(monkeypatch):

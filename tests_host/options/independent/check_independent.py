@@ -43,7 +43,7 @@ def check_two_axes(kind, x, x_rate, y, y_rate):
         return
     assert result == 0
     machine.settle()
-    assert machine.made() == [x, y] == machine.part.made() == machine.controller.position()
+    assert machine.made() == [x, y] == machine.part.steps_made() == machine.controller.position()
     assert list(machine.controller.queue.target) == [x, y]
     intervals_hold(machine, 0, (12_500_000, x_rate))
     intervals_hold(machine, 1, (700 * 12_500, y_rate))
@@ -59,10 +59,10 @@ def check_stop_anywhere(kind, ticks, x_rate, y_rate):
     assert machine.controller.position() == before
     assert machine.stop() == 0
     machine.settle()
-    assert machine.made() == before == machine.part.made()
+    assert machine.made() == before == machine.part.steps_made()
     assert machine.run((7, 9), ((100, 1000), (100, 1000))) == 0
     machine.settle()
-    assert machine.made() == [before[0] + 7, before[1] + 9] and machine.part.made() == [7, 9]
+    assert machine.made() == [before[0] + 7, before[1] + 9] and machine.part.steps_made() == [7, 9]
 
 
 def check_live(kind, asks):
@@ -173,7 +173,7 @@ def check_jogs_extend_without_a_gap():
     for refused in (((-48, None), AS_JOG), ((None, 48), AS_JOG), ((48, None), AT_REST), ((None, 5), AT_REST)):
         assert machine.run(refused[0], ((480, 1000), (480, 1000)), refused[1]) == errors.BUSY
     machine.settle()
-    assert machine.made() == [480, 0] == machine.part.made()
+    assert machine.made() == [480, 0] == machine.part.steps_made()
     intervals_hold(machine, 0, (12_500_000, 480))
     assert machine.controller.machine.log.entries[-1][1] == errors.BUSY
 
@@ -208,7 +208,7 @@ def check_limits_and_zero():
     assert machine.run((100, 50), ((4800, 1000), (4800, 1000))) == 0
     machine.settle()
     assert machine.accept(Command(ZERO)) == 0
-    assert controller.position() == [0, 0] and machine.part.made() == [100, 50]
+    assert controller.position() == [0, 0] and machine.part.steps_made() == [100, 50]
     controller.machine.homed = True
     controller.machine.settings._table[20] = ("soft_limits", 0, 1, 0, 1)
     assert machine.accept(Command(ZERO)) == errors.ZERO_IS_HOMED

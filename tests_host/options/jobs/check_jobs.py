@@ -534,8 +534,8 @@ def check_a_folder_of_hundreds_of_jobs():
             write(machine.folder + "/J002.job", whole[:20])
         store = machine.controller.features["jobs"]._store
         opened = []
-        before = card_store._state
-        card_store._state = lambda path: (opened.append(path), before(path))[1]
+        before = card_store._file_state
+        card_store._file_state = lambda path: (opened.append(path), before(path))[1]
         try:
             listed = machine.do("$F")
             assert len(opened) <= 2 * 64
@@ -546,7 +546,7 @@ def check_a_folder_of_hundreds_of_jobs():
             assert ended(run(machine)) == "[MSG:Job J299 done]"
             assert len(opened) <= 4, opened
         finally:
-            card_store._state = before
+            card_store._file_state = before
         assert store.more and answers(machine.ask("$FD=J298")) == ["ok"] and answers(machine.ask("$F=J298")) == ["error:150"]
         if card:
             assert answers(machine.ask("$F=J002")) == ["error:150"], "it was cut off"
@@ -577,9 +577,9 @@ def check_free_flash():
     try:
         for used, blocks in ((201, 9), (209, 1), (210, 0), (212, 0), (100, 110)):
             job_store.os = Flash(used)
-            assert job_store.JobStore("/jobs").free() == blocks * 4096, used
+            assert job_store.JobStore("/jobs").free_bytes() == blocks * 4096, used
         job_store.os = Flash(100)
-        assert CardStore("/sd/jobs").free() == 100 * 4096
+        assert CardStore("/sd/jobs").free_bytes() == 100 * 4096
     finally:
         job_store.os = before
 

@@ -70,7 +70,7 @@ class Round:
     def check(self):
         """The file on the board is the job, whole."""
         store = job_store.JobStore(self.machine.port.folder)
-        assert [entry[0] for entry in store.entries()] == ["PART"], store.entries()
+        assert [entry[0] for entry in store.list_jobs()] == ["PART"], store.list_jobs()
         job = store.open("PART")
         view, found = memoryview(bytearray(512)), b""
         while count := job.readinto(view):
@@ -90,7 +90,7 @@ def round_of(language, folder, seed):
     made.machine.settle()
     with made.pc():
         jobs.delete("PART", **made.at)
-    assert not job_store.JobStore(made.machine.port.folder).entries()
+    assert not job_store.JobStore(made.machine.port.folder).list_jobs()
     with made.pc():
         try:
             jobs.run("PART", home=False, wait=True, **made.at)

@@ -77,10 +77,10 @@ def store(jobs, name, data):
     packed = stored_form(data)
     jobs.begin(name, "grbl", len(data), crc32(data), len(packed))
     for first in range(0, len(packed), 54):
-        assert jobs.add(packed[first : first + 54]) == 0
-    upload = jobs.uploaded()
+        assert jobs.add_data(packed[first : first + 54]) == 0
+    upload = jobs.open_upload()
     assert read(upload) == data
-    jobs.keep()
+    jobs.commit_upload()
 
 
 def read(job):
@@ -96,7 +96,7 @@ def read(job):
 
 
 def names(jobs):
-    return [entry[0] for entry in jobs.entries()]
+    return [entry[0] for entry in jobs.list_jobs()]
 
 
 def opened(store):

@@ -10,13 +10,13 @@ from passo.control.stream_queue import StreamQueue
 class Queue(StreamQueue):
     def __init__(self, board, planner, feeder, player, port):
         StreamQueue.__init__(self, board, planner, feeder, player, port)
-        planner.follow(self._motors)
+        planner.follow(self._motor_positions)
         self.taken = planner.taken
 
-    def _motors(self):
+    def _motor_positions(self):
         return self._feeder.found(self._player.played())
 
-    def _see(self, ask):
+    def _ask_undisturbed(self, ask):
         """Return ask(), while no interrupt retires blocks: the block retired last then belongs to the position."""
         feeder = self._feeder
         fed = feeder.open
@@ -26,9 +26,9 @@ class Queue(StreamQueue):
         return found
 
     def look(self):
-        self._see(self._look)
+        self._ask_undisturbed(self._look_at_queue)
 
-    def _look(self):
+    def _look_at_queue(self):
         played = self._player.played()
         self._feeder.retire(played)
         StreamQueue.look(self, played)
@@ -42,13 +42,13 @@ class Queue(StreamQueue):
     def found(self, edge=None):
         if edge:
             return self._from_origin(self._planner.turn(self._feeder.found(self._player.played(), edge)))
-        return self._from_origin(self._see(self._since_start))
+        return self._from_origin(self._ask_undisturbed(self._since_start))
 
     def axis(self, axis, edge=None):
         return self.found(edge)[axis] + self._origin[axis]
 
     def set_origin(self, axes=-1):
-        found = self._see(self._since_start)
+        found = self._ask_undisturbed(self._since_start)
         for axis in range(len(found)):
             if axes >> axis & 1:
                 self._origin[axis] = found[axis]
@@ -56,7 +56,7 @@ class Queue(StreamQueue):
 
     def drop(self):
         self.retire()
-        self._planner.stop(self._motors())
+        self._planner.stop(self._motor_positions())
         StreamQueue.drop(self)
         self.settle()
 

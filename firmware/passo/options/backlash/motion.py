@@ -62,10 +62,10 @@ class Planner(planner.Planner):
         amid = retired != indices[QUEUE_ADDED] and self.plays
         at = retired % QUEUE_SIZE * 2 * self.axes
         for axis in range(self.axes):
-            motors[axis] -= self._offset[axis] + (self._along(at, axis, motors[axis]) if amid else self._taken[axis])
+            motors[axis] -= self._offset[axis] + (self._play_at(at, axis, motors[axis]) if amid else self._taken[axis])
         return motors
 
-    def _along(self, at, axis, motor):
+    def _play_at(self, at, axis, motor):
         """Return the play taken up at the motor's position `motor`, in the row whose beginning is _begins[at:]."""
         taken = self._begins[at + self.axes + axis] + motor - self._begins[at + axis]
         return max(0, min(taken, self._plays[axis]))
@@ -83,7 +83,7 @@ class Planner(planner.Planner):
         retired = indices[QUEUE_RETIRED]
         if retired != indices[QUEUE_ADDED] and self.plays:
             for axis in range(self.axes):
-                self._taken[axis] = self._along(retired % QUEUE_SIZE * 2 * self.axes, axis, motors[axis])
+                self._taken[axis] = self._play_at(retired % QUEUE_SIZE * 2 * self.axes, axis, motors[axis])
         self._lost = True
 
     def room(self):
@@ -101,13 +101,13 @@ class Planner(planner.Planner):
         planner.Planner._add(self, at, kind, tool, tag, rapid, first)
 
     def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
-        if not self.plays or not self._split(deltas, ticks, speed_nm_s):
+        if not self.plays or not self._split_reversal(deltas, ticks, speed_nm_s):
             planner.Planner.line(self, deltas, ticks, tool, tag, rapid, speed_nm_s)
-            self._go(deltas)
+            self._note_queued(deltas)
             return
         first, rest = self._first, self._rest
         power = self.power
-        some, others = self._parts(deltas, ticks)
+        some, others = self._share_ticks(deltas, ticks)
         if any(rest):
             planner.Planner.fits(self, rest, others, speed_nm_s)
         planner.Planner.fits(self, first, some, speed_nm_s)
@@ -115,21 +115,21 @@ class Planner(planner.Planner):
             self.power = 0  # the row of dots is the second part
         planner.Planner.line(self, first, some, tool, tag, rapid, speed_nm_s)
         self.power = power
-        self._go(first)
+        self._note_queued(first)
         if any(rest):
             planner.Planner.line(self, rest, others, tool, tag, rapid, speed_nm_s)
-            self._go(rest)
+            self._note_queued(rest)
 
     def fits(self, deltas, ticks, speed_nm_s):
-        if self.plays and self._split(deltas, ticks, speed_nm_s):
-            some, others = self._parts(deltas, ticks)
+        if self.plays and self._split_reversal(deltas, ticks, speed_nm_s):
+            some, others = self._share_ticks(deltas, ticks)
             planner.Planner.fits(self, self._first, some, speed_nm_s)
             deltas, ticks = self._rest, others
             if not any(deltas):
                 return
         planner.Planner.fits(self, deltas, ticks, speed_nm_s)
 
-    def _go(self, ways):
+    def _note_queued(self, ways):
         """A line by `ways` of the motors has been queued."""
         if self.plays:
             for axis in range(self.axes):
@@ -138,7 +138,7 @@ class Planner(planner.Planner):
                     self._motors[axis] += way
                     self._taken[axis] = self._plays[axis] if way > 0 else 0
 
-    def _split(self, deltas, ticks, speed_nm_s):
+    def _split_reversal(self, deltas, ticks, speed_nm_s):
         """The two parts of a line that turns an axis round, in `_first` and `_rest`; False if it turns none."""
         turned = False
         first, rest = self._first, self._rest
@@ -150,7 +150,7 @@ class Planner(planner.Planner):
         if not turned:
             return False
         length = self._limits.length(deltas)
-        part = 0 if self.power > POWER_MOST else min(self._reach(length, ticks, speed_nm_s), length)
+        part = 0 if self.power > POWER_MOST else min(self._reversal_nm(length, ticks, speed_nm_s), length)
         if 2 * part > length:
             part = length
         for axis in range(self.axes):
@@ -160,7 +160,7 @@ class Planner(planner.Planner):
             rest[axis] -= way
         return True
 
-    def _reach(self, length, ticks, speed_nm_s):
+    def _reversal_nm(self, length, ticks, speed_nm_s):
         """How far along the path, in nm, the play in `_first` is taken up."""
         limits = self._limits
         if ticks:
@@ -174,7 +174,7 @@ class Planner(planner.Planner):
                 most = max(most, play * speed_nm_s // gain, play)
         return most
 
-    def _parts(self, deltas, ticks):
+    def _share_ticks(self, deltas, ticks):
         """How long the two parts last if the line has to last `ticks`, at the same speed as without play."""
         if not ticks:
             return 0, 0

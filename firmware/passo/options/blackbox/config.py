@@ -30,12 +30,12 @@ NAME, OLD = "blackbox.bin", "blackbox.old"  # the newest two
 _PART = 1024
 
 
-def head(why):
+def box_head(why):
     """The first line of a box."""
     return ("passo blackbox 2 %s %s\n" % (sys.platform, why)).encode()
 
 
-def keep(why, numbers, text, feed=None):
+def write_box(why, numbers, text, feed=None):
     """Write a box to flash. `feed`: the watchdog's, between what takes long. Raises OSError."""
     for how in (lambda: os.remove(OLD), lambda: os.rename(NAME, OLD)):
         try:
@@ -43,7 +43,7 @@ def keep(why, numbers, text, feed=None):
         except OSError:
             pass
     with open(NAME, "wb") as file:
-        file.write(head(why))
+        file.write(box_head(why))
         for data in (numbers, text):
             for at in range(0, len(data), _PART):
                 if feed:

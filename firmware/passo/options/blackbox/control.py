@@ -3,7 +3,7 @@
     box = Links(board, machine, queue)      # in the place of the feature of links.py
     link.serial = box.join(link)            # before its first byte
     box.close()                             # the app ends
-    keep(memory)                            # at the next start: what a reset has left in memory goes to the flash
+    save_left_box(memory)                   # at the next start (port_rp2.py): what a reset has left in memory goes to flash
 
 It keeps the bytes of one link, the one that commands at the start. G-code costs no time as it comes: lines stay in their link's buffer,
 which is larger, and once a kilobyte has been taken a snapshot says what the next line is understood by. From there `passo blackbox`
@@ -82,7 +82,7 @@ class Links(links.Links):
     def __init__(self, board, machine, queue):
         links.Links.__init__(self, board, machine, queue)
         self.numbers = array("i", [0] * BOX_NUMBERS)
-        self._keep = machine.port.make("blackbox", box.keep)
+        self._keep = machine.port.make("blackbox", box.write_box)
         self._now_ms = machine.port.machine_ms
         self._levels = machine.inputs.levels
         self._taken = getattr(queue, "taken", None)  # of a machine with backlash
@@ -116,27 +116,27 @@ class Links(links.Links):
         numbers[0], numbers[1], numbers[BOX_SIZE] = BOX_MAGIC_0, BOX_MAGIC_1, BOX_TEXT
         for shift in range(8):
             self._text[BOX_TEXT + shift] = BOX_MAGIC_1 >> shift & 0xFF
-        self._snapshot()
+        self._take_snapshot()
         return log if plain else link.serial
 
     def guard(self, handlers):
         """Real-time bytes are not in the text."""
         for kind in ORDERS:
             if kind in handlers:
-                handlers[kind] = self._recording(kind, handlers[kind])
+                handlers[kind] = self._with_record(kind, handlers[kind])
 
-    def _recording(self, kind, handler):
-        def recorded(command):
+    def _with_record(self, kind, handler):
+        def record_order(command):
             if command.link is not None and self._log.orders:  # a button has no link, and its input is recorded
                 self._catch_up()  # by which it is understood
-                self._row(ORDER, kind)
+                self._add_row(ORDER, kind)
             return handler(command)
 
-        return recorded
+        return record_order
 
     # --- rows
 
-    def _row(self, kind, value):
+    def _add_row(self, kind, value):
         numbers = self.numbers
         if kind & 0xFF == SAMPLE:
             at = BOX_HEAD + (BOX_ROWS + numbers[BOX_SAMPLED] % BOX_SAMPLES) * BOX_ROW
@@ -146,24 +146,24 @@ class Links(links.Links):
             numbers[BOX_ADDED] += 1
         numbers[at] = kind
         numbers[at + 1] = self._now_ms()
-        numbers[at + 2] = self._come()
+        numbers[at + 2] = self._note_come()
         numbers[at + 3] = numbers[BOX_BASE] + self._fields[self._at]
         numbers[at + 4] = value
         return at
 
-    def _come(self):
+    def _note_come(self):
         numbers = self.numbers
         numbers[BOX_AT] = self._fields[self._at]
         numbers[BOX_END] = self._fields[self._end]
         return numbers[BOX_BASE] + numbers[BOX_END]
 
-    def _where(self, kind, retired=None):
+    def _add_position_row(self, kind, retired=None):
         self._turn = 0  # an alarm may follow, behind which the machine sleeps soon
-        at = self._row(kind, self._queue.retired() if retired is None else retired) + 5
+        at = self._add_row(kind, self._queue.retired() if retired is None else retired) + 5
         found = self._queue.found()
         self.numbers[at : at + len(found)] = found
 
-    def _snapshot(self):
+    def _take_snapshot(self):
         machine = self._machine
         numbers = self.numbers
         target = self._queue.target
@@ -179,7 +179,7 @@ class Links(links.Links):
         numbers[at + 3] = self._queue.added()
         numbers[at + 4] = flags
         numbers[at + 5 : at + 5 + len(target)] = target
-        self._log.tell(numbers, at + 9)
+        self._log.write_state(numbers, at + 9)
         numbers[BOX_TAKEN] += 1
 
     # --- once a cycle
@@ -190,14 +190,14 @@ class Links(links.Links):
         if turn:
             self._turn = turn - 1
         else:
-            self._look(still)
+            self._look_now(still)
 
     @micropython.native
-    def _look(self, still):
+    def _look_now(self, still):
         """Do the work of every few cycles: fewer while many bytes come."""
         machine = self._machine
         if machine.stood != self._stood or machine.homed != self._homed or machine.log.added != self._logged:
-            self._changed(machine)
+            self._record_changes(machine)
         taken = self._fields[self._at]
         much = taken - self._before > _MUCH
         if taken >= self._next or taken < self._before:
@@ -211,7 +211,7 @@ class Links(links.Links):
             now_ms = self._now_ms()
             if (now_ms - self._sampled_ms) & COUNT_MASK >= _SAMPLE_MS:
                 self._sampled_ms = now_ms
-                self._sample(machine)
+                self._record_sample(machine)
         elif self._due:
             machine.awake = True  # the alarm goes out first
             self._due += 1
@@ -224,30 +224,30 @@ class Links(links.Links):
         levels = self._levels()
         if levels != self._seen:
             self._seen = levels
-            self.numbers[self._row(INPUTS, levels & 0xFFFF) + 5] = levels >> 16 & 0xFFFF
+            self.numbers[self._add_row(INPUTS, levels & 0xFFFF) + 5] = levels >> 16 & 0xFFFF
 
     def _catch_up(self):
         """Record what has been so until now."""
         self._look_at_inputs()
-        self._stand()
+        self._record_stand()
 
-    def _stand(self):
+    def _record_stand(self):
         if self._machine.stood != self._stood:
             self._stood = self._machine.stood
             if self._stood:
-                self._where(STOOD)
+                self._add_position_row(STOOD)
 
-    def _changed(self, machine):
-        self._stand()
+    def _record_changes(self, machine):
+        self._record_stand()
         if machine.homed != self._homed:
             self._homed = machine.homed
-            self._snapshot()  # none before it says where the motors are
+            self._take_snapshot()  # none before it says where the motors are
         log = machine.log
         if log.added != self._logged:
             before = 0
             for _, number, _ in log.entries[self._logged - log.added :]:
                 if number != before:  # each line that waits is refused by the same
-                    self._row(LOGGED, number)
+                    self._add_row(LOGGED, number)
                     self._due = self._due or int(number > errors.ALARM_LOCKED)
                 before = number
             self._logged = log.added
@@ -260,27 +260,27 @@ class Links(links.Links):
             numbers[BOX_BASE] += 2 * BOX_TEXT
         by = taken - _KEPT
         if by > 0 and self._fields[self._end] > BOX_TEXT - _ROOM:
-            self._log.slide(self._text, by)
+            self._log.drop_bytes(self._text, by)
             numbers[BOX_BASE] += by
             taken -= by
-        self._snapshot()
+        self._take_snapshot()
         return taken
 
-    def _sample(self, machine):
+    def _record_sample(self, machine):
         overrides = machine.overrides
         state = STATES.index(machine.state) if machine.state in STATES else 0
-        self._where(SAMPLE + 256 * ((overrides[0] if overrides else 100) + 256 * state))
+        self._add_position_row(SAMPLE + 256 * ((overrides[0] if overrides else 100) + 256 * state))
 
     def halt(self):
         """The pins have stopped. The reason of the stop comes first. A machine that stands, and has heard nothing since, is as it was."""
         self._catch_up()
-        here = self._come(), list(self._queue.found())
+        here = self._note_come(), list(self._queue.found())
         if here != self._halted:
             self._halted = here
-            self._where(HALTED)
+            self._add_position_row(HALTED)
 
     def heed(self, _):
-        self._where(DROPPED, self._retired)
+        self._add_position_row(DROPPED, self._retired)
 
     # --- flash
 
@@ -293,7 +293,7 @@ class Links(links.Links):
         """Write all to flash: only at a stand. `why`: alarm, end or reset."""
         self._due = 0
         numbers = self.numbers
-        self._come()
+        self._note_come()
         numbers[BOX_WRITTEN] = numbers[BOX_ADDED]
         port = self._machine.port
         port.writing(True)
@@ -328,10 +328,10 @@ class Bytes:
             self.fields[0] = end
         return data
 
-    def slide(self, text, by):
+    def drop_bytes(self, text, by):
         """Forget the first `by` bytes."""
         self.fields[0] -= by
         text[: self.fields[0]] = memoryview(text)[by : by + self.fields[0]]
 
-    def tell(self, numbers, index):
+    def write_state(self, numbers, index):
         """Nothing more: a packet says all."""

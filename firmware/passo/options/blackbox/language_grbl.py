@@ -3,7 +3,7 @@ boards that have one load it.
 
     log = Log(*protocol.sources(), size)    # before the link's first line: the line buffer then keeps `size` bytes of what has come
     log.text, log.fields                    # bytes; fields[log.at]: those before it have been taken; fields[log.end]: all
-    log.tell(numbers, index)                # FAST + SLOW numbers, see below
+    log.write_state(numbers, index)         # FAST + SLOW numbers, see below
 """
 
 from passo.protocols.gcode.parse_records import *
@@ -30,14 +30,14 @@ class Log:
         self._known = 0  # PARSE_KNOWN as `_slow` is of; even: of no time
         self._slow = self.fields[:0]
 
-    def slide(self, text, by):
+    def drop_bytes(self, text, by):
         """Forget the first `by` bytes, which have been taken."""
         fields = self.fields
         for field in (LINES_AT, LINES_WHOLE, LINES_END):
             fields[field] -= by
         text[: fields[LINES_END]] = memoryview(text)[by : by + fields[LINES_END]]
 
-    def tell(self, numbers, index):
+    def write_state(self, numbers, index):
         fields = self._gcode.fields
         known = fields[PARSE_KNOWN]
         numbers[index] = known

@@ -1,6 +1,6 @@
 """The key `blackbox`: a record of the time before an alarm or a crash."""
 
-from passo.options.blackbox.config import BOX_ADDED, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_TEXT, BOX_WRITTEN, keep
+from passo.options.blackbox.config import BOX_ADDED, BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_TEXT, BOX_WRITTEN, write_box
 
 HEAP_KB = 15  # of a Pico with stock MicroPython
 RULES = {
@@ -13,4 +13,4 @@ def check(board):
         board["additions"].features["links"] = "passo.options.blackbox.control", "Links"
         if board["chip"][:2] == "rp":
             sizes = 4 * BOX_NUMBERS, BOX_TEXT, 4 * BOX_ADDED, 4 * BOX_WRITTEN
-            board["additions"].keep = ("passo.options.blackbox.port_rp2", keep, BOX_MAGIC_0, BOX_MAGIC_1) + sizes
+            board["additions"].keep = ("passo.options.blackbox.port_rp2", write_box, BOX_MAGIC_0, BOX_MAGIC_1) + sizes

@@ -21,7 +21,7 @@ _DAMAGED = const(2)  # its first line is wrong: it stays, and the list says so
 _COUNTS = const(3)
 
 
-def _state(path):
+def _file_state(path):
     """Return (state, parsed first line) of a file. The state is 0 if the path does not exist or is a folder."""
     try:
         with open(path, "rb") as file:
@@ -39,45 +39,45 @@ class CardStore(JobStore):
     _is_flash = False
     _ends = (".job", ".alt")
 
-    def _known(self, name):
-        _, state, head = self._best(name, True)
+    def _read_first_line(self, name):
+        _, state, head = self._counting_file(name, True)
         return state != _TORN, head  # a folder counts as damaged, too
 
-    def _best(self, name, tidy=False):
+    def _counting_file(self, name, tidy=False):
         """(path, state, first line) of the file that counts for a job; `tidy`: remove an upload that was cut off."""
         path = self._folder + name + self._ends[1]
-        other = self._other(path)
-        state, head = _state(path)
-        there, first = _state(other)
+        other = self._other_file(path)
+        state, head = _file_state(path)
+        there, first = _file_state(other)
         for each, found in ((path, state), (other, there)) if tidy else ():
             if found == _TORN and each != self._upload:
-                self._remove(each)
+                self._remove_file(each)
         return (path, state, head) if state and state >= there else (other, there, first)
 
-    def _path(self, name):
-        return self._best(name)[0]
+    def _job_path(self, name):
+        return self._counting_file(name)[0]
 
     def open(self, name, language=None):
-        path, state, _ = self._best(name)
+        path, state, _ = self._counting_file(name)
         if state == _TORN:
             raise OSError(2)
-        return self._opened(path, language)
+        return self._open_job(path, language)
 
-    def delete(self, name):
-        path = self._path(name)
+    def delete_job(self, name):
+        path = self._job_path(name)
         os.remove(path)
-        self._remove(self._other(path))
+        self._remove_file(self._other_file(path))
 
-    def _other(self, path):
+    def _other_file(self, path):
         return path[:-4] + self._ends[path.endswith(self._ends[0])]
 
-    def _target(self, name):
-        path, state, _ = self._best(name)
-        return self._other(path) if state == _COUNTS else path
+    def _upload_path(self, name):
+        path, state, _ = self._counting_file(name)
+        return self._other_file(path) if state == _COUNTS else path
 
-    def keep(self):
+    def commit_upload(self):
         path = self._upload
         with open(path, "ab") as file:
             file.write(END_MARK)
         self._upload = ""
-        self._remove(self._other(path))
+        self._remove_file(self._other_file(path))

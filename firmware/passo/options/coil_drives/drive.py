@@ -24,8 +24,8 @@ class CoilDrive:
         self.axes = axes
         self.width = width
         self._mask = (1 << width) - 1
-        self._table = [self._order(table, reversed_mask >> axis & 1) for axis in range(axes)]
-        self._hold = [self._order(hold or table, reversed_mask >> axis & 1) for axis in range(axes)]
+        self._table = [self._levels_by_phase(table, reversed_mask >> axis & 1) for axis in range(axes)]
+        self._hold = [self._levels_by_phase(hold or table, reversed_mask >> axis & 1) for axis in range(axes)]
         self._live = b"".join(self._table)
         self._off = off
         self._phase = bytearray(axes)
@@ -39,7 +39,7 @@ class CoilDrive:
         return levels
 
     @staticmethod
-    def _order(table, backwards):
+    def _levels_by_phase(table, backwards):
         return bytes([table[-phase % len(table)] for phase in range(len(table))]) if backwards else bytes(table)
 
     @micropython.native
@@ -50,22 +50,22 @@ class CoilDrive:
     def unpowered(self, mask):
         """The axes of `mask` are without current in all that is made from now on; the others have theirs."""
         self._unpowered = mask
-        self._tables = b"".join(self._shown(self._table))
+        self._tables = b"".join(self._tables_in_force(self._table))
 
-    def _shown(self, tables):
+    def _tables_in_force(self, tables):
         off = bytes([self._off] * (self._last + 1))
         return [off if self._unpowered >> axis & 1 else tables[axis] for axis in range(self.axes)]
 
     def levels(self):
         """The levels that hold all motors where they are, at running current."""
-        return self._all(self._table)
+        return self._levels_in(self._table)
 
     def holding(self):
         """The levels that hold all motors where they are, at standstill current."""
-        return self._all(self._hold)
+        return self._levels_in(self._hold)
 
-    def _all(self, tables):
-        tables = self._shown(tables)
+    def _levels_in(self, tables):
+        tables = self._tables_in_force(tables)
         levels = 0
         for axis in range(self.axes):
             levels |= tables[axis][self._phase[axis]] << axis * self.width

@@ -5,13 +5,13 @@ from passo.config.board_error import BoardError
 RULES = {}
 
 
-def allow(rules, kind):
+def allow_kind(rules, kind):
     """`drive.kind` may be `kind`."""
     rules["drive"] = dict(rules["drive"])
     rules["drive"]["kind"] += (kind,)
 
 
-def use(board, module, pins):
+def use_drive(board, module, pins):
     """Each motor has `pins` pins, whose levels what create() of `module` returns makes."""
     board["additions"].drive_module = module
     board["additions"].motor_pins = pins

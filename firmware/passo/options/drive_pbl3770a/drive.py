@@ -34,11 +34,11 @@ _AT_REST = ((HOLD_CURRENT, NO_CURRENT),) + _QUARTER[1:4] + ((HOLD_CURRENT, HOLD_
 _STEPS = {"full": (8, 4), "half": (4, 0), "quarter": (2, 0), "eighth": (1, 0)}  # eighths of a full step, and the first one
 
 
-def _winding(current, forward):
+def _winding_levels(current, forward):
     return current | _FORWARD if forward and current != NO_CURRENT else current
 
 
-def _table(quarter, step, first):
+def _phase_table(quarter, step, first):
     """Levels of an electrical turn: each of its quarters turns the one before it by 90°, A and B → −B and A."""
     table = []
     for eighth in range(first, 32, step):
@@ -46,12 +46,12 @@ def _table(quarter, step, first):
         turned = eighth >> 3
         if turned & 1:
             a, b = b, a
-        table.append(_winding(a, turned in (0, 3)) | _winding(b, turned < 2) << 3)
+        table.append(_winding_levels(a, turned in (0, 3)) | _winding_levels(b, turned < 2) << 3)
     return bytes(table)
 
 
-MODES = {mode: _table(_QUARTER, *_STEPS[mode]) for mode in _STEPS}
-HOLD = {mode: _table(_AT_REST, *_STEPS[mode]) for mode in _STEPS}
+MODES = {mode: _phase_table(_QUARTER, *_STEPS[mode]) for mode in _STEPS}
+HOLD = {mode: _phase_table(_AT_REST, *_STEPS[mode]) for mode in _STEPS}
 OFF = NO_CURRENT | NO_CURRENT << 3
 
 

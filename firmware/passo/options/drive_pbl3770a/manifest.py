@@ -1,17 +1,17 @@
 """`drive.kind` "pbl3770a": bipolar motors, two PBL3770A each."""
 
-from passo.options.coil_drives.manifest import allow, check_mode, use
+from passo.options.coil_drives.manifest import allow_kind, check_mode, use_drive
 
 SHARES = ("coil_drives",)  # the option whose files it shares
 RULES = {}
 
 
 def extend(rules):
-    allow(rules, "pbl3770a")
+    allow_kind(rules, "pbl3770a")
 
 
 def prepare(board):
-    use(board, "passo.options.drive_pbl3770a.drive", 6)
+    use_drive(board, "passo.options.drive_pbl3770a.drive", 6)
 
 
 def check(board):

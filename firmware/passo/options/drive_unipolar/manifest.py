@@ -1,17 +1,17 @@
 """`drive.kind` "unipolar": unipolar motors, four transistors each."""
 
-from passo.options.coil_drives.manifest import allow, check_mode, use
+from passo.options.coil_drives.manifest import allow_kind, check_mode, use_drive
 
 SHARES = ("coil_drives",)  # the option whose files it shares
 RULES = {}
 
 
 def extend(rules):
-    allow(rules, "unipolar")
+    allow_kind(rules, "unipolar")
 
 
 def prepare(board):
-    use(board, "passo.options.drive_unipolar.drive", 4)
+    use_drive(board, "passo.options.drive_unipolar.drive", 4)
 
 
 def check(board):

@@ -34,7 +34,7 @@ WRITES = const(0x80)
 MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)  # by MRES
 
 
-def crc(data):
+def telegram_crc(data):
     """CRC-8 of polynomial 7, low bits first."""
     found = 0
     for byte in data:
@@ -50,12 +50,12 @@ def telegram(address, register, number=None):
         data[2] |= WRITES
         for shift in (24, 16, 8, 0):
             data.append(number >> shift & 0xFF)
-    data.append(crc(data))
+    data.append(telegram_crc(data))
     return bytes(data)
 
 
 def value(reply, register):
-    if len(reply) != 8 or reply[0] != _SYNC or reply[1] != MASTER or reply[2] != register or crc(reply[:7]) != reply[7]:
+    if len(reply) != 8 or reply[0] != _SYNC or reply[1] != MASTER or reply[2] != register or telegram_crc(reply[:7]) != reply[7]:
         return None
     return reply[3] << 24 | reply[4] << 16 | reply[5] << 8 | reply[6]
 

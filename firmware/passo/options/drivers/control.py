@@ -34,20 +34,20 @@ class Motors(Feature):
         if _WORD not in STATUS_WORDS:
             STATUS_WORDS.append(_WORD)
         self._motors = config["motors"]
-        self._open(config)
+        self._open_line(config)
         self._told = [""] * len(self._motors)  # warnings of each
         self._text = None  # all of it
         self._failed = 0  # the alarm that was raised
         self._due_ms = machine.port.machine_ms()
-        self._begin()
+        self._begin_set_up()
 
-    def _open(self, config):
+    def _open_line(self, config):
         line = dict(config)
         line["name"] = "drivers"
         self._line = self._machine.port.serial(line)
         self._registers = [chip.registers(motor, config["sense_mohm"]) for motor in self._motors]
 
-    def _begin(self):
+    def _begin_set_up(self):
         """Set all up anew."""
         self._set = 0  # how many are
         self._number = 0  # of the driver that is asked
@@ -68,18 +68,18 @@ class Motors(Feature):
             if self._machine.alarm == self._failed:
                 return
             self._failed = 0
-            self._begin()
-        self._turn(now_ms)
+            self._begin_set_up()
+        self._poll_driver(now_ms)
 
-    def _turn(self, now_ms):
+    def _poll_driver(self, now_ms):
         if self._register >= 0:
-            self._listen(now_ms)
+            self._read_reply(now_ms)
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
-            self._ask(now_ms)
+            self._send_request(now_ms)
 
     # --- telegrams
 
-    def _ask(self, now_ms):
+    def _send_request(self, now_ms):
         self._line.read()  # bytes that no request asked for
         address = self._motors[self._number]["address"]
         stage = self._stage
@@ -98,37 +98,37 @@ class Motors(Feature):
         self._reply = b""
         self._due_ms = now_ms + _WAIT_MS + self._sent // 4
 
-    def _listen(self, now_ms):
+    def _read_reply(self, now_ms):
         self._reply += bytes(self._line.read())
         found = chip.value(self._reply[-_REPLY:], self._register)
         if found is not None and len(self._reply) in (_REPLY, _REPLY + self._sent):
             self._register = -1
             self._due_ms = now_ms
             self._tries = 0
-            self._heard(found, now_ms)
+            self._take_reply(found, now_ms)
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
             self._register = -1
             self._tries += 1
             if self._tries == ASKS:
-                self._fail(errors.ALARM_DRIVER_SILENT, "no answer")
+                self._raise_alarm(errors.ALARM_DRIVER_SILENT, "no answer")
             elif self._set < len(self._motors) and self._stage == 2:
                 self._stage = 1  # they may have been taken: count anew
 
-    def _heard(self, found, now_ms):
+    def _take_reply(self, found, now_ms):
         if self._set == len(self._motors):
             if self._stage:
-                self._judge(found, now_ms)
+                self._judge_status(found, now_ms)
             else:
-                self._stage = self._powered(found)
+                self._stage = self._check_power(found)
             return
         rows = self._registers[self._number]
         stage = self._stage
         if stage == 0 and found >> 24 != chip.VERSION:
-            self._fail(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
+            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
         elif stage == 2 and (found - self._count) & 255 != len(rows):
-            self._fail(errors.ALARM_DRIVER_DIFFERS, "%d of %d registers taken" % ((found - self._count) & 255, len(rows)))
+            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "%d of %d registers taken" % ((found - self._count) & 255, len(rows)))
         elif stage > 2 and found != rows[stage - 5][1]:
-            self._fail(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (rows[stage - 5][0], found, rows[stage - 5][1]))
+            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (rows[stage - 5][0], found, rows[stage - 5][1]))
         else:
             self._count = found
             self._stage = stage + 1
@@ -137,17 +137,17 @@ class Motors(Feature):
                 self._set += 1
                 self._number = self._set % len(self._motors)
 
-    def _powered(self, state):
+    def _check_power(self, state):
         """1 if GSTAT says that the power has not failed; else raise the alarm, and return 0."""
         if state & (chip.RESET | chip.UNDERVOLTAGE):
-            self._fail(errors.ALARM_DRIVER_POWER, "reset" if state & chip.RESET else "undervoltage")
+            self._raise_alarm(errors.ALARM_DRIVER_POWER, "reset" if state & chip.RESET else "undervoltage")
             return 0
         return 1
 
-    def _judge(self, found, now_ms):
+    def _judge_status(self, found, now_ms):
         """DRV_STATUS of a driver that is set up."""
         if found & (chip.OVERHEATED | chip.SHORTED):
-            self._fail(errors.ALARM_DRIVER_FAULT, "short" if found & chip.SHORTED else "overheated")
+            self._raise_alarm(errors.ALARM_DRIVER_FAULT, "short" if found & chip.SHORTED else "overheated")
             return
         told = "-hot" if found & chip.WARNED else ""
         if found & chip.OPEN:
@@ -160,7 +160,7 @@ class Motors(Feature):
         self._number = (self._number + 1) % len(self._motors)
         self._due_ms = now_ms + PERIOD_MS // len(self._motors)
 
-    def _fail(self, number, why):
+    def _raise_alarm(self, number, why):
         self._failed = number
         self._set = 0
         self._machine.raise_alarm(number, "driver of %s: %s" % (self._motors[self._number]["axis"], why))

@@ -41,11 +41,11 @@ class Motors(drives.Motors):
             self._asked = False
         if self._asked != self._feels and self._register < 0:
             self._feels = self._asked
-            if not self._feels or not self._stuck():
-                self._begin()
+            if not self._feels or not self._check_stuck():
+                self._begin_set_up()
         drives.Motors.look(self, now_ms)
 
-    def _stuck(self):
+    def _check_stuck(self):
         """Raise an alarm if a driver that feels nothing yet says so."""
         machine = self._machine
         for axis in self._stalls:
@@ -56,7 +56,7 @@ class Motors(drives.Motors):
                 return True
         return False
 
-    def _begin(self):
+    def _begin_set_up(self):
         # Drivers that are set up are not told to forget a failure of their power: it may have come this moment.
         self._kept = self._set == len(self._motors)
         self._registers = []
@@ -66,10 +66,10 @@ class Motors(drives.Motors):
                 motor = dict(motor)
                 motor["current_ma"] = motor["stall_ma"] or motor["current_ma"]
                 motor["stealth"] = self._stealth
-            self._registers.append([row for row in self._rows(motor, feels) if not self._kept or row[0] != chip.GSTAT])
-        drives.Motors._begin(self)
+            self._registers.append([row for row in self._register_rows(motor, feels) if not self._kept or row[0] != chip.GSTAT])
+        drives.Motors._begin_set_up(self)
 
-    def _rows(self, motor, feels):
+    def _register_rows(self, motor, feels):
         """Return the rows of chip.registers(), and those for feeling: registers that can be read back are the last."""
         rows = chip.registers(motor, self._config["sense_mohm"])
         return rows[:-2] + ((_SGTHRS, motor["stall"] if feels else 0), (TCOOLTHRS, SLOWEST if feels else 0)) + rows[-2:]

@@ -77,9 +77,9 @@ class Homing(homing.Homing):
     def _sensors(self, number):
         if number not in self._full:
             return homing.Homing._sensors(self, number)
-        return [self._feeler(motor, number) for motor in ((0, 1) if self._shared and number < 2 else (number,))]
+        return [self._make_feeler(motor, number) for motor in ((0, 1) if self._shared and number < 2 else (number,))]
 
-    def _feeler(self, motor, axis):
+    def _make_feeler(self, motor, axis):
         name = self._config["sensors"][self._axes[motor]["name"]]
         feeler = self._sensor(name, axis, StallSensor)
         feeler.full = self._full[axis]
@@ -95,7 +95,7 @@ class Homing(homing.Homing):
         self._located = self._agree = 0  # of a homing that failed
         homing.Homing._begin(self, now_ms)
 
-    def _feelers(self):
+    def _active_feelers(self):
         """[(axis, sensor)] of the axes that home now and are felt."""
         found = []
         if self._machine.busy_with(commands.HOME) and not self._lifting:
@@ -106,7 +106,7 @@ class Homing(homing.Homing):
 
     def stopped(self, name):
         """The interrupt of a DIAG pin has stopped the axis that homes."""
-        for axis, sensor in self._feelers():
+        for axis, sensor in self._active_feelers():
             if sensor.input == name:
                 sensor.stopped(self._queue, axis)
                 self._machine.abort()
@@ -115,7 +115,7 @@ class Homing(homing.Homing):
 
     def heed(self, what):
         homing.Homing.heed(self, what)
-        for _, sensor in self._feelers():
+        for _, sensor in self._active_feelers():
             sensor.arm(False)
 
     def _go_on(self, now_ms):
@@ -123,7 +123,7 @@ class Homing(homing.Homing):
             return errors.ALARM_SENSOR_STUCK
         return homing.Homing._go_on(self, now_ms)
 
-    def _blind(self, seeker, steps):
+    def _set_blind(self, seeker, steps):
         """`steps` of the way that begins do not count."""
         for sensor in seeker.sensors:
             sensor.start = self._queue.axis(seeker.axis)
@@ -141,17 +141,17 @@ class Homing(homing.Homing):
         # At first it may back off into the far end, unnoticed.
         self._doubt = all([group[0].axis != seeker.axis for group in self._groups[: self._stage // len(self._phases)]])
         self.until(None)
-        self._back(seeker, seeker.pull_off_steps)
+        self._back_away(seeker, seeker.pull_off_steps)
 
-    def _back(self, seeker, steps):
+    def _back_away(self, seeker, steps):
         """Away from the end, whatever the driver says meanwhile."""
         self.way(seeker, steps, seeker.seek_steps_s)
-        self._blind(seeker, abs(steps) + 1)
+        self._set_blind(seeker, abs(steps) + 1)
 
     def _seek(self, seeker):
         homing.Homing._seek(self, seeker)
         if seeker.axis in self._full:
-            self._blind(seeker, seeker.pull_off_steps // 2)
+            self._set_blind(seeker, seeker.pull_off_steps // 2)
 
     def _pull_off(self, seeker):
         homing.Homing._pull_off(self, seeker)
@@ -181,7 +181,7 @@ class Homing(homing.Homing):
                 other = 1 - seeker.axis  # homes once more at the end, unless its turn is still to come
                 if other not in [group[0].axis for group in self._groups[self._stage // len(self._phases) + 1 :]]:
                     self._groups.append([self._seeker(other)])
-        self._back(seeker, seeker.pull_off_steps + beyond)
+        self._back_away(seeker, seeker.pull_off_steps + beyond)
 
     def _locate(self, seeker):
         if seeker.axis not in self._full:

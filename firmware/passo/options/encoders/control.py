@@ -48,9 +48,9 @@ class EncoderWatch(Feature):
         self._tries = 0
 
     def handlers(self):
-        return {commands.ZERO_COUNTS: self._zero}
+        return {commands.ZERO_COUNTS: self._zero_counts}
 
-    def _zero(self, command):
+    def _zero_counts(self, command):
         self._encoders.zero()
         return self._machine.accepted(command)
 
@@ -64,16 +64,16 @@ class EncoderWatch(Feature):
                 self._homed = self._machine.homed
                 self._known = self._machine.known
             self._halted = True
-        self._move()
+        self._note_move()
 
     def stopped(self, name):
         if name != self._encoders.name or self._encoders.lagging:  # a gantry sees to that
             return False
         beyond = self._encoders.beyond
-        self._alarm([number for number in range(len(self._correct)) if beyond >> number & 1])
+        self._raise_alarm([number for number in range(len(self._correct)) if beyond >> number & 1])
         return True
 
-    def _alarm(self, missing):
+    def _raise_alarm(self, missing):
         """Tell how many steps each of these motors has turned too many, negative: too few, and where the machine is."""
         encoders = self._encoders
         said = []
@@ -86,7 +86,7 @@ class EncoderWatch(Feature):
         self._machine.notice(errors.NOTICE_STEPS_MISSING, who)
         self._known = 0
 
-    def _move(self):
+    def _note_move(self):
         self._settled = False
         self._checks = self._encoders.checks
 
@@ -110,7 +110,7 @@ class EncoderWatch(Feature):
             self._homing = homing
             if homing:
                 self._mask = machine.command.value
-            self._move()
+            self._note_move()
             return
         if self._homing:  # the sensors have said where the axes are: forget the steps that encoders missed
             self._homing = self._halted = False
@@ -118,47 +118,47 @@ class EncoderWatch(Feature):
                 if not self._mask or self._mask >> self._encoders.axis(number) & 1:
                     self._encoders.forget(number)
                     self._made_up[number] = 0
-            self._move()
+            self._note_move()
         if (now_ms - self._still_ms) & COUNT_MASK < self._settle_ms or self._encoders.checks == self._checks:
             return
-        self._settle()
+        self._act_at_rest()
 
-    def _settle(self):
+    def _act_at_rest(self):
         """Act at a stand, when the encoders' counts are exact."""
         encoders = self._encoders
         off = [encoders.steps(number) for number in range(len(encoders.names))]
         if self._halted:
-            self._verify(off)
+            self._verify_position(off)
         elif any(off):
             if self._machine.motors.state == RELEASED:
-                self._follow(off)
+                self._follow_encoders(off)
             elif not self._settled and not self._make_up(off):
                 return
         else:
             self._tries = 0
         self._settled = True
 
-    def _verify(self, off):
+    def _verify_position(self, off):
         """Behind a halt: this is where the machine is."""
         machine = self._machine
         self._halted = False
         if any(off):
-            self._note(errors.POSITION_VERIFIED, off)
-        self._follow(off)
+            self._note_steps(errors.POSITION_VERIFIED, off)
+        self._follow_encoders(off)
         if self._known and self._all:
             if not machine.homed and not any(off):
                 machine.note(errors.POSITION_VERIFIED, "")
             machine.known = self._known
             machine.homed = self._homed
 
-    def _follow(self, off):
+    def _follow_encoders(self, off):
         """The machine stands where the encoders say."""
         for number in range(len(off)):
             if off[number] and number != self._second:
-                self._take(number, off[number])
+                self._account_for(number, off[number])
         self._queue.settle()
 
-    def _take(self, number, steps):
+    def _account_for(self, number, steps):
         encoders = self._encoders
         self._queue.shift(encoders.axis(number), steps)
         encoders.take(number, steps)
@@ -180,26 +180,26 @@ class EncoderWatch(Feature):
         beyond = [number for number in missing if abs(self._made_up[number] + off[number]) > self._limits[number]]
         if beyond or self._tries > _TRIES:
             self._tries = 0
-            self._alarm(beyond or missing)
+            self._raise_alarm(beyond or missing)
             return True
         for number in missing:
             self._made_up[number] += off[number]
-        self._note(errors.STEPS_MADE_UP, off)
+        self._note_steps(errors.STEPS_MADE_UP, off)
         ways = []
         for number in missing:
             if number != self._second:
-                self._take(number, off[number])
+                self._account_for(number, off[number])
                 axis = self._encoders.axis(number)
-                ways.append((axis, -off[number], self._speed(axis)))
+                ways.append((axis, -off[number], self._correction_speed(axis)))
         self._queue.travel(ways)
         machine.awake = True
         return True
 
-    def _note(self, number, off):
+    def _note_steps(self, number, off):
         names = self._encoders.names
         self._machine.note(number, " ".join(["%s %+d" % (names[n], off[n]) for n in range(len(off)) if off[n]]))
 
-    def _speed(self, axis):
+    def _correction_speed(self, axis):
         """A tenth of the axis's fastest, steps/s."""
         settings = self._machine.settings
         steps_s = settings.value(table.STEPS + axis) * settings.value(table.SPEED + axis) // 600_000_000

@@ -23,7 +23,7 @@ from passo.options.encoders.steps_viper import (
 )  # fmt: skip
 
 
-def _common(a, b):
+def _common_divisor(a, b):
     while b:
         a, b = b, a % b
     return a
@@ -76,7 +76,7 @@ class Encoders:
         self.table = array("i", [0] * (FOLLOW_FIELDS * len(entries)))
         for number in range(len(entries)):
             entry = entries[number]
-            shared = _common(4 * entry["pulses"], entry["steps"])
+            shared = _common_divisor(4 * entry["pulses"], entry["steps"])
             at = number * FOLLOW_FIELDS
             self.table[at + FOLLOW_AXIS] = letters.index(entry["motor"][0])
             self.table[at + FOLLOW_NUM] = 4 * entry["pulses"] // shared

@@ -27,7 +27,7 @@ _LOOKS = const(300)  # at a FIFO that is filled every 1.3 µs
 
 
 @rp2.asm_pio(in_shiftdir=rp2.PIO.SHIFT_LEFT, out_shiftdir=rp2.PIO.SHIFT_RIGHT)
-def count():
+def count_edges():
     """Y is the count, OSR the pins as they were: B, A. 32 instructions long, so that it lies at address 0."""
     # The jumps for the change from the two bits in front to the two behind:
     jmp("same")  # 00 00
@@ -78,7 +78,7 @@ class PioEncoders(Encoders):
             a, b = board["encoders"][number]["pins"]
             Pin(b, Pin.IN, Pin.PULL_UP)
             machine = rp2.StateMachine(
-                FIRST + number, count, freq=freq() // _DIVIDER, in_base=Pin(a, Pin.IN, Pin.PULL_UP)
+                FIRST + number, count_edges, freq=freq() // _DIVIDER, in_base=Pin(a, Pin.IN, Pin.PULL_UP)
             )
             for instruction in _BEGIN:
                 machine.exec(instruction)
@@ -87,7 +87,7 @@ class PioEncoders(Encoders):
         self.watch_indexes(board, inputs)
 
     def read(self, counts):  # ISR: no allocation
-        _read(counts, len(counts))
+        _read_counts(counts, len(counts))
 
     def close(self):
         for machine in self._machines:
@@ -99,7 +99,7 @@ def create(board, port, inputs, outputs):
 
 
 @micropython.viper
-def _read(counts: ptr32, machines: int):
+def _read_counts(counts: ptr32, machines: int):
     """The counts, modulo 2²⁹. A FIFO holds four old ones: these are thrown away, the next is fresh."""
     block = ptr32(0x50300000)
     number = 0

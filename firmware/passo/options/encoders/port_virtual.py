@@ -17,9 +17,9 @@ class VirtualEncoders(Encoders):
         for number in range(len(board["encoders"])):
             name = board["encoders"][number]["index"]
             if name:
-                self._watch(world, self.index(number, name), levels[name])
+                self._watch_index(world, self.index(number, name), levels[name])
 
-    def _watch(self, world, index, active):
+    def _watch_index(self, world, index, active):
         world.listen(lambda tick, name, level: name == index.name and level == active and index.edge(None))
 
     def read(self, counts):

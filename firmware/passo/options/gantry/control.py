@@ -71,10 +71,10 @@ class GantryWatch(Feature):
     def stopped(self, name):
         if not self._pair or name != self._encoders.name or not self._encoders.lagging:
             return False
-        self._alarm()
+        self._raise_alarm()
         return True
 
-    def _alarm(self):
+    def _raise_alarm(self):
         encoders = self._encoders
         counts = ["%s %d" % (name, encoders.count(number)) for name, number in zip(self._motors, self._pair)]
         who = "%s counts lag %+d steps" % (" ".join(counts), encoders.lag())
@@ -90,16 +90,16 @@ class GantryWatch(Feature):
         queue = self._queue
         if machine.alarm or machine.busy_with(commands.HOME) or machine.detached or machine.motors.state == RELEASED:
             self.halt()
-            self._stand(now_ms)
+            self._note_stand(now_ms)
             if machine.busy_with(commands.HOME) and (not machine.command.value or machine.command.value >> self._axis & 1):
                 self._taken = 0
             return
         if self._phase:
             machine.awake = True
-            self._step(now_ms)
+            self._step_alone(now_ms)
             return
         if not (queue.still() or queue.standing()):
-            self._stand(now_ms)
+            self._note_stand(now_ms)
             if self._wait_steps and not self._waiting and abs(self._encoders.lag()) >= self._wait_steps:
                 self._waiting = True
                 queue.hold(True)
@@ -108,7 +108,7 @@ class GantryWatch(Feature):
             return
         lag = self._encoders.lag()
         if lag:
-            self._begin(lag)
+            self._begin_squaring(lag)
         else:
             self._tries = 0
             if self._waiting:
@@ -116,16 +116,16 @@ class GantryWatch(Feature):
                 if not machine.hold:
                     queue.hold(False)
 
-    def _stand(self, now_ms):
+    def _note_stand(self, now_ms):
         """From here on it may be still."""
         self._stood_ms = now_ms
         self._checks = self._encoders.checks
 
-    def _begin(self, lag):
+    def _begin_squaring(self, lag):
         """Step the motor that is further off, alone."""
         self._tries += 1
         if self._tries > _SQUARINGS or abs(self._taken + lag) > self._limit_steps or abs(lag) > self._limit_steps:
-            self._alarm()
+            self._raise_alarm()
             return
         first, second = [self._encoders.steps(number) for number in self._pair]
         self._motor = 1 if abs(second) >= abs(first) else 0
@@ -134,13 +134,13 @@ class GantryWatch(Feature):
         steps = [0] * (self._axis + 1)
         steps[self._axis] = 1 if self._forward else -1
         if self._machine.barred(steps):
-            self._alarm()
+            self._raise_alarm()
             return
         self._machine.note(errors.SQUARED, "%s %+d" % (self._motors[self._motor], self._left if self._forward else -self._left))
         self._taken += lag
         self._phase = _TURN
 
-    def _step(self, now_ms):
+    def _step_alone(self, now_ms):
         phase = self._phase
         step, direction = self._feeder.drive.pins(self._motor)
         levels = self._queue.pins(self._queue.lit()) & ~direction
@@ -151,4 +151,4 @@ class GantryWatch(Feature):
             if not self._left:
                 self._player.rest(self._queue.pins(self._queue.lit()))
                 self._phase = 0
-                self._stand(now_ms)
+                self._note_stand(now_ms)

@@ -26,13 +26,13 @@ class Squaring:
 
     def phases(self, homing):
         self._homing = homing
-        return self._other, self._together, self._square
+        return self._seek_other_side, self._pull_off_both, self._square_up
 
     def both(self):
         """Both motors step again."""
         self._drive.use(3)
 
-    def _other(self, seeker):
+    def _seek_other_side(self, seeker):
         """The side that has not tripped goes on alone."""
         homing = self._homing
         if seeker.axis != self.axis:
@@ -45,7 +45,7 @@ class Squaring:
         homing.until(True, errors.ALARM_TWO_MOTORS, other)
         homing.way(seeker, -self._rack_steps, seeker.locate_steps_s)
 
-    def _together(self, seeker):
+    def _pull_off_both(self, seeker):
         """Both go away from their sensors, by the lesser of their two ways."""
         homing = self._homing
         homing.until(None)
@@ -66,7 +66,7 @@ class Squaring:
         self._alone = 2 if ways[1] > less else 1
         homing.way(seeker, less, seeker.seek_steps_s)
 
-    def _square(self, seeker):
+    def _square_up(self, seeker):
         homing = self._homing
         homing.until(None)
         if seeker.axis != self.axis:

@@ -49,17 +49,17 @@ class Independent(Feature):
 
     def handlers(self):
         return {
-            commands.RUN: self._run,
-            commands.REST: self._rest,
-            commands.ZERO: self._zero,
-            commands.STILL: self._still,
+            commands.RUN: self._begin_run,
+            commands.REST: self._stop_axes,
+            commands.ZERO: self._set_zero,
+            commands.STILL: self._keep_jogs,
         }
 
     def active(self):
         """True from a RUN to the stand behind it."""
         return self._command is not None
 
-    def made(self):
+    def steps_made(self):
         """Signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
         return [((now - then + COUNT_HALF) & COUNT_MASK) - COUNT_HALF for now, then in zip(self._queue.position(), self._from)]
 
@@ -70,7 +70,7 @@ class Independent(Feature):
         self._switch_off()
 
     def report(self, report):
-        report["made"] = self.made()
+        report["made"] = self.steps_made()
 
     def poll(self, now_ms):
         """Notices the end, and tells who asked last. An axis that is to have no current keeps it until its rotor is at rest: by the
@@ -111,7 +111,7 @@ class Independent(Feature):
     # --- commands
 
     @micropython.native
-    def _run(self, command):
+    def _begin_run(self, command):
         machine = self._machine
         error = machine.unready()
         if error:
@@ -132,16 +132,16 @@ class Independent(Feature):
             steps = command.steps[axis]
             if steps is None:
                 continue
-            intervals[axis] = self._interval(axis, command.rates[axis])
+            intervals[axis] = self._step_interval(axis, command.rates[axis])
             if not intervals[axis]:
                 return errors.SPEED_RANGE
-            if steps and not self._reachable(axis, steps, limited):
+            if steps and not self._is_reachable(axis, steps, limited):
                 return errors.TRAVEL
         if machine.checking:
             return machine.accepted(command)
         if not self._queue.room():
             return LATER
-        self._start(command, intervals)
+        self._start_axes(command, intervals)
         return machine.accepted(command)
 
     def _may_join(self, command):
@@ -151,12 +151,12 @@ class Independent(Feature):
             return False
         if command.when == commands.LIVE:
             return True
-        return command.when == commands.AS_JOG and self._jog == self._directions(command)
+        return command.when == commands.AS_JOG and self._jog == self._directions_of(command)
 
-    def _directions(self, command):
+    def _directions_of(self, command):
         return [steps > 0 if steps else None for steps in command.steps]
 
-    def _more(self, axis, command):
+    def _steps_to_add(self, axis, command):
         """The steps that a jog adds to one under way."""
         steps = command.steps[axis]
         ahead = abs(self._queue.target[axis] - self._queue.found()[axis])
@@ -167,7 +167,7 @@ class Independent(Feature):
         return more if steps > 0 else -more
 
     @micropython.native
-    def _interval(self, axis, rate):
+    def _step_interval(self, axis, rate):
         """Whole ticks between the steps of `rate`, which is (steps, milliseconds); 0 if the axis cannot."""
         steps, ms = rate
         if steps < 1 or ms < 1 or steps * 1000 > self._fastest[axis] * ms:
@@ -176,24 +176,24 @@ class Independent(Feature):
         return each if 2 * self.walker.least <= each < COUNT_MASK else 0
 
     @micropython.native
-    def _reachable(self, axis, steps, limited):
+    def _is_reachable(self, axis, steps, limited):
         """False if soft limits (`limited`) forbid it, or it is too far to be counted."""
         endless = abs(steps) == FOREVER
         if not endless and abs(steps) > MOST_STEPS - (max(self.walker.togo(axis), 0) if self._command else 0):
             return False
         if not limited:
             return True
-        if endless or self._command and self._turns(axis, steps):
+        if endless or self._command and self._turns_round(axis, steps):
             return False
         low, high = self._queue.reach(axis)
         return low <= self._queue.target[axis] + steps <= high
 
     @micropython.native
-    def _turns(self, axis, steps):
+    def _turns_round(self, axis, steps):
         return self.walker.togo(axis) and self.walker.counts_down(axis) != (steps < 0)
 
     @micropython.native
-    def _start(self, command, intervals):
+    def _start_axes(self, command, intervals):
         machine = self._machine
         walker = self.walker
         target = self._queue.target
@@ -201,7 +201,7 @@ class Independent(Feature):
             self._from = target[:]  # the position at its start
             self._jog = None
         if command.when == commands.AS_JOG:
-            self._jog = self._directions(command)
+            self._jog = self._directions_of(command)
             machine.jogging = True
         if self._off or command.unpowered:
             self._off = command.unpowered
@@ -212,7 +212,7 @@ class Independent(Feature):
                 continue
             steps = command.steps[axis]
             if steps and self._command and command.when == commands.AS_JOG:
-                steps = self._more(axis, command)
+                steps = self._steps_to_add(axis, command)
                 if not steps:
                     continue
             over, ms = command.rates[axis]
@@ -222,7 +222,7 @@ class Independent(Feature):
             elif abs(steps) == FOREVER:
                 walker.set(axis, ENDLESS, each, rest, over, steps < 0)
             else:
-                add = self._command is not None and not self._turns(axis, steps)
+                add = self._command is not None and not self._turns_round(axis, steps)
                 walker.set(axis, abs(steps), each, rest, over, steps < 0, add)
                 target[axis] += steps
         self._command = command
@@ -242,7 +242,7 @@ class Independent(Feature):
                 acceleration = settings.value(table.ACCELERATION + axis) * steps_per_m // 1_000_000
                 self.walker.limits(axis, fastest, max(acceleration, 1))
 
-    def _rest(self, command):
+    def _stop_axes(self, command):
         for axis in range(len(self._axes)):
             if command.value >> axis & 1 and not self.walker.stands(axis):
                 self.walker.stop(axis)
@@ -251,7 +251,7 @@ class Independent(Feature):
             self._machine.motors.drives(False)
         return self._machine.accepted(command)
 
-    def _still(self, command):
+    def _keep_jogs(self, command):
         machine = self._machine
         if machine.state not in _STANDING or not self._queue.still():
             return errors.BUSY
@@ -259,7 +259,7 @@ class Independent(Feature):
             machine.settings.keep_jogs(*command.value)
         return machine.accepted(command)
 
-    def _zero(self, command):
+    def _set_zero(self, command):
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
@@ -267,7 +267,7 @@ class Independent(Feature):
             return errors.BUSY
         if machine.homed:
             return errors.ZERO_IS_HOMED
-        made = self.made()
+        made = self.steps_made()
         self._queue.set_origin()
         self._from = [-steps for steps in made]
         return machine.accepted(command)

@@ -47,15 +47,15 @@ class IndependentAxes:
         self.ticks = self.levels = 0  # of walk()'s words: their length, and the directions and tool at their end
         self._state = array("i", [axes, least, setup + least if setup else 0, 0, 0, 0] + [0] * (AXIS_FIELDS * axes))
         for axis in range(axes):
-            self._put(axis, AXIS_OVER, 1)
-            self._put(axis, AXIS_NEW_EACH, 2 * least)
-            self._put(axis, AXIS_NEW_OVER, 1)
-            self._put(axis, AXIS_NEW_BASE, -1)
+            self._put_field(axis, AXIS_OVER, 1)
+            self._put_field(axis, AXIS_NEW_EACH, 2 * least)
+            self._put_field(axis, AXIS_NEW_OVER, 1)
+            self._put_field(axis, AXIS_NEW_BASE, -1)
 
-    def _put(self, axis, field, value):
+    def _put_field(self, axis, field, value):
         self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + field] = value
 
-    def _get(self, axis, field):
+    def _get_field(self, axis, field):
         return self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + field]
 
     # --- asking: main loop only
@@ -63,13 +63,13 @@ class IndependentAxes:
     def limits(self, axis, fastest, acceleration):
         """From now on the axis takes at most `fastest` steps/s and `acceleration` steps/s² (0: any). Only at a stand."""
         if not acceleration:
-            self._put(axis, AXIS_GAIN, 0)
+            self._put_field(axis, AXIS_GAIN, 0)
             return
         top = max(min(TOP, FAR * fastest // TICKS_PER_S), 1)
         gain = max(min(2 * acceleration * top * top // (fastest * fastest), FAR), 1)
-        self._put(axis, AXIS_SPAN, top * TICKS_PER_S // fastest)
-        self._put(axis, AXIS_NEAR, FAR // gain)
-        self._put(axis, AXIS_GAIN, gain)
+        self._put_field(axis, AXIS_SPAN, top * TICKS_PER_S // fastest)
+        self._put_field(axis, AXIS_NEAR, FAR // gain)
+        self._put_field(axis, AXIS_GAIN, gain)
 
     @micropython.native
     def set(self, axis, steps, each, rest=0, over=1, negative=False, add=False):
@@ -107,10 +107,10 @@ class IndependentAxes:
 
     def stop(self, axis):
         """No step more than it takes to slow down."""
-        self._put(axis, AXIS_NEW, 0)
-        self._put(axis, AXIS_NEW_BASE, self._get(axis, AXIS_ASKED))
-        self._put(axis, AXIS_NEW_ENDLESS, 0)
-        self._put(axis, AXIS_NEW, 1)
+        self._put_field(axis, AXIS_NEW, 0)
+        self._put_field(axis, AXIS_NEW_BASE, self._get_field(axis, AXIS_ASKED))
+        self._put_field(axis, AXIS_NEW_ENDLESS, 0)
+        self._put_field(axis, AXIS_NEW, 1)
 
     def start(self):
         """It is about to be queued."""
@@ -120,31 +120,31 @@ class IndependentAxes:
         """Forget everything. Only while the feeder is stopped."""
         self.running = False
         for axis in range(self.axes):
-            self._put(axis, AXIS_TAKEN, self._get(axis, AXIS_ASKED))
-            self._put(axis, AXIS_NEW_BASE, -1)
+            self._put_field(axis, AXIS_TAKEN, self._get_field(axis, AXIS_ASKED))
+            self._put_field(axis, AXIS_NEW_BASE, -1)
             for field in (AXIS_NEW, AXIS_NEW_ENDLESS, AXIS_ENDLESS, AXIS_TO_GO, AXIS_DUE, AXIS_Q):
-                self._put(axis, field, 0)
+                self._put_field(axis, field, 0)
 
     @micropython.native
     def togo(self, axis):
         """Steps still to come of an axis; ENDLESS: no end."""
-        if self._get(axis, AXIS_NEW_ENDLESS):
+        if self._get_field(axis, AXIS_NEW_ENDLESS):
             return ENDLESS
-        base = self._get(axis, AXIS_NEW_BASE)
+        base = self._get_field(axis, AXIS_NEW_BASE)
         if base >= 0:
-            return (self._get(axis, AXIS_ASKED) - base) & COUNT_MASK
-        if self._get(axis, AXIS_ENDLESS):
+            return (self._get_field(axis, AXIS_ASKED) - base) & COUNT_MASK
+        if self._get_field(axis, AXIS_ENDLESS):
             return 0
-        return self._get(axis, AXIS_TO_GO) + ((self._get(axis, AXIS_ASKED) - self._get(axis, AXIS_TAKEN)) & COUNT_MASK)
+        return self._get_field(axis, AXIS_TO_GO) + ((self._get_field(axis, AXIS_ASKED) - self._get_field(axis, AXIS_TAKEN)) & COUNT_MASK)
 
     def counts_down(self, axis):
         """True if the axis was last asked to count down."""
-        return bool(self._get(axis, AXIS_NEW_NEGATIVE))
+        return bool(self._get_field(axis, AXIS_NEW_NEGATIVE))
 
     def stands(self, axis):
         """True if no step of the axis is to come, nor has been asked for."""
-        togo, asked = self._get(axis, AXIS_TO_GO), self._get(axis, AXIS_ASKED)
-        return not togo and not self._get(axis, AXIS_NEW) and asked == self._get(axis, AXIS_TAKEN)
+        togo, asked = self._get_field(axis, AXIS_TO_GO), self._get_field(axis, AXIS_ASKED)
+        return not togo and not self._get_field(axis, AXIS_NEW) and asked == self._get_field(axis, AXIS_TAKEN)
 
     # --- the next segment: may run in an interrupt
 

@@ -32,14 +32,14 @@ class Pendant(Feature):
         self._fast = None
         for name in [item["name"] for item in board["inputs"] if item["name"][:4] == "jog_"]:
             if name == "jog_fast":
-                self._fast = self._sensor(name)
+                self._fast = self._make_sensor(name)
             else:
-                self._buttons.append((letters.index(name[4]), 1 if name[5] == "+" else -1, self._sensor(name)))
+                self._buttons.append((letters.index(name[4]), 1 if name[5] == "+" else -1, self._make_sensor(name)))
         self._wanted = [0] * len(axes)  # the directions at the last pass
         self._dead = False  # until all buttons have been released
         self._own = False  # the jog under way is this one's
 
-    def _sensor(self, name):
+    def _make_sensor(self, name):
         read = self._machine.inputs.read
         return Sensor(lambda: read(name), self._machine.settings.value(table.HOMING_DEBOUNCE))
 
@@ -68,17 +68,17 @@ class Pendant(Feature):
 
     def _go_on(self, wanted):
         """Queue pieces until enough is queued."""
-        speeds = self._speeds()
+        speeds = self._jog_speeds()
         here = self._queue.position()
         for _ in range(_AHEAD_MS // _PIECE_MS):
             end = self._machine.target
             for axis in range(len(wanted)):
                 if wanted[axis] and abs(end[axis] - here[axis]) * 1000 > speeds[axis] * (_AHEAD_MS - _PIECE_MS):
                     return
-            if not self._add(wanted, speeds, end):
+            if not self._queue_piece(wanted, speeds, end):
                 return
 
-    def _add(self, wanted, speeds, end):
+    def _queue_piece(self, wanted, speeds, end):
         """Queue a piece from `end` on. False if there is none."""
         machine = self._machine
         target = [end[axis] + wanted[axis] * max(speeds[axis] * _PIECE_MS // 1000, 1) for axis in range(len(wanted))]
@@ -98,7 +98,7 @@ class Pendant(Feature):
         self._own = True
         return True
 
-    def _speeds(self):
+    def _jog_speeds(self):
         """Steps a second of each axis."""
         if self._fast is None or not self._fast.active:
             return self._slow

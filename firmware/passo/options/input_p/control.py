@@ -33,7 +33,7 @@ class Inputs(Feature):
         self._looked_ms = 0
 
     def handlers(self):
-        return {commands.CODE + 66: self._wait}
+        return {commands.CODE + 66: self._begin_wait}
 
     def busy(self):
         return self._machine.busy_with(commands.CODE + 66)
@@ -41,7 +41,7 @@ class Inputs(Feature):
     def report(self, report):
         report["found"] = self._found
 
-    def _wait(self, command):
+    def _begin_wait(self, command):
         machine = self._machine
         name = "p%d" % command.value
         if name not in self._names or not 0 <= command.power < _WAYS or command.power and command.feed <= 0:

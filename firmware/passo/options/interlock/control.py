@@ -48,17 +48,17 @@ class InterlockWatch(Feature):
         self._lasted_ms = [0] * len(names)  # how long it then was; −1: it still is
         self._states = self._interlock.states
         self._rest_ms = 0  # when machine and inputs came to rest
-        machine.log.pins = self.pins
+        machine.log.pins = self.pin_rows
 
     def ready(self):
         """True if words may be played: no halting input is active. Asked before the first of them."""
-        self._except()
+        self._exempt_sensors()
         for name in self._halting:
             if self._port.input(name):
                 return False
         return True
 
-    def _except(self):
+    def _exempt_sensors(self):
         machine = self._machine
         exempt = 0
         if machine.command is not None:
@@ -76,21 +76,21 @@ class InterlockWatch(Feature):
 
     def look(self, now_ms):
         interlock = self._interlock
-        self._except()
+        self._exempt_sensors()
         if interlock.states != self._states:
-            self._note(now_ms)
+            self._note_changes(now_ms)
         seen = self._levels()
         if seen != self._seen or not self._calm:
             self._seen = seen
-            self._compare(now_ms)
+            self._compare_pins(now_ms)
         if interlock.states != self._states:
-            self._note(now_ms)
+            self._note_changes(now_ms)
         if interlock.lost:
-            self._tell()
+            self._report_lost()
         if self._unasked_ms:
-            self._grant(now_ms)
+            self._grant_unasked(now_ms)
 
-    def _compare(self, now_ms):
+    def _compare_pins(self, now_ms):
         """Compare the pins with the interlock's states, and take over differences that have lasted long enough."""
         interlock = self._interlock
         raw = interlock.now()
@@ -111,7 +111,7 @@ class InterlockWatch(Feature):
             differing >>= 1
             number += 1
 
-    def _note(self, now_ms):
+    def _note_changes(self, now_ms):
         """Inputs have changed, as the interlock has them."""
         self._calm = False
         changed = self._interlock.states ^ self._states
@@ -126,7 +126,7 @@ class InterlockWatch(Feature):
                     self._lasted_ms[number] = (now_ms - self._active_ms[number]) & COUNT_MASK
         self._rest_ms = now_ms
 
-    def _tell(self):
+    def _report_lost(self):
         """Outputs have been switched off, or were asked for in vain."""
         machine = self._machine
         interlock = self._interlock
@@ -144,7 +144,7 @@ class InterlockWatch(Feature):
             else:
                 machine.note(errors.INTERLOCKED, blamed)
 
-    def _grant(self, now_ms):
+    def _grant_unasked(self, now_ms):
         """Outputs that rows switch on though this board does not ask: only at rest, inputs and machine."""
         if not self._calm or not self._queue.still() or self._machine.alarm:
             self._rest_ms = now_ms
@@ -163,7 +163,7 @@ class InterlockWatch(Feature):
             self._told = ",".join([self._shown[number] for number in range(len(self._shown)) if mask >> number & 1]) or None
         report["forbids"] = self._told
 
-    def pins(self):
+    def pin_rows(self):
         """[(name, active, how often it stopped the machine, changes that did not last, when it last became active, ms it was active; −1: it
         still is)] of the inputs that have any of these.
         """

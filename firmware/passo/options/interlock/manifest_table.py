@@ -40,7 +40,7 @@ def parse(text, where="row"):
     return products
 
 
-def gates(board):
+def gate_bits(board):
     """{name: bit} of all that may be gated: x+ x- …, tool, outputs."""
     bits = {}
     for number, axis in enumerate(board["axes"]):
@@ -58,27 +58,27 @@ class _Names:
     def __init__(self, board):
         section = board["interlock"]
         self.inputs = [item["name"] for item in board["inputs"]]
-        self.bits = gates(board)
+        self.bits = gate_bits(board)
         self.axes = [axis["name"] for axis in board["axes"]]
         self.elsewhere = section["elsewhere"].split()
         self.signals = section["signals"]
         for name, meaning in self.signals.items():
-            if self._asked(meaning) is None and meaning not in self.inputs:
+            if self._request_of_meaning(meaning) is None and meaning not in self.inputs:
                 raise BoardError("interlock.signals.%s: %r is no input, no output, and no axis's step or dir" % (name, meaning))
 
-    def _asked(self, meaning):
+    def _request_of_meaning(self, meaning):
         """Return the request of a meaning: (kind, its name); None if it is an input's name."""
         axis, _, kind = meaning.partition(".")
         if axis in self.axes and kind in ("step", "dir"):
             return kind, axis
         return ("on", meaning) if meaning in self.bits and meaning[-1] not in "+-" else None
 
-    def asked(self, name):
+    def request_of(self, name):
         """The same of a name in a row."""
         meaning = self.signals.get(name)
-        return meaning and self._asked(meaning)
+        return meaning and self._request_of_meaning(meaning)
 
-    def number(self, name, where):
+    def input_number(self, name, where):
         """The number of the input that a name means."""
         name = self.signals.get(name, name)
         if name not in self.inputs:
@@ -86,37 +86,37 @@ class _Names:
         return self.inputs.index(name)
 
 
-def _masks(products, names, wanted, where):
+def _input_masks(products, names, wanted, where):
     """[(care, value)] over the inputs, of a row in which the board asks for `wanted`: {(kind, name): bool}."""
     found = []
     for product in products:
         care = value = 0
         possible = True
         for name in product:
-            asked = names.asked(name)
+            asked = names.request_of(name)
             if asked:
                 possible = possible and wanted.get(asked, False) == product[name]
             elif name in names.elsewhere:
                 possible = possible and not product[name]
             else:
-                bit = 1 << names.number(name, where)
+                bit = 1 << names.input_number(name, where)
                 care |= bit
                 if product[name]:
                     value |= bit
         if possible:
             found.append((care, value))
-    return _reduced(found)
+    return _drop_covered(found)
 
 
-def _both(first, second):
+def _both_allow(first, second):
     """The products of two sums."""
     found = []
     for care, value in first:
         found += [(care | other, value | wanted) for other, wanted in second if not (value ^ wanted) & care & other]
-    return _reduced(found)
+    return _drop_covered(found)
 
 
-def _reduced(products):
+def _drop_covered(products):
     """Without those that another one covers."""
     found = []
     for care, value in products:
@@ -126,12 +126,12 @@ def _reduced(products):
     return found
 
 
-def _targets(name, products, names):
+def _gate_targets(name, products, names):
     """Return the bits that a row gates: [(its bit's name, {request: True})]."""
     asked = []
     for product in products:
         for each in product:
-            request = names.asked(each)
+            request = names.request_of(each)
             if request and request not in asked:
                 asked.append(request)
     steps = [axis for kind, axis in asked if kind == "step"]
@@ -158,23 +158,23 @@ def compile_rows(board):
     for name, text in section["rows"].items():
         where = "interlock.rows." + name
         products = parse(text, where)
-        _masks(products, names, {}, where)  # all names are known
-        for target, wanted in _targets(name, products, names):
-            when = _masks(products, names, wanted, where)
-            allowed[target] = _both(allowed[target], when) if target in allowed else when
+        _input_masks(products, names, {}, where)  # all names are known
+        for target, wanted in _gate_targets(name, products, names):
+            when = _input_masks(products, names, wanted, where)
+            allowed[target] = _both_allow(allowed[target], when) if target in allowed else when
             if wanted and section["unasked_ms"] and target not in ("tool",) and target[-1] not in "+-":
-                unasked[target] = _masks(products, names, {}, where)
+                unasked[target] = _input_masks(products, names, {}, where)
     limits = 0
     for target, sensor in section["limits"].items():
         if target not in names.bits or target[-1] not in "+-":
             raise BoardError("interlock.limits: there is no direction %r; x+ is one" % target)
-        bit = 1 << names.number(sensor, "interlock.limits." + target)
+        bit = 1 << names.input_number(sensor, "interlock.limits." + target)
         limits |= bit
-        allowed[target] = _both(allowed.get(target, [(0, 0)]), [(bit, 0)])
+        allowed[target] = _both_allow(allowed.get(target, [(0, 0)]), [(bit, 0)])
     if "enable" in allowed:
         for target in names.bits:
             if target[-1] in "+-":
-                allowed[target] = _both(allowed.get(target, [(0, 0)]), allowed["enable"])
+                allowed[target] = _both_allow(allowed.get(target, [(0, 0)]), allowed["enable"])
     for target, products in allowed.items():
         if not products:
             raise BoardError("interlock: no input lets %s be: it can never be on" % target)
@@ -185,8 +185,8 @@ def compile_rows(board):
             fall |= value
     _check_inputs(board, rise | fall)
     return {
-        "table": _table(allowed, names.bits),
-        "unasked": _table({name: _both(unasked[name], allowed[name]) for name in unasked}, names.bits),
+        "table": _make_table(allowed, names.bits),
+        "unasked": _make_table({name: _both_allow(unasked[name], allowed[name]) for name in unasked}, names.bits),
         "rise": rise,
         "fall": fall,
         "limits": limits,
@@ -203,7 +203,7 @@ def _check_inputs(board, used):
             raise BoardError("input %s: it halts at once: filter_us and halt exclude each other" % item["name"])
 
 
-def _table(sums, bits):
+def _make_table(sums, bits):
     """[how many products, mask of all bits, then care, value, bits of each]."""
     products = {}
     every = 0

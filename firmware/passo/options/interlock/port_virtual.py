@@ -17,7 +17,7 @@ class VirtualInterlock(Interlock, VirtualInputs):
         self._offs = [(item["name"], 1 - item["active"]) for item in board["outputs"]]
         self._hears = hasattr(world, "listen")
         if self._hears:
-            world.listen(self.changed)
+            world.listen(self.on_change)
         self.read(self.now())
 
     def join(self, feeder, player):
@@ -28,20 +28,20 @@ class VirtualInterlock(Interlock, VirtualInputs):
     def run(self, tick):
         self._world.run(tick)
         if not self._hears:
-            raw = self._look(tick)
+            raw = self._read_world(tick)
             for number in range(len(self._names)):
                 if (raw ^ self.states) >> number & 1:
-                    self._changed(tick, number, raw >> number & 1)
+                    self._take_change(tick, number, raw >> number & 1)
         self._let(tick)
 
     # --- inputs
 
-    def changed(self, tick, name, level):
+    def on_change(self, tick, name, level):
         """The world says that an input has changed."""
         number = self._names.index(name)
-        self._changed(tick, number, 1 if level == self._levels[number] else 0)
+        self._take_change(tick, number, 1 if level == self._levels[number] else 0)
 
-    def _changed(self, tick, number, active):
+    def _take_change(self, tick, number, active):
         self._let(tick)
         if active == self.states >> number & 1:
             if self._due.pop(number, None) is not None:
@@ -55,9 +55,9 @@ class VirtualInterlock(Interlock, VirtualInputs):
             self.change(key, active)
 
     def now(self):
-        return self._look(self._port.now)
+        return self._read_world(self._port.now)
 
-    def _look(self, tick):
+    def _read_world(self, tick):
         states = 0
         for number in range(len(self._names)):
             if self._world.input(tick, self._names[number]) == self._levels[number]:

@@ -71,17 +71,17 @@ class Inverter(SpindleSpeed):
         self._asks = _OUTPUT  # the topic of the next request
 
     def look(self, now_ms):
-        self._want(now_ms)
+        self._update_order(now_ms)
         if self._request is not None:
-            self._listen(now_ms)
+            self._read_reply(now_ms)
         elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
-            self._choose(now_ms)
+            self._send_next(now_ms)
         if self._way and self.late(now_ms):
-            self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
+            self._raise_alarm(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
     # --- what it is to do
 
-    def _want(self, now_ms):
+    def _update_order(self, now_ms):
         machine = self._machine
         way = machine.spindle
         if way == SPINDLE_OFF or machine.alarm or not self._queue.lit():
@@ -98,25 +98,25 @@ class Inverter(SpindleSpeed):
             if self._request is None:
                 self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
 
-    def _choose(self, now_ms):
+    def _send_next(self, now_ms):
         """Send what matters most now, if anything does."""
         make = self._make
         way = self._way
         if self._told_way and self._told_way != way:
-            self._send(now_ms, _STOP, make["stop"], 0)
+            self._send_request(now_ms, _STOP, make["stop"], 0)
         elif not way:
             return
         elif self._turned and self._turned != way and self.output > _STANDING:
-            self._send(now_ms, _OUTPUT, make["output"], 0)  # until it stands: then the other way round
+            self._send_request(now_ms, _OUTPUT, make["output"], 0)  # until it stands: then the other way round
         elif self._told_hz != self._hz:
-            self._send(now_ms, _FREQUENCY, make["frequency"], self._hz)
+            self._send_request(now_ms, _FREQUENCY, make["frequency"], self._hz)
         elif self._told_way != way:
-            self._send(now_ms, _START, make["forward" if way == 3 else "reverse"], 0)
+            self._send_request(now_ms, _START, make["forward" if way == 3 else "reverse"], 0)
         else:
             self._asks = _OUTPUT if self._asks == _FAULT or not make["fault"] else _FAULT
-            self._send(now_ms, self._asks, make["output" if self._asks == _OUTPUT else "fault"], 0)
+            self._send_request(now_ms, self._asks, make["output" if self._asks == _OUTPUT else "fault"], 0)
 
-    def _send(self, now_ms, about, entry, hz):
+    def _send_request(self, now_ms, about, entry, hz):
         value = entry[2]
         if about == _FREQUENCY:
             value = min(hz * value // 100, 0xFFFF)
@@ -130,35 +130,35 @@ class Inverter(SpindleSpeed):
 
     # --- what it says
 
-    def _listen(self, now_ms):
+    def _read_reply(self, now_ms):
         data = self._line.read()
         if data:
             self._reply.extend(data)
         reply = self._reply = self._drop_late(self._reply, self._request)
-        wrong = modbus.fault_of(self._request, reply) if len(reply) >= _wanted(self._request, reply) else None
+        wrong = modbus.fault_of(self._request, reply) if len(reply) >= _expect_bytes(self._request, reply) else None
         if wrong == modbus.WRONG and self._owed and len(reply) < _LONGEST:
             wrong = None  # it may be a late one, and not whole yet
         if wrong is not None:
             if not wrong:
                 self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
-                self._heard(now_ms)
+                self._take_reply(now_ms)
             elif wrong == modbus.REFUSED:
                 self._tries = _ATTEMPTS
-                self._failed(now_ms, errors.ALARM_INVERTER_REFUSED, "inverter: exception %d" % reply[2])
+                self._count_failure(now_ms, errors.ALARM_INVERTER_REFUSED, "inverter: exception %d" % reply[2])
             else:
-                self._failed(now_ms, errors.ALARM_INVERTER_GARBLED, "inverter")
+                self._count_failure(now_ms, errors.ALARM_INVERTER_GARBLED, "inverter")
         elif (now_ms - self._sent_ms) & COUNT_MASK > self._timeout_ms:
             number = errors.ALARM_INVERTER_GARBLED if reply else errors.ALARM_INVERTER_SILENT
             self._owed = self._owed[1 - _ATTEMPTS :] + [self._request]
             if self._about >= _OUTPUT:
                 self._unread = True
                 self._told_hz = _UNKNOWN  # the write before the next read
-            self._failed(now_ms, number, "inverter")
+            self._count_failure(now_ms, number, "inverter")
 
     def _drop_late(self, reply, request):
         """`reply` without what answers an older request than `request`."""
         for index, owed in enumerate(self._owed):
-            end = _wanted(owed, reply)
+            end = _expect_bytes(owed, reply)
             frame = reply[:end]
             if len(reply) < end or modbus.fault_of(owed, frame) == modbus.WRONG:
                 continue
@@ -168,7 +168,7 @@ class Inverter(SpindleSpeed):
                 return reply[end:]
         return reply
 
-    def _heard(self, now_ms):
+    def _take_reply(self, now_ms):
         """A good reply."""
         request = self._request
         about = self._about
@@ -193,18 +193,18 @@ class Inverter(SpindleSpeed):
                 self.output = value * 100 // self._make["output"][3]
                 if self.output <= _STANDING and not self._told_way:
                     self._turned = 0
-                self._judge()
+                self._judge_speed()
             elif value & self._make["fault"][3] and self._way:
-                self._fail(errors.ALARM_INVERTER_FAULT, "inverter: fault %d" % (value & self._make["fault"][3]))
+                self._raise_alarm(errors.ALARM_INVERTER_FAULT, "inverter: fault %d" % (value & self._make["fault"][3]))
 
-    def _judge(self):
+    def _judge_speed(self):
         """The speed has been read."""
         if not self._way or self._told_way != self._way or self._told_hz != self._hz:
             return
         if self.falls_behind(self.output, self._hz):
-            self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
+            self._raise_alarm(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
-    def _failed(self, now_ms, number, who):
+    def _count_failure(self, now_ms, number, who):
         """No good reply to a request."""
         self._request = None
         self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
@@ -220,18 +220,18 @@ class Inverter(SpindleSpeed):
         self._due_ms = (now_ms + _AGAIN_MS) & COUNT_MASK
         if turns and not self._machine.alarm:
             self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
-            self._fail(number, who)
+            self._raise_alarm(number, who)
         elif not self._noted:
             self._noted = True
             self._machine.note(number, who)
 
-    def _fail(self, number, who):
+    def _raise_alarm(self, number, who):
         if self._machine.alarm:
             return
         self._machine.raise_alarm(number, who)
-        self._want(self._machine.port.machine_ms())  # stop: it goes out with the next cycle
+        self._update_order(self._machine.port.machine_ms())  # stop: it goes out with the next cycle
 
 
-def _wanted(request, reply):
+def _expect_bytes(request, reply):
     """Bytes of the reply to a request, as far as `reply` says what it is."""
     return modbus.ERROR_LENGTH if len(reply) > 1 and reply[1] & 0x80 else modbus.reply_length(request)

@@ -3,9 +3,9 @@
     store = JobStore("/jobs")
     store.mount()
     store.begin("PART.NC", "grbl", size, crc, stored)       # an upload
-    store.add(data)                                         # until it has `stored` bytes
-    job = store.uploaded()                                  # read it to its end: it raises Damaged if it is not right
-    store.keep()                                            # now it is there, in place of an older one of that name
+    store.add_data(data)                                    # until it has `stored` bytes
+    job = store.open_upload()                               # read it to its end: it raises Damaged if it is not right
+    store.commit_upload()                                   # now it is there, in place of an older one of that name
     job = store.open("PART.NC")
     job.readinto(view)
     store.close(job)
@@ -81,11 +81,11 @@ class JobFile:
         self._stream = deflate.DeflateIO(self._file, deflate.RAW, WINDOW_BITS)
         self._first = b""  # the byte read to make the window
 
-    def reader(self):
-        """Return the function that makes the window at its first call, with one byte, for began()."""
+    def window_maker(self):
+        """Return the function that makes the window at its first call, with one byte, for put_back()."""
         return self._stream.readinto
 
-    def began(self, first):
+    def put_back(self, first):
         self._first = first
 
     def readinto(self, view):
@@ -99,14 +99,14 @@ class JobFile:
             else:
                 count = self._stream.readinto(view)
         except (OSError, EOFError) as error:
-            raise self.damaged(error)
+            raise self.damage_of(error)
         self.done += count
         self._sum = crc32(view[:count], self._sum)
         if (self.done >= self.size or not count) and (self.done != self.size or self._sum & 0xFFFFFFFF != self.crc):
             raise Damaged(errors.JOB_DAMAGED)
         return count
 
-    def damaged(self, error):
+    def damage_of(self, error):
         """Return a Damaged for an error of reading: the stream is wrong or ends too soon, or its memory does not answer."""
         wrong = not error.args or error.args[0] == _EINVAL
         return Damaged(errors.JOB_DAMAGED if wrong else self._lost)
@@ -123,12 +123,12 @@ class JobFile:
         return made
 
 
-def folders(path):
+def count_folders(path):
     """How many folders there are below one, whose path ends in "/"."""
     count = 0
     for entry in os.ilistdir(path):
         if entry[1] == _DIRECTORY:
-            count += 1 + folders(path + entry[0] + "/")
+            count += 1 + count_folders(path + entry[0] + "/")
     return count
 
 
@@ -147,7 +147,7 @@ class JobStore:
         self._stream = None
         self.more = 0  # jobs that the last list has left out
 
-    def prepare(self):
+    def reserve_memory(self):
         """Make what keeps memory free. Call it last, before anything is read or uploaded."""
         self._stream = stream()  # the last one: the next takes its memory
         self._room.keep()
@@ -155,7 +155,7 @@ class JobStore:
     def _begin_reading(self, job):
         """Make the job's window, in the memory that has been kept. Raises MemoryError, Damaged; then the job is closed."""
         first = bytearray(1)
-        read = job.reader()
+        read = job.window_maker()
         self._stream = None
         try:
             gc.collect()
@@ -166,9 +166,9 @@ class JobStore:
             raise
         except (OSError, EOFError) as error:
             self.close(job)
-            raise job.damaged(error)
+            raise job.damage_of(error)
         if count:
-            job.began(first)
+            job.put_back(first)
         return job
 
     def close(self, job):
@@ -186,12 +186,12 @@ class JobStore:
         except OSError:
             pass  # it is there
         self._upload = self._folder + _UPLOAD
-        self.abort()
+        self.abort_upload()
 
-    def _path(self, name):
+    def _job_path(self, name):
         return self._folder + name + self._ends[0]
 
-    def _names(self):
+    def _job_names(self):
         """Those of files that can be asked for, as many as are listed; a card may have others."""
         found = []
         self.more = 0
@@ -208,9 +208,9 @@ class JobStore:
 
     def open(self, name, language=None):
         """A JobFile, at its start; Damaged if its language is not the one wanted. At a stand: it takes 30 ms. Raises MemoryError, too."""
-        return self._opened(self._path(name), language)
+        return self._open_job(self._job_path(name), language)
 
-    def _opened(self, path, language=None):
+    def _open_job(self, path, language=None):
         try:
             job = JobFile(self._room.open(path, "rb"), errors.JOB_DAMAGED if self._is_flash else errors.NO_CARD, language)
         except (OSError, MemoryError, Damaged):
@@ -218,12 +218,12 @@ class JobStore:
             raise
         return self._begin_reading(job)
 
-    def entries(self):
+    def list_jobs(self):
         """[(name, language, bytes, bytes stored, CRC-32)], and how many more there are in `more`; of one that is damaged the language is ""."""
         found = []
         try:
-            for name in self._names():
-                there, head = self._known(name)
+            for name in self._job_names():
+                there, head = self._read_first_line(name)
                 if there:
                     language, size, crc, stored = head or ("", 0, 0, 0)
                     found.append((name, language, size, stored, crc))
@@ -231,18 +231,18 @@ class JobStore:
             self._room.keep()
         return found
 
-    def _known(self, name):
+    def _read_first_line(self, name):
         """Return (True, the parsed first line) of a stored job, (True, None) if it cannot be read, (False, None) if the file is no job."""
         try:
-            with self._room.open(self._path(name), "rb") as file:
+            with self._room.open(self._job_path(name), "rb") as file:
                 return True, parse_first_line(file.readline(HEAD_BYTES))
         except OSError:
             return True, None
 
-    def delete(self, name):
-        os.remove(self._path(name))
+    def delete_job(self, name):
+        os.remove(self._job_path(name))
 
-    def free(self):
+    def free_bytes(self):
         """Bytes that an upload may have."""
         if not hasattr(os, "statvfs"):
             return 0x3FFFFFFF
@@ -251,21 +251,21 @@ class JobStore:
         if blocks > found[2]:  # less than nothing
             blocks -= 1 << 32
         if self._is_flash and not found[5] and hasattr(os, "ilistdir"):  # not the file system of a PC
-            blocks += 2 * folders(self.root)  # MicroPython counts those of littlefs twice
+            blocks += 2 * count_folders(self.root)  # MicroPython counts those of littlefs twice
         return max(blocks - _SPARE, 0) * found[0]
 
     # --- uploads
 
     def begin(self, name, language, size, crc, stored):
         """Begin an upload of `stored` bytes; another one under way is forgotten."""
-        self.abort()
-        self._upload = self._target(name)
+        self.abort_upload()
+        self._upload = self._upload_path(name)
         self._file = self._room.open(self._upload, "wb")
         self._name = name
         self._left = stored
         self._file.write(first_line(language, size, crc, stored))
 
-    def _target(self, name):
+    def _upload_path(self, name):
         """The file that an upload of this name goes to."""
         return self._folder + _UPLOAD
 
@@ -273,7 +273,7 @@ class JobStore:
         """True while an upload is under way."""
         return self._file is not None
 
-    def add(self, data):
+    def add_data(self, data):
         """Add to the upload. Returns 0, or why not."""
         if self._file is None or len(data) > self._left:
             return errors.JOB_UPLOAD
@@ -281,21 +281,21 @@ class JobStore:
         self._left -= len(data)
         return 0
 
-    def uploaded(self):
+    def open_upload(self):
         """The upload as a job, to be read back; None if there is none, or not all of it. Raises MemoryError, Damaged."""
         if self._file is None or self._left:
             return None
         self._file.close()
         self._file = None
-        return self._opened(self._upload)
+        return self._open_job(self._upload)
 
-    def keep(self):
+    def commit_upload(self):
         """The upload is right: keep it, at once and in place of an older one."""
-        os.rename(self._upload, self._path(self._name))
+        os.rename(self._upload, self._job_path(self._name))
         if hasattr(os, "sync"):
             os.sync()
 
-    def abort(self):
+    def abort_upload(self):
         """Forget an upload."""
         file = self._file
         if file is not None:
@@ -306,10 +306,10 @@ class JobStore:
                 pass  # a card that has gone: the bytes written last are lost
             self._room.keep()
         if self._upload:
-            self._remove(self._upload)
+            self._remove_file(self._upload)
             self._upload = ""
 
-    def _remove(self, path):
+    def _remove_file(self, path):
         try:
             os.remove(path)
         except OSError:

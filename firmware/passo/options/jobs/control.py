@@ -36,7 +36,7 @@ class JobLine:
         self._most, piece = limits  # units that may be unanswered: lines, packets, codes
         self.piece = memoryview(buffer(max(piece, _PIECE)))  # a job is checked with it
         self._view = self.piece[:piece]  # on the bytes read last
-        self._look = look
+        self._look_at_log = look
         self._damaged = damaged
         self._first = self._last = b""  # the bytes before the file, and after it, that are still to be given
         self._file = None
@@ -48,7 +48,7 @@ class JobLine:
         self._first, self._last = self._frame
         getattr(self._protocol, "begin_file", int)()
 
-    def leave(self):
+    def leave_file(self):
         """Give nothing more of the file. Returns it, or None if there is none."""
         file = self._file
         self._file = None
@@ -81,9 +81,9 @@ class JobLine:
     def write(self, data):
         if self._file is not None:
             self.answered = self._answers(bytes(data), self.answered, self.given)
-            self._look()
+            self._look_at_log()
 
-    def done(self):
+    def is_done(self):
         """True if all of the file has been given and answered."""
         file = self._file
         return file.done == file.size and not self._last and self.given == self.answered
@@ -115,8 +115,8 @@ class Jobs(Feature):
     def join(self, number, protocol):
         """`number` and `protocol` of the link. Returns the serial line."""
         self._number = number
-        self.line = JobLine(protocol, self._look, self._refused)
-        self._store.prepare()
+        self.line = JobLine(protocol, self._look_at_log, self._stop_job)
+        self._store.reserve_memory()
         return self.line
 
     def _make_store(self, board, port, folder):
@@ -125,7 +125,7 @@ class Jobs(Feature):
         return store
 
     def handlers(self):
-        return {commands.JOB: self._job}
+        return {commands.JOB: self._do_job}
 
     def busy(self):
         return self._file is not None
@@ -136,24 +136,24 @@ class Jobs(Feature):
 
     # --- commands
 
-    def _job(self, command):
+    def _do_job(self, command):
         try:
-            error = self._ask(command)
+            error = self._do_order(command)
         except Damaged as damaged:
             error = damaged.args[0]
         except MemoryError:
-            self._store.abort()
+            self._store.abort_upload()
             error = errors.JOB_MEMORY
         except OSError:
-            self._store.abort()
-            error = errors.NO_JOB if command.value in (commands.JOB_RUN, commands.JOB_DELETE) else self._mount() or errors.JOB_SPACE
+            self._store.abort_upload()
+            error = errors.NO_JOB if command.value in (commands.JOB_RUN, commands.JOB_DELETE) else self._mount_card() or errors.JOB_SPACE
         if error and command.link is None:  # a button, or the start: there is nobody to answer
             name = command.target or self._config["button"]
             self._machine.note(error, name)
             self._machine.notice(errors.NOTICE_JOB_ENDED, (name, error, 0))
         return error
 
-    def _mount(self):
+    def _mount_card(self):
         """Make sure of the memory card, if there is to be one. Returns the number of an error."""
         if self._card is not None and not self._store.busy():
             try:
@@ -163,52 +163,52 @@ class Jobs(Feature):
                 return errors.NO_CARD
         return 0
 
-    def _ask(self, command):
+    def _do_order(self, command):
         machine = self._machine
         what = command.value
         if what == commands.JOB_STATE:
             return machine.accepted(command, self._ended if self._file is None else (self._name, self._per_cent()))
         if what == commands.JOB_RUN:
-            return self._run(command, command.target or self._config["button"])
+            return self._run_job(command, command.target or self._config["button"])
         if self._file is not None:
             return errors.JOB_RUNS
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         machine.port.feed_watchdog()
-        error = self._mount() if what in (commands.JOB_LIST, commands.JOB_DELETE, commands.JOB_OPEN) else 0
+        error = self._mount_card() if what in (commands.JOB_LIST, commands.JOB_DELETE, commands.JOB_OPEN) else 0
         if error:
             return error
         if what == commands.JOB_LIST:
-            return machine.accepted(command, (self._store.entries(), (self._store.free(), self._store.more)))
+            return machine.accepted(command, (self._store.list_jobs(), (self._store.free_bytes(), self._store.more)))
         if what == commands.JOB_CLOSE:
-            self._reading = self._store.uploaded()
+            self._reading = self._store.open_upload()
             if self._reading is None:
                 return errors.JOB_UPLOAD
             machine.command = command
             return 0
         if what == commands.JOB_DATA:
-            error = self._store.add(command.target)
+            error = self._store.add_data(command.target)
         elif what == commands.JOB_OPEN:
-            error = self._open(*command.target)
+            error = self._begin_upload(*command.target)
         elif name_fits(command.target):
-            self._store.delete(command.target)
+            self._store.delete_job(command.target)
         else:
             return errors.NO_JOB
         return error or machine.accepted(command)
 
-    def _open(self, name, language, size, crc, stored):
+    def _begin_upload(self, name, language, size, crc, stored):
         if not name_fits(name):
             return errors.STORED_NAME
         if language != self._config["language"]:
             return errors.JOB_LANGUAGE
-        if stored > self._store.free():
+        if stored > self._store.free_bytes():
             return errors.JOB_SPACE
         self._store.begin(name, language, size, crc, stored)
         return 0
 
     # --- running
 
-    def _run(self, command, name):
+    def _run_job(self, command, name):
         machine = self._machine
         if self._file is not None:
             return errors.JOB_RUNS
@@ -218,7 +218,7 @@ class Jobs(Feature):
             return errors.LOCKED
         if machine.state not in ("idle", "alarm", "check") or not self._queue.still():
             return errors.BUSY
-        error = self._mount()
+        error = self._mount_card()
         if error:
             return error
         self._file = self._store.open(name, self._config["language"])
@@ -233,7 +233,7 @@ class Jobs(Feature):
         """How much of the file has been read."""
         return self._file.done * 100 // max(self._file.size, 1)
 
-    def _read(self, file):
+    def _read_on(self, file):
         """Read on. Returns None if there is more, 0 at the end of a file that is right, or the number of an error."""
         try:
             for _ in range(_CHECKED):
@@ -243,12 +243,12 @@ class Jobs(Feature):
             return damaged.args[0]
         return None
 
-    def _prove(self):
+    def _prove_on(self):
         """Read on; at the end, if the job is right, begin it."""
         try:
-            error = self._read(self._file)
+            error = self._read_on(self._file)
             if error == 0:
-                self._begin()
+                self._begin_job()
         except Damaged as damaged:
             error = damaged.args[0]
         except OSError:
@@ -258,9 +258,9 @@ class Jobs(Feature):
         if error:
             self._machine.note(error, self._name)
             self.line.answered = 0
-            self._end(error)
+            self._end_job(error)
 
-    def _begin(self):
+    def _begin_job(self):
         machine = self._machine
         proven = self._file
         self._proving = False
@@ -269,10 +269,10 @@ class Jobs(Feature):
         self.line.begin(self._file)
         if self._file.crc != proven.crc:
             raise Damaged(errors.JOB_DAMAGED)
-        self._announce(self._file.crc or 1)
+        self._announce_job(self._file.crc or 1)
         self._noted = machine.log.added
 
-    def _announce(self, number):
+    def _announce_job(self, number):
         """Tell the journal which job begins; 0: the last one has been done to its end."""
         journal = self._machine.handlers.get(commands.JOURNAL)
         if journal and not self._machine.checking:
@@ -282,30 +282,30 @@ class Jobs(Feature):
         if self._start:
             name = self._start
             self._start = ""
-            self._job(commands.Command(commands.JOB, name))
+            self._do_job(commands.Command(commands.JOB, name))
         if self._file is not None:
             self._machine.awake = True
             if self._proving:
-                self._prove()
+                self._prove_on()
             else:
-                self._look()
+                self._look_at_log()
 
-    def _look(self):
+    def _look_at_log(self):
         """Notice at once if a line of the job was refused."""
         log = self._machine.log
         if log.added != self._noted:
             self._noted = log.added
             newest = log.newest()
             if not self._failed and newest[2] == LINK:
-                self._refused(newest[1])
+                self._stop_job(newest[1])
 
-    def _refused(self, error):
+    def _stop_job(self, error):
         """A line was refused, or the file cannot be read on: nothing of the job is done any more."""
         if self._failed or self._file is None:
             return
         machine = self._machine
         self._failed = error
-        file = self.line.leave()
+        file = self.line.leave_file()
         machine.tell(Event(DROPPED, None, error))
         if commands.HOLD in machine.handlers and commands.STEP_PROGRAM not in machine.handlers:
             machine.drop_at_stand()
@@ -313,22 +313,22 @@ class Jobs(Feature):
             machine.carry_out(commands.STOP)
         self._rest = file
         if error in (errors.JOB_DAMAGED, errors.NO_CARD):
-            self._unread(error)
+            self._note_unread(error)
 
     def _read_rest(self):
         """A file that has changed since it was proven, or a card that has gone, is why a line was refused."""
-        error = self._read(self._rest)
+        error = self._read_on(self._rest)
         if error:
-            self._unread(error)
+            self._note_unread(error)
         elif error == 0:
-            self._rest = self._close(self._rest)
+            self._rest = self._close_job(self._rest)
 
-    def _unread(self, error):
+    def _note_unread(self, error):
         self._failed = error
         self._machine.note(error, self._name)
-        self._rest = self._close(self._rest)
+        self._rest = self._close_job(self._rest)
 
-    def _close(self, file):
+    def _close_job(self, file):
         """Close a job, if there is one. Returns None."""
         if file is not None:
             self._store.close(file)
@@ -338,18 +338,18 @@ class Jobs(Feature):
         machine = self._machine
         if self._reading is None or not machine.busy_with(commands.JOB):
             return
-        error = self._read(self._reading)
+        error = self._read_on(self._reading)
         if error is None:
             return
-        self._reading = self._close(self._reading)
+        self._reading = self._close_job(self._reading)
         if not error:
             machine.port.feed_watchdog()
             try:
-                self._store.keep()
+                self._store.commit_upload()
             except OSError:
                 error = errors.JOB_SPACE
         if error:
-            self._store.abort()
+            self._store.abort_upload()
             command = machine.command
             machine.command = None
             machine.note(error, command.link.name if command.link else "")
@@ -365,29 +365,29 @@ class Jobs(Feature):
             self._read_rest()
         elif self._failed:
             machine.inform(OFF)
-            self._end(self._failed)
+            self._end_job(self._failed)
             if self._failed == errors.JOB_DAMAGED:
                 machine.raise_alarm(errors.ALARM_JOB_CHANGED, self._name)
-        elif self.line.done():
-            self._announce(0)
-            self._end(0)
+        elif self.line.is_done():
+            self._announce_job(0)
+            self._end_job(0)
 
     def heed(self, _):
         """All work is dropped, by a stop, a reset, an alarm."""
-        self._rest = self._close(self._rest)
+        self._rest = self._close_job(self._rest)
         if self._reading is not None:
-            self._reading = self._close(self._reading)
-            self._store.abort()
+            self._reading = self._close_job(self._reading)
+            self._store.abort_upload()
         if self._file is not None and not self._failed:
             command = self._machine.command
             if command is not None and command.link is not None and command.link.name == LINK:  # its line will have no answer
                 self.line.answered += 1
-            self._end(errors.JOB_STOPPED)
+            self._end_job(errors.JOB_STOPPED)
 
-    def _end(self, error):
+    def _end_job(self, error):
         machine = self._machine
-        rest = self.line.leave()
-        self._file = self._close(self._file if self._proving else rest)
+        rest = self.line.leave_file()
+        self._file = self._close_job(self._file if self._proving else rest)
         self._proving = False
         machine.commander = machine.lender
         machine.lender = -1

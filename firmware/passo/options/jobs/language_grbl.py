@@ -20,10 +20,10 @@ _FRAME = (b"", b"")  # the bytes before a job, and after it
 
 
 def extend(protocol, board):
-    protocol.stored = _LIMITS, _FRAME, _units, _answers
+    protocol.stored = _LIMITS, _FRAME, _count_lines, _count_answers
     protocol.raw = b"$F:"
     notices = dict(protocol.notices)  # those of this link: the class has none
-    notices[errors.NOTICE_JOB_ENDED] = ended
+    notices[errors.NOTICE_JOB_ENDED] = end_text
     protocol.notices = notices
     teach(protocol)
 
@@ -32,36 +32,36 @@ def teach(words):
     words.learn("$F", commands.JOB, understand, told)
 
 
-def _units(data):
+def _count_lines(data):
     return bytes(data).count(b"\n")
 
 
-def _answers(said, before, given):
+def _count_answers(said, before, given):
     return before + said.count(b"ok\r\n") + said.count(b"error:")
 
 
-def _command(what, target=None):
+def _job_command(what, target=None):
     return [Command(commands.JOB, target, what)]
 
 
 def understand(machine, text):
     """The commands of a line in which `text` follows `$F`, or the number of an error."""
     if not text:
-        return _command(commands.JOB_LIST)
+        return _job_command(commands.JOB_LIST)
     if text == "?":
-        return _command(commands.JOB_STATE)
+        return _job_command(commands.JOB_STATE)
     if text == "E":
-        return _command(commands.JOB_CLOSE)
+        return _job_command(commands.JOB_CLOSE)
     if text[:1] == "=" and text[1:]:
-        return _command(commands.JOB_RUN, text[1:])
+        return _job_command(commands.JOB_RUN, text[1:])
     if text[:2] == "D=":
-        return _command(commands.JOB_DELETE, text[2:])
+        return _job_command(commands.JOB_DELETE, text[2:])
     try:
         if text[:1] == ":":
-            return _command(commands.JOB_DATA, a2b_base64(text[1:]))
+            return _job_command(commands.JOB_DATA, a2b_base64(text[1:]))
         if text[:2] == "S=":
             name, language, size, crc, stored = text[2:].split(",")
-            return _command(commands.JOB_OPEN, (name, language.lower(), int(size), int(crc, 16), int(stored)))
+            return _job_command(commands.JOB_OPEN, (name, language.lower(), int(size), int(crc, 16), int(stored)))
     except ValueError:
         pass
     return errors.STATEMENT
@@ -82,7 +82,7 @@ def told(value):
     return "".join(lines)
 
 
-def ended(value):
+def end_text(value):
     """How a job has ended, for its notice."""
     name, error, line = value
     if error == 0:

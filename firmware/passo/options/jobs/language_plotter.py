@@ -8,14 +8,14 @@ LIMITS = (1, 6)  # packets not yet answered; bytes given at once
 FRAME = (b"", b"")  # the bytes before a job, and after it
 
 
-def units(data):
+def count_units(data):
     return 1
 
 
-def answers(said, before, given):
+def count_answers(said, before, given):
     return before + len(said)
 
 
 def extend(protocol, board):
-    protocol.stored = LIMITS, FRAME, units, answers
+    protocol.stored = LIMITS, FRAME, count_units, count_answers
     teach(PacketWords.of(protocol))

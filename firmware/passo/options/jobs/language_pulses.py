@@ -1,7 +1,7 @@
 """Stored jobs in the language of pulse codes, streamed. Their blocks of CREDIT are answered, and the end."""
 
 from passo import errors
-from passo.options.jobs.language_grbl import ended, teach
+from passo.options.jobs.language_grbl import end_text, teach
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW
 from passo.protocols.words import Words
 
@@ -9,19 +9,19 @@ LIMITS = (WINDOW - CREDIT, CREDIT)  # codes not yet answered, from which on no m
 FRAME = (b"{stream}\n", b"{end}")  # the bytes before a job, and after it
 
 
-def units(data):
+def count_units(data):
     if data == FRAME[0]:
         return 0
     return 1 if data == FRAME[1] else len(data)
 
 
-def answers(said, before, given):
+def count_answers(said, before, given):
     """All is answered when the program has been played to its end."""
     return given if b"end\n" in said else before + CREDIT * said.count(ACK)
 
 
 def extend(protocol, board):
-    protocol.stored = LIMITS, FRAME, units, answers
+    protocol.stored = LIMITS, FRAME, count_units, count_answers
     words = Words.of(protocol)
-    words.notices[errors.NOTICE_JOB_ENDED] = ended
+    words.notices[errors.NOTICE_JOB_ENDED] = end_text
     teach(words)

@@ -82,9 +82,9 @@ class JobJournal(Feature):
         self._lead = self._times = 0  # as announced, of one that is counted
         self._back = False
         self._astray = 0  # homing does not tell where the machine stands
-        self._find(pages)
+        self._find_newest(pages)
 
-    def _find(self, pages):
+    def _find_newest(self, pages):
         """The newest record, and the slot behind it."""
         newest = None
         for block in range(pages.BLOCKS):
@@ -126,37 +126,37 @@ class JobJournal(Feature):
 
     def handlers(self):
         self._counted = self._machine.job  # of a feature that is made in any order
-        return {commands.JOURNAL: self._ask}
+        return {commands.JOURNAL: self._do_journal}
 
-    def _ask(self, command):
+    def _do_journal(self, command):
         """`target` None: answer (job, line, flags, positions). A number: the job with this number begins. 0: the last job's
         lines are all done; nothing is left to resume."""
         machine = self._machine
         if command.target is None:
-            flags = self._flags & ~HOMED | self._homed()
+            flags = self._flags & ~HOMED | self._flag_if_homed()
             return machine.accepted(command, (self._job, self._line, flags, self._position[: self._axes]))
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         if not command.target:
             if self._counted is None:
                 self._job = self._line = self._astray = 0
-                self._flags = DONE | self._homed()
+                self._flags = DONE | self._flag_if_homed()
                 self._sample_position()
-                self._write()
+                self._write_record()
             return machine.accepted(command)
         self._retired = self._queue.retired()
         self._broken = self._moving = False
         self._line = self._done = 0
         self._sample_position()
-        self._begin(command.target)
-        self._flags |= self._homed()
+        self._begin_job(command.target)
+        self._flags |= self._flag_if_homed()
         if self._left < self._half:
-            while self._erase():
+            while self._erase_next():
                 pass
-        self._write()
+        self._write_record()
         return machine.accepted(command)
 
-    def _begin(self, job):
+    def _begin_job(self, job):
         number, line, flags, lead, position = job if isinstance(job, tuple) else (job, 0, DONE, 0, None)
         self._job = number
         self._flags = self._astray = 0
@@ -176,16 +176,16 @@ class JobJournal(Feature):
         counted.kept = not self._machine.alarm
         counted.counting = False
 
-    def _homed(self):
+    def _flag_if_homed(self):
         return HOMED if not self._astray and self._machine.homed or self._counted and self._counted.kept else 0
 
     # --- what is known: of lines of the job alone, which are those with a number
 
-    def _counting(self):
+    def _is_counting(self):
         """Return whether queued blocks may be of the job: of lines those with a number are, others have been announced."""
         return self._counted is None or self._counted.counting
 
-    def _walks(self):
+    def _is_walking(self):
         """A step program plays, and says itself where it is."""
         return self._counted is not None and self._counted.progress is not None
 
@@ -198,30 +198,30 @@ class JobJournal(Feature):
             machine.awake = True
             if now_ms - self._rest_ms & COUNT_MASK >= REST_MS:
                 self._rest_ms = now_ms
-                self._erase()
-        if not self._job or not self._counting():
+                self._erase_next()
+        if not self._job or not self._is_counting():
             return
-        if self._walks():
-            if still or self._due(now_ms):
-                self._walked()
+        if self._is_walking():
+            if still or self._is_due(now_ms):
+                self._write_spot()
             return
         if not still:
-            self._sample(now_ms)
+            self._sample_line(now_ms)
             return
         retired = self._queue.retired()
         if self._broken:
             self._broken = False
         elif retired != self._retired:
-            self._stand(min((retired - self._retired) & COUNT_MASK, _WAITS))
+            self._note_stand(min((retired - self._retired) & COUNT_MASK, _WAITS))
         self._retired = retired
         self._moving = False
         if self._late:
             machine.awake = True
-            if self._due(now_ms):
+            if self._is_due(now_ms):
                 self._late = False
-                self._write()
+                self._write_record()
 
-    def _sample(self, now_ms):
+    def _sample_line(self, now_ms):
         """The line under way, and where it is."""
         if self._machine.away:  # the journal keeps where the path was left
             return
@@ -240,14 +240,14 @@ class JobJournal(Feature):
         self._late = False
         self._line = line
         self._position[: self._axes] = found
-        self._flags = self._homed()
-        if self._due(now_ms):
-            self._write()
+        self._flags = self._flag_if_homed()
+        if self._is_due(now_ms):
+            self._write_record()
 
     def _sample_position(self):
         self._position[: self._axes] = list(self._queue.found())
 
-    def _stand(self, count):
+    def _note_stand(self, count):
         """All that was queued has been played, `count` blocks: if the last that moved is one of the job, its line is done."""
         planner = self._queue.planner
         line = 0
@@ -259,34 +259,34 @@ class JobJournal(Feature):
         if line <= self._done:
             return
         self._line = line
-        self._flags = DONE | self._homed()
+        self._flags = DONE | self._flag_if_homed()
         self._sample_position()
         if self._left < self._half:
             self._late = True
         else:
-            self._write()
+            self._write_record()
 
     def halt(self):
         """The pins have stopped amid a word; the queue is dropped next."""
         planner = self._queue.planner
         at = planner.row()
-        if at >= 0 and planner.rows[at + ROW_TAG] > self._done and self._counting():
+        if at >= 0 and planner.rows[at + ROW_TAG] > self._done and self._is_counting():
             self._line = planner.rows[at + ROW_TAG]
             self._flags &= ~DONE
             if not self._machine.away:
                 self._sample_position()
-            self._write()
+            self._write_record()
         self._broken = True
-        if self._job and self._counting() and self._walks():
-            self._walked()
+        if self._job and self._is_counting() and self._is_walking():
+            self._write_spot()
 
     def heed(self, _):
         """poll() has seen the stand of the hold."""
         if self._moving:
-            self._write()
+            self._write_record()
         self._broken = True
 
-    def _walked(self):
+    def _write_spot(self):
         """Write down where the step program is."""
         spot = self._spot
         if not self._counted.progress(spot):
@@ -294,12 +294,12 @@ class JobJournal(Feature):
         count = max(spot[SPOT_INDEX] - self._lead, 0)
         self._line = self._done - count if self._back else self._done + count
         back = self._back != bool(spot[SPOT_BACK])
-        self._flags = DONE | self._homed() | (BACK if back else 0) | (self._times or spot[SPOT_TIMES]) << _TIMES
+        self._flags = DONE | self._flag_if_homed() | (BACK if back else 0) | (self._times or spot[SPOT_TIMES]) << _TIMES
         for axis in range(self._axes):
             self._position[axis] = spot[SPOT_AXES + axis]
-        self._write()
+        self._write_record()
 
-    def _due(self, now_ms):
+    def _is_due(self, now_ms):
         """True if another record is due: rarer, the fewer slots are left before the next erase."""
         interval = self._every_ms
         share = self._half
@@ -313,7 +313,7 @@ class JobJournal(Feature):
 
     # --- flash
 
-    def _write(self):
+    def _write_record(self):
         now = self._flags, self._job, self._line, list(self._position)
         if now == self._written or self._block < 0:
             return
@@ -329,7 +329,7 @@ class JobJournal(Feature):
         self._slot += 1
         self._next_free()
 
-    def _erase(self):
+    def _erase_next(self):
         """Erase the next block behind the newest record that is not. Returns whether there was one."""
         pages = self._pages
         for ahead in range(1, pages.BLOCKS):

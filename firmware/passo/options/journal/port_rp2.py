@@ -17,7 +17,7 @@ _PAGE = BLOCK // 16
 _NAME = "journal.%d"
 
 
-def fits(number):
+def has_file(number):
     """True if there is the file of block `number`, whole."""
     try:
         return os.stat(_NAME % number)[6] == BLOCK
@@ -40,22 +40,22 @@ class Pages:
         self._numbers = [-1] * self.BLOCKS  # of their blocks; −1: there is no such file yet
         if not FileRoom.none:
             for number in range(self.BLOCKS):
-                if not fits(number):
-                    self._make(number)
-        self._find()
+                if not has_file(number):
+                    self._make_file(number)
+        self._find_blocks()
 
-    def _make(self, number):
+    def _make_file(self, number):
         with open(_NAME % number, "wb") as file:
             for _ in range(BLOCK // _PAGE):
                 file.write(self._page)
         os.sync()
 
-    def _find(self):
+    def _find_blocks(self):
         """Ask littlefs where the files are."""
         blocks = Blocks(self._flash, self._flash.ioctl(IOCTL_COUNT, 0), 0)
         files = vfs.VfsLfs2(blocks, readsize=JOURNAL_BYTES)
         for number in range(self.BLOCKS):
-            if fits(number):
+            if has_file(number):
                 with files.open(_NAME % number, "rb") as file:
                     file.seek(BLOCK - 1)
                     file.read(1)
@@ -78,8 +78,8 @@ class Pages:
     def erase(self, block):
         """Raises OSError if there is no room for a file, MemoryError."""
         if self._numbers[block] < 0:
-            self._make(block)
-            self._find()
+            self._make_file(block)
+            self._find_blocks()
         else:
             self._flash.ioctl(IOCTL_ERASE, self._numbers[block])
 

@@ -55,9 +55,9 @@ class Queue(StreamQueue):
 
     def look(self):
         StreamQueue.look(self)
-        self._turn(self.here, self.here)
+        self._turn_to_axes(self.here, self.here)
 
-    def _turn(self, motors, into):
+    def _turn_to_axes(self, motors, into):
         """Positions of the motors since the start to those of the axes."""
         self._axes_of(motors, into)
         for axis in range(len(into)):
@@ -65,7 +65,7 @@ class Queue(StreamQueue):
         return into
 
     def _from_origin(self, found):
-        return self._turn(found, self._found)
+        return self._turn_to_axes(found, self._found)
 
     def axis(self, axis, edge=None):
         return self.found(edge)[axis] + self._zero[axis]

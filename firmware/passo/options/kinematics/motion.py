@@ -40,7 +40,7 @@ class Planner(planner.Planner):
             self._motors[motor] = motors[motor]
         self.kinematics.axes(motors, self._end)
 
-    def _lead(self, deltas):
+    def _lead_to(self, deltas):
         """`_ways` of the motors to what lies `deltas` beyond the queue's end, `_goal`."""
         goal, ways, motors = self._goal, self._ways, self._motors
         for axis in range(self.axes):
@@ -49,7 +49,7 @@ class Planner(planner.Planner):
         for motor in range(self.axes):
             ways[motor] -= motors[motor]
 
-    def _arrive(self):
+    def _arrive_at_goal(self):
         """The queue ends at `_goal`."""
         for axis in range(self.axes):
             self._end[axis] = self._goal[axis]
@@ -59,15 +59,15 @@ class Planner(planner.Planner):
         if self._inside:
             planner.Planner.line(self, deltas, ticks, tool, tag, rapid, speed_nm_s)
             return
-        self._lead(deltas)
+        self._lead_to(deltas)
         if speed_nm_s and not self.kinematics.STRAIGHT:
             ticks, speed_nm_s = ticks or self.own.length(deltas) * TICKS_PER_S // speed_nm_s or 1, 0
         planner.Planner.line(self, self._ways, ticks, tool, tag, rapid, speed_nm_s)
-        self._arrive()
+        self._arrive_at_goal()
 
     def fits(self, deltas, ticks, speed_nm_s):
         if not self._inside:
-            self._lead(deltas)
+            self._lead_to(deltas)
             deltas = self._ways
         planner.Planner.fits(self, deltas, ticks, speed_nm_s)
 
@@ -80,9 +80,9 @@ class Planner(planner.Planner):
         motors, mirrored = found
         middle = [0] * self.axes
         middle[plane[0]], middle[plane[1]] = center
-        self._lead(middle)
+        self._lead_to(middle)
         center = self._ways[motors[0]], self._ways[motors[1]]
-        self._lead(deltas)
+        self._lead_to(deltas)
         self._inside = True
         try:
             planner.Planner.arc(
@@ -91,4 +91,4 @@ class Planner(planner.Planner):
         finally:
             self._inside = False
         if queued:
-            self._arrive()
+            self._arrive_at_goal()

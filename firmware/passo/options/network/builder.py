@@ -26,10 +26,10 @@ def load(board):
         if link["port"] == "page":
             for module in _OF_PAGE:
                 __import__("passo." + module)
-            _shown(link["protocol"])
+            _page_class(link["protocol"])
 
 
-def _shown(language):
+def _page_class(language):
     """The class of the machine behind pages, of a board of that language, such as GrblPage of passo/protocols/page/grbl.py. Raises
     BoardError."""
     kind = language[0].upper() + language[1:] + "Page"
@@ -46,7 +46,7 @@ def _page_line():
 def create(language, link, number, board, controller, shared, most):
     if link["port"] != "page":
         return language.create(link, number, board, controller, shared, most)
-    shown = _shown(link["protocol"])
+    shown = _page_class(link["protocol"])
     spoken = language.create(link, number, board, controller, shared, most) if shown.speaks else language
     return __import__("passo.protocols.page", None, None, ("create",)).create(shown, number, board, controller, spoken)
 

@@ -18,7 +18,7 @@ _MOST_MINUTES = const(60)
 _PRESENT = (commands.SPINDLE, commands.RESUME, commands.JOB)
 
 
-def _starts(command):
+def _starts_work(command):
     """True if the tool goes on, or a program goes on: that wants somebody at the machine."""
     if command.kind == commands.SPINDLE:
         return command.value != commands.SPINDLE_OFF
@@ -39,7 +39,7 @@ class Admission(Feature):
         self._length_ms = 0
 
     def handlers(self):
-        return {commands.ADMIT: self._admit}
+        return {commands.ADMIT: self._do_admit}
 
     def guard(self, handlers):
         if self._presence:
@@ -50,13 +50,13 @@ class Admission(Feature):
     def _with_presence(self, handler):
         """`handler`, but over the network only while the input says that somebody is at the machine."""
 
-        def handle(command):
+        def handle_if_present(command):
             link = command.link
-            if link is not None and link.number in self._networked and _starts(command) and not self._machine.port.input(self._presence):
+            if link is not None and link.number in self._networked and _starts_work(command) and not self._machine.port.input(self._presence):
                 return errors.PRESENCE
             return handler(command)
 
-        return handle
+        return handle_if_present
 
     def admitted(self):
         """True while who sends no proof is admitted."""
@@ -66,19 +66,19 @@ class Admission(Feature):
         if self._button:
             pressed = self._machine.port.input(self._button)
             if pressed and not self._pressed and not self._machine.alarm:
-                self._open(self._minutes)
+                self._admit_for(self._minutes)
             self._pressed = pressed
         if self._length_ms and ((now_ms - self._since_ms) & COUNT_MASK >= self._length_ms or self._machine.alarm):
             self._length_ms = 0
 
-    def _open(self, minutes):
+    def _admit_for(self, minutes):
         self._since_ms = self._machine.port.machine_ms()
         self._length_ms = minutes * _MINUTE_MS
 
-    def _admit(self, command):
+    def _do_admit(self, command):
         if not self._legacy or command.link is not None and command.link.number in self._networked:
             return errors.NOT_ADMITTED
         if not 0 <= command.value <= _MOST_MINUTES:
             return errors.SETTING_RANGE
-        self._open(command.value)
+        self._admit_for(command.value)
         return self._machine.accepted(command)

@@ -30,9 +30,9 @@ class DigitalOutputs(Feature):
             shower.show(self._marks)
 
     def handlers(self):
-        return {commands.CODE + code: self._switch for code in range(62, 66)}
+        return {commands.CODE + code: self._switch_output for code in range(62, 66)}
 
-    def _switch(self, command):
+    def _switch_output(self, command):
         machine = self._machine
         name = "p%d" % command.value
         if name not in self._pins:
@@ -46,37 +46,37 @@ class DigitalOutputs(Feature):
             return machine.accepted(command)
         on = code in (62, 64)
         if code >= 64:
-            self._put(name, on)
-        elif not self._replaced(name, on):
+            self._put_output(name, on)
+        elif not self._replace_waiting(name, on):
             if len(self._waiting) >= SWITCH_MOST:  # for motions that are queued
                 return errors.LATER
             block = self._queue.added()
             self._waiting.append([block, name, on])
             if self._marks:
-                self._marks.ask(block, self._value(name, on))
+                self._marks.ask(block, self._mark_value(name, on))
         return machine.accepted(command)
 
-    def _replaced(self, name, on):
+    def _replace_waiting(self, name, on):
         """True if a change of this output waits for the same motion: then the last one counts. So no more wait for it than there are outputs."""
         waiting = self._waiting
         for index in range(len(waiting)):
             item = waiting[index]
-            if item[1] == name and self._motion(item[0]) == self._queue.added():
+            if item[1] == name and self._next_motion(item[0]) == self._queue.added():
                 item[2] = on
                 if self._marks:
-                    self._marks.amend(len(waiting) - index, self._value(name, on))
+                    self._marks.amend(len(waiting) - index, self._mark_value(name, on))
                 return True
         return False
 
-    def _value(self, name, on):
+    def _mark_value(self, name, on):
         pin, active = self._pins[name]
         return pin << 1 | (active if on else 1 - active)
 
-    def _put(self, name, on):
-        self._note(name, on)
+    def _put_output(self, name, on):
+        self._note_state(name, on)
         self._port.output(name, on)
 
-    def _note(self, name, on):
+    def _note_state(self, name, on):
         if on:
             self._on[name] = True
         else:
@@ -85,17 +85,17 @@ class DigitalOutputs(Feature):
     def poll(self, now_ms):
         waiting = self._waiting
         if self._marks:
-            self._count()
+            self._count_shown()
             return
         if self._machine.away:  # the queue's counts are parking's
             return
         for item in waiting:
-            item[0] = self._motion(item[0])
-        while waiting and self._begun(waiting[0][0]):
+            item[0] = self._next_motion(item[0])
+        while waiting and self._has_begun(waiting[0][0]):
             _, name, on = waiting.pop(0)
-            self._put(name, on)
+            self._put_output(name, on)
 
-    def _motion(self, count):
+    def _next_motion(self, count):
         """Return the number of the first block from `count` on that moves."""
         queue = self._queue
         planner = queue.planner
@@ -103,7 +103,7 @@ class DigitalOutputs(Feature):
             count = (count + 1) & COUNT_MASK
         return count
 
-    def _begun(self, count):
+    def _has_begun(self, count):
         """True if block number `count` has been queued, and those before it have been played."""
         queue = self._queue
         ready = (queue.retired() - count) & COUNT_MASK < COUNT_HALF
@@ -111,28 +111,28 @@ class DigitalOutputs(Feature):
 
     # --- stops
 
-    def _count(self):
+    def _count_shown(self):
         """Note the marks that have shown."""
         for _ in range(self._marks.shown()):
             _, name, on = self._waiting.pop(0)
-            self._note(name, on)
+            self._note_state(name, on)
 
-    def _drop(self):
+    def _drop_waiting(self):
         if self._marks:
             self._marks.clear()
-            self._count()
+            self._count_shown()
         self._waiting.clear()
 
     def show_outputs(self, on):
         if self._marks:
-            self._count()
+            self._count_shown()
         for name in self._on:
             self._port.output(name, on)
 
     def _drop_last(self):
         """Drop what waits for a motion that has not been queued."""
         waiting, count = self._waiting, 0
-        while count < len(waiting) and self._motion(waiting[-1 - count][0]) == self._queue.added():
+        while count < len(waiting) and self._next_motion(waiting[-1 - count][0]) == self._queue.added():
             count += 1
         if count:
             if self._marks:
@@ -143,12 +143,12 @@ class DigitalOutputs(Feature):
         if what & REFUSAL:
             self._drop_last()
             return
-        self._drop()
+        self._drop_waiting()
         if what & (SAFE | OFF | ANEW):
             self.halt()
 
     def halt(self):
-        self._drop()
+        self._drop_waiting()
         for name in self._on:
             self._port.output(name, False)
         self._on.clear()

@@ -39,13 +39,13 @@ class PinSwitches:
         state = player._state
         enable = state[PIO_BLOCK] + vectors.IRQ1_INTE
         self._own = array("I", [uctypes.addressof(state), uctypes.addressof(switches.marks), chip.TOGGLE, enable])
-        self._entry = vectors.enter(vectors.PIO_IRQ_1, _begun, self._own)
-        switches.join(self.tell)
+        self._entry = vectors.enter(vectors.PIO_IRQ_1, _show_due, self._own)
+        switches.join(self.expect_words)
         player.start = switches.start
 
     @micropython.native
-    def tell(self):  # ISR: no allocation
-        _listen(self._own)
+    def expect_words(self):  # ISR: no allocation
+        _enable_interrupt(self._own)
 
     def close(self):
         if self._own:
@@ -58,13 +58,13 @@ def create(board, port, inputs, outputs):
 
 
 @micropython.viper
-def _listen(own: ptr32):  # ISR: no allocation
+def _enable_interrupt(own: ptr32):  # ISR: no allocation
     """From here on the interrupt comes; at once if a word has begun since it came last."""
     ptr32(own[_ENABLE])[0] = 256 << ptr32(own[_STATE])[PIO_NUMBER]
 
 
 @micropython.viper
-def _begun(own: ptr32):  # ISR: no allocation
+def _show_due(own: ptr32):  # ISR: no allocation
     """A word has begun: show what is due with it."""
     state = ptr32(own[_STATE])
     switches = ptr32(own[_SWITCHES])

@@ -12,9 +12,9 @@ class VirtualSwitches:
 
     def show(self, switches):
         """From here on the player shows what is asked of `switches`."""
-        self._player.mark(switches, self._change)
+        self._player.mark(switches, self._show_change)
 
-    def _change(self, tick, value):
+    def _show_change(self, tick, value):
         self._world.output(tick, self._names[value >> 1], value & 1)
 
 

@@ -24,9 +24,9 @@ class Vacuum(SwitchedOutput):
         SwitchedOutput.guard(self, handlers)
         cool = handlers.get(commands.COOLANT)
         if cool:
-            handlers[commands.COOLANT] = lambda command: self._cool(command, cool)
+            handlers[commands.COOLANT] = lambda command: self._end_coolant(command, cool)
 
-    def _cool(self, command, cool):
+    def _end_coolant(self, command, cool):
         """The end of a program switches all coolant off, and says so."""
         result = cool(command)
         if not result and command.ends and self.on and not self._machine.checking:

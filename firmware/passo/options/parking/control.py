@@ -44,10 +44,10 @@ class Pauses(pauses.Pauses):
     halt = heed
 
     def poll_hold(self):
-        if not self._way or self._ended():
+        if not self._way or self._hands_back():
             pauses.Pauses.poll_hold(self)
 
-    def _ended(self):
+    def _hands_back(self):
         """True if its own base has the say again: all is to be dropped, or a hold has stopped the line."""
         machine = self._machine
         if machine.dropping:
@@ -59,7 +59,7 @@ class Pauses(pauses.Pauses):
         self._detour.end()
         self._way = 0
         if done and way == _PULLS:
-            self._rise()
+            self._rise_to_target()
         elif done and way == _RISES:
             pauses.Pauses._stand(self)
         elif done and machine.resuming:
@@ -75,70 +75,70 @@ class Pauses(pauses.Pauses):
 
     # --- up
 
-    def _parks(self):
+    def _has_to_park(self):
         """True if the axis has to go up from here."""
         machine = self._machine
         value = machine.settings.value
         if machine.hold != "door" or not value(SETTING_PARKING) or not machine.homed or self._laser() or machine.busy_with(commands.PROBE):
             return False
-        return self._here() < self._to(value(SETTING_PARKING_TARGET))
+        return self._axis_position() < self._steps_of(value(SETTING_PARKING_TARGET))
 
-    def _here(self):
+    def _axis_position(self):
         return self._queue.position()[self._machine.settings.value(SETTING_PARKING_AXIS)]
 
-    def _to(self, um):
+    def _steps_of(self, um):
         """Steps of a machine coordinate of the axis, within its travel."""
         axis = self._machine.settings.value(SETTING_PARKING_AXIS)
         low, high = self._queue.reach(axis)
         return min(max(um * self._machine.steps_per_m[axis] // 1_000_000, low), high)
 
     def _stand(self):
-        if not self._parks():
+        if not self._has_to_park():
             pauses.Pauses._stand(self)
             return
         machine = self._machine
         lit = self._queue.lit()
         self._was_lit = self._was_lit or lit
-        here = self._here()
+        here = self._axis_position()
         value = machine.settings.value
         if not machine.away:
             machine.away = True
             self._path = here
             self._power = self._queue.analogue.value
             out = value(_PULL_OUT) * machine.steps_per_m[value(SETTING_PARKING_AXIS)] // 1_000_000
-            self._pulled = min(here + out, self._to(value(SETTING_PARKING_TARGET)))
+            self._pulled = min(here + out, self._steps_of(value(SETTING_PARKING_TARGET)))
         if here < self._pulled:
-            self._go(_PULLS, self._pulled, _PULL_OUT_SPEED, lit)
+            self._set_out(_PULLS, self._pulled, _PULL_OUT_SPEED, lit)
         else:
-            self._rise()
+            self._rise_to_target()
 
-    def _rise(self):
+    def _rise_to_target(self):
         """Pulled out: off with spindle and coolant, and up."""
         self._queue.rest(False)
         self._machine.show_outputs(False)
-        self._go(_RISES, self._to(self._machine.settings.value(SETTING_PARKING_TARGET)), _SPEED, False)
+        self._set_out(_RISES, self._steps_of(self._machine.settings.value(SETTING_PARKING_TARGET)), _SPEED, False)
 
     # --- and back
 
     def _switch_on(self):
         if self._machine.away:
-            self._go(_RETURNS, self._pulled, _SPEED, False)
+            self._set_out(_RETURNS, self._pulled, _SPEED, False)
         else:
             pauses.Pauses._switch_on(self)
 
     def _go_on(self):
         if self._machine.away:
-            self._go(_PLUNGES, self._path, _PULL_OUT_SPEED, self._queue.lit())
+            self._set_out(_PLUNGES, self._path, _PULL_OUT_SPEED, self._queue.lit())
         else:
             pauses.Pauses._go_on(self)
 
-    def _go(self, way, goal, speed, tool):
+    def _set_out(self, way, goal, speed, tool):
         """Set out to `goal`, a position of the axis."""
         machine = self._machine
         queue = self._queue
         axis = machine.settings.value(SETTING_PARKING_AXIS)
         deltas = [0] * len(machine.steps_per_m)
-        deltas[axis] = goal - self._here()
+        deltas[axis] = goal - self._axis_position()
         self._way = way
         at = queue.planner.row()
         tag = queue.planner.rows[at + ROW_TAG] if at >= 0 else 0

@@ -29,7 +29,7 @@ class Detour:
         feeder = self._feeder
         planner = feeder.planner
         planner.fits(deltas, 0, nm_s)
-        fed = self._close()
+        fed = self._close_feeder()
         state, indices, scratch, ramp = feeder.state, planner.indices, planner.scratch, feeder.ramp
         stride = scratch[SCRATCH_STRIDE]
         at = indices[QUEUE_ADDED] % QUEUE_SIZE * stride
@@ -63,7 +63,7 @@ class Detour:
         """Take up the queue where it was, held. Only at a stand."""
         feeder = self._feeder
         planner = feeder.planner
-        fed = self._close()
+        fed = self._close_feeder()
         state, scratch = feeder.state, planner.scratch
         block, lit, indices, before, at, row, path, cuts, power, dynamic, feeder._geometry = self._kept
         self._kept = None
@@ -85,7 +85,7 @@ class Detour:
         """Everything has been dropped."""
         self._kept = None
 
-    def _close(self):
+    def _close_feeder(self):
         """Stop interrupts from feeding; retire the blocks played. Returns whether one may again."""
         feeder = self._feeder
         fed = feeder.open

@@ -33,7 +33,7 @@ def check(board):
     """Raise BoardError if two inputs or outputs share a bit, if a bit lies beyond the chips, or if something that has to act at once is on a
     register that the main loop reads."""
     config = board["registers"]
-    prompt = _prompt(board, config)
+    prompt = _prompt_inputs(board, config)
     quick = {}  # name of an input: why not
     for name in (board["homing"]["sensors"].values() if board["homing"] else ()):
         quick[name] = "homing's sensor"
@@ -66,7 +66,7 @@ def check(board):
     board["additions"].parts["bank"] = "passo.options.registers.port" + ("_rp2" if board["chip"].startswith("rp2") else "")
 
 
-def _prompt(board, config):
+def _prompt_inputs(board, config):
     """Names of the inputs behind registers that have these read at once."""
     names = []
     behind = [item["name"] for item in board["inputs"] if item["pin"] >= REGISTER_BIT]

@@ -50,14 +50,14 @@ class ShiftRegisters:
                 self.outputs |= self._tool_mask
             else:
                 self.outputs &= ~self._tool_mask
-        inputs = self._shift()
+        inputs = self._shift_bits()
         if inputs != self.inputs:
             self.inputs = inputs
             self.changes += 1
         enable_irq(state)
 
     @micropython.native
-    def _shift(self):  # ISR: no allocation
+    def _shift_bits(self):  # ISR: no allocation
         clock = self.clock
         latch = self.latch
         data = self.data

@@ -21,7 +21,7 @@ class SioRegisters(ShiftRegisters):
         ShiftRegisters.begin(self, port, board, mask)
 
     @micropython.viper
-    def _shift(self) -> int:  # ISR: no allocation
+    def _shift_bits(self) -> int:  # ISR: no allocation
         toggle = ptr32(int(self._toggle))
         pins = ptr32(0xD0000004)
         clock = int(self._clock_bit)

@@ -26,10 +26,10 @@ class Queue(StreamQueue):
         StreamQueue.set_origin(self, axes & ~(1 << self._last) if axes < 0 and self._endless else axes)
 
     def go(self, target, nm_s, ticks, tool, tag):
-        StreamQueue.go(self, target, self._along(self.deltas(target), nm_s), ticks, tool, tag)
+        StreamQueue.go(self, target, self._speed_along(self.deltas(target), nm_s), ticks, tool, tag)
 
     def fits(self, deltas, nm_s, ticks):
-        StreamQueue.fits(self, deltas, self._along(deltas, nm_s), ticks)
+        StreamQueue.fits(self, deltas, self._speed_along(deltas, nm_s), ticks)
 
     def look(self, played=None):
         """See Queue.look(); the speed is the one that F counts for."""
@@ -38,11 +38,11 @@ class Queue(StreamQueue):
         at = seen[SEEN_ROW]
         nm_s = seen[SEEN_MM_S] * 1_000_000 + seen[SEEN_NM_S]
         if nm_s and rows[at + ROW_KIND] == KIND_LINE and rows[at + ROW_STEPS + self._last]:
-            nm_s = nm_s * 1_000_000_000 // (self._along(rows[at + ROW_STEPS : at + ROW_STEPS + self._last + 1], 1_000_000_000) or 1)
+            nm_s = nm_s * 1_000_000_000 // (self._speed_along(rows[at + ROW_STEPS : at + ROW_STEPS + self._last + 1], 1_000_000_000) or 1)
             seen[SEEN_MM_S] = nm_s // 1_000_000
             seen[SEEN_NM_S] = nm_s % 1_000_000
 
-    def _along(self, deltas, nm_s):
+    def _speed_along(self, deltas, nm_s):
         """The speed along all axes at which the linear ones go at `nm_s`; it counts 10⁻⁶ degrees a second where none of them moves."""
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
         linear = length_nm(deltas[: self._last], steps_per_m)

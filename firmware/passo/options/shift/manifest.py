@@ -53,8 +53,8 @@ def prepare(board):
         raise BoardError("tool.active: a frame of zeros would switch the tool on; it has to be 1 with shift")
     for axis in board["axes"]:
         for pin in axis["pins"]:
-            _want(pin, "axis %s" % axis["name"])
-    _want(board["tool"]["pin"], "tool")
+            _want_bit(pin, "axis %s" % axis["name"])
+    _want_bit(board["tool"]["pin"], "tool")
     drive["setup_us"] = -(-drive["setup_us"] // FRAME_US) * FRAME_US  # whole frames: rounding shortens nothing
     board["additions"].parts["bank"] = "passo.options.shift.port_esp32"
     longest_us = longest_pulse_us(board) // FRAME_US * FRAME_US
@@ -71,7 +71,7 @@ def claims(board):
     return pins + ([(section["enable"], "shift.enable")] if section["enable"] >= 0 else [])
 
 
-def _want(pin, who):
+def _want_bit(pin, who):
     if not has_bit(pin):
         last = REGISTER_BIT + OUTPUTS - 1
         raise BoardError("%s: with shift it is on an output of the register, %d … %d, not %r" % (who, REGISTER_BIT, last, pin))

@@ -25,7 +25,7 @@ class ShiftBank:
         outputs = [pin - REGISTER_BIT for pin in pins]
         self.player = I2sPlayer(ring, layout, outputs, pulse_ticks, invert, self._section, self._psram)
         for pin in self._pins:
-            pin.show()
+            pin.show_level()
         return self.player
 
     def exchange(self, *_):
@@ -44,9 +44,9 @@ class ShiftPin:
 
     def value(self, level):
         self.level = level
-        self.show()
+        self.show_level()
 
-    def show(self):
+    def show_level(self):
         player = self._bank.player
         if player is not None:
             player.output(self._number, self.level)

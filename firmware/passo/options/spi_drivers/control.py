@@ -20,7 +20,7 @@ _AGAIN_MS = const(20)
 class Motors(drives.Motors):
     _kept = False  # whether those that are set up anew have been so all the while
 
-    def _open(self, config):
+    def _open_line(self, config):
         self._config = config
         self._line = self._machine.port.make("spi_drivers", config)
         self._registers = [chip.registers(motor, config) for motor in self._motors]
@@ -29,19 +29,19 @@ class Motors(drives.Motors):
             pin = self._motors[number]["cs"]
             self._chains[pin] = [number] + self._chains.get(pin, [])
 
-    def _turn(self, now_ms):
+    def _poll_driver(self, now_ms):
         if (now_ms - self._due_ms) & COUNT_MASK >= COUNT_HALF:
             return
-        if not (self._see(now_ms) if self.ready() else self._set_up()):
+        if not (self._check_driver(now_ms) if self.ready() else self._set_up()):
             self._tries += 1
             self._due_ms = now_ms + _AGAIN_MS
             if self._tries == ASKS:
-                self._number = self._silent()
-                self._fail(errors.ALARM_DRIVER_SILENT, "no answer")
+                self._number = self._silent_driver()
+                self._raise_alarm(errors.ALARM_DRIVER_SILENT, "no answer")
         else:
             self._tries = 0
 
-    def _send(self, data):
+    def _send_datagram(self, data):
         """Return the driver's answer to the datagram before; the others of its chain are asked for their version."""
         pin = self._motors[self._number]["cs"]
         sent = b""
@@ -51,7 +51,7 @@ class Motors(drives.Motors):
         self._found = found = self._line.exchange(pin, sent)
         return found[at] << 24 | found[at + 1] << 16 | found[at + 2] << 8 | found[at + 3]
 
-    def _silent(self):
+    def _silent_driver(self):
         """The number of the driver that is silent: of a chain the one nearest to `rx` of which nothing came. Replies of those before it cannot come through."""
         chain = self._chains[self._motors[self._number]["cs"]]
         for index in range(len(chain)):
@@ -60,53 +60,53 @@ class Motors(drives.Motors):
                 return chain[index]
         return self._number
 
-    def _read(self, register):
+    def _read_register(self, register):
         """The register; None if the chip does not say its version behind it."""
-        self._send(chip.datagram(register))
-        found = self._send(chip.datagram(chip.IOIN))
-        version = self._send(chip.datagram(chip.IOIN)) >> 24
+        self._send_datagram(chip.datagram(register))
+        found = self._send_datagram(chip.datagram(chip.IOIN))
+        version = self._send_datagram(chip.datagram(chip.IOIN)) >> 24
         return found if version in chip.VERSIONS.values() or register == chip.IOIN and version not in (0, 255) else None
 
     def _set_up(self):
         """Set the driver up. True if it has answered."""
-        found = self._read(chip.IOIN)
+        found = self._read_register(chip.IOIN)
         if found is None:
             return False
         name = self._config["chip"]
         rows = self._registers[self._number]
         if found >> 24 != chip.VERSIONS[name]:
-            self._fail(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
+            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "version %02x" % (found >> 24))
             return True
         if name == "tmc5160" and not found & chip.STEPS:
-            self._fail(errors.ALARM_DRIVER_DIFFERS, "SD_MODE is low")
+            self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "SD_MODE is low")
             return True
-        state = self._read(chip.GSTAT)  # a TMC2130 forgets that it was reset
+        state = self._read_register(chip.GSTAT)  # a TMC2130 forgets that it was reset
         if state is None:
             return False
-        if self._kept and not self._powered(state):
+        if self._kept and not self._check_power(state):
             return True
         for register, number in rows:
-            self._send(chip.datagram(register, number))
-            if self._send(chip.datagram(chip.IOIN)) != number:
+            self._send_datagram(chip.datagram(register, number))
+            if self._send_datagram(chip.datagram(chip.IOIN)) != number:
                 return False
         for register, number in rows[-2:]:
-            found = self._read(register)
+            found = self._read_register(register)
             if found is None:
                 return False
             if found != number:
-                self._fail(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (register, found, number))
+                self._raise_alarm(errors.ALARM_DRIVER_DIFFERS, "register %02x is %x, not %x" % (register, found, number))
                 return True
         self._set += 1
         self._number = self._set % len(self._motors)
         return True
 
-    def _see(self, now_ms):
+    def _check_driver(self, now_ms):
         """Look at a driver that is set up. True if it has answered."""
-        self._send(chip.datagram(chip.GSTAT))
-        state = self._send(chip.datagram(chip.DRV_STATUS))
-        status = self._send(chip.datagram(chip.IOIN))
-        if self._send(chip.datagram(chip.IOIN)) >> 24 not in chip.VERSIONS.values():
+        self._send_datagram(chip.datagram(chip.GSTAT))
+        state = self._send_datagram(chip.datagram(chip.DRV_STATUS))
+        status = self._send_datagram(chip.datagram(chip.IOIN))
+        if self._send_datagram(chip.datagram(chip.IOIN)) >> 24 not in chip.VERSIONS.values():
             return False
-        if self._powered(state):
-            self._judge(chip.faults(status), now_ms)
+        if self._check_power(state):
+            self._judge_status(chip.faults(status), now_ms)
         return True

@@ -20,10 +20,10 @@ _PUSH = const(0x3000)  # and push and pull, active high
 class Motors(stall_drives.Motors, spi_drives.Motors):
     _stealth = False
     # MicroPython looks for a method in all that the first class is made of, and then in the second.
-    _open = spi_drives.Motors._open
-    _turn = spi_drives.Motors._turn
+    _open_line = spi_drives.Motors._open_line
+    _poll_driver = spi_drives.Motors._poll_driver
 
-    def _rows(self, motor, feels):
+    def _register_rows(self, motor, feels):
         rows = chip.registers(motor, self._config)
         if motor["axis"] not in self._stalls:
             return rows

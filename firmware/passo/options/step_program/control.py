@@ -27,16 +27,16 @@ class StepProgramPlayer(StepProgramOrders):
         self._drives = False  # as the program or the operator left them
         self._without = None  # the start of a walk for which no motor has current
         machine.job = CountedJob()
-        machine.job.progress = self.progress
+        machine.job.progress = self.write_progress
         self._dropped = False  # at its stand, and not yet cleared
 
-    def _stand(self):
-        StepProgramOrders._stand(self)
+    def _clear_state(self):
+        StepProgramOrders._clear_state(self)
         self._held = IDLE  # the mode that the machine's hold has interrupted
         self._from = 0  # the start of the walk under way
 
     def handlers(self):
-        return {commands.STEP_PROGRAM: self._do, commands.STEP_PROGRAM_ADD: self._add}
+        return {commands.STEP_PROGRAM: self._do_order, commands.STEP_PROGRAM_ADD: self._do_add}
 
     def active(self):
         return self._mode != IDLE or self._midway or self._start_ms is not None
@@ -49,39 +49,39 @@ class StepProgramPlayer(StepProgramOrders):
 
     def heed(self, what):
         if what & WORK_GONE:
-            self._forget()
+            self._forget_motion()
         if what & QUEUE_GONE and self._mode != IDLE:  # the stand came behind poll(), and the walk is off the queue
             self._next = None
-            self._off(self._mode)
-            self._drop()
+            self._leave_walk(self._mode)
+            self._drop_at_stand()
 
-    def _forget(self):
+    def _forget_motion(self):
         """All motion has been dropped, or is to be at its stand: back to the program's start; streamed items are forgotten."""
         if self._machine.dropping and self._mode != IDLE:
-            self._next = self._drop
+            self._next = self._drop_at_stand
             return
         self._power_back()
         if self._streaming or self.program.open:
-            self._reset()
+            self._reset_program()
         self._walker.rewind()
         self._walker.pause(self._least_ticks)
-        self._stand()
+        self._clear_state()
 
-    def _drop(self):
+    def _drop_at_stand(self):
         """At the stand; the journal has a cycle to look where that is."""
         self._queue.rest(False)
         self._dropped = self._machine.awake = True
 
-    def _fail(self):
+    def _fail_program(self):
         """Forget a stored program; stop a streamed one, the tool off."""
         if not self._streaming:
-            self._reset()
+            self._reset_program()
             return
         self.program.expect(False)
         self._at_stand(self._give_up)
 
     def _give_up(self):
-        self._reset()
+        self._reset_program()
         self._queue.rest(False)
 
     # --- walking
@@ -113,15 +113,15 @@ class StepProgramPlayer(StepProgramOrders):
         self._queue.hold(False)
         self._held = IDLE
 
-    def _start(self, backward=False, most=ENDLESS):
+    def _start_walk(self, backward=False, most=ENDLESS):
         self._backward = backward
         self._most = most
         self._from = self._walker.index
         if backward and self._powers and not self._drives and not self._barred:
             self._set_drives(True)  # as on the way forward, but for the part before the program's first [
-        self._walk(self._walker, RUN, backward, most)
+        self._begin_walk(self._walker, RUN, backward, most)
 
-    def _walk(self, walker, mode, backward, most=ENDLESS):
+    def _begin_walk(self, walker, mode, backward, most=ENDLESS):
         self._mode = mode
         self._start_ms = None
         self._midway = self._midway or mode == RUN
@@ -139,38 +139,38 @@ class StepProgramPlayer(StepProgramOrders):
             machine.awake = True
         if self._dropped:
             self._dropped = False
-            self._forget()
+            self._forget_motion()
             return
         if self._held and not machine.hold:  # resumed by a button
             if self._held == RETURN:
                 self._go_back(self._backward)
             elif self._held == RUN:
-                self._start(self._backward)
+                self._start_walk(self._backward)
             self._held = IDLE
             return
         if self._mode == IDLE:
-            if self._start_ms is not None and not machine.hold and self._gathered():
-                self._start()
+            if self._start_ms is not None and not machine.hold and self._has_gathered():
+                self._start_walk()
             return
         if self._next is not None or machine.hold:
             if self._queue.standing():
-                self._take()
+                self._take_off()
         elif self._queue.still():
             self._queue.settle()
-            self._arrive()
+            self._finish_walk()
 
-    def _gathered(self):
+    def _has_gathered(self):
         """True when enough of a stream has come to set out, or has been waited for."""
         waited = (self._machine.port.machine_ms() - self._start_ms) & COUNT_MASK < COUNT_HALF
         return waited or not self.program.open or self.program.total >= _GATHER
 
-    def _take(self):
+    def _take_off(self):
         """At the stand of a hold: take the walk off the queue."""
         mode = self._mode
         lit = self._queue.lit()
         self._queue.drop()
         self._queue.tool = lit
-        self._off(mode)
+        self._leave_walk(mode)
         action = self._next
         self._next = None
         if action is not None:
@@ -180,7 +180,7 @@ class StepProgramPlayer(StepProgramOrders):
             self._held = mode
             self._queue.hold(True)
 
-    def _off(self, mode):
+    def _leave_walk(self, mode):
         self._mode = IDLE
         self._power_back()
         if mode == RUN:
@@ -188,18 +188,18 @@ class StepProgramPlayer(StepProgramOrders):
         else:
             self._hand.cut()
 
-    def _arrive(self):
+    def _finish_walk(self):
         """A walk has been played to its end."""
         mode = self._mode
         self._mode = IDLE
         self._power_back()
         if mode == HAND:
             if not self._hand.at_end():
-                self._move()
+                self._walk_by_hand()
         elif mode == RETURN:
             self._forget_moves()
             if not self._asked:
-                self._start(self._backward)
+                self._start_walk(self._backward)
         else:
             self._queue.tool = self._walker.tool
             self._left_at = self._queue.target[:]
@@ -211,28 +211,28 @@ class StepProgramPlayer(StepProgramOrders):
         station = None if self._backward or done else walker.pass_station()
         if station == ASK:
             self._asked = True
-            self._tell("speed")
+            self._tell_end("speed")
             return
         if station is not None:
             self._set_drives(station == DRIVES_ON)
         if walker.at_start() if self._backward else walker.at_end():
-            self._end()
+            self._end_program()
         else:
             self._go_along()
 
     def _go_along(self):
         """On, unless it was a single step."""
         if self._most == ENDLESS:
-            self._start(self._backward)
+            self._start_walk(self._backward)
 
-    def _end(self):
+    def _end_program(self):
         program = self.program
         if self._backward:
             forgotten = program.start != 0  # the items streamed first
             self._midway = forgotten and program.open
             if self._powers and not forgotten:
                 self._set_drives(False)
-            self._tell("oldest" if forgotten else "start")
+            self._tell_end("oldest" if forgotten else "start")
         elif program.open:
             self._go_along()
         elif self._pass < self._passes:
@@ -241,9 +241,9 @@ class StepProgramPlayer(StepProgramOrders):
             self._go_along()
         else:
             self._midway = self._streaming = False
-            self._tell("end")
+            self._tell_end("end")
 
-    def _tell(self, what):
+    def _tell_end(self, what):
         self._machine.tell(Event(FINISHED, self._command, 0, what))
 
     # --- for the status report

@@ -71,7 +71,7 @@ class StepProgramOrders(Feature):
         self._origin = [0] * axes  # the position at the program's start
         self._command = None  # to be answered when the program's end, or its start, is reached
         self._barred = False  # the operator wants no current: no move by hand switches the drives on
-        self._reset()
+        self._reset_program()
 
     def _take_settings(self):
         settings = self._machine.settings
@@ -89,16 +89,16 @@ class StepProgramOrders(Feature):
             before = self._lengths[:], self._least_ticks, self._default
             self._take_settings()
             if before != (self._lengths, self._least_ticks, self._default):
-                self._reset()
+                self._reset_program()
 
-    def _reset(self, ring=False):
+    def _reset_program(self, ring=False):
         self.program.clear(self._default, ring)
         self._walker.rewind()
-        self._stand()
+        self._clear_state()
         self._streaming = False
         self._powers = False  # the program switches the drives on somewhere
 
-    def _stand(self):
+    def _clear_state(self):
         """Nothing is under way, and there are no manual moves to go back."""
         self._mode = IDLE
         self._start_ms = None  # when what is streamed is to set out at the latest
@@ -115,11 +115,11 @@ class StepProgramOrders(Feature):
         self._manual.clear(self._default)
         self._hand.rewind()
 
-    def _add(self, command):
+    def _do_add(self, command):
         """STEP_PROGRAM_ADD."""
-        return (self._open, self._items, self._close, self._abort)[command.value](command)
+        return (self._open_program, self._add_items, self._close_program, self._abort_program)[command.value](command)
 
-    def _open(self, command):
+    def _open_program(self, command):
         machine = self._machine
         if self._streaming and self.active() and not self.program.open:
             return LATER
@@ -132,14 +132,14 @@ class StepProgramOrders(Feature):
         job = machine.job
         job.counting = job.announced  # else it is not the program that the journal knows
         job.announced = False
-        self._reset(command.tool)
+        self._reset_program(command.tool)
         self._streaming = command.tool
         self.program.expect(True)
         self._origin = self._queue.target[:]
         self._command = command
         return machine.accepted(command)
 
-    def _items(self, command):
+    def _add_items(self, command):
         program = self.program
         if not program.open:
             return errors.NO_STEP_PROGRAM
@@ -149,19 +149,19 @@ class StepProgramOrders(Feature):
             return LATER
         at = program.extend(items, 0)
         while at < len(items):
-            if not self._append(items[at]):
-                self._reset()
+            if not self._append_item(items[at]):
+                self._reset_program()
                 return errors.STEP_PROGRAM_FULL
             at = program.extend(items, at + 1)
         if self._streaming:
-            if not self._reachable():
-                self._fail()
+            if not self._is_reachable():
+                self._fail_program()
                 return errors.TRAVEL
             if not self.active():
                 self._start_ms = self._machine.port.machine_ms() + _GATHER_MS
         return self._machine.accepted(command)
 
-    def _append(self, item):
+    def _append_item(self, item):
         """Add an item of the shared vocabulary (commands.STEPS_…) to the program; of runs only where there is no room."""
         if item & 15:
             return False
@@ -181,7 +181,7 @@ class StepProgramOrders(Feature):
         self._powers = self._powers or station == DRIVES_ON
         return self.program.append(marks.mark(marks.STATION, station))
 
-    def progress(self, spot):
+    def write_progress(self, spot):
         """For the journal: see job_journal.py. False if nothing of the program has been played."""
         walker = self._walker
         index = walker.index
@@ -199,7 +199,7 @@ class StepProgramOrders(Feature):
             spot[SPOT_AXES + axis] = at[axis]
         return True
 
-    def _reachable(self):
+    def _is_reachable(self):
         machine = self._machine
         if not machine.homed or not machine.settings.value(table.SOFT_LIMITS):
             return True
@@ -212,52 +212,52 @@ class StepProgramOrders(Feature):
                     return False
         return True
 
-    def _close(self, command):
+    def _close_program(self, command):
         if not self.program.open:
             return errors.NO_STEP_PROGRAM
         self.program.expect(False)
         if self._streaming and not self.active():
             self._streaming = False
-            self._tell("end")
+            self._tell_end("end")
         return self._machine.accepted(command, self.program.total)
 
-    def _abort(self, command):
+    def _abort_program(self, command):
         """The rest makes no sense: forget a stored program, stop a streamed one."""
-        self._fail()
+        self._fail_program()
         return command.error
 
     # --- orders
 
-    def _do(self, command):
+    def _do_order(self, command):
         """STEP_PROGRAM."""
         verb = command.value
         self._follow_settings()
         if self._mode == IDLE and not self._queue.still():
             return errors.BUSY
         if verb == commands.STEPS_PACE:
-            return self._pace(command)
+            return self._set_pace(command)
         if verb == commands.STEPS_PASSES:
             return self._set_passes(command)
         refusal = self._machine.unready()
         if refusal:
             return refusal
         if verb == commands.STEPS_JOG:
-            return self._jog(command)
+            return self._do_jog(command)
         if verb in (commands.STEPS_HAND_TOOL, commands.STEPS_HAND_DRIVES):
-            return self._switch(command)
+            return self._switch_by_hand(command)
         if self.program.open and not self._streaming or not self.program.total:
             return errors.NO_STEP_PROGRAM
         if verb == commands.STEPS_RETURN:
-            return self._return(command)
+            return self._do_return(command)
         if verb == commands.STEPS_CONTINUE and self._mode == RUN:
             return errors.BUSY
-        return self._go(command)
+        return self._do_go(command)
 
-    def _go(self, command):
+    def _do_go(self, command):
         """STEPS_GO, STEPS_STEP, STEPS_CONTINUE: `tool` says backward, `power` how many times (0: as set)."""
         if self._mode == RETURN:
             return errors.BUSY
-        if self._moved_by_hand() and command.value != commands.STEPS_CONTINUE:
+        if self._has_moved_by_hand() and command.value != commands.STEPS_CONTINUE:
             return errors.RETURN_OR_CONTINUE
         if (self._streaming or self.program.start) and command.power > 1:
             return errors.NO_STEP_PROGRAM
@@ -277,29 +277,29 @@ class StepProgramOrders(Feature):
             self._passes = command.power
         origin = self._origin
         forgotten = self.program.start and not self._midway
-        if self._mode == IDLE and (forgotten or self._moved_by_hand()):  # the rest of the program lies elsewhere now
+        if self._mode == IDLE and (forgotten or self._has_moved_by_hand()):  # the rest of the program lies elsewhere now
             target = self._queue.target
             self._origin = [at + to - was for at, to, was in zip(origin, target, self._left_at)]
-        if (origin is not self._origin or self._walker.at_start()) and not self._reachable():
+        if (origin is not self._origin or self._walker.at_start()) and not self._is_reachable():
             self._origin = origin
             return errors.TRAVEL
         self._command = command
-        if not (self._mode == RUN and backward == self._backward and most == self._most and not self._pausing()):
+        if not (self._mode == RUN and backward == self._backward and most == self._most and not self._is_pausing()):
             self._asked = False
             self._at_stand(lambda: self._go_on(backward, most))
         return self._machine.accepted(command)
 
     def _go_on(self, backward, most):
         self._forget_moves()
-        self._start(backward, most)
+        self._start_walk(backward, most)
 
-    def _pausing(self):
+    def _is_pausing(self):
         return self._next is not None or bool(self._machine.hold)
 
-    def _moved_by_hand(self):
+    def _has_moved_by_hand(self):
         return self._midway and self._hand.index != 0
 
-    def _return(self, command):
+    def _do_return(self, command):
         if self._mode in (RUN, RETURN):
             return errors.BUSY
         if not self._midway:
@@ -316,12 +316,12 @@ class StepProgramOrders(Feature):
         self._most = ENDLESS
         self._hand.tool = False
         self._set_drives(True)
-        self._walk(self._hand, RETURN, True)
+        self._begin_walk(self._hand, RETURN, True)
 
-    def _jog(self, command):
+    def _do_jog(self, command):
         """`target`: steps of each axis, one axis after the other."""
         machine = self._machine
-        if self._mode not in (IDLE, HAND) or self._pausing() and self._mode == HAND or machine.state not in ("idle", "run", "hold"):
+        if self._mode not in (IDLE, HAND) or self._is_pausing() and self._mode == HAND or machine.state not in ("idle", "run", "hold"):
             return errors.BUSY
         if self._barred:
             return errors.DRIVES_OFF
@@ -340,15 +340,15 @@ class StepProgramOrders(Feature):
                 return errors.STEP_PROGRAM_FULL
         queue.lead(position)
         if self._mode == IDLE:
-            self._at_stand(self._move)
+            self._at_stand(self._walk_by_hand)
         return machine.accepted(command)
 
-    def _move(self):
+    def _walk_by_hand(self):
         self._hand.tool = self._hand_tool
         self._set_drives(True)
-        self._walk(self._hand, HAND, False)
+        self._begin_walk(self._hand, HAND, False)
 
-    def _switch(self, command):
+    def _switch_by_hand(self, command):
         """The tool or the drives by hand, at a stand."""
         if self._mode != IDLE:
             return errors.BUSY
@@ -360,7 +360,7 @@ class StepProgramOrders(Feature):
             self._queue.rest(self._hand_tool)
         return self._machine.accepted(command)
 
-    def _pace(self, command):
+    def _set_pace(self, command):
         """`feed` mm/min, from now on to the next speed of the program; it ends the wait for the operator's speed."""
         if command.feed < 1:
             return errors.SPEED_RANGE
@@ -369,8 +369,8 @@ class StepProgramOrders(Feature):
         if self._asked:
             self._asked = False
             self.program.correct_speed(self._walker.cell, speed)
-            if not self._moved_by_hand():
-                self._at_stand(self._start)
+            if not self._has_moved_by_hand():
+                self._at_stand(self._start_walk)
         return self._machine.accepted(command)
 
     def _set_passes(self, command):

@@ -22,9 +22,9 @@ def rewrite(board):
     section = board["step_program"]
     if not isinstance(section, dict) or "port_pins" not in section:
         return board, None
-    from passo.options.step_program.manifest_port_pins import applied
+    from passo.options.step_program.manifest_port_pins import apply_pins
 
-    return applied(board)
+    return apply_pins(board)
 
 
 def check(board):

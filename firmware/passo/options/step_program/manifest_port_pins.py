@@ -7,7 +7,7 @@ pulse, Y dir, X pulse, X dir, tool), "-" on none; `port_invert` is the mask of t
 pins of axes, tool and the output `enable`; polarities there count as before, and are inverted by `port_invert`. A disabled bit has a line
 that is left over, which stays low.
 
-    board, masks = applied(board)       # a raw board file; masks: of a word's levels
+    board, masks = apply_pins(board)    # a raw board file; masks: of a word's levels
 
 `inverted` and `muted` are masks of a step word's levels (passo/steps/wiring.py).
 """
@@ -18,14 +18,14 @@ _DRIVES = 7
 _LINES = "01234567"
 
 
-def applied(board):
+def apply_pins(board):
     """(a copy of a raw board file with its pins by lines, {"inverted": mask, "muted": mask}). Raises BoardError."""
     board = dict(board)
     section = board["step_program"] = dict(board["step_program"])
     pins = section.pop("port_pins")
     bits = section.get("port_bits", "76543210")
     invert = section.get("port_invert", 0)
-    _check(board, pins, bits, invert)
+    _check_pins(board, pins, bits, invert)
     free = [line for line in _LINES if line not in bits]
     line_of = [bits[7 - bit] if bits[7 - bit] != "-" else free.pop(0) for bit in range(8)]
     pin_of = [pins[int(line)] for line in line_of]
@@ -50,7 +50,7 @@ def applied(board):
     return board, masks
 
 
-def _check(board, pins, bits, invert):
+def _check_pins(board, pins, bits, invert):
     where = "step_program.port_pins: "
     drive = board.get("drive")
     if not isinstance(drive, dict) or drive.get("kind", "step_dir") != "step_dir":

@@ -96,14 +96,14 @@ class StepProgram:
         if kind == SPEED:
             if not self._make_room(2):
                 return False
-            self._put(mark(WAS, self.speed))
+            self._put_item(mark(WAS, self.speed))
             self.speed = item >> 8
         elif not self._make_room(1):
             return False
         if kind == TOOL:
             item |= self.tool << 9
             self.tool = item >> 8 & 1
-        self._put(item)
+        self._put_item(item)
         self.total = (self.total + 1) & COUNT_MASK
         return True
 
@@ -156,7 +156,7 @@ class StepProgram:
             self.first = (self.first + 1) & COUNT_MASK
         return True
 
-    def _put(self, item):
+    def _put_item(self, item):
         self.items[self.end & self.mask] = item
         self.end = (self.end + 1) & COUNT_MASK
 

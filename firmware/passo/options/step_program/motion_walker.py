@@ -88,7 +88,7 @@ class StepProgramWalker:
         if lit is not None and lit != self.tool and self.gap < self._tool_ticks[self.tool]:
             self.gap = self._tool_ticks[self.tool]
         if not self.wait_ms:
-            self._arrive()
+            self._go_to_next()
 
     def pass_station(self):
         """Go past the STATION the walk has come to, and return its value; None if there is none."""
@@ -143,7 +143,7 @@ class StepProgramWalker:
     def ready(self):  # ISR: no allocation
         """True unless the walk has to wait for more to come."""
         if self._dry:
-            self._arrive()
+            self._go_to_next()
         return not self._dry or self.gap > 0
 
     @micropython.native
@@ -159,29 +159,29 @@ class StepProgramWalker:
                 gap = _PIECE if gap >= 2 * _PIECE else gap >> 1
             self.gap -= gap
             if not self.gap and not self.wait_ms:
-                self._arrive()
-            return self._stand(words, at, gap, base, bits)
+                self._go_to_next()
+            return self._write_pause(words, at, gap, base, bits)
         if self.wait_ms:
             part = self.wait_ms if self.wait_ms < _PIECE_MS else _PIECE_MS
             self.wait_ms -= part
             if not self.wait_ms:
                 self._step_over()
-                self._arrive()
-            return self._stand(words, at, part * TICKS_PER_MS, base, bits)
+                self._go_to_next()
+            return self._write_pause(words, at, part * TICKS_PER_MS, base, bits)
         if not self.left or self._dry:
             return 0
-        return self._steps(words, at, room, base, bits)
+        return self._write_steps(words, at, room, base, bits)
 
     @micropython.native
-    def _stand(self, words, at, ticks, base, bits):  # ISR: no allocation
+    def _write_pause(self, words, at, ticks, base, bits):  # ISR: no allocation
         words[at] = ticks << bits | base
         self.ticks = ticks
         return 1
 
     @micropython.native
-    def _steps(self, words, at, room, base, bits):  # ISR: no allocation
+    def _write_steps(self, words, at, room, base, bits):  # ISR: no allocation
         """The words of as many steps as fit into `room` and a segment. Long, because runs may be short: each call would cost a
-        run of one step 15 µs, so all is kept in locals, and _arrive() is left for the end."""
+        run of one step 15 µs, so all is kept in locals, and _go_to_next() is left for the end."""
         program = self.program
         items = program.items
         cells = program.mask
@@ -262,7 +262,7 @@ class StepProgramWalker:
         self.negative = negative
         self.ticks = ticks
         if not togo or not (done if backward else (items[cell & cells] >> 8) - done):
-            self._arrive()
+            self._go_to_next()
         return count
 
     @micropython.native
@@ -278,7 +278,7 @@ class StepProgramWalker:
             self._togo -= 1
 
     @micropython.native
-    def _arrive(self):  # ISR: no allocation
+    def _go_to_next(self):  # ISR: no allocation
         """From the end of an item go on, over all marks that take no time, to the next run or wait, or to the end."""
         program = self.program
         items = program.items
@@ -322,11 +322,11 @@ class StepProgramWalker:
                 if self.backward:
                     self.negative ^= self.moving
                 return
-            if self._pass(item >> 4 & 15, item >> 8):
+            if self._pass_mark(item >> 4 & 15, item >> 8):
                 return
 
     @micropython.native
-    def _pass(self, kind, value):  # ISR: no allocation
+    def _pass_mark(self, kind, value):  # ISR: no allocation
         """Deal with a mark; True if the walk stays before it for now."""
         if kind == TOOL:
             tool = (value >> 1 if self.backward else value) & 1

@@ -50,11 +50,11 @@ class Tachometer(SpindleSpeed):
         if (now_ms - self._looked_ms) & COUNT_MASK < PERIOD_MS:
             return
         self._looked_ms = now_ms
-        self._measure(now_ms)
+        self._measure_rpm(now_ms)
         if wanted and (self.falls_behind(1000 * self.rpm, wanted) or self.late(now_ms)):
             machine.raise_alarm(errors.ALARM_SPINDLE_SPEED, "spindle at %d rpm" % self.rpm)
 
-    def _measure(self, now_ms):
+    def _measure_rpm(self, now_ms):
         count = self._pulses.count()
         came = (count - self._count) & COUNT_MASK
         if came:

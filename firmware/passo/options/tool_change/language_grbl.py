@@ -60,34 +60,34 @@ class ToolChange:
         below = here if way == 1 else self._sensor
         top = [self._top]
         down = [max(self._top - value(_DISTANCE) * 1000, self._bottom)]
-        gcode._prepare(0, 0, 0, 0, 5, 0)
+        gcode._set_shared(0, 0, 0, 0, 5, 0)
         made += [Command(commands.SPINDLE, value=5), Command(commands.COOLANT)]
-        made += self._go(gcode, here + top)
+        made += self._go_by(gcode, here + top)
         if way != 1:
-            made += self._go(gcode, (self._at if way == 3 else below) + top)
+            made += self._go_by(gcode, (self._at if way == 3 else below) + top)
         made.append(Command(commands.PAUSE, value=1 + tool))
         if way == 3:
-            made += self._go(gcode, below + top)
-        made += self._go(gcode, below + down, commands.PROBE, value(_SEEK) * 1000 // 60)
-        made += self._go(gcode, below + top, commands.PROBE, value(_LOCATE) * 1000 // 60)
+            made += self._go_by(gcode, below + top)
+        made += self._go_by(gcode, below + down, commands.PROBE, value(_SEEK) * 1000 // 60)
+        made += self._go_by(gcode, below + top, commands.PROBE, value(_LOCATE) * 1000 // 60)
         made[-1].value = _AWAY
         made[-1].measures = True
-        made += self._go(gcode, below + top)
+        made += self._go_by(gcode, below + top)
         if way == 1:
             made.append(Command(commands.PAUSE))
         else:
-            made += self._go(gcode, here + top)
+            made += self._go_by(gcode, here + top)
         if coolant:
             made.append(Command(commands.COOLANT, value=coolant))
         if spindle != 5:
             made.append(gcode._spindle_command(spindle, rpm, 0))
-        gcode.commands = []  # _move() has put the motions there
+        gcode.commands = []  # _add_motion() has put the motions there
         gcode._moves = new_moves()
         gcode.position = here + top
         gcode._steps = list(gcode._to_steps(gcode.position))
 
-    def _go(self, gcode, target, kind=commands.LINE, feed=0):
+    def _go_by(self, gcode, target, kind=commands.LINE, feed=0):
         """[a motion]."""
-        command = gcode._go(kind, target, feed)
+        command = gcode._go_to(kind, target, feed)
         command.value = 0
         return [command]

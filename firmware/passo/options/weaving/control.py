@@ -22,10 +22,10 @@ class Weaving(Program):
 
     def handlers(self):
         handlers = Program.handlers(self)
-        handlers.update({commands.WEAVE: self._set, commands.SEAM: self._seam})
+        handlers.update({commands.WEAVE: self._set_spec, commands.SEAM: self._do_seam})
         return handlers
 
-    def _set(self, command):
+    def _set_spec(self, command):
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
@@ -36,7 +36,7 @@ class Weaving(Program):
         self._spec = command.value
         return machine.accepted(command)
 
-    def _seam(self, command):
+    def _do_seam(self, command):
         """One seam, from rest."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
@@ -75,7 +75,7 @@ class Weaving(Program):
             return True
         start = self._queue.target
         try:
-            seam = self._woven(command)
+            seam = self._make_woven(command)
         except ValueError:
             return True  # its motion will be refused for that
         for corner in seam.corners():
@@ -86,10 +86,10 @@ class Weaving(Program):
     def _queue_otherwise(self, command, ticks):
         if self._spec is None or not command.feed or ticks or command.kind not in (commands.LINE, commands.ARC):
             return False
-        self._queue.follow(self._woven(command), command)
+        self._queue.follow(self._make_woven(command), command)
         return True
 
-    def _woven(self, command):
+    def _make_woven(self, command):
         """The Woven of a line or an arc. Raises ValueError."""
         plane, circle = (0, 1), None
         if command.kind == commands.ARC:

@@ -78,15 +78,15 @@ class Woven:
             self._way = across
             length = isqrt(across[0] * across[0] + across[1] * across[1])
         else:
-            length = self._bend(across, *circle)
+            length = self._take_arc(across, *circle)
         if not length:
             raise ValueError("no seam in the plane")
         self._length = length
         pitch *= _NM_PER_UM
         self._pitches = max((length + pitch // 2) // pitch, 1)
-        self._points = self._sine() if shape == SINE else _POINTS[shape]
+        self._points = self._sine_points() if shape == SINE else _POINTS[shape]
         self._of_pitch = self._points[-1][0]
-        self._nm_s = self._pace(nm_s) if along else nm_s or 1  # along the path
+        self._nm_s = self._path_speed(nm_s) if along else nm_s or 1  # along the path
         longest = max(length // self._pitches, 4 * self._amplitude) * TICKS_PER_S // self._nm_s
         if longest > COUNT_MASK:
             raise ValueError("pieces of more than 43 s")
@@ -97,7 +97,7 @@ class Woven:
         self._from = 0, 0  # (parts of the whole seam, offset) of the point before
         self._before = [0] * len(deltas)
 
-    def _bend(self, end, centre, clockwise, turns, over_half):
+    def _take_arc(self, end, centre, clockwise, turns, over_half):
         """Take an arc's measures; returns its length."""
         steps_per_m = self._steps_per_m
         plane = self._a, self._b
@@ -119,14 +119,14 @@ class Woven:
         self._radius = radius
         self._sweep = sweep
         self._arm = x, y
-        last_x, last_y = self._turned(sweep)
+        last_x, last_y = self._turn_arm(sweep)
         self._off = to_x - last_x, to_y - last_y
         return arc_length(radius, sweep)
 
-    def _turned(self, angle):
+    def _turn_arm(self, angle):
         return rotate(self._arm[0], self._arm[1], -angle if self._clockwise else angle)
 
-    def _sine(self):
+    def _sine_points(self):
         """The points of a sine's pitch: enough to keep chords within ¼ step of it."""
         finest = max(self._steps_per_m[self._a], self._steps_per_m[self._b])
         steps = self._amplitude * finest // NM_PER_M + 1
@@ -138,19 +138,19 @@ class Woven:
         points[-1] = count, 0, False
         return points
 
-    def _offset(self, side):
+    def _offset_nm(self, side):
         """nm to the left of the seam, of a point's second field."""
         return self._amplitude * side // _PEAK
 
-    def _pace(self, nm_s):
+    def _path_speed(self, nm_s):
         """The speed along the path, for one along the seam."""
         pitch = self._length // self._pitches
         path = at = beside = 0
         for along, side, _ in self._points:
             way = (along - at) * pitch // self._of_pitch
-            over = self._offset(side) - beside
+            over = self._offset_nm(side) - beside
             path += isqrt(way * way + over * over)
-            at, beside = along, self._offset(side)
+            at, beside = along, self._offset_nm(side)
         return nm_s * path // pitch or 1
 
     def corners(self):
@@ -158,7 +158,7 @@ class Woven:
         whole = self._pitches * self._of_pitch
         for pitch in range(self._pitches):
             for along, side, _ in self._points:
-                yield self._position(pitch * self._of_pitch + along, whole, self._offset(side))
+                yield self._position_at(pitch * self._of_pitch + along, whole, self._offset_nm(side))
 
     def add(self, planner):
         """Queue the next piece: a chord, or the dwell behind it. One too short for a step is none."""
@@ -166,20 +166,20 @@ class Woven:
             ms, self._dwell = self._dwell, 0
             planner.wait(ms * TICKS_PER_MS, self._tool, self._tag)
         else:
-            self._chord(planner)
+            self._queue_chord(planner)
         if self._pitch == self._pitches and not self._dwell:
             self.left = 0
             if self.flush:
                 planner.flush()
 
-    def _chord(self, planner):
+    def _queue_chord(self, planner):
         along, side, dwells = self._points[self._point]
         to = self._pitch * self._of_pitch + along
-        offset = self._offset(side)
+        offset = self._offset_nm(side)
         since, beside = self._from
-        parts = self._parts(to - since)
+        parts = self._count_chords(to - since)
         self._part += 1
-        here = self._position(
+        here = self._position_at(
             since * parts + (to - since) * self._part, self._pitches * self._of_pitch * parts,
             beside + (offset - beside) * self._part // parts,
         )  # fmt: skip
@@ -188,9 +188,9 @@ class Woven:
         ticks = length_nm(deltas, self._steps_per_m) * TICKS_PER_S // self._nm_s
         planner.line(deltas, ticks, self._tool, self._tag)
         if self._part == parts:
-            self._arrive(to, offset, dwells and side)
+            self._next_point(to, offset, dwells and side)
 
-    def _arrive(self, to, offset, side):
+    def _next_point(self, to, offset, side):
         self._part = 0
         self._from = to, offset
         if side:
@@ -200,7 +200,7 @@ class Woven:
             self._point = 0
             self._pitch += 1
 
-    def _parts(self, way):
+    def _count_chords(self, way):
         """Chords on the way from one point to the next: on an arc enough to keep them within ¼ step of the bent line."""
         if not self._radius or not way:
             return 1
@@ -209,13 +209,13 @@ class Woven:
         steps = (self._radius + self._amplitude) * finest // NM_PER_M + 1
         return (isqrt(angle * angle * steps // 2) >> 20) + 1
 
-    def _position(self, part, whole, offset):
+    def _position_at(self, part, whole, offset):
         """Steps of all axes from the seam's start, `part` of `whole` along it and `offset` nm to its left."""
         found = [(2 * delta * part // whole + 1) >> 1 for delta in self._deltas]
         if part == whole and not offset:
             return list(self._deltas)
         if self._radius:
-            x, y = self._turned(self._sweep * part // whole)
+            x, y = self._turn_arm(self._sweep * part // whole)
             out = offset if self._clockwise else -offset
             near_x = self._centre[0] + x + x * out // self._radius + self._off[0] * part // whole
             near_y = self._centre[1] + y + y * out // self._radius + self._off[1] * part // whole

@@ -60,12 +60,12 @@ class Late:
             else:
                 self.found += 1
                 cut = not 0 <= end <= begin + LONGEST
-                if cut or self._amid(out):
+                if cut or self._is_amid(out):
                     out += b"\0"
                 if cut:
                     end = begin + LONGEST
                 else:
-                    self._ends(text[begin:end])
+                    self._note_end(text[begin:end])
             text = text[end:]
             at = text.find(b"\0")
         return out + text
@@ -80,15 +80,15 @@ class Late:
         text = text.strip(b"\0")
         if text:
             self.found += 1
-        if self._amid(b""):
+        if self._is_amid(b""):
             return b"\0"
         if text:
-            self._ends(text)
+            self._note_end(text)
         return b""
 
-    def _ends(self, text):
+    def _note_end(self, text):
         """`text` is dropped: note whether the rest of a line may come behind it."""
         self._cut = self._asked is not None and text[-1] not in b"\r\n" and not sound(bytearray(text), 0, len(text))
 
-    def _amid(self, text):
+    def _is_amid(self, text):
         return self._asked is not None and self._asked(text)

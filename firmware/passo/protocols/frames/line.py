@@ -37,7 +37,7 @@ _FEW = const(4)  # credits of a language that does not say how much it takes
 
 
 @micropython.viper
-def zeros(data: ptr8, count: int) -> int:
+def count_zeros(data: ptr8, count: int) -> int:
     """How many of `count` bytes are 0."""
     found = 0
     while count:
@@ -69,9 +69,9 @@ class FramedLine:
         self._heard = False  # something sound has come, see was_heard()
         self._confirmed = True  # the host has understood WELCOME
         self._begun_ms = 0
-        self._clear()
+        self._clear_session()
 
-    def _clear(self):
+    def _clear_session(self):
         self._at = self._end = 0  # of the buffer: the first and the end of the bytes not looked at
         self._next = 0  # number of the byte wanted next
         self._urgent = 0  # number of the urgent frame wanted next
@@ -82,7 +82,7 @@ class FramedLine:
         self._asked_ms = 0
         self._answers = b""  # that wait to be sent
         self._answer_ms = 0  # since when
-        self._todo = True  # _rest() is to be asked
+        self._todo = True  # _send_waiting() is to be called
         self._every_ms = 0
         self._reported_ms = 0
         self._question = b""
@@ -105,13 +105,13 @@ class FramedLine:
         """Bytes for the language, good until the next read; b"" if none."""
         if self._state == _PLAIN:
             data = self._serial.read()
-            if not data or self._late or self._held or zeros(data, len(data)):
-                return self._plain(data)
+            if not data or self._late or self._held or count_zeros(data, len(data)):
+                return self._read_plain(data)
             self._heard = True
             return data
         begin = self._at
         end = self._buffer.find(b"\0", begin, self._end) if begin < self._end else -1
-        while end < 0 and self._fill():
+        while end < 0 and self._fill_buffer():
             begin = 0
             end = self._buffer.find(b"\0", 0, self._end)
             if not self._full:
@@ -119,14 +119,14 @@ class FramedLine:
         while end >= 0:
             self._at = end + 1
             if end - begin >= HEAD + CHECK:
-                data = self._understand(begin, end)
+                data = self._do_frame(begin, end)
                 if data:
                     return data
                 if self._state == _PLAIN:
                     return b""
             begin = self._at
             end = self._buffer.find(b"\0", begin, self._end)
-        return self._rest() if self._todo else b""
+        return self._send_waiting() if self._todo else b""
 
     def write(self, data):
         if self._state == _PLAIN:
@@ -137,14 +137,14 @@ class FramedLine:
             self._answer_ms = self._clock()
         self._answers += data
         if len(self._answers) >= _ANSWERS or not (self._unfinished and (_ONE < len(data) < _ANSWERS or self._unfinished())):
-            self._send()
+            self._send_answers()
 
     def close(self):
         self._serial.close()
 
     # --- until a host asks for frames
 
-    def _plain(self, data):
+    def _read_plain(self, data):
         """Return the bytes of `data` for the language; after LEAVE without frames that come late."""
         late = self._late
         if data:
@@ -153,7 +153,7 @@ class FramedLine:
             text = held + bytes(data)
             at = text.find(HELLO_WIRE)
             if at >= 0:
-                self._begin(text[at + len(HELLO_WIRE) :])
+                self._begin_session(text[at + len(HELLO_WIRE) :])
             if late:
                 data = late.without_frames(data if at < 0 else text[len(held) : max(at, len(held))], self._clock())
             else:
@@ -176,22 +176,22 @@ class FramedLine:
             self._note(FRAME_LATE)
         return data
 
-    def _begin(self, rest):
+    def _begin_session(self, rest):
         if not self._buffer:
             self._buffer = bytearray(_BUFFER)
             self._view = memoryview(self._buffer)
-        self._clear()
+        self._clear_session()
         self._state = _OPEN
         protocol = self._link.protocol
         self._late = Late(getattr(protocol, "binary", False), getattr(protocol, "amid", None))
         self._left = rest
         self._confirmed = False
         self._begun_ms = self._clock()
-        self._welcome()
+        self._send_welcome()
 
     # --- bytes to frames
 
-    def _fill(self):
+    def _fill_buffer(self):
         """Put new bytes behind those that are kept. False if there is nothing."""
         data = self._left or self._serial.read()
         if not data:
@@ -215,7 +215,7 @@ class FramedLine:
         self._full = len(data) >= _PACKET
         return True
 
-    def _understand(self, begin, end):
+    def _do_frame(self, begin, end):
         """Do what a frame asks for. Returns the bytes in it that are for the language, or None."""
         if not sound(self._buffer, begin, end):
             self._ask_again()
@@ -224,9 +224,9 @@ class FramedLine:
         kind, number, ack, credit = header(self._buffer, begin)
         if kind == FRAME_HELLO:
             if self._state == _CLOSED:
-                self._clear()
+                self._clear_session()
                 self._state = _OPEN
-            self._welcome()
+            self._send_welcome()
             return None
         if self._state == _CLOSED:
             self._serial.write(delimited(frame(CLOSED)))
@@ -235,15 +235,15 @@ class FramedLine:
         data = self._view[begin + HEAD : end - CHECK]
         self._sender.acknowledged(ack, credit, self._clock())
         if kind == DATA:
-            return self._take(number, data)
+            return self._take_data(number, data)
         if kind == ACK or kind == AGAIN:
             if kind == AGAIN:
                 self._sender.again()
-            self._send()
+            self._send_answers()
             return None
         return self._take_urgent(kind, number, data)
 
-    def _take(self, number, data):
+    def _take_data(self, number, data):
         """Return the new ones of bytes from `number` on."""
         known = (self._next - number) % NUMBERS
         if known > NUMBERS >> 1:
@@ -253,11 +253,11 @@ class FramedLine:
         if known >= len(data):
             return None
         if self._new:
-            self._use()
+            self._begin_use()
         self._next = (number + len(data)) % NUMBERS
         return data[known:] if known else data
 
-    def _use(self):
+    def _begin_use(self):
         """The session begins to be used, or ends: a message begun on the other side of that is not gone on with."""
         self._new = False
         if self._drop_begun:
@@ -271,7 +271,7 @@ class FramedLine:
             if kind != URGENT and kind != LEAVE and len(data) < 2:
                 return None
             if self._new or kind == LEAVE:
-                self._use()
+                self._begin_use()
             self._urgent = (number + 1) % NUMBERS
             if kind == CUT:
                 behind = data[0] << 8 | data[1]
@@ -285,7 +285,7 @@ class FramedLine:
                 self._reported_ms = self._clock()
         elif (number + 1) % NUMBERS != self._urgent:
             return None
-        self._serial.write(delimited(self._frame(TAKEN, number)))
+        self._serial.write(delimited(self._make_frame(TAKEN, number)))
         if kind == LEAVE:
             self._state = _PLAIN
             self._at = self._end = 0
@@ -294,30 +294,30 @@ class FramedLine:
 
     # --- frames to bytes
 
-    def _credit(self):
+    def _free_credits(self):
         if self._space:
             return min(MOST_CREDIT, self._space() // CREDIT_BYTES)
         waiting = len(self._link.waiting)
         return _FEW if not waiting else 1 if waiting < _MANY else 0  # STOP and STATUS do not wait for commands in the queue
 
-    def _frame(self, kind, number=0, data=b""):
+    def _make_frame(self, kind, number=0, data=b""):
         """A frame with the newest acknowledgement."""
         self._owes = False
-        self._told = self._credit()
+        self._told = self._free_credits()
         return frame(kind, number, self._next, self._told, data)
 
-    def _welcome(self):
+    def _send_welcome(self):
         about = bytes((VERSION, NEW if self._new else 0, MOST, self._urgent >> 8, self._urgent & 255))
-        self._serial.write(delimited(self._frame(WELCOME, self._sender.end(), about)))
+        self._serial.write(delimited(self._make_frame(WELCOME, self._sender.end(), about)))
 
     def _ask_again(self):
         now_ms = self._clock()
         if self._state == _OPEN and (self._asked != self._next or (now_ms - self._asked_ms) & COUNT_MASK >= _AGAIN_MS):
             self._asked = self._next
             self._asked_ms = now_ms
-            self._serial.write(delimited(self._frame(AGAIN)))
+            self._serial.write(delimited(self._make_frame(AGAIN)))
 
-    def _send(self):
+    def _send_answers(self):
         """Send what may be sent of the answers."""
         sender = self._sender
         if self._answers:
@@ -331,10 +331,10 @@ class FramedLine:
         now_ms = self._clock()
         data = sender.next(now_ms)
         while data is not None:
-            self._serial.write(delimited(self._frame(DATA, sender.number, data)))
+            self._serial.write(delimited(self._make_frame(DATA, sender.number, data)))
             data = sender.next(now_ms)
 
-    def _rest(self):
+    def _send_waiting(self):
         """Nothing more has come: send what waits, ask what is to be asked. Returns the question, or b""."""
         if self._state == _CLOSED:
             return b""
@@ -347,9 +347,9 @@ class FramedLine:
         if sender.kept or self._answers:
             now_ms = self._clock()
             if sender.late(now_ms) or sender.kept and not sender.flying or self._answers and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
-                self._send()
-        if self._owes and not self._answers or self._told < _FEW and self._credit() > self._told:
-            self._serial.write(delimited(self._frame(ACK)))
+                self._send_answers()
+        if self._owes and not self._answers or self._told < _FEW and self._free_credits() > self._told:
+            self._serial.write(delimited(self._make_frame(ACK)))
         self._todo = bool(sender.kept or self._answers or self._owes or self._told < _FEW or self._every_ms or not self._confirmed)
         if self._every_ms and not sender.kept:
             now_ms = self._clock()

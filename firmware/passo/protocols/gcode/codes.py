@@ -66,7 +66,7 @@ G83 = const(8300)
 G43 = const(4300)
 
 
-def _read(table):
+def _read_table(table):
     """({code in hundredths, M codes from M_CODES on: its entry}, how many groups there are)."""
     codes = {}
     group = 0
@@ -83,7 +83,7 @@ def _read(table):
     return codes, group + 1
 
 
-CODES, GROUPS = _read(_TABLE)
+CODES, GROUPS = _read_table(_TABLE)
 
 
 def why_unknown(code):

@@ -40,7 +40,7 @@ class Motions(Reader):
 
     # --- where the machine is
 
-    def _settle(self):
+    def _take_position(self):
         target = self.machine.target
         steps = self._steps
         for axis in range(self.axes):
@@ -55,13 +55,13 @@ class Motions(Reader):
             raise Refused(errors.JOG_TRAVEL)
         return steps + self._steps[len(steps) :]
 
-    def _target(self, machine_coordinates):
+    def _read_target(self, machine_coordinates):
         """Return the target of the axis words, in machine coordinates."""
         target = self.position[:]
         for axis in range(self.axes):
             letter = (X + axis) % 26
-            if self._take(letter):
-                value = self._length(letter)
+            if self._take_word(letter):
+                value = self._length_of(letter)
                 if machine_coordinates:
                     target[axis] = value
                 elif self._absolute:
@@ -76,7 +76,7 @@ class Motions(Reader):
 
     # --- motion
 
-    def _prepare(self, motion, feed, per_min, number, spindle, rpm):
+    def _set_shared(self, motion, feed, per_min, number, spindle, rpm):
         """Set the fields that every motion of this line shares."""
         self._feed, self._per_min, self._number = feed, per_min, number
         self._cutting = 100 <= motion <= 300
@@ -84,21 +84,21 @@ class Motions(Reader):
         self._dynamic = self.laser and spindle == 4
         self._power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if self._lit else 0
 
-    def _move(self, kind, target, feed):
+    def _add_motion(self, kind, target, feed):
         """Append the motion to `target`."""
         at = len(self.commands)
-        command = self._motion(self._moves[at] if at < len(self._moves) else Motion(kind), target, feed)
+        command = self._fill_motion(self._moves[at] if at < len(self._moves) else Motion(kind), target, feed)
         command.kind = kind
         self.commands.append(command)
         return command
 
-    def _go(self, kind, target, feed):
-        """As _move(); the line's next command starts there, too."""
-        command = self._move(kind, target, feed)
+    def _go_to(self, kind, target, feed):
+        """As _add_motion(); the line's next command starts there, too."""
+        command = self._add_motion(kind, target, feed)
         self.position, self._steps = target, command.target
         return command
 
-    def _motion(self, command, target, feed):
+    def _fill_motion(self, command, target, feed):
         """Fill in a motion of this line."""
         command.target = self._to_steps(target)
         command.feed = feed
@@ -109,7 +109,7 @@ class Motions(Reader):
         command.dynamic = self._dynamic
         return command
 
-    def _pace(self, target, feed):
+    def _rotary_feed(self, target, feed):
         """The feed of a line whose F was given in G20: degrees a minute, not inches, if only the rotary axis moves."""
         return rounded(feed * 10, 254) if target[:3] == self.position[:3] else feed
 
@@ -117,31 +117,31 @@ class Motions(Reader):
         """Return the end of the motion; None if the line has nothing to move."""
         if motion == G80:
             raise Refused(errors.AXIS_WORDS_UNUSED)
-        if motion >= 200 and not axis_words and not self._sweeps(motion):
+        if motion >= 200 and not axis_words and not self._gives_sweep(motion):
             raise Refused(errors.NO_AXIS_WORDS)
         if not axis_words and motion < 200:
             return None
         if CODES[motion] & CYCLE:
-            return self._drill(motion)
+            return self._read_cycle(motion)
         if motion in (200, 300):
-            return self._arc(motion == 200)
-        target = self._target(machine_coordinates)
+            return self._read_arc(motion == 200)
+        target = self._read_target(machine_coordinates)
         if self.turns and self._inch_feed:
-            self._feed = self._pace(target, self._feed)
+            self._feed = self._rotary_feed(target, self._feed)
         if motion > 300:
             if target == self.position:
                 raise Refused(errors.TARGET)
-            command = self._move(commands.PROBE, target, self._feed or 1)
+            command = self._add_motion(commands.PROBE, target, self._feed or 1)
             command.value = (1 if motion >= 3840 else 0) | (2 if motion in (3830, 3850) else 0)
         else:
-            self._move(commands.LINE, target, (self._feed or 1) if motion else 0)
+            self._add_motion(commands.LINE, target, (self._feed or 1) if motion else 0)
         return target
 
-    def _sweeps(self, motion):
+    def _gives_sweep(self, motion):
         """True if the line gives an arc's angle instead of its end. An extension."""
         return motion in (200, 300) and self._left >> H & 1
 
-    def _arc(self, clockwise):
+    def _read_arc(self, clockwise):
         first, second = _PLANES[self._plane]
         if max(first, second) >= self.axes:
             raise Refused(errors.UNSUPPORTED)
@@ -149,23 +149,23 @@ class Motions(Reader):
         if arcs is None:
             raise Refused(errors.NO_MEMORY)
         in_plane = 1 << first | 1 << second
-        swept = self._take(H)
+        swept = self._take_word(H)
         if swept == bool(self._left >> X & in_plane):
             raise Refused(errors.AXIS_WORDS_UNUSED if swept else errors.NO_AXIS_IN_PLANE)
         start = self.position
-        target = self._target(False)
+        target = self._read_target(False)
         if target[3:] != start[3:]:
             raise Refused(errors.UNSUPPORTED)
         across, along = target[first] - start[first], target[second] - start[second]
         sweep = self.words.fixed(H, 6) if swept else 0
         radius = None
         error = 0
-        if not swept and self._take(R):
-            radius = self._length(R)
+        if not swept and self._take_word(R):
+            radius = self._length_of(R)
             error, i, j = arcs.centre_of(across, along, radius, clockwise)
         elif self._left >> I & in_plane:
-            i, j = [self._length(I + axis) if self._take(I + axis) else 0 for axis in (first, second)]
-            self._take(I + 3 - first - second)  # along the third axis: ignored, as grbl does; FreeCAD writes K0 in XY
+            i, j = [self._length_of(I + axis) if self._take_word(I + axis) else 0 for axis in (first, second)]
+            self._take_word(I + 3 - first - second)  # along the third axis: ignored, as grbl does; FreeCAD writes K0 in XY
             if not swept:
                 error = arcs.check_centre(across, along, i, j)
             elif not sweep or not (i or j):
@@ -182,11 +182,11 @@ class Motions(Reader):
             over_half = (sweep - 1) % _DEGREES >= _DEGREES // 2
         else:
             over_half = arcs.over_half(across, along, i, j, clockwise) if radius is None else radius < 0
-            if self._take(P):
-                turns = self._whole(P)
+            if self._take_word(P):
+                turns = self._whole_number(P)
                 if turns < 1:
                     raise Refused(errors.NOT_INTEGER)
-        command = self._move(commands.ARC, target, self._feed or 1)
+        command = self._add_motion(commands.ARC, target, self._feed or 1)
         centre = start[:]
         centre[first] += i
         centre[second] += j
@@ -201,13 +201,13 @@ class Motions(Reader):
         stored = self.offsets.homes[number]
         target = stored[:]
         if axis_words:
-            between = self._target(False)
-            self._move(commands.LINE, between, 0)
+            between = self._read_target(False)
+            self._add_motion(commands.LINE, between, 0)
             target = [stored[axis] if axis_words >> (X + axis) % 26 & 1 else between[axis] for axis in range(self.axes)]
-        self._move(commands.LINE, target, 0)
+        self._add_motion(commands.LINE, target, 0)
         return target
 
-    def _drill(self, motion):
+    def _read_cycle(self, motion):
         """G73, G81, G82, G83, an extension; returns where it ends. `commands` are the way to the tops and bottoms of the first and the
         last hole, for the machine to check; `_drilling` makes those after the first, one by one: a hole of many
         pecks as a list would be more than a board has room for. As LinuxCNC's rs274: G98 goes back to the height before the first
@@ -225,37 +225,37 @@ class Motions(Reader):
         zero = self.offsets.of(self._system, 2)
         if not CODES.get(self.motion, 0) & CYCLE:
             level = z - zero
-        if self._take(R):
-            top = self._length(R)
+        if self._take_word(R):
+            top = self._length_of(R)
         if self._left >> Z & 1:
-            depth = self._length(Z)
-        target = self._target(False)
+            depth = self._length_of(Z)
+        target = self._read_target(False)
         above = top + zero + (0 if self._absolute else level)
         bottom = depth + (zero if self._absolute else above)
-        if pecks and self._take(Q):
-            peck = self._length(Q)
+        if pecks and self._take_word(Q):
+            peck = self._length_of(Q)
             if peck < _LEAST_PECK:
                 raise Refused(errors.NUMBER_RANGE)
-        if motion == G82 and self._take(P):
+        if motion == G82 and self._take_word(P):
             dwell = self.words.fixed(P, 6)
             if dwell < 0:
                 raise Refused(errors.NEGATIVE)
-        times = self._whole(L) if self._take(L) else 1
+        times = self._whole_number(L) if self._take_word(L) else 1
         if not 1 <= times <= 100 or bottom > above:
             raise Refused(errors.TARGET)
         back = max(level + zero, above) if self._initial else above
         way = (target[0] - x, target[1] - y, 0 if self._absolute else 1)
         if z < above:
-            self._move(commands.LINE, [x, y, above], 0)
+            self._add_motion(commands.LINE, [x, y, above], 0)
         for hole in (1, times if way[2] else 1):
             for height in (max(z, back), bottom, back):
-                self._move(commands.LINE, [x + hole * way[0], y + hole * way[1], height], (self._feed or 1) if height == bottom else 0)
-        self._drilling = self._holes((x, y, z), way, times, (above, bottom, back), motion, dwell, peck)
+                self._add_motion(commands.LINE, [x + hole * way[0], y + hole * way[1], height], (self._feed or 1) if height == bottom else 0)
+        self._drilling = self._drill_holes((x, y, z), way, times, (above, bottom, back), motion, dwell, peck)
         next(self._drilling)  # the first of `commands`
         self._cycle = modes, level, top, depth, dwell, peck
         return [x + hole * way[0], y + hole * way[1], back] + self.position[3:]
 
-    def _holes(self, start, way, times, heights, motion, dwell, peck):
+    def _drill_holes(self, start, way, times, heights, motion, dwell, peck):
         """All commands of a cycle, then None."""
         x, y, z = start
         above, bottom, back = heights
@@ -266,18 +266,18 @@ class Motions(Reader):
             if not hole or way[2]:
                 x += way[0]
                 y += way[1]
-            yield self._motion(Motion(commands.LINE), [x, y, height], 0)
-            yield self._motion(Motion(commands.LINE), [x, y, above], 0)
+            yield self._fill_motion(Motion(commands.LINE), [x, y, height], 0)
+            yield self._fill_motion(Motion(commands.LINE), [x, y, above], 0)
             reached = above - peck
             while motion in (G73, G83) and reached > bottom:
-                yield self._motion(Motion(commands.LINE), [x, y, reached], self._feed or 1)
+                yield self._fill_motion(Motion(commands.LINE), [x, y, reached], self._feed or 1)
                 if motion == G83:
-                    yield self._motion(Motion(commands.LINE), [x, y, above], 0)
-                yield self._motion(Motion(commands.LINE), [x, y, min(above, reached + BACK_OFF_NM)], 0)
+                    yield self._fill_motion(Motion(commands.LINE), [x, y, above], 0)
+                yield self._fill_motion(Motion(commands.LINE), [x, y, min(above, reached + BACK_OFF_NM)], 0)
                 reached -= peck
-            yield self._motion(Motion(commands.LINE), [x, y, bottom], self._feed or 1)
+            yield self._fill_motion(Motion(commands.LINE), [x, y, bottom], self._feed or 1)
             if motion == G82 and dwell:
                 yield Command(commands.DWELL, value=dwell)
             height = back
-            yield self._motion(Motion(commands.LINE), [x, y, height], 0)
+            yield self._fill_motion(Motion(commands.LINE), [x, y, height], 0)
         yield None

@@ -22,8 +22,8 @@ class Offsets:
 
     def load(self):
         """Load all offsets from the memory; those that it does not have are 0."""
-        self.systems = [self._recall("G%d" % (54 + number)) for number in range(SYSTEMS)]
-        self.homes = {28: self._recall("G28"), 30: self._recall("G30")}
+        self.systems = [self._recall_positions("G%d" % (54 + number)) for number in range(SYSTEMS)]
+        self.homes = {28: self._recall_positions("G28"), 30: self._recall_positions("G30")}
         self.reset()
 
     def reset(self):
@@ -38,12 +38,12 @@ class Offsets:
 
     def set_system(self, system, positions):
         self.systems[system] = positions
-        self._keep("G%d" % (54 + system), positions)
+        self._keep_positions("G%d" % (54 + system), positions)
 
     def set_home(self, number, positions):
         """`number` 28 or 30."""
         self.homes[number] = positions
-        self._keep("G%d" % number, positions)
+        self._keep_positions("G%d" % number, positions)
 
     def set_shift(self, positions):
         self.shift = positions
@@ -67,13 +67,13 @@ class Offsets:
             self._reference = position
         self.set_tool(position - self._reference)
 
-    def _recall(self, key):
+    def _recall_positions(self, key):
         try:
             positions = [int(part) for part in (self._memory.get(key) or "0").split(",")]
         except ValueError:
             positions = []
         return (positions + [0] * self._axes)[: self._axes]
 
-    def _keep(self, key, positions):
+    def _keep_positions(self, key, positions):
         self._memory.put(key, ",".join([str(position) for position in positions]))
         self.version += 1

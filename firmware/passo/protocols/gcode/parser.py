@@ -103,13 +103,13 @@ class GCode(Motions):
         error = self.words.scan(line)
         if error:
             return error
-        self._settle()
+        self._take_position()
         try:
             self._find_codes()
             if jog:
-                self._jog()
+                self._read_jog()
             else:
-                self._line()
+                self._read_line()
         except Refused as refusal:
             self.commands = []
             if self._length_before is not None:
@@ -125,7 +125,7 @@ class GCode(Motions):
         if (
             self._unknown or self.offsets.version != self._offsets_known or self._ends != batch.target
             or self._reach is not batch.reach
-        ) and not self._know(batch):  # fmt: skip
+        ) and not self._fill_fields(batch):  # fmt: skip
             return False
         fields = self.fields
         dynamic = self._dynamic
@@ -136,7 +136,7 @@ class GCode(Motions):
         fields[PARSE_DYNAMIC] = 1 if dynamic else 0
         return True
 
-    def _know(self, batch):
+    def _fill_fields(self, batch):
         """Fill in `fields` from the modal state. False if that is not for plain lines."""
         self.leave_batch()
         if (
@@ -145,7 +145,7 @@ class GCode(Motions):
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip
             return False
-        self._settle()
+        self._take_position()
         fields = self.fields
         if (
             self.system != self._system_known or self.offsets.version != self._offsets_known or self._reach is not batch.reach
@@ -165,7 +165,7 @@ class GCode(Motions):
         fields[PARSE_NUMBER] = self.number
         fields[PARSE_RPM] = self.rpm
         fields[PARSE_FULL] = _ANY if self.spindle == 5 else self.max_rpm if self.laser else _SAME
-        self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
+        self._set_shared(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._level = thousandths(self._power)
         self._unknown = False
         fields[PARSE_KNOWN] += 1
@@ -221,7 +221,7 @@ class GCode(Motions):
         accept(fields, batch.rows, 0)
         return True
 
-    def _line(self):
+    def _read_line(self):
         found = self._found
         number = self._read_count(N, 0, MAX_LINE, errors.LINE_NUMBER)
         non_modal = found[NON_MODAL]
@@ -232,16 +232,16 @@ class GCode(Motions):
         self._system = self.system if found[SYSTEM] == NONE else found[SYSTEM] // 100 - 54
         self._initial = self.initial if found[RETURN] == NONE else found[RETURN] == 9800
         axis_words = self._left & self._axis_mask | self._flat
-        moves = found[MOTION] not in (NONE, G80) or (not self._axis_command and (axis_words or self._sweeps(motion)))
+        moves = found[MOTION] not in (NONE, G80) or (not self._axis_command and (axis_words or self._gives_sweep(motion)))
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
-        rpm = self.words.fixed(S, 3) if self._take(S) and not self.words.packed else self.rpm
+        rpm = self.words.fixed(S, 3) if self._take_word(S) and not self.words.packed else self.rpm
         tool = self._read_count(T, self.tool, MAX_TOOL, errors.TOOL_NUMBER)
         spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
         coolant = self._read_coolant(found[COOLING])
         dwell = self._read_dwell() if non_modal == 400 else None
         handed_on = [self._hand_on(code) for code in self._on]
-        self._prepare(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
+        self._set_shared(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
         self._cycle = self.cycle
         offsets = target = None
         if found[TOOL_LENGTH] != NONE:
@@ -327,7 +327,7 @@ class GCode(Motions):
             before.append(Command(commands.DWELL, value=dwell))
         return before
 
-    def _jog(self):
+    def _read_jog(self):
         found = self._found
         for group in range(GROUPS):
             if found[group] != NONE and group not in (NON_MODAL, DISTANCE, UNITS):
@@ -341,30 +341,30 @@ class GCode(Motions):
         self._inches = self.inches if found[UNITS] == NONE else found[UNITS] == 2000
         self._absolute = self.absolute if found[DISTANCE] == NONE else found[DISTANCE] == 9000
         self._system = self.system
-        feed = rounded(self._length(F), 60) if self._take(F) else 0
+        feed = rounded(self._length_of(F), 60) if self._take_word(F) else 0
         if not feed:
             raise Refused(errors.NO_FEED)
-        self._prepare(0, feed, 0, number, self.spindle, self.rpm)
-        target = self._target(found[NON_MODAL] == 5300)
+        self._set_shared(0, feed, 0, number, self.spindle, self.rpm)
+        target = self._read_target(found[NON_MODAL] == 5300)
         if self.turns and self._inches:
-            feed = self._pace(target, feed)
+            feed = self._rotary_feed(target, feed)
         if self._left:
             raise Refused(errors.WORDS_UNUSED)
-        self._go(commands.JOG_TO, target, feed)
+        self._go_to(commands.JOG_TO, target, feed)
 
     def jog_to(self, lengths, feed, counted):
         """A jog that was no line, in `commands`: to {axis: nanometres} at `feed`. `counted`: from where it counts, as G53 machine
         coordinates, as G54 those of work, as G91 from here. 0, or the error that refuses it."""
         self.leave_batch()
-        self._settle()
+        self._take_position()
         self.commands = []
-        self._prepare(0, feed, 0, self.number, self.spindle, self.rpm)
+        self._set_shared(0, feed, 0, self.number, self.spindle, self.rpm)
         target = self.position[:]
         for axis in lengths:
             before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
             target[axis] = before + lengths[axis]
         try:
-            command = self._motion(self._moves[0], target, feed)
+            command = self._fill_motion(self._moves[0], target, feed)
         except Refused as refusal:
             return refusal.args[0]
         command.kind = commands.JOG_TO
@@ -393,9 +393,9 @@ class GCode(Motions):
             height = value(SETTING_PARKING_TARGET) * 1000  # nm
             target = list(self.position)
             if value(SETTING_PARKING) and value(SETTING_PARKING_END) and self.machine.homed and not self.laser and target[axis] < height:
-                self._prepare(0, 0, 0, self.number, self.spindle, self.rpm)
+                self._set_shared(0, 0, 0, self.number, self.spindle, self.rpm)
                 target[axis] = height
-                self._go(commands.LINE, target, 0)
+                self._go_to(commands.LINE, target, 0)
         self.motion = 100  # from here on M2 and M30 restore the modal state
         self.plane = 17
         self.absolute = self.per_minute = self.initial = self.ended = True

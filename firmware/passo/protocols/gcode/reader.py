@@ -68,14 +68,14 @@ class Reader:
                 raise Refused(errors.UNSUPPORTED)
         self._left = words.have & ~self._flat
 
-    def _take(self, letter):
+    def _take_word(self, letter):
         """True if the word is there; no other command may have it then."""
         if not self._left >> letter & 1:
             return False
         self._left &= ~(1 << letter)
         return True
 
-    def _length(self, letter):
+    def _length_of(self, letter):
         """Nanometres, of inches exact to five decimals; of a rotary axis millionths of a degree."""
         if self._inches and not (letter == A and self.turns):
             return self.words.fixed(letter, 5, 254)
@@ -83,7 +83,7 @@ class Reader:
 
     def _read_count(self, letter, default, most, error):
         """The number behind `letter`, which counts something; `default` without it. Above `most` it is refused with `error`."""
-        if not self._take(letter):
+        if not self._take_word(letter):
             return default
         number = self.words.fixed(letter, 0)
         if number > most:
@@ -94,13 +94,13 @@ class Reader:
 
     def _read_feed(self, per_minute, wants):
         """(feed in nm/s, thousandths of 1/minute): one of them, the other 0. `wants`: the motion needs it."""
-        given = self._take(F)
+        given = self._take_word(F)
         self._inch_feed = self._inches if given else self.inch_feed
         feed = per_min = 0
         if not per_minute:
             per_min = self.words.fixed(F, 3) if given else 0
         else:
-            feed = rounded(self._length(F), 60) if given else self.feed
+            feed = rounded(self._length_of(F), 60) if given else self.feed
         if wants and not (feed or per_min):
             raise Refused(errors.NO_FEED)
         return feed, per_min
@@ -111,11 +111,11 @@ class Reader:
         return (self.coolant | 2, self.coolant | 1, 0)[(code - M_CODES) // 100 - 7]
 
     def _read_dwell(self):
-        if not self._take(P):
+        if not self._take_word(P):
             raise Refused(errors.VALUE_MISSING)
         return self.words.fixed(P, 6)
 
-    def _whole(self, letter):
+    def _whole_number(self, letter):
         number = self.words.fixed(letter, 0)
         if self.words.fixed(letter, 3) != number * 1000:
             raise Refused(errors.NOT_INTEGER)
@@ -124,12 +124,12 @@ class Reader:
     def _hand_on(self, code):
         """The command of a code that is handed on as it is."""
         letter = CODES[code] >> LETTER
-        if letter and not self._take(letter):
+        if letter and not self._take_word(letter):
             raise Refused(errors.VALUE_MISSING)
-        command = Command(commands.CODE + (code - M_CODES) // 100, value=self._whole(letter) if letter else 0)
+        command = Command(commands.CODE + (code - M_CODES) // 100, value=self._whole_number(letter) if letter else 0)
         if code == _M66:
-            command.power = self._whole(L) if self._take(L) else 0
-            command.feed = self.words.fixed(Q, 3) if self._take(Q) else 0
+            command.power = self._whole_number(L) if self._take_word(L) else 0
+            command.feed = self.words.fixed(Q, 3) if self._take_word(Q) else 0
         return command
 
     def _take_axes(self, old, system=None):
@@ -137,8 +137,8 @@ class Reader:
         changed = old[:]
         for axis in range(self.axes):
             letter = (X + axis) % 26
-            if self._take(letter):
-                value = self._length(letter)
+            if self._take_word(letter):
+                value = self._length_of(letter)
                 changed[axis] = value if system is None else self.position[axis] - self.offsets.of(system, axis) + old[axis] - value
         return changed
 
@@ -163,8 +163,8 @@ class Reader:
         """The length behind Z, no other axis word being there."""
         if self._left & self._axis_mask != 1 << Z:
             raise Refused(errors.TOOL_LENGTH_AXIS)
-        self._take(Z)
-        return self._length(Z)
+        self._take_word(Z)
+        return self._length_of(Z)
 
     def _read_offsets(self, code, axis_words):
         offsets = self.offsets
@@ -176,7 +176,7 @@ class Reader:
             raise Refused(errors.NO_AXIS_WORDS)
         if code == 9200:
             return offsets.set_shift, self._take_axes(offsets.shift, self._system)
-        if not self._take(P) or not self._take(L):
+        if not self._take_word(P) or not self._take_word(L):
             raise Refused(errors.VALUE_MISSING)
         number = self.words.fixed(P, 0)
         if self.words.fixed(L, 0) == 1:

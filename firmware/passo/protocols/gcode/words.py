@@ -47,15 +47,15 @@ _DOT = const(26)  # a power behind S's first
 _POWERS = tuple([10**exponent for exponent in range(_DECIMALS + 1)])
 
 
-def _mask(letters):
+def _letter_mask(letters):
     mask = 0
     for letter in letters:
         mask |= 1 << ord(letter) - 65
     return mask
 
 
-_KNOWN = _mask("FGHIJKLMNPQRSTXYZ")
-_NEVER_NEGATIVE = _mask("FHNPST")
+_KNOWN = _letter_mask("FGHIJKLMNPQRSTXYZ")
+_NEVER_NEGATIVE = _letter_mask("FHNPST")
 
 
 class Words:
@@ -110,10 +110,10 @@ class Words:
                     return errors.NUMBER
                 sign = 44 - byte
             elif byte == 61 and letter == S and not (digits or point or sign or self.have >> S & 1):
-                return self._unpack(bare(line).partition(b"=")[2])
+                return self._unpack_row(bare(line).partition(b"=")[2])
             else:
                 if letter >= 0:
-                    error = self._keep(letter, -value if sign < 0 else value, digits, decimals)
+                    error = self._keep_word(letter, -value if sign < 0 else value, digits, decimals)
                     if error:
                         return error
                 if byte == 58 and (letter == S or letter == _DOT):
@@ -126,9 +126,9 @@ class Words:
                         return errors.LETTER
                 value = digits = decimals = sign = 0
                 point = False
-        return self._keep(letter, -value if sign < 0 else value, digits, decimals) if letter >= 0 else 0
+        return self._keep_word(letter, -value if sign < 0 else value, digits, decimals) if letter >= 0 else 0
 
-    def _unpack(self, text):
+    def _unpack_row(self, text):
         """The powers of a packed row, of digits to the base 32."""
         for byte in text:
             if byte & 0xE0 != 0x40:
@@ -140,7 +140,7 @@ class Words:
         self.have |= 1 << S
         return errors.NUMBER if max(self.row) > 1000 else 0
 
-    def _keep(self, letter, value, digits, decimals):
+    def _keep_word(self, letter, value, digits, decimals):
         if not digits:
             return errors.NUMBER
         if letter == _DOT:

@@ -9,7 +9,7 @@ NEEDS = ("program", "pauses", "tools", "pins")
 GUARDED = True  # with homing ($22) a link moves nothing before the machine is homed or unlocked
 
 
-def _axes(board):
+def _axis_names(board):
     axes = "".join([axis["name"] for axis in board["axes"]])
     return axes if axes == "xyza" else axes[:3]
 
@@ -17,13 +17,13 @@ def _axes(board):
 def check(board):
     if board["homing"] and board["homing"]["latch"]:
         from passo.protocols.grbl import homing  # noqa: F401
-    axes = _axes(board)
+    axes = _axis_names(board)
     return None if axes in ("x", "xy", "xyz", "xyza") else "grbl wants axes x, y, z in this order, not " + axes
 
 
 def create(link, number, board, controller, shared, most):
     machine = controller.machine
-    axes = _axes(board)
+    axes = _axis_names(board)
     if "offsets" not in shared:
         shared["offsets"] = Offsets(len(axes), machine.settings)
     program = controller.features["program"]

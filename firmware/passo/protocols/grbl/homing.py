@@ -10,11 +10,11 @@ def told(found):
     lines = []
     for axis, side, runs, wide, sigma, drift in found:
         name = "xyza"[axis] + ("2" if side else "")
-        lines.append("[HOM:%s,%d,%d,%d.%02d,%s]\r\n" % (name, runs, wide, sigma // 100, sigma % 100, _advice(wide, drift)))
+        lines.append("[HOM:%s,%d,%d,%d.%02d,%s]\r\n" % (name, runs, wide, sigma // 100, sigma % 100, _advice_on(wide, drift)))
     return "".join(lines)
 
 
-def _advice(wide, drift):
+def _advice_on(wide, drift):
     if wide <= _GOOD:
         return "good"
     if 2 * abs(drift) > wide:

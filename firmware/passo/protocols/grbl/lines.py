@@ -178,7 +178,7 @@ class Lines:
         """Forget the line that has begun and not ended."""
         self.fields[LINES_END] = self.fields[LINES_WHOLE]
         self._spoilt = self._after_return = False
-        self._note()
+        self._note_slow()
 
     def drop_odd(self):
         """Forget the last byte of the line that has begun, if it is ODD."""
@@ -210,7 +210,7 @@ class Lines:
             self._take_each(data)
         self._check_length()
 
-    def _note(self):
+    def _note_slow(self):
         """Say whether keep() may keep what comes next."""
         self.fields[LINES_SLOWLY] = 1 if self._spoilt or self.lost or self._after_return else 0
 
@@ -228,21 +228,21 @@ class Lines:
         pieces = data.split(b"\n")
         last = pieces.pop()
         for piece in pieces:
-            self._add(piece)
+            self._add_piece(piece)
             self._end_line()
-        self._add(last)
-        self._note()
+        self._add_piece(last)
+        self._note_slow()
 
-    def _add(self, piece):
+    def _add_piece(self, piece):
         """Append a piece of the line that has not ended yet."""
         fields = self.fields
         end = fields[LINES_END] + len(piece)
         if not piece:
             return  # no line has begun behind the last line end
         if self._spoilt or self.lost:
-            self._spoil()
+            self._spoil_line()
         elif end > fields[LINES_SIZE] - len(_TOO_LONG):
-            self._squeeze(piece)
+            self._squeeze_line(piece)
         else:
             self.text[fields[LINES_END] : end] = piece
             fields[LINES_END] = end
@@ -250,22 +250,22 @@ class Lines:
 
     def _check_length(self):
         if self.fields[LINES_END] - self.fields[LINES_WHOLE] > _RAW:
-            self._squeeze(b"")
-            self._note()
+            self._squeeze_line(b"")
+            self._note_slow()
 
-    def _squeeze(self, piece):
+    def _squeeze_line(self, piece):
         """Of the line that has not ended yet, and `piece` behind it, keep only what counts. An open comment stays open."""
         fields = self.fields
         whole = fields[LINES_WHOLE]
         kept = bare(bytes(self.text[whole : fields[LINES_END]]) + piece, True)
         end = whole + len(kept)
         if len(kept) > LONGEST + 1 or end > fields[LINES_SIZE] - len(_TOO_LONG):
-            self._spoil()
+            self._spoil_line()
             return
         self.text[whole:end] = kept
         fields[LINES_END] = end
 
-    def _spoil(self):
+    def _spoil_line(self):
         self._spoilt = True
         self.fields[LINES_END] = self.fields[LINES_WHOLE]
 
@@ -288,7 +288,7 @@ class Lines:
             if not self.lost:
                 return False
             self.lost -= 1
-            self._note()
+            self._note_slow()
             return None
         end = self.text.find(b"\n", at)
         line = bytes(self.text[at:end])

@@ -77,8 +77,8 @@ class Grbl:
         self._why = 0  # the error that answers them
         self._stored = False  # it reads a file, in which no byte acts at once
         self._told = {}  # functions of options, by the kind of their command
-        self._configure()
-        self._forget()
+        self._take_settings()
+        self._forget_lines()
 
     def learn(self, start, kind, understand, told, asked=False):
         """Take `$` lines of an option, as System.learn(), whose commands are of this kind; told(value) says what comes of one."""
@@ -86,14 +86,14 @@ class Grbl:
         self.system.marks = start[1] + self.system.marks
         self.system.learn(start, understand, asked)
 
-    def _forget(self):
+    def _forget_lines(self):
         self._lines.clear()
         self._start_lines = []  # texts, whose turn is before that of the lines
         self._under_way = None  # the command that an answer is awaited for
         self._rest = []  # of its line's commands
         self._start_line = None  # the line under way is a start-up line
 
-    def _configure(self):
+    def _take_settings(self):
         settings = self._settings
         self._version = settings.version
         laser = bool(settings.value(SETTING_LASER))
@@ -113,7 +113,7 @@ class Grbl:
 
     def begin_file(self):
         """Begin a stored job: modal state as after power-up, offsets stay; the bytes kept so far go."""
-        self._forget()
+        self._forget_lines()
         self._stale = 0
         self._stored = True
         self.gcode.reset()
@@ -141,16 +141,16 @@ class Grbl:
                 if fields[LINES_AT] == fields[LINES_WHOLE]:
                     return b""  # no line has ended: to open the batch takes 0.7 ms
                 data = b""
-            if not self._open():
+            if not self._open_batch():
                 return b""
         text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
             data, len(data), text, lines, fields, rows, dots, most, travel, queue_lines, target, blocks, scratch, indices, limits
         )
-        return _OKS[taken] if 0 < taken <= BATCH_ROWS else self._took(taken, data)
+        return _OKS[taken] if 0 < taken <= BATCH_ROWS else self._answer_lines(taken, data)
 
     @micropython.native
-    def _open(self):
+    def _open_batch(self):
         """True if the batch is open: nothing is unusual, and some lines may be there, the first of which is no `$` line."""
         lines = self._lines
         fields = lines.fields
@@ -172,7 +172,7 @@ class Grbl:
             self._arrays = (lines.text, fields, self.gcode.fields, batch.rows, batch.dots, batch.most) + batch.taker
         return True
 
-    def _took(self, taken, data):
+    def _answer_lines(self, taken, data):
         """Return the answers to many lines, or to none, and go on if take_lines() could not."""
         if taken == REAL_TIME:
             self._real_time = True
@@ -201,7 +201,7 @@ class Grbl:
     def heed(self, data):
         """Keep `data`; commands of the real-time bytes among it, as feed(). Lines wait for take() and feed()."""
         if not self._lines.take(data):
-            return self._peel(data)
+            return self._take_real_time(data)
         asked = self._lines.fields[LINES_ASKED]
         self._lines.fields[LINES_ASKED] = 0
         return self._asked if asked else ()
@@ -211,7 +211,7 @@ class Grbl:
         if data:
             if self._real_time or not self._lines.take(data):
                 self._real_time = False
-                return self._peel(data)  # the lines come with the next cycle, in a batch or not
+                return self._take_real_time(data)  # the lines come with the next cycle, in a batch or not
         else:
             fields = self._lines.fields
             if fields[LINES_ASKED]:
@@ -221,7 +221,7 @@ class Grbl:
                 return ()
             if fields[LINES_AT] == fields[LINES_WHOLE] and not (self._rest or self._start_lines or self._lines.lost):
                 return ()
-        return self._commands()
+        return self._next_commands()
 
     def pending(self):
         """True if feed() has something to say without new bytes. A line that found no room waits until several have some."""
@@ -238,7 +238,7 @@ class Grbl:
         tail = text.replace(b"\r", b"\n").split(b"\n")
         return bool(tail[-1].strip(b"?!~\x18")) or len(tail) == 1 and self._lines.begun()
 
-    def _commands(self):
+    def _next_commands(self):
         if self._lines.fields[LINES_ASKED]:
             self._lines.fields[LINES_ASKED] = 0
             yield self._asked[0]
@@ -250,11 +250,11 @@ class Grbl:
                 line = self._start_lines.pop(0) if self._start_lines else self._lines.next()
                 if line is False:
                     return
-                self._rest = self._understand(line)
+                self._rest = self._line_commands(line)
             self._under_way = self._rest.pop(0)
             yield self._under_way
 
-    def _peel(self, data):
+    def _take_real_time(self, data):
         """Take the real-time bytes out. Within a line those from 0x80 on leave a mark, and other bytes from there on ODD: letters beyond
         ASCII may be made of both. C2 before 80 … 9F goes with it: CNCjs writes real-time bytes as UTF-8, in which no text has these two."""
         plain = bytearray()
@@ -278,7 +278,7 @@ class Grbl:
                 plain.append(byte if byte < 0x80 and command is None else ODD)
             elif command.kind == commands.RESET:
                 plain = bytearray()
-                self._forget()
+                self._forget_lines()
                 self._stale = 0
                 yield command
             else:
@@ -292,7 +292,7 @@ class Grbl:
 
     # --- lines to commands
 
-    def _understand(self, line):
+    def _line_commands(self, line):
         """The commands of a line, one at least."""
         if self._stale and not isinstance(line, str):
             self._stale -= 1
@@ -303,7 +303,7 @@ class Grbl:
             self.gcode.coolant = self._machine.coolant  # real-time bytes change it too
         self._start_line = None
         if self._version != self._settings.version:
-            self._configure()
+            self._take_settings()
         if line is None or len(line) > LONGEST and len(bare(line)) > longest(bare(line)):
             return [Command(commands.BAD, error=errors.LINE_TOO_LONG)]
         if isinstance(line, str):
@@ -347,14 +347,14 @@ class Grbl:
             return b""
         self._under_way = None
         text = getattr(command, "text", "")
-        if event.kind == REFUSED and not self._failed_homing(event):
+        if event.kind == REFUSED and not self._is_failed_homing(event):
             self._rest = []
             self.gcode.forget()
             if command.kind == commands.SPINDLE:
                 self.gcode.spindle = 5
-            return (text + self._answer("error:%d" % event.error)).encode()
+            return (text + self._answer_line("error:%d" % event.error)).encode()
         if command.kind == commands.PROBE and event.value:
-            text += self._probed(event.value, command.measures)
+            text += self._note_probe(event.value, command.measures)
         if command.kind == commands.HOME:
             if event.value:
                 from passo.protocols.grbl.homing import told  # loaded at the start, by check()
@@ -372,16 +372,16 @@ class Grbl:
         if not self._rest or self._rest[0].kind == commands.RESET:
             if self.gcode.ended and command.kind == commands.SYNC:
                 text += grbl_report.message(grbl_report.PROGRAMME_END)
-            text += self._answer("ok")
+            text += self._answer_line("ok")
         return text.encode()
 
-    def _failed_homing(self, event):
+    def _is_failed_homing(self, event):
         """True for homing that an alarm has ended. grbl answers ok then, behind the alarm and before its banner."""
         if event.command.kind != commands.HOME or event.error != errors.LOCKED:
             return False
         return errors.ALARM_HOMING_RESET <= self._machine.alarm <= errors.ALARM_TWO_MOTORS
 
-    def _answer(self, text):
+    def _answer_line(self, text):
         if self._start_line is not None:
             text = ">%s:%s" % (self._start_line, text)
         return text + "\r\n"
@@ -426,7 +426,7 @@ class Grbl:
         return b""
 
     def _begin_anew(self, alarm):
-        self._forget()
+        self._forget_lines()
         self.gcode.reset()
         self.gcode.offsets.reset()
         self._status.reset()
@@ -435,7 +435,7 @@ class Grbl:
             text += grbl_report.message(grbl_report.NOTICES[errors.NOTICE_LOCKED])
         return text
 
-    def _probed(self, value, measures):
+    def _note_probe(self, value, measures):
         position, touched = value
         system = self.system
         system.probed = [rounded(steps * NM_PER_M, per_m) for steps, per_m in zip(position, self._machine.steps_per_m)]

@@ -165,8 +165,8 @@ class Status:
         elif self._settings_of != self._settings.version:
             self._take_over()
         self._fields[REPORT_ROOM + NUMBER_WHOLE] = room
-        self._choose(report, report["seen"][SEEN_LINE] > 0)
-        at = self._begin(report)
+        self._choose_form(report, report["seen"][SEEN_LINE] > 0)
+        at = self._write_begin(report)
         pins = report["pins"]
         if pins:
             if pins != self._pins:
@@ -186,11 +186,11 @@ class Status:
             self._said = self._view[:at]
         return self._said
 
-    def _begin(self, report):
+    def _write_begin(self, report):
         """Write what each report has. Returns where it ends."""
         return tell_report(self._out, self._form, self._fields, report["seen"], report["position"], self._gcode.axes)
 
-    def _choose(self, report, numbered):
+    def _choose_form(self, report, numbered):
         """The power, and the form that the state asks for; `numbered`: the line has a number."""
         power = report["power"]
         if power != self._power:
@@ -242,7 +242,7 @@ class Status:
             self._overridden = {}
         number = report["spindle"] << 2 | report["coolant"]
         if number not in self._overridden:
-            self._overridden[number] = self._override(number >> 2, number & 3)
+            self._overridden[number] = self._override_form(number >> 2, number & 3)
         at = tell(self._out, at, self._overridden[number], self._fields)
         if self._words is None:
             self._words = [word for word in STATUS_WORDS if word[0] in report]
@@ -251,7 +251,7 @@ class Status:
                 at = tell(self._out, at, ("|%s:%s\0" % (word, report[key])).encode(), self._fields)
         return at
 
-    def _override(self, spindle, coolant):
+    def _override_form(self, spindle, coolant):
         """Overrides and accessories, for tell()."""
         accessories = _SPINDLES[spindle] + _COOLANTS[coolant]
         return ("|Ov:%d,%d,%d" % tuple(self._percents) + ("|A:%s\0" % accessories if accessories else "\0")).encode()

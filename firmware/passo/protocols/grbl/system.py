@@ -67,7 +67,7 @@ class System:
         if line == "$":
             return answer(grbl_report.HELP + "\r\n")
         if line == "$$":
-            return self._all() if state not in ("run", "hold") else errors.BUSY
+            return self._all_settings() if state not in ("run", "hold") else errors.BUSY
         if line == "$G":
             return answer(grbl_report.modes(self._gcode, self.inches()))
         if line == "$LOG":
@@ -76,7 +76,7 @@ class System:
             # The board file's values of the settings that are masks, by which old ones are converted.
             return answer("[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in self._settings.masks()]))
         if line[:5] == "$LINK":
-            return self._link(line[5:])
+            return self._do_link(line[5:])
         if line not in self._asked and self._machine.commander != self._number:
             return errors.COMMANDED_ELSEWHERE
         if line == "$C":
@@ -89,26 +89,26 @@ class System:
             if line.startswith(start):
                 return understand(self._machine, line[len(start) :])
         if line[1:2] == "J":
-            return self._jog(line, state)
+            return self._do_jog(line, state)
         if state not in ("idle", "alarm"):
             return errors.BUSY
         if line == "$#":
             return told(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches(), self._machine.homed))
         if line[:2] == "$H":
-            return self._home(line[2:])
+            return self._do_home(line[2:])
         if line == "$SLP":
             return [Command(commands.SLEEP)]
         if line == "$I":
-            return answer(self._info())
+            return answer(self._info_text())
         if line[:3] == "$I=":
-            return self._keep(INFO, line[3:])
+            return self._keep_text(INFO, line[3:])
         if line[:5] == "$RST=":
-            return self._restore(line[5:])
+            return self._restore_settings(line[5:])
         if line[:2] == "$N":
             return self._start_lines(line, state)
-        return self._change(line)
+        return self._change_setting(line)
 
-    def _jog(self, line, state):
+    def _do_jog(self, line, state):
         if state not in ("idle", "jog"):
             return errors.BUSY
         if line[2:3] != "=":
@@ -116,7 +116,7 @@ class System:
         error = self._gcode.interpret(line[3:].encode(), True)
         return error or self._gcode.commands
 
-    def _link(self, text):
+    def _do_link(self, text):
         machine = self._machine
         if not text:
             return answer("[LINK:%d,%s]\r\n" % (machine.commander + 1, machine.links[machine.commander]))
@@ -124,7 +124,7 @@ class System:
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
 
-    def _home(self, what):
+    def _do_home(self, what):
         """$H, $HX …: one axis, $HR=10: all, and ten times more to see how well it repeats."""
         if not self._settings.value(22):
             return errors.HOMING_OFF
@@ -138,14 +138,14 @@ class System:
             return errors.STATEMENT
         return [command]
 
-    def _all(self):
+    def _all_settings(self):
         """The settings."""
         return told(["$%d=%s\r\n" % (number, self.show(number)) for number in self._settings.numbers])
 
     def show(self, number):
         return grbl_report.decimal(self._settings.value(number), self._settings.places(number))
 
-    def _info(self):
+    def _info_text(self):
         text = self._settings.get(INFO) or ""
         version = "[VER:1.1h.20190830:%s]\r\n" % text  # of the grbl whose interface this is
         about = self._machine.about
@@ -157,7 +157,7 @@ class System:
             rows += "[ROTARY:A%s%s]\r\n" % (",SHORT" if turns & 2 else "", ",ENDLESS" if turns & 4 else "")
         return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (self.marks, self.blocks, RX_BYTES) + rows + (grbl_report.message(about) if about else "")
 
-    def _keep(self, key, text):
+    def _keep_text(self, key, text):
         before = self._settings.snapshot()
         try:
             self._settings.put(key, text)
@@ -165,7 +165,7 @@ class System:
             return errors.START_LINE_TOO_LONG
         return self._settings.save(before) or answer("")
 
-    def _restore(self, what):
+    def _restore_settings(self, what):
         if what not in ("$", "#", "*"):
             return errors.STATEMENT
         error = self._machine.restore_settings(what != "#", "$#*".find(what))
@@ -188,10 +188,10 @@ class System:
         if not self._settings.keeps(text):
             return errors.START_LINE_TOO_LONG
         # Each is carried out once the one before has been accepted: a line that the machine refuses, or that ends in an alarm, is not kept.
-        return self._gcode.commands + answer("") + [Command(commands.MORE, value=self._store(key, text))]
+        return self._gcode.commands + answer("") + [Command(commands.MORE, value=self._store_line(key, text))]
 
-    def _store(self, key, text):
-        kept = errors.LOCKED if self._machine.alarm else self._keep(key, text)
+    def _store_line(self, key, text):
+        kept = errors.LOCKED if self._machine.alarm else self._keep_text(key, text)
         if isinstance(kept, int):
             yield Command(commands.BAD, error=kept)
         yield None
@@ -200,7 +200,7 @@ class System:
         """Return the lines for execution after a reset and after homing."""
         return [line for line in [self._settings.get(key) for key in _START_LINES] if line]
 
-    def _change(self, line):
+    def _change_setting(self, line):
         key, equals, text = line[1:].partition("=")
         if not equals or not key or [letter for letter in key if letter not in "0123456789"]:
             return errors.STATEMENT

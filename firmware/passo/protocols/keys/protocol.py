@@ -53,11 +53,11 @@ class Keys:
             self.words.forget()
             yield Command(BAD, error=errors.GARBLED)
         for byte in data:
-            command = self._take(byte, now_ms)
+            command = self._take_byte(byte, now_ms)
             if command is not None:
                 yield command
 
-    def _take(self, byte, now_ms):
+    def _take_byte(self, byte, now_ms):
         """The command of a byte, or None."""
         if self._waiting is not None:
             motor = self._waiting
@@ -72,24 +72,24 @@ class Keys:
             self._since_ms = now_ms
             return None
         if byte in ON:
-            return self._run(self._turning() | ON[byte], ON[byte])
+            return self._run_motors(self._turning_mask() | ON[byte], ON[byte])
         if byte in OFF:
             command = Command(REST, value=OFF[byte])
-            command.unpowered = self._others(self._turning() & ~OFF[byte])
+            command.unpowered = self._mask_without(self._turning_mask() & ~OFF[byte])
             return command
         if byte in REVERSE:
             motor = REVERSE[byte]
             self._negative[motor] = not self._negative[motor]
-            return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
+            return self._run_motors(self._turning_mask(), 1 << motor) if self._is_turning(motor) else None
         return Command(STATUS) if byte == WHY else Command(BAD, error=errors.UNKNOWN_COMMAND)
 
     def _set_speed(self, motor, speed):
         if not 1 <= speed <= KIT_SLOWEST:
             return Command(BAD, error=errors.NUMBER_RANGE)
         self._speed[motor] = speed
-        return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
+        return self._run_motors(self._turning_mask(), 1 << motor) if self._is_turning(motor) else None
 
-    def _turning(self):
+    def _turning_mask(self):
         """Mask of the motors that are on."""
         mask = 0
         for motor in range(KIT_MOTORS):
@@ -97,10 +97,10 @@ class Keys:
                 mask |= 1 << motor
         return mask
 
-    def _others(self, on):
+    def _mask_without(self, on):
         return (1 << self._axes) - 1 & ~on
 
-    def _run(self, on, named):
+    def _run_motors(self, on, named):
         """Let the motors of the mask `named` turn as they are set; `on`: all that turn then."""
         steps = [None] * self._axes
         rates = [None] * self._axes
@@ -109,7 +109,7 @@ class Keys:
                 steps[motor] = -FOREVER if self._negative[motor] else FOREVER
                 rates[motor] = (1, KIT_STEP_MS * self._speed[motor])
         command = Run(steps, rates, LIVE)
-        command.unpowered = self._others(on)
+        command.unpowered = self._mask_without(on)
         return command
 
     def reply(self, event):

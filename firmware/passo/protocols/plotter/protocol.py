@@ -141,18 +141,18 @@ class Plotter:
     def take(self, data, now_ms):
         """Keep `data`, and have the machine take the points at its start. Returns the answers to them."""
         if data:
-            self._hear(data, now_ms)
+            self._keep_bytes(data, now_ms)
         batch = self.batch
         count = 0
         while data and not self._broken and len(self._bytes) >= PACKET and (batch.begun or batch.open(batch)):
-            batch.count = self._sift() >> 2
+            batch.count = self._sift_bytes() >> 2
             if not batch.count:
                 break
-            self._cut(batch.count, now_ms)
+            self._cut_packets(batch.count, now_ms)
             count += batch.accept(batch)
         return b"n" * count
 
-    def _sift(self):  # without variables of its own, so that the call takes nothing off the heap: see app.py
+    def _sift_bytes(self):  # without variables of its own, so that the call takes nothing off the heap: see app.py
         return sift(
             self._bytes, len(self._bytes), self._before, 0,
             self.batch.data, self.batch.offset, self.batch.room, self.batch.most_x, self.batch.most_y,
@@ -161,12 +161,12 @@ class Plotter:
     def feed(self, data, now_ms):
         """Commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""
         if data:
-            self._hear(data, now_ms)
+            self._keep_bytes(data, now_ms)
         elif not self._broken and len(self._bytes) < PACKET and (not self._bytes or (now_ms - self._since) & COUNT_MASK < RESYNC_MS):
             return ()
-        return self._commands(now_ms)
+        return self._packet_commands(now_ms)
 
-    def _commands(self, now_ms):
+    def _packet_commands(self, now_ms):
         """The commands in the bytes that are kept, and errors for those that time has shown to be torn."""
         commands = []
         quiet = (now_ms - self._latest) & COUNT_MASK >= self.gap_ms
@@ -174,41 +174,41 @@ class Plotter:
             found = sift(self._bytes, len(self._bytes), self._before, quiet, self._bytes, 0, 0, 0, 0)
             if found == _HELD:
                 return commands
-            command = self._take(now_ms) if found == _OTHER else None
+            command = self._take_packet(now_ms) if found == _OTHER else None
             if command is None:
                 self._broken = True
             else:
                 commands.append(command)
         if self._broken and b"x\0\0\0\0x" in self._bytes:  # STOP
-            self._dropped(self._why)
+            self._drop_torn(self._why)
             self._before = HALT
             commands.append(Command(STOP))
         elif self._broken:
             self._bytes = self._bytes[1 - PACKET :]  # a STOP may have begun there
             if quiet:
-                commands.append(self._dropped(self._why))
+                commands.append(self._drop_torn(self._why))
         elif self._bytes and (now_ms - self._since) & COUNT_MASK >= RESYNC_MS:
             if len(self._bytes) == 1 and self._bytes[0] == self._before:
                 self._bytes = b""
                 return commands
-            commands.append(self._dropped(errors.BYTES_DROPPED))
+            commands.append(self._drop_torn(errors.BYTES_DROPPED))
         return commands
 
-    def _hear(self, data, now_ms):
+    def _keep_bytes(self, data, now_ms):
         if not self._bytes:
             self._since = now_ms
         self._latest = now_ms
         self._bytes += data
 
-    def _cut(self, packets, now_ms):
+    def _cut_packets(self, packets, now_ms):
         end = PACKET * packets
         self._before = self._bytes[end - 1]
         self._bytes = self._bytes[end:]
         self._since = now_ms
 
-    def _take(self, now_ms):
+    def _take_packet(self, now_ms):
         data = self._bytes
-        self._cut(1, now_ms)
+        self._cut_packets(1, now_ms)
         code = data[0]
         x = data[1] << 8 | data[2]
         y = data[3] << 8 | data[4]
@@ -225,7 +225,7 @@ class Plotter:
         self._why = errors.UNKNOWN_COMMAND
         return None
 
-    def _dropped(self, error):
+    def _drop_torn(self, error):
         self.drop_begun()
         self._why = errors.CHECKSUM
         return Command(BAD, error=error)

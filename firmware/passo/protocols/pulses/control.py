@@ -27,7 +27,7 @@ def understand(words, axes):
     if verb in _PLAIN and len(words) == 1:
         return Command(_PLAIN[verb], value=1 if verb == "log" else 0)
     if verb in _VERBS:
-        command = _verb(verb, said, value, len(words) == 1)
+        command = _verb_command(verb, said, value, len(words) == 1)
     elif verb == "back" and len(words) == 1:
         command = Command(STEP_PROGRAM, None, STEPS_GO, True)
     elif verb == "speed" and value >= 0:
@@ -40,11 +40,11 @@ def understand(words, axes):
     elif verb == "link" and (len(words) == 1 or value > 0):
         command = Command(HAND_OVER, None, max(value, 0))
     elif verb == "jog":
-        command = _jog(words, axes)
+        command = _jog_command(words, axes)
     return command or Command(BAD, error=errors.NO_CONTROL)
 
 
-def _verb(verb, said, value, alone):
+def _verb_command(verb, said, value, alone):
     command = Command(STEP_PROGRAM, None, _VERBS[verb])
     if said == "back" and verb in ("step", "return", "continue"):
         command.tool = True
@@ -57,7 +57,7 @@ def _verb(verb, said, value, alone):
     return command
 
 
-def _jog(words, axes):
+def _jog_command(words, axes):
     target = [0] * len(axes)
     if len(words) < 3 or len(words) % 2 == 0:
         return None

@@ -81,9 +81,9 @@ class Pulses:
         self._frame = None  # the bytes of a control command so far
         self._latest = 0
         self._open = False  # STEPS_OPEN has gone out, STEPS_CLOSE not yet
-        self._begin(0)
+        self._begin_file(0)
 
-    def _begin(self, size, fresh=False):
+    def _begin_file(self, size, fresh=False):
         """A new file, of `size` bytes where that is not 0."""
         self._size = size
         self._fresh = fresh  # no byte of it has come
@@ -107,7 +107,7 @@ class Pulses:
             at = 0
             while at < len(data):
                 if self._frame is not None:
-                    at = self._control(data, at, found)
+                    at = self._read_control(data, at, found)
                 elif data[at] == 0x7B:
                     self._frame = b""
                     at += 1
@@ -115,15 +115,15 @@ class Pulses:
                     found.append(Command(STATUS))  # as {?}, but of a host that does not know the language yet
                     at += 1
                 else:
-                    at = self._codes(data, at, found)
+                    at = self._read_codes(data, at, found)
             self._hand_on(found)
         else:
             silent_ms = (now_ms - self._latest) & COUNT_MASK
             if silent_ms >= QUIET_MS:
-                self._quiet(silent_ms, found)
+                self._after_silence(silent_ms, found)
         return found
 
-    def _quiet(self, silent_ms, found):
+    def _after_silence(self, silent_ms, found):
         if self._frame is not None:
             self._frame = None
             found.append(Command(BAD, error=errors.NO_CONTROL))
@@ -131,17 +131,17 @@ class Pulses:
             self._mode = _TYPED
         elif self._mode == _TYPED:
             if self._open:
-                self._close(found)
+                self._close_file(found)
         elif (self._mode == _LOAD or self._size) and silent_ms >= CUT_MS and not self._under_way:
-            self._fail(errors.CUT_OFF, found)  # the host may send, and does not
+            self._fail_file(errors.CUT_OFF, found)  # the host may send, and does not
 
-    def _codes(self, data, at, found):
+    def _read_codes(self, data, at, found):
         """Bytes of a file, up to the next control command. Returns where it stopped."""
         if self._fresh:
             at = self._line_end(data, at)
         while at < len(data):
             if not self._sign and self._mode < _DROP:
-                at = self._plain(data, at)
+                at = self._read_plain(data, at)
                 if self._taken >= CREDIT:
                     self._hand_on(found)
                     continue
@@ -155,13 +155,13 @@ class Pulses:
                 continue
             self._count += 1
             self._taken += 1
-            self._other(byte, found)
+            self._read_other(byte, found)
             if self._taken >= CREDIT:
                 self._hand_on(found)
         return at
 
     @micropython.native
-    def _plain(self, data, at):
+    def _read_plain(self, data, at):
         """Codes as far as nothing else comes, until a CREDIT is full. Returns where it stopped."""
         codes = CODES
         unknown = 7 & ~self._known
@@ -196,14 +196,14 @@ class Pulses:
         self._fresh = self._fresh and at == len(data)
         return at
 
-    def _other(self, byte, found):
+    def _read_other(self, byte, found):
         """A byte that is no code, or stands behind a number."""
         if self._sign:
             if 48 <= byte <= 57:
                 self._number = max(self._number, 0) * 10 + byte - 48
                 if self._number > (WAIT_MS if self._sign == 0x2A else SPEED_MM_MIN)[1]:
                     self._line, self._column = self._sign_at
-                    self._fail(errors.NUMBER_RANGE, found)
+                    self._fail_file(errors.NUMBER_RANGE, found)
                 self._column += 1
                 return
             if not self._end_number(found):
@@ -221,9 +221,9 @@ class Pulses:
             self._line += 1
             self._column = 0
             if not self._open and not self._items:
-                self._begin(0)
+                self._begin_file(0)
         elif byte not in _BLANKS:
-            self._fail(errors.NO_CODE, found)
+            self._fail_file(errors.NO_CODE, found)
             return
         self._column += 1
 
@@ -233,7 +233,7 @@ class Pulses:
             return True
         if self._number < 0:
             self._line, self._column = self._sign_at
-            self._fail(errors.NUMBER_MISSING, found)
+            self._fail_file(errors.NUMBER_MISSING, found)
             return False
         kind = STEPS_WAIT if self._sign == 0x2A else STEPS_SPEED if self._number else STEPS_ASK
         self._items.append(self._number << 8 | kind << 4)
@@ -257,7 +257,7 @@ class Pulses:
             self._open = True
             found.append(Command(STEP_PROGRAM_ADD, None, STEPS_OPEN, True))
 
-    def _fail(self, error, found):
+    def _fail_file(self, error, found):
         """The file makes no sense from here on."""
         self._open_typed(found)
         self._drop_file()
@@ -271,23 +271,23 @@ class Pulses:
         self._open = False
         self._size = 0
 
-    def _close(self, found):
+    def _close_file(self, found):
         if not self._end_number(found):
             return
         if self._size and self._count != self._size:
-            self._fail(errors.CUT_OFF, found)
+            self._fail_file(errors.CUT_OFF, found)
             return
         self._hand_on(found)
         self._open = False
         command = Command(STEP_PROGRAM_ADD, None, STEPS_CLOSE)
         command.tool = self._mode == _TYPED  # nobody asked: there is no answer
         self._mode = _TYPED
-        self._begin(0)
+        self._begin_file(0)
         found.append(command)
 
     # --- control commands
 
-    def _control(self, data, at, found):
+    def _read_control(self, data, at, found):
         text = bytes(data[at:])
         end = text.find(b"}")
         if end < 0:
@@ -299,12 +299,12 @@ class Pulses:
             words = text.decode().split() if len(text) <= _LONGEST_COMMAND else []
         except UnicodeError:
             words = []
-        command = self._command(words, found)
+        command = self._control_command(words, found)
         if command is not None:
             found.append(command)
         return at + end + 1
 
-    def _command(self, words, found):
+    def _control_command(self, words, found):
         """The Command of a control command's words; None if it has been dealt with."""
         verb = words[0] if words else ""
         if verb in ("load", "stream") and len(words) < 3:
@@ -315,19 +315,19 @@ class Pulses:
             if self._mode not in (_LOAD, _STREAM):
                 self._mode = min(self._mode, _DROP)
                 return Command(BAD, error=errors.NO_STEP_PROGRAM)
-            self._close(found)
+            self._close_file(found)
             return None
         command = self.words.command(verb) if self.words and verb[:1] == "$" else understand(words, self._axes)
         if command.kind == STOP:
             self._mode = _DROP
             self._open = False
-            self._begin(0)
+            self._begin_file(0)
         return command
 
     def _open_file(self, stream, size, found):
         if self._open:
-            self._fail(errors.CUT_OFF, found)
-        self._begin(size, True)
+            self._fail_file(errors.CUT_OFF, found)
+        self._begin_file(size, True)
         self._mode = _STREAM if stream else _LOAD
         self._open = True
         return Command(STEP_PROGRAM_ADD, None, STEPS_OPEN, stream)
@@ -352,7 +352,7 @@ class Pulses:
     def _reply_to_file(self, event, command):
         if event.kind == ACCEPTED:
             if command.value == STEPS_ITEMS:
-                return self._acknowledge(command.power)
+                return self._credit_bytes(command.power)
             if command.value == STEPS_CLOSE:
                 return b"" if command.tool else b"ok %d\n" % event.value
             return b"" if self._mode == _TYPED else b"ok\n"
@@ -362,7 +362,7 @@ class Pulses:
         self._drop_file()
         return b"" if silent else b"error:%d\n" % event.error
 
-    def _acknowledge(self, count):
+    def _credit_bytes(self, count):
         self._under_way -= count
         acks, self._credit = divmod(self._credit + count, CREDIT)
         return ACK * acks
@@ -382,7 +382,7 @@ class Pulses:
             self._frame = b"!"  # makes no sense, however it ends
         if self._open:
             self._drop_file()
-        self._begin(0)
+        self._begin_file(0)
         return b"stopped\n" if event.kind == DROPPED and event.error == errors.STOPPED else b""
 
     def push(self, event):

@@ -75,7 +75,7 @@ class Forms(Torch):
         if len(data) < 2:
             return ()
         path, _, body = bytes(data[2:]).partition(b" ")
-        commands = self._commands(path, body, data[1])
+        commands = self._request_commands(path, body, data[1])
         command = commands[-1]  # the one that is answered
         fields = body if command.kind != BAD and path in _FIELDS else b""
         if len(self._open) >= _OPEN:
@@ -83,24 +83,24 @@ class Forms(Torch):
         self._open.append((command, data[0], data[1] & REQUEST_JSON, path, fields))
         return commands
 
-    def _commands(self, path, body, flags):
+    def _request_commands(self, path, body, flags):
         if path not in PATHS:
             return (Command(BAD, error=errors.UNKNOWN_COMMAND),)
         if not flags & REQUEST_PROVEN and path not in _FREE:
             return (Command(BAD, error=errors.NOT_ADMITTED),)
         if path == _SETTING:
-            return (self._setting(body),)
+            return (self._setting_command(body),)
         if path in _FIELDS:
-            frame_bytes = self._framed(path, body)
+            frame_bytes = self._request_frame(path, body)
             if frame_bytes is None:
                 return (Command(BAD, error=errors.GARBLED),)
         else:
             frame_bytes = frame(_NAMES[path])
-        command = self._command(frame_bytes)
+        command = self._frame_command(frame_bytes)
         self._asked = None  # the server hands over one request at a time
         return (Command(HAND_OVER), command) if path == b"/ON" else (command,)
 
-    def _setting(self, body):
+    def _setting_command(self, body):
         """The Command that sets and keeps a setting."""
         try:
             found = form(body.decode()) if len(body) <= _MOST_BODY else None
@@ -110,7 +110,7 @@ class Forms(Torch):
             return Command(BAD, error=errors.GARBLED)
         return self.words.command("$%s=%s" % (found["number"], found["value"]))
 
-    def _framed(self, path, body):
+    def _request_frame(self, path, body):
         """The frame of a request with fields; None if one is missing, too many or out of its range."""
         if len(body) > _MOST_BODY:
             return None
@@ -144,42 +144,42 @@ class Forms(Torch):
         for request in self._open:
             if request[0] is command:
                 self._open.remove(request)
-                return self._answer(event, *request)
+                return self._answer_request(event, *request)
         return b""
 
-    def _answer(self, event, command, number, as_json, path, fields):
+    def _answer_request(self, event, command, number, as_json, path, fields):
         if command.kind == STOP or command.kind == RUN and event.kind == ACCEPTED:
             self._ended = False
         if command.kind == STILL and event.kind == ACCEPTED:
-            self._configured(*command.value)
-        told = [("code", self._code(path)), ("state", self._state()), ("error", event.error)]
+            self._keep_configured(*command.value)
+        told = [("code", self._code_of(path)), ("state", self._state_word()), ("error", event.error)]
         if event.kind != REFUSED:
             if command.kind == SETTING:
                 number, value, places = event.value
                 told += [("number", number), ("value", decimal(value, places))]
             if command.kind == STATUS or command.kind == STOP:
-                told += self._places(event.value)
+                told += self._position_fields(event.value)
             if command.kind == STATUS:
-                told += self._more(event.value)
+                told += self._more_fields(event.value)
             if fields:
                 found = form(fields.decode())
                 told += [(name, int(found[name])) for name in _FIELDS[path]]
-        return bytes((number,)) + _text(told, as_json).encode()
+        return bytes((number,)) + _answer_text(told, as_json).encode()
 
-    def _places(self, report):
+    def _position_fields(self, report):
         made, position = report["made"], report["position"]
         return [("x", made[0]), ("y", made[1]), ("px", position[0]), ("py", position[1])]
 
-    def _more(self, report):
+    def _more_fields(self, report):
         x, y = self._machine.steps_per_m[:2]
         told = [("last", report["error"]), ("ours", 1 if report["ours"] else 0), ("spmx", x), ("spmy", y)]
         return told + [(word, report[key]) for key, word in STATUS_WORDS if report.get(key) is not None]
 
-    def _code(self, path):
+    def _code_of(self, path):
         name = _FRAMES[path][0] if path in _FRAMES else _NAMES.get(path)
         return CODES.get(name, 0)
 
-    def _state(self):
+    def _state_word(self):
         """The document's words where it has one."""
         state = self._machine.state
         if state == "run" or state == "jog":
@@ -194,7 +194,7 @@ class Forms(Torch):
         return b""
 
 
-def _text(told, as_json):
+def _answer_text(told, as_json):
     if not as_json:
         return "&".join(["%s=%s" % pair for pair in told])
     return "{%s}" % ", ".join(['"%s": %s' % (name, value if isinstance(value, int) else '"%s"' % value) for name, value in told])

@@ -76,14 +76,14 @@ class Cutter:
         data = self._bytes
         if not data:
             return None
-        length = self._whole(0)
+        length = self._whole_length(0)
         if not length:
             if not quiet:
                 return None
             self._bytes = b""
             return data if len(data) == self._at_idle.get(data[0]) and data[-1] == END else b""
         if length > 0 and data[0] in self._short:
-            behind = self._whole(length)
+            behind = self._whole_length(length)
             if not behind and (len(data) > length or self._silent_ms < min(SETTLE_MS, self._gap_ms)):
                 if not quiet:
                     return None
@@ -100,7 +100,7 @@ class Cutter:
         return data[:length]
 
     @micropython.native
-    def _whole(self, at):
+    def _whole_length(self, at):
         """The length of the frame that begins at byte `at`; 0: not yet whole; −1: it is none."""
         data = self._bytes
         if at == len(data):

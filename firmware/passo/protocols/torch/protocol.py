@@ -170,7 +170,7 @@ def _one_jog(data):
     return jog, jog, x_speed, y_speed
 
 
-def _seam(data):
+def _seam_command(data):
     """The Command of a WEAVE."""
     amplitude, pitch, left, right, x, y, to_x, to_y, speed = struct.unpack_from(">IIIIiiiiI", data, 4)
     if max(abs(x), abs(y), abs(to_x), abs(to_y)) >= FOREVER or not 0 < speed < 1_000_000:
@@ -215,29 +215,29 @@ class Torch:
             found = self._cutter.next()
             if found is None:
                 break
-            command = self._command(found)
+            command = self._frame_command(found)
             if command is not None:
                 commands.append(command)
         return commands
 
     @micropython.native
-    def _command(self, data):
+    def _frame_command(self, data):
         if not data:
             return Command(BAD, error=errors.GARBLED)
         code = data[0]
         if code in _JOGS:
-            return self._jog(*_JOGS[code])
+            return self._jog_command(*_JOGS[code])
         if code == _MOVE:
-            return self._move(data)
+            return self._move_command(data)
         if code == _CONFIGURE:
-            return self._configure(data)
+            return self._configure_command(data)
         if code == _PASSO:
-            return self._passo(data)
+            return self._passo_command(data)
         if code == _WEAVE:
-            return _seam(data)
-        return self._simple(code)
+            return _seam_command(data)
+        return self._simple_command(code)
 
-    def _simple(self, code):
+    def _simple_command(self, code):
         if code == _STOP:
             return Command(STOP)
         if code == _INFO:
@@ -249,7 +249,7 @@ class Torch:
         return Command(CONNECT, value=1 if code == 0xEE else 0)
 
     @micropython.native
-    def _move(self, data):
+    def _move_command(self, data):
         x, x_speed, y, y_speed = struct.unpack_from(">IiIi", data, 1)
         if x >= FOREVER or y >= FOREVER:
             return Command(BAD, error=errors.TRAVEL)
@@ -262,7 +262,7 @@ class Torch:
             self._jogs = tuple([self._settings.jog_steps(axis) for axis in range(_AXES)])
             self._speeds = tuple([self._settings.jog_steps_s(axis) for axis in range(_AXES)])
 
-    def _jog(self, axis, sign, times=1):
+    def _jog_command(self, axis, sign, times=1):
         self._take_settings()
         steps = [None, None]
         steps[axis] = sign * self._jogs[axis] * times or None
@@ -270,7 +270,7 @@ class Torch:
             return Command(BAD, error=errors.TRAVEL)
         return Run(steps, [(speed, 1000) for speed in self._speeds], AS_JOG)
 
-    def _configure(self, data):
+    def _configure_command(self, data):
         x_jog, y_jog, x_speed, y_speed = struct.unpack_from(">IIii", data, 1) if len(data) == 18 else _one_jog(data)
         jogs = x_jog, y_jog
         if max(jogs) >= FOREVER:
@@ -279,7 +279,7 @@ class Torch:
         self._asked.value = jogs, (abs(x_speed), abs(y_speed))
         return self._asked
 
-    def _passo(self, data):
+    def _passo_command(self, data):
         what, value = data[1], data[2]
         if data[3] != what ^ value ^ _CHECK:
             return Command(BAD, error=errors.GARBLED)
@@ -298,7 +298,7 @@ class Torch:
             command.power = value
             return command
         if what in _JOGS:
-            return self._jog(*_JOGS[what], value)
+            return self._jog_command(*_JOGS[what], value)
         return Command(BAD, error=errors.UNKNOWN_COMMAND)
 
     def reply(self, event):
@@ -309,30 +309,30 @@ class Torch:
         if command is self._asked:
             self._asked = None
             if event.kind == ACCEPTED:
-                self._configured(*command.value)
+                self._keep_configured(*command.value)
         said = self.words.answer(event)
         if said is not None:
             return text_bytes(said)
         if event.kind == FINISHED:
-            return self._ended(command, event.value)
+            return self._end_bytes(command, event.value)
         if event.kind == ACCEPTED and command.kind == STATUS and command.value == LOG_OF:
             self._error = event.value["error"] or self._error
             return log_bytes(event.value["log"].entries, command.power)
         if event.kind == ACCEPTED and command.kind == STATUS:
-            return self._told(command.value == _PASSO, event.value)
+            return self._info_bytes(command.value == _PASSO, event.value)
         return b""
 
-    def _configured(self, jogs, speeds):
+    def _keep_configured(self, jogs, speeds):
         """They count to the step, whatever the settings have kept of them."""
         self._jogs, self._speeds = jogs, speeds
         self._version = self._settings.version
 
-    def _told(self, all, report):
+    def _info_bytes(self, all, report):
         error = report["error"] or self._error
         self._error = 0 if all else error
         return status_bytes(report, error, self.dropped) if all else answer("INFO", *report["made"][:2])
 
-    def _ended(self, command, value):
+    def _end_bytes(self, command, value):
         if command.kind == STOP:
             return answer("STOP", *value["made"][:2])
         if command.kind == RUN and command.when == AT_REST and self._tell_end:
