@@ -106,7 +106,7 @@ def _line(text, *before):
 def _answer(text, end, *before):
     machine = _machine(*before)
     machine.send(text)
-    return _until(machine, lambda: end in machine.received())
+    return _until(machine, lambda: end in machine.replies_so_far())
 
 
 def _amid_motion(text, done):
@@ -139,7 +139,7 @@ def _idle():
 def _homing():
     machine = _machine(start=_NEAR_THE_SENSORS)
     machine.send(b"$H\n")
-    return _until(machine, lambda: b"ok" in machine.received())
+    return _until(machine, lambda: b"ok" in machine.replies_so_far())
 
 
 _KEY = "ABCDEFGHJKLMNPQR"
@@ -155,7 +155,7 @@ class _Browser:
             {"name": "pc", "port": "usb", "protocol": "grbl"}, {"name": "page", "port": "page", "protocol": "grbl"}]}  # fmt: skip
         radio = LoopbackRadio({"http": 0}, _KEY, board)
         self.machine = VirtualMachine(board, trace=None, radio=radio)
-        self.socket = socket.create_connection(("127.0.0.1", radio.port("http")))
+        self.socket = socket.create_connection(("127.0.0.1", radio.port_of("http")))
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self.socket.sendall(
             b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: http://127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
@@ -207,7 +207,7 @@ WAYS = {
     "`?`, to its answer": lambda: _answer(b"?", b">", b"?", b"?", b"?"),
     "the first `?`": lambda: _answer(b"?", b">"),
     "`!` in motion, to the stand": lambda: _amid_motion(b"!", stands),
-    "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.received()),
+    "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.replies_so_far()),
     "`$H`, to its answer": _homing,
     "`$110=`, to its answer": lambda: _answer(b"$110=3100\n", b"ok"),
     "a key on the board's own page, to its answer and its first words": _press_key,

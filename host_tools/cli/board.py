@@ -109,7 +109,7 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
-    from host_tools.sim.serial_line import PtyLine, wait
+    from host_tools.sim.serial_line import PtyLine, wait_for_bytes
     from passo import errors
     from passo.config.boardfile import BoardError
     from passo.records import NETWORK_PORTS
@@ -133,7 +133,7 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
                 config,
                 lines,
                 mode,
-                lambda milliseconds: wait(watched, milliseconds),
+                lambda milliseconds: wait_for_bytes(watched, milliseconds),
                 protocols,
                 trace,
                 vcd,
@@ -186,7 +186,7 @@ def _stock(config):
     """Raises Failure if the machine can touch nothing."""
     from host_tools.sim.stock import Stock
 
-    if not Stock.fits(config):
+    if not Stock.can_touch(config):
         raise Failure("--stock: the board file {} has no input probe, or less than three axes", config["name"])
     return Stock(config)
 
@@ -210,9 +210,9 @@ def _tell(radio):
     if radio is not None:
         from host_tools.clients.page_key import in_groups
 
-        for kind in radio.kinds():
+        for kind in radio.open_kinds():
             path = f"/#key={radio.key}" if kind == "http" else ""
-            print(f"{kind}: {kind}://127.0.0.1:{radio.port(kind)}{path}")
+            print(f"{kind}: {kind}://127.0.0.1:{radio.port_of(kind)}{path}")
         print(f"key: {in_groups(radio.key)}", flush=True)
 
 

@@ -120,7 +120,7 @@ def _judge(job, program):
         if advice := program.advice():
             typer.echo(f"{program.name}: {advice}", err=True)
         raise Failure("{}: {} would be refused; the first is {}", program.path, count_text(job.error_count, "line"), program.origin(job.errors[0][0]))
-    if too_long := job.beyond():
+    if too_long := job.beyond_travel():
         raise Failure("{} is larger than the machine: {}", program.path, too_long)
 
 
@@ -208,7 +208,7 @@ def summary(job):
     yield _("time    {} ({:.1f} s), {} words with a step", clock(job.seconds), job.seconds, job.track.steps)
     for number, axis in enumerate(job.board["axes"]):
         low, high = job.low[number], job.high[number]
-        note = "  " + _("MORE THAN THE TRAVEL") if job.excess(number) else ""
+        note = "  " + _("MORE THAN THE TRAVEL") if job.excess_text(number) else ""
         fastest = job.track.fastest[number]
         unit = "°" if job.board.get("rotary") == axis["name"] else "mm"
         yield _("{}       {:9.3f} … {:9.3f} {}, up to {:.0f} {}/min", axis["name"].upper(), low, high, unit, fastest, unit) + note

@@ -89,7 +89,7 @@ def _fault(job, program):
         more = "; " + _("{} in all", count_text(job.error_count, "line")) if job.error_count > 1 else ""
         advice = program.advice()
         return f"{program.origin(number)}: {text}: {what}{more}" + (f"; {advice}" if advice else "")
-    too_long = job.beyond()
+    too_long = job.beyond_travel()
     return _("larger than the machine: {}", too_long) if too_long else ""
 
 

@@ -135,7 +135,7 @@ def _announce(machine, ptys, blank):
 
 
 def _loop(machine, ptys, usb, stopped, pressed, blank):
-    from host_tools.sim.serial_line import wait
+    from host_tools.sim.serial_line import wait_for_bytes
 
     lines = [*ptys.values(), *([usb] if usb else [])]
     zero = time.monotonic() - machine.now_ms() / 1000  # wall time at emulated time 0
@@ -154,7 +154,7 @@ def _loop(machine, ptys, usb, stopped, pressed, blank):
             machine.pico.usb.write(usb.read())
         machine.pico.run(SLICE_US)
         for name, line in ptys.items():
-            if machine.received(name):
+            if machine.replies_so_far(name):
                 line.write(machine.take(name))
         said = machine.pico.console.take() if announced or usb is not None else b""  # before, `_announce` needs it
         if usb is not None and said:
@@ -165,6 +165,6 @@ def _loop(machine, ptys, usb, stopped, pressed, blank):
             flush_at = now + FLUSH_S
         ahead = zero + machine.now_ms() / 1000 - now
         if ahead > 0:
-            wait(lines, min(IDLE_MS, ahead * 1000))
+            wait_for_bytes(lines, min(IDLE_MS, ahead * 1000))
         elif ahead < -LAG_S:
             zero = now - machine.now_ms() / 1000

@@ -76,14 +76,14 @@ def panel(
 
 def _tell(host, number, key, line, open_):
     """Print where the page is, and open it."""
-    from host_tools.sim.consent import tell
+    from host_tools.sim.consent import print_port
     from host_tools.clients.page_key import in_groups
 
     address = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{number}/"
     print(f"page: {address}#key={key}")
     print(f"key: {in_groups(key)}")
     if line:
-        tell(line)
+        print_port(line)
     print(_("Ctrl-C ends it."), flush=True)
     if open_:
         _open(f"{address}#key={key}")

@@ -17,7 +17,7 @@ from host_tools.drawings import contours, drawing, objects, plot
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.programs.job import Job
-from host_tools.sim.measure import measure, read_trace
+from host_tools.sim.measure import measure_drawing, read_trace
 
 BOARD = "plotter_2014"
 POINTS_PER_OBJECT = 1000
@@ -83,7 +83,7 @@ def main():
             client = draw(name, job, trace)
             rows = read_trace(trace)
             points = [point for points in job for point in points]
-            result = measure(rows, points)
+            result = measure_drawing(rows, points)
             plot.save(out / f"{name}.png", plot.strokes_of_trace(rows[result.first :], scale), name)
         if result.deviation > LARGEST_DEVIATION:
             result.faults.append(_("strays {:.3f} steps from its line", result.deviation))

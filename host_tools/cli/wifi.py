@@ -208,7 +208,7 @@ def bridge(
             raise Failure("give the board's key: PASSO_KEY=…")
         key = typer.prompt(_("key"), hide_input=True)
     from host_tools.clients.signed import Bridge
-    from host_tools.sim.consent import Consent, GuestLine, tell
+    from host_tools.sim.consent import Consent, GuestLine, print_port
     from host_tools.sim.serial_line import TAKEN, PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
     from host_tools.cli.key_option import key_of
@@ -220,7 +220,7 @@ def bridge(
         line = GuestLine(TcpLine(tcp, message=TAKEN["grbl"]), Consent()) if tcp is not None else PtyLine(link)
     try:
         made = Bridge(host, tcp_port, key, line)
-        tell(line)
+        print_port(line)
         try:
             while True:
                 made.turn(_TURN_MS)

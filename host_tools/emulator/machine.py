@@ -75,7 +75,7 @@ class EmulatedMachine:
         if self.board.get("spi_drivers"):
             self.drivers = WiredSpiDrivers(self.pico, self.board["spi_drivers"])
         if self.plant.slipping:
-            self.plant.slipping.wire(self.drivers.model)
+            self.plant.slipping.wire_drivers(self.drivers.model)
         self._watches = {name: HomingWatch(link["protocol"], self._zero_trace) for name, link in self._links.items()}
         for name in self.uart_links():
             self.wire(name).listeners.append(self._watches[name].note_answer)
@@ -143,7 +143,7 @@ class EmulatedMachine:
         self._watches[name].note_sent(data)
         self.wire(name).feed(data, self._links[name]["baud"])
 
-    def received(self, link=None):
+    def replies_so_far(self, link=None):
         """Bytes that the board has sent on a link; they stay there until `take`."""
         return bytes(self.wire(link).sent)
 

@@ -23,7 +23,7 @@ class WiredDrivers:
     def _take_byte(self, value):
         data = bytes((value,))
         self.wire.feed(data, self._baud)
-        for reply in self.model.hear(data):
+        for reply in self.model.replies_to(data):
             wait_ns = (CLOCKS + BITS_A_BYTE) * 1_000_000_000 // self._baud
             self._pico.at(self._pico.cycle + wait_ns // cycles.CYCLE_NS, lambda reply=reply: self.wire.feed(reply, self._baud))
 
@@ -43,18 +43,18 @@ class WiredSpiDrivers:
     def _select(self, cs, state):
         if state == 1 and self._cs == cs:
             self._cs = None
-            self.model.select(cs, 1)
+            self.model.set_cs(cs, 1)
             self._pads.drive(self._config["rx"], None)
         elif state == 0 and self._cs is None:
             self._cs = cs
-            self.model.select(cs, 0)
+            self.model.set_cs(cs, 0)
             self._show()
 
     def _clock(self, state):
         if self._cs is not None and state == 1:
-            self.model.clock(self._cs, self._pads.state(self._config["tx"]) & 1)
+            self.model.clock_bit(self._cs, self._pads.state(self._config["tx"]) & 1)
         elif self._cs is not None:
             self._show()  # it changes as the clock falls
 
     def _show(self):
-        self._pads.drive(self._config["rx"], self.model.out(self._cs))
+        self._pads.drive(self._config["rx"], self.model.output_level(self._cs))

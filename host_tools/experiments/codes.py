@@ -32,7 +32,7 @@ class Port:
         machine = self.machine
         machine.take()
         machine.send(frame(*words))
-        machine.run_until(lambda: re.search(rb"^(ok|error).*\n", machine.received().replace(ACK, b""), re.MULTILINE), MOST_MS)
+        machine.run_until(lambda: re.search(rb"^(ok|error).*\n", machine.replies_so_far().replace(ACK, b""), re.MULTILINE), MOST_MS)
         said = machine.take().replace(ACK, b"").decode("latin-1")
         if "error" in said:
             raise Failure("{!r} was answered by {!r}", words[0], said.strip())
@@ -47,7 +47,7 @@ class Port:
         """Fields of its status."""
         machine = self.machine
         machine.send(frame("?"))
-        machine.run_until(lambda: b">" in machine.received(), MOST_MS)
+        machine.run_until(lambda: b">" in machine.replies_so_far(), MOST_MS)
         said = machine.take()
         return status_from(re.findall(rb"<state.*?>", said)[-1].decode())
 

@@ -15,7 +15,7 @@ RESET = b"\x18"
 
 def wait_up(machine):
     """Until it says how it is unlocked."""
-    machine.run_until(lambda: b"unlock" in machine.received(), MOST_MS)
+    machine.run_until(lambda: b"unlock" in machine.replies_so_far(), MOST_MS)
     machine.run_ms(60)
 
 
@@ -23,7 +23,7 @@ def ask(machine, line):
     """The machine's answer to a line, bytes. Raises Failure if it is not ok."""
     machine.take()
     machine.send(line)
-    machine.run_until(lambda: any(end in machine.received() for end in (b"ok\r\n", b"error", b"ALARM")), MOST_MS)
+    machine.run_until(lambda: any(end in machine.replies_so_far() for end in (b"ok\r\n", b"error", b"ALARM")), MOST_MS)
     said = machine.take()
     if b"ok" not in said:
         raise Failure("{!r} was answered by {!r}", line.decode().strip(), said.decode().strip())
@@ -35,7 +35,7 @@ def words_of(machine):
     for _again in range(REPORTS):
         machine.take()
         machine.send(b"?")
-        machine.run_until(lambda: b">\r\n" in machine.received(), MOST_MS)
+        machine.run_until(lambda: b">\r\n" in machine.replies_so_far(), MOST_MS)
         fields = fields_of(re.findall(rb"<.*?>", machine.take())[-1].decode())
         if "Ov" in fields:
             return fields

@@ -48,7 +48,7 @@ def home(place, runs):
             machine.settle()
             found.append(tuple(machine.plant.position))
             for axis in ("x", "y"):
-                machine.plant.slip(axis, chance.randint(-PULL_OFF // 3, FARTHEST))
+                machine.plant.slip_motor(axis, chance.randint(-PULL_OFF // 3, FARTHEST))
     finally:
         machine.close()
     return found

@@ -89,7 +89,7 @@ class Demo:
         self.name = self._start()
 
     def _start(self):
-        stock = ["--stock"] if Stock.fits(boards.load(self.board)) else []
+        stock = ["--stock"] if Stock.can_touch(boards.load(self.board)) else []
         words = [*interpreter.passo(), "board", "--board", self.board, *stock, *self._options]
         # The board ends when this pipe does: also if this program is killed.
         environment = {**os.environ, END_WITH_STDIN: "1"}

@@ -190,7 +190,7 @@ class Panel:
             self._asked = True
             self._tell({"t": "asks", "name": self._guest.name})
         if self.machine.guest.commanded:
-            consent.give()
+            consent.give_consent()
         consent.poll()
 
     async def run(self, host, port, ready):

@@ -44,7 +44,7 @@ def job_of(name, data, kind):
         advice = program.advice()
     if job.errors:
         raise Failure("{}: line {} would be refused: {}", name, job.errors[0][0], job.errors[0][2] + (f"; {advice}" if advice else ""))
-    if too_long := job.beyond():
+    if too_long := job.beyond_travel():
         raise Failure("{} is larger than the machine: {}", name, too_long)
     area = [round(high - low, 2) for low, high in zip(job.low[:2], job.high[:2])]
     return name, text.encode(), {"seconds": round(job.seconds, 1), "area": area}

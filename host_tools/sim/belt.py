@@ -1,7 +1,7 @@
 """One belt and two motors that move both carriages of a plant (CoreXY).
 
     belt = Belt(plant)
-    moved = belt.pull(tick, motor, steps)
+    moved = belt.turn_motor(tick, motor, steps)
 
 Its own reckoning, not the firmware's: x = (a + b) / 2, y = (a − b) / 2. A motor whose carriage stands at a hard end stalls.
 """
@@ -15,7 +15,7 @@ class Belt:
         x, y = plant.position[:2]
         self._turned = [x + y, x - y]
 
-    def pull(self, tick, motor, steps):
+    def turn_motor(self, tick, motor, steps):
         """A motor turns by steps. True if a carriage has moved a whole step."""
         plant = self._plant
         motors = list(self._turned)
@@ -24,7 +24,7 @@ class Belt:
         moved = False
         for axis, place in enumerate(places):
             if place != plant.position[axis]:
-                if not plant.move(tick, axis, place - plant.position[axis]):
+                if not plant.move_axis(tick, axis, place - plant.position[axis]):
                     return moved
                 moved = True
         self._turned = motors

@@ -44,21 +44,21 @@ class Witness(Plant):
 
     def __init__(self, board, levels):
         Plant.__init__(self, board)
-        self._given = {name: self._active(name) if active else 1 - self._active(name) for name, active in levels.items()}
+        self._given = {name: self._active_level(name) if active else 1 - self._active_level(name) for name, active in levels.items()}
         for carriage in self.carriages + ([self.second] if self.second else []):
             carriage.low, carriage.high = -_FAR, _FAR
 
     def input(self, tick, name):
-        return self._given.get(name, 1 - self._active(name))
+        return self._given.get(name, 1 - self._active_level(name))
 
-    def give(self, tick, name, active):
+    def give_input(self, tick, name, active):
         """Set an input to its active or inactive level at `tick`; the firmware sees it at once."""
-        level = self._active(name) if active else 1 - self._active(name)
+        level = self._active_level(name) if active else 1 - self._active_level(name)
         if level != self._given.get(name):
             self._given[name] = self._levels[name] = level
-            Plant._tell(self, tick, name)
+            Plant._report_input(self, tick, name)
 
-    def _tell(self, tick, name):
+    def _report_input(self, tick, name):
         """A sensor of the plant's own: nobody hears of it."""
 
 
@@ -116,15 +116,15 @@ class Replay(Machine):
         self._delivered = snapshot.taken
         self._plays = getattr(self._feeder.planner, "_plays", None)  # of a machine with backlash, steps; as much is taken up at the beginning
         self._taken = [0] * len(snapshot.position)
-        self._watch()
-        self._restore(snapshot)
+        self._watch_stops()
+        self._restore_state(snapshot)
         self._clock_ms = snapshot.ms - self.now_ms()
         self._zero = [here - there for here, there in zip(self.plant.position, snapshot.position)]
         self._first_row = len(self.trace._rows) if self.trace else 0
 
     # --- where the board stood
 
-    def _restore(self, snapshot):
+    def _restore_state(self, snapshot):
         if snapshot.rows == 0 and snapshot.taken == 0 and snapshot.added == 0:
             return  # the board had just started, as this one
         self.cycle()
@@ -170,7 +170,7 @@ class Replay(Machine):
 
     # --- stops
 
-    def _watch(self):
+    def _watch_stops(self):
         """Have this replay see, and decide on, each stop."""
         queue, feeder, machine = self._queue, self._feeder, self._record
         halt, drop, hold, standing = queue.halt, queue.drop, feeder.set_hold, feeder.standing
@@ -196,18 +196,18 @@ class Replay(Machine):
 
         queue.halt, queue.drop, feeder.set_hold = note_halt, note_drop, note_hold
         feeder.standing = lambda: self._player.frozen if self._held else standing()
-        self._player.due = self._due
+        self._player.due = self._must_freeze
 
-    def _due(self):
+    def _must_freeze(self):
         if not self.stops:
             return False
         row = self.stops[0]
         if list(self._queue.found()) != row.position:
             return False
         self._feeder.retire(self._player.played())
-        return self._queue.retired() >= row.value - self._behind()
+        return self._queue.retired() >= row.value - self._count_offset()
 
-    def _behind(self):
+    def _count_offset(self):
         """Blocks that the board had counted before those that are played here."""
         return self.snapshot.added if self._same_count else 0
 
@@ -223,11 +223,11 @@ class Replay(Machine):
             if row.kind == kind:
                 here = list(self._queue.found())
                 if here != row.position:
-                    self._fault(_("stopped at {}, the board at {}", mm(self.box.board, here), mm(self.box.board, row.position)))
+                    self._add_fault(_("stopped at {}, the board at {}", mm(self.box.board, here), mm(self.box.board, row.position)))
                 break
         self._player.frozen = False
 
-    def _fault(self, text):
+    def _add_fault(self, text):
         self.faults.append((self.now_ms() + self._clock_ms, text))
 
     # --- time
@@ -237,24 +237,24 @@ class Replay(Machine):
         rows = self.since
         at = 0
         limit = self.now_ms() + self.box.end_ms - self.snapshot.ms + _LONGEST_MS
-        self._player.frozen = self._due()
+        self._player.frozen = self._must_freeze()
         while True:
-            while at < len(rows) and self._ready(rows, at):
+            while at < len(rows) and self._is_due(rows, at):
                 self._carry_out(rows[at])
                 at += 1
-            self._text(rows, at)
+            self._deliver_lines(rows, at)
             ended = at == len(rows) and self._delivered >= self.box.base + len(self.box.text)
             if ended and self._player.frozen:
-                self._force(rows)
+                self._force_alarm(rows)
             if self.box.why == "end" and at == len(rows) and not self.stops:
                 break  # there the app ended
             if ended and not self.stops and not self.port.pending(self.app.controller.busy()):
                 break
             if self.now_ms() > limit:
-                self._fault(_("did not come to its end"))
+                self._add_fault(_("did not come to its end"))
                 break
             if self.stops and not self._player.frozen and ended and not self.port.pending(self.app.controller.busy()):
-                self._fault(_("never came to {}, where the board stopped", mm(self.box.board, self.stops[0].position)))
+                self._add_fault(_("never came to {}, where the board stopped", mm(self.box.board, self.stops[0].position)))
                 break
             if not ended and self._asks and self.now_ms() >= self._asked_ms + _ASK_MS:
                 self._asked_ms = self.now_ms()
@@ -262,7 +262,7 @@ class Replay(Machine):
             before = self._record.log.added
             state = self._record.state
             self.cycle()
-            self._note(state, before)
+            self._note_events(state, before)
         self.port.advance(TICKS_PER_MS * _LAST_MS)
         if not self.faults:
             self._check_samples()
@@ -281,12 +281,12 @@ class Replay(Machine):
                 self.faults.append((row.ms, _("never came to {}, where the board was", mm(self.box.board, row.position))))
                 return
 
-    def _ready(self, rows, at):
+    def _is_due(self, rows, at):
         """True if a row's time has come. The cause of a stop comes when the machine stands where the board stood."""
         row = rows[at]
         if row.kind in PLACES or row.kind == LOGGED:
             return row.ms <= self._board_ms() or self._player.frozen
-        if self._log and self._delivered < row.come and not self._text_to(row.come):
+        if self._log and self._delivered < row.come and not self._deliver_until(row.come):
             return False
         stop = self._stop_by(rows, at)
         if stop is not None:
@@ -312,14 +312,14 @@ class Replay(Machine):
         self._clock_ms = min(self._clock_ms, row.ms - self.now_ms()) if row.kind in (INPUTS, ORDER) else self._clock_ms
         if row.kind == INPUTS:
             for name, active in row.levels.items():
-                self.plant.give(self.port.now, name, active)
+                self.plant.give_input(self.port.now, name, active)
         elif row.kind == ORDER:
             if row.value in _REAL_TIME:
                 self.lines[self._name].incoming += _REAL_TIME[row.value]
             else:
                 self._record.carry_out(row.value)
 
-    def _text(self, rows, at):
+    def _deliver_lines(self, rows, at):
         """Lines that had come by now."""
         come = self.snapshot.taken
         ms = self.snapshot.ms
@@ -335,26 +335,26 @@ class Replay(Machine):
             come, ms = max(come, row.come), row.ms
         if at < len(rows):
             end = min(end, rows[at].come)
-        self._text_to(end)
+        self._deliver_until(end)
 
-    def _text_to(self, end):
+    def _deliver_until(self, end):
         """Deliver the bytes before `end`, by whole lines, as far as there is room. True if all are."""
         line = self.lines[self._name]
         while self._delivered < end:
             text = self.box.bytes_from(self._delivered)
             size = text.find(b"\n") + 1 or len(text) if self._log else end - self._delivered
-            if line.incoming or self._room() < size:
+            if line.incoming or self._link_space() < size:
                 return False
             line.incoming += text[:size]
             self._delivered += size
         return not line.incoming
 
-    def _room(self):
+    def _link_space(self):
         """Bytes that the link keeps beside those that wait."""
         protocol = self._link.protocol
         return 512 - (protocol._lines.fields[LINES_END] - protocol._lines.fields[LINES_AT]) if self._log else len(self.box.text)
 
-    def _force(self, rows):
+    def _force_alarm(self, rows):
         """All that came has come, and nothing stops the machine: its alarm, by number."""
         if self._waits_ms is None:
             self._waits_ms = self.now_ms()
@@ -372,7 +372,7 @@ class Replay(Machine):
 
     # --- what is seen
 
-    def _note(self, state, logged):
+    def _note_events(self, state, logged):
         record = self._record
         if record.state != state:
             self.events.append((self._board_ms(), record.state))

@@ -3,7 +3,7 @@
     consent = Consent()                         # of one start of a program
     line = GuestLine(TcpLine(5000), consent)    # as a line of serial_line.py or websocket_line.py
     consent.poll()                              # a few times a second: reads the operator's answer
-    consent.give()                              # the page's button
+    consent.give_consent()                              # the page's button
 
 Until then a sender may only look: questions, `?`, hold, door, jog cancel and reset pass. Any other line is error 178 and asks the operator: once a
 start, in the program's terminal (y or n), or on the page. Without either, the token that was printed at the start admits a connection whose first
@@ -34,9 +34,9 @@ class Consent:
         self.token = make_key(os.urandom)
         self.asked = False  # a sender wants to move the machine
         self._answered = False
-        self.terminal = _terminal()
+        self.terminal = _has_operator()
 
-    def ask(self, name):
+    def ask_operator(self, name):
         """Ask the operator in the terminal, once a start, whether the program at `name` may move the machine."""
         if self.asked:
             return
@@ -44,11 +44,11 @@ class Consent:
         if self.terminal:
             print(_("a program at {} wants to move the machine: let it until this ends? y/n", name), end=" ", flush=True)
 
-    def give(self):
+    def give_consent(self):
         """Let senders move the machine until this program ends."""
         self.given = self._answered = True
 
-    def admits(self, text):
+    def admits_token(self, text):
         """True if a sender's first line has the token."""
         try:
             return same(read_key(text), self.token)
@@ -59,7 +59,7 @@ class Consent:
         """Take the operator's answer, if one has been typed. Never waits for it."""
         if not self.asked or self._answered or not self.terminal or not select.select([sys.stdin], [], [], 0)[0]:
             return
-        if not _terminal():
+        if not _has_operator():
             return  # moved to the background since: reading would stop this program
         self._answered = True
         self.given = sys.stdin.readline().strip().lower() in _YES
@@ -86,7 +86,7 @@ class GuestLine:
         if self._line.clients != self._client:
             self._client = self._line.clients
             self._admitted, self._first, self._typed, self._held, self._unanswered = False, True, b"", [], 0
-        if self._free():
+        if self._may_pass():
             held, self._held = b"".join(self._held), []
             typed, self._typed = self._typed, b""
             return held + typed + data
@@ -101,17 +101,17 @@ class GuestLine:
                 if byte == 0x0A:
                     self._held += [self._typed.strip() + b"\n"][: _MOST - len(self._held)]
                     self._typed = b""
-        return bytes(out) + self._through()
+        return bytes(out) + self._pass_lines()
 
-    def _free(self):
+    def _may_pass(self):
         return self.consent.given or self._admitted
 
-    def _through(self):
+    def _pass_lines(self):
         """Bytes of the held lines that may pass to the board."""
         out = b""
         while self._held:
             word = self._held[0].strip().upper()
-            if self._free():
+            if self._may_pass():
                 out += b"".join(self._held)
                 self._held = []
             elif not word or word in QUESTIONS:
@@ -121,18 +121,18 @@ class GuestLine:
                 break
             elif self._first and word.startswith(_TOKEN):
                 self._held.pop(0)
-                self._admitted = self.consent.admits(word[len(_TOKEN) :].decode("ascii", "replace"))
+                self._admitted = self.consent.admits_token(word[len(_TOKEN) :].decode("ascii", "replace"))
                 self._line.write(b"ok\r\n" if self._admitted else _REFUSED)
             else:
                 self._held.pop(0)
                 self._line.write(_REFUSED)
-                self.consent.ask(self.name)
+                self.consent.ask_operator(self.name)
             self._first = False
         return out
 
     def write(self, data):
         self._line.write(data)
-        if self._free():
+        if self._may_pass():
             return
         lines = (self._said + bytes(data)).split(b"\n")
         self._said = lines.pop()[-_LONGEST:]
@@ -146,7 +146,7 @@ class GuestLine:
         self._line.close()
 
 
-def _terminal():
+def _has_operator():
     """True if an operator may type: stdin is a terminal, and this program is the one in front."""
     try:
         return sys.stdin.isatty() and os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
@@ -154,7 +154,7 @@ def _terminal():
         return False
 
 
-def tell(line):
+def print_port(line):
     """Print the port for senders, and the token for their first line if nobody can be asked."""
     print(f"port: {line.name}", flush=True)
     if line.consent and not line.consent.terminal:

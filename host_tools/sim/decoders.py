@@ -91,7 +91,7 @@ class Coils:
         state = self._table[pattern]
         if state < 0:
             if state == ILLEGAL:
-                self._report(tick, f"coil pattern {self._spelt(pattern)} is none of the drive's")
+                self._report(tick, f"coil pattern {self._pattern_text(pattern)} is none of the drive's")
             self.released = state == RELEASED
             return 0
         self.released = False
@@ -106,7 +106,7 @@ class Coils:
                 return 0
         return delta // self._stride
 
-    def _spelt(self, pattern):
+    def _pattern_text(self, pattern):
         """The pattern, first pin first, as the tables print it."""
         return "".join(["01"[pattern >> bit & 1] for bit in range(8) if self._mask >> bit])
 
@@ -146,14 +146,14 @@ class Pbl3770a(Coils):
         table = []
         self._currents = []
         for pattern in range(64):
-            a, b = self._coil(pattern & 7), self._coil(pattern >> 3)
+            a, b = self._coil_current(pattern & 7), self._coil_current(pattern >> 3)
             table.append(round(math.atan2(b, a) / math.tau * TURN) % TURN if a or b else RELEASED)
             self._currents.append(max(abs(a), abs(b)))
         self.current = 0
         super().__init__(mode, shift, inverted, report, table)
 
     @staticmethod
-    def _coil(pins):
+    def _coil_current(pins):
         current = PBL_CURRENTS[pins >> 1]
         return current if pins & 1 else -current
 
@@ -166,7 +166,7 @@ class Pbl3770a(Coils):
 _OF_2014 = {"unipolar": Unipolar, "pbl3770a": Pbl3770a}
 
 
-def coils(kind, mode, axis, bit, report):
+def make_decoder(kind, mode, axis, bit, report):
     """The decoder of an axis's motor. `bit`: {name of a pin: its number}."""
     drive = __import__(f"passo.options.drive_{kind}.drive", None, None, ("drive",))  # MicroPython, in a tab, has no importlib
     shift = bit[f"{axis}_{drive.PINS[0]}"]

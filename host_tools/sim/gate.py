@@ -1,7 +1,7 @@
 """Keeps browsers out of a TCP port that takes a machine's orders: any page can make a browser send bytes to any port of the PC.
 
     gate = Gate()                           # of one connection
-    data = gate.take(received, now)         # bytes for the board; None: hang up
+    data = gate.filter_bytes(received, now)         # bytes for the board; None: hang up
     gate.note_answer(said)                  # bytes from the board
 
 The gate hangs up on a connection, before it reads more, if the connection begins with a request of HTTP, with TLS or with STUN (a page's
@@ -31,7 +31,7 @@ class Gate:
         self._refused = 0
         self._waits_since = None  # time at which a line was let through that has no answer yet
 
-    def take(self, data, now):
+    def filter_bytes(self, data, now):
         """The bytes that may go on, perhaps some of those held back before; None: no more of this connection."""
         if self._refused >= _REFUSALS:
             return None
@@ -54,7 +54,7 @@ class Gate:
         return data
 
     def has_bytes(self):
-        """True if take(b"", now) may return bytes that wait."""
+        """True if filter_bytes(b"", now) may return bytes that wait."""
         return bool(self._held)
 
     def note_answer(self, said):

@@ -1,7 +1,7 @@
 """Faults of the inputs of a virtual machine: `--fault INPUT=KIND@MS-MS`.
 
     faults = InputFaults(board["inputs"], limits, {"bxb": "pressed@2000-2500", "dx2": "broken"}, random)
-    level = faults.level("bxb", level, tick)        # `level`: without a fault
+    level = faults.faulty_level("bxb", level, tick)        # `faulty_level`: without a fault
     faults.moments, faults.bounces                  # parts of a plant; [(input, ticks at which it turns round)]
 """
 
@@ -29,16 +29,16 @@ class Fault:
         self.end = int(parts[3]) * TICKS_PER_MS if parts[3] else NEVER
         self._random = random
 
-    def holds(self, tick):
+    def is_present(self, tick):
         """True if the fault is present at `tick`; bounces are changes, which InputFaults makes."""
         return self.kind != "bounces" and self.begin <= tick < self.end
 
-    def bounces(self):
+    def bounce_ticks(self):
         """Ticks at which the level changes; none if it does not bounce."""
         span = _BOUNCE_MS * TICKS_PER_MS
         return [self.begin + self._random.randint(1, span) for _ in range(_BOUNCES)] if self.kind == "bounces" else []
 
-    def edges(self):
+    def edge_ticks(self):
         """Ticks at which the input may change because of it."""
         return [tick for tick in (self.begin, self.end) if tick is not NEVER] if self.kind != "bounces" else []
 
@@ -50,13 +50,13 @@ class Moments:
         self.name = name
         self._ticks = sorted(ticks, reverse=True)
         self.due = NEVER
-        self._plan()
+        self._plan_next()
 
     def run(self):
         self._ticks.pop()
-        self._plan()
+        self._plan_next()
 
-    def _plan(self):
+    def _plan_next(self):
         self.due = self._ticks[-1] if self._ticks else NEVER
 
 
@@ -69,13 +69,13 @@ class InputFaults:
             raise ValueError(f"faults: there is no input {', '.join(unknown)}; the machine has {', '.join(self._inputs) or 'none'}")
         own = randomness.Random(random.random()) if faults else None
         self._faults = {name: Fault(name, text, own) for name, text in faults.items()}
-        self.moments = [Moments(name, fault.edges()) for name, fault in self._faults.items() if fault.edges()]
-        self.bounces = [(name, fault.bounces()) for name, fault in self._faults.items() if fault.kind == "bounces"]
+        self.moments = [Moments(name, fault.edge_ticks()) for name, fault in self._faults.items() if fault.edge_ticks()]
+        self.bounces = [(name, fault.bounce_ticks()) for name, fault in self._faults.items() if fault.kind == "bounces"]
 
-    def level(self, name, level, tick):
-        """The level that the firmware reads of an input whose true one is `level`, at `tick`."""
+    def faulty_level(self, name, level, tick):
+        """The level that the firmware reads of an input whose true one is `faulty_level`, at `tick`."""
         fault = self._faults.get(name)
-        if fault is None or not fault.holds(tick):
+        if fault is None or not fault.is_present(tick):
             return level
         if fault.kind == "broken":
             return self._open_level(name)

@@ -7,7 +7,7 @@
     inverter.silent = True              # it does not answer any more; its motor goes on
     inverter.reply_ms = 300             # it answers after this time, one request after the other
 
-Speed changes by RAMP_HZ_S. The test under pymodbus replaces answer(), so that pymodbus decodes the frames.
+Speed changes by RAMP_HZ_S. The test under pymodbus replaces reply_to(), so that pymodbus decodes the frames.
 """
 
 from passo.options.inverter.config import MAKES
@@ -34,7 +34,7 @@ class SimInverter:
 
     @property
     def hz(self):
-        self._run()
+        self._follow_speed()
         return self._hz
 
     @hz.setter
@@ -45,16 +45,16 @@ class SimInverter:
 
     def write(self, data):
         """Take a frame of the board; its reply can be read `reply_ms` later, or never if `silent`."""
-        self._run()
+        self._follow_speed()
         self.requests.append(bytes(data))
         if not self.silent:
-            reply = self.answer(bytes(data))
+            reply = self.reply_to(bytes(data))
             if reply:
                 self._due.append((self.now_ms() + self.reply_ms, reply))
 
     def read(self):
         """Bytes of the replies that have come by now."""
-        self._run()
+        self._follow_speed()
         data = b""
         while self._due and self._due[0][0] <= self.now_ms():
             data += self._due.pop(0)[1]
@@ -69,7 +69,7 @@ class SimInverter:
     def close(self):
         pass
 
-    def answer(self, request):
+    def reply_to(self, request):
         """The reply to a frame, or b""."""
         end = len(request) - 2
         if end < 4 or request[0] != self.address or modbus.crc16(request, end) != int.from_bytes(request[end:], "little"):
@@ -78,16 +78,16 @@ class SimInverter:
         register = int.from_bytes(request[2:4], "big")
         if function in (modbus.READ, modbus.READ_INPUT):
             count = int.from_bytes(request[4:6], "big")
-            values = [self.get(function, register + n) for n in range(count)]
+            values = [self.read_register(function, register + n) for n in range(count)]
             reply = bytes((self.address, function, 2 * count)) + b"".join(value.to_bytes(2, "big") for value in values)
         else:
-            self.put(function, register, int.from_bytes(request[end - 2 : end], "big"))
+            self.write_register(function, register, int.from_bytes(request[end - 2 : end], "big"))
             reply = request[:6]
         return reply + modbus.crc16(reply, len(reply)).to_bytes(2, "little")
 
     # --- the registers
 
-    def put(self, function, register, value):
+    def write_register(self, function, register, value):
         """A register or coil is written."""
         for name, way in (("forward", 3), ("reverse", 4), ("stop", 0)):
             if self.make[name] == (function, register, value):
@@ -96,7 +96,7 @@ class SimInverter:
         if (function, register) == (function_of, register_of):
             self.asked_hz = value / scale
 
-    def get(self, function, register):
+    def read_register(self, function, register):
         """A register is read."""
         if (function, register) == self.make["output"][:2]:
             return round(self.hz * self.make["output"][3])
@@ -104,7 +104,7 @@ class SimInverter:
             return self.fault
         return 0
 
-    def _run(self):
+    def _follow_speed(self):
         """The motor follows."""
         now_ms = self.now_ms()
         step = RAMP_HZ_S * (now_ms - self._then_ms) / 1000

@@ -30,7 +30,7 @@ from host_tools.clients.refusal import meaning
 from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
 from host_tools.sim import job_runner
-from host_tools.sim.parts import endless
+from host_tools.sim.parts import is_endless
 from host_tools.sim.track import Track
 from passo import errors
 
@@ -38,7 +38,7 @@ BLOCK_LINES = 256
 MOST_NOTES = 1000  # of a kind, that are kept
 
 
-def bare(board):
+def strip_guards(board):
     """A board file's dict without what guards a real machine."""
     kept = {key: value for key, value in board.items() if key not in ("drivers", "encoders", "interlock", "inverter", "spi_drivers")}
     if "inputs" in board:
@@ -61,7 +61,7 @@ def due_of_array(words, mask, bits, first, count, ticks, store, at, box):
     return done
 
 
-def _blocks(lines):
+def _job_blocks(lines):
     """The lines of a job in blocks, as job_runner.py reads them; an empty one ends them."""
     lines = iter(lines)
     while True:
@@ -79,9 +79,9 @@ class VirtualJob:
         from passo.config.boardfile import BoardError, check
         from passo.machine_builder import make_drive
 
-        self._setup = bare(boards.load(board)), list(changes), zero, start
+        self._setup = strip_guards(boards.load(board)), list(changes), zero, start
         try:
-            self.board = check(bare(boards.load(board)))
+            self.board = check(strip_guards(boards.load(board)))
         except BoardError as error:
             raise Failure("{}", reason(error)) from error
         layout, drive, _ = make_drive(self.board)
@@ -105,7 +105,7 @@ class VirtualJob:
         self._process = None
         command = None if inside else interpreter.micropython()
         if command:
-            self._start(command)
+            self._start_process(command)
         else:
             self._in_process()
 
@@ -114,24 +114,24 @@ class VirtualJob:
         self._progress = progress
         try:
             if self._process:
-                self._converse(lines)
+                self._run_process(lines)
             else:
                 self._runner.run(lines)
         except job_runner.Failed as failed:
-            raise self._failure(failed.line, failed.said) from failed
+            raise self._failure_of(failed.line, failed.said) from failed
         self.seconds = self.track.seconds
 
     # --- what the runner says
 
-    def words(self, number, tick, words):
-        self.track.words(tick, np.array(words, np.uint32))
+    def add_words(self, number, tick, words):
+        self.track.add_words(tick, np.array(words, np.uint32))
         if self._progress:
             self._progress(number)
 
     def begin(self, tick, place):
         self.track.begin(tick, place)
 
-    def note(self, kind, number, code, text):
+    def add_note(self, kind, number, code, text):
         text = text.decode()
         if kind in (job_runner.NOTE_REFUSED, job_runner.NOTE_ALARM):
             self.error_count += 1
@@ -158,11 +158,11 @@ class VirtualJob:
         try:
             self._runner = job_runner.Runner(self._setup[0], self, due_of_array, *self._setup[1:])
         except job_runner.Failed as failed:
-            raise self._failure(failed.line, failed.said) from failed
+            raise self._failure_of(failed.line, failed.said) from failed
 
     # --- the firmware under MicroPython
 
-    def _start(self, command):
+    def _start_process(self, command):
         from host_tools.build.unix_compiled import firmware_for
 
         folder, arguments = firmware_for(tuple(command), job_runner.__file__)
@@ -173,20 +173,20 @@ class VirtualJob:
         self._process.stdin.write(repr(self._setup).encode() + b"\n")
         self._process.stdin.flush()
         try:
-            while self._frame() != job_runner.BEGIN:
+            while self._take_frame() != job_runner.BEGIN:
                 pass
         except BaseException:
-            self._end()
+            self._end_process()
             raise
 
-    def _converse(self, lines):
+    def _run_process(self, lines):
         """Lines go out by a thread of their own: each side may have to wait for the other."""
         trouble = []
 
         def send():
             try:
                 with self._process.stdin as stream:
-                    for block in _blocks(lines):
+                    for block in _job_blocks(lines):
                         stream.write(b"%d\n%s" % (len(block), block))
                         stream.flush()
             except BrokenPipeError:
@@ -198,18 +198,18 @@ class VirtualJob:
         sender = threading.Thread(target=send, daemon=True)
         sender.start()
         try:
-            while self._frame() != job_runner.END:
+            while self._take_frame() != job_runner.END:
                 pass
             sender.join()
         except Failure:
             if not trouble:
                 raise
         finally:
-            self._end()
+            self._end_process()
         if trouble:  # the runner may have finished its input before it was killed
             raise trouble[0]
 
-    def _frame(self):
+    def _take_frame(self):
         """Take one frame of the runner; returns its kind. Raises Failure."""
         stream = self._process.stdout
         header = stream.read(struct.calcsize(job_runner.HEADER))
@@ -219,22 +219,22 @@ class VirtualJob:
         kind, number, size, value = struct.unpack(job_runner.HEADER, header)
         data = stream.read(size)
         if kind == job_runner.WORDS:
-            self.words(number, value, np.frombuffer(data, np.uint32))
+            self.add_words(number, value, np.frombuffer(data, np.uint32))
         elif kind == job_runner.BEGIN:
             self.begin(value, np.frombuffer(data, np.int32).tolist())
         elif kind == job_runner.FAILED:
-            raise self._failure(number, ast.literal_eval(data.decode()))
+            raise self._failure_of(number, ast.literal_eval(data.decode()))
         elif kind != job_runner.END:
-            self.note(kind, number, value, data)
+            self.add_note(kind, number, value, data)
         return kind
 
-    def _failure(self, line, said):
+    def _failure_of(self, line, said):
         """The Failure of a runner's message, which says why a job cannot go on."""
         text, *values = said
         why = Failure(text, *(_(value) if isinstance(value, str) else value for value in values))
         return Failure("{}, {}", self.origin(line), why) if line else why
 
-    def _end(self):
+    def _end_process(self):
         process = self._process
         process.kill()
         process.wait()
@@ -251,10 +251,10 @@ class VirtualJob:
         """Highest position of each axis, mm."""
         return self.track.high
 
-    def excess(self, number):
+    def excess_text(self, number):
         """A text if the job is longer than the travel of that axis, else ""."""
         axis = self.board["axes"][number]
-        if endless(self.board, axis):
+        if is_endless(self.board, axis):
             return ""
         travel = axis["travel_steps"] / self.steps_per_mm[number]
         length = self.high[number] - self.low[number]
@@ -263,6 +263,6 @@ class VirtualJob:
             return ""
         return _("{} goes {:.1f} of {:.1f} mm", axis["name"].upper(), length, travel)
 
-    def beyond(self):
+    def beyond_travel(self):
         """How it is longer than the machine's travel, as text; "": it is not."""
-        return ", ".join(text for text in map(self.excess, range(len(self.steps_per_mm))) if text)
+        return ", ".join(text for text in map(self.excess_text, range(len(self.steps_per_mm))) if text)

@@ -12,8 +12,8 @@ The job: a line with repr((BOARD, changes, zero, start)), then blocks of lines `
 
 Methods of `sink`:
 
-    words(number, tick, words)          step words that begin at `tick`, one behind the other; `number`: the line under way
-    note(kind, number, code, text)      a NOTE_… about that line: its text, and the number of an error
+    add_words(number, tick, words)          step words that begin at `tick`, one behind the other; `number`: the line under way
+    add_note(kind, number, code, text)      a NOTE_… about that line: its text, and the number of an error
     begin(tick, position)                  the job begins: everything before only led there; `position` in steps
 
 Words are played by `BulkPlayer`, which knows when they are due and has no pins: nothing reacts to them.
@@ -102,7 +102,7 @@ class BulkPlayer:
     def halt(self):
         self._playing = False
         self._next = self.now
-        self._show(self._levels & ~(self._layout.pulse_mask | self._layout.tool_mask))
+        self._show_levels(self._levels & ~(self._layout.pulse_mask | self._layout.tool_mask))
 
     def busy(self):
         return self._next > self.now or (self._playing and self._played != self._ring.head)
@@ -114,12 +114,12 @@ class BulkPlayer:
         return self._levels
 
     def rest(self, levels):
-        self._show(levels)
+        self._show_levels(levels)
 
     def show_power(self, tick, level):
         pass
 
-    def _show(self, levels):
+    def _show_levels(self, levels):
         """Other levels without a step: a word of no time."""
         if levels != self._levels:
             self._levels = levels
@@ -158,7 +158,7 @@ class BulkPlayer:
     def flush(self):
         """Hand out what is stored."""
         if self._count and self.sink is not None:
-            self.sink.words(self.line, self._begun, self._view[: self._count])
+            self.sink.add_words(self.line, self._begun, self._view[: self._count])
         self._count = 0
 
 
@@ -169,7 +169,7 @@ def is_order(line):
     return line[:1] == b"$" and not line[1:2].isdigit() and line[1:2] not in b"Jj"
 
 
-def probes(line):
+def has_probe(line):
     """True if a line of G-code, bytes, has a probing move."""
     return b"G38" in line.upper()
 
@@ -230,21 +230,21 @@ class Runner:
         self._under_way = []  # (number, line) sent, not answered
         self._size = 0  # their bytes
         self._paused = None
-        self._do(["$X", "$20=0"])
-        self._do(changes)
+        self._carry_out(["$X", "$20=0"])
+        self._carry_out(changes)
         if zero is not None:
-            self._place(zero)
+            self._place_zero(zero)
         if start is not None:
             self._app.controller.machine.homed = True
-            self._do(["G53G21G90G0" + self._words(start)] if any(start) else [])
+            self._carry_out(["G53G21G90G0" + self._axis_words(start)] if any(start) else [])
         self._player.hand_out(sink, due)
         queue = self._app.controller.queue
         sink.begin(port.now, [int(position) for position in queue.target] if start is not None else [0] * len(board["axes"]))
 
-    def _words(self, positions):
+    def _axis_words(self, positions):
         return "".join([axis["name"].upper() + "%.4f" % position for axis, position in zip(self.board["axes"], positions)])
 
-    def _do(self, lines):
+    def _carry_out(self, lines):
         """Carry out lines, to the end of their motion."""
         for line in lines:
             self._line.incoming += line.encode() + b"\n"
@@ -257,7 +257,7 @@ class Runner:
             if "error:" in said or "ALARM:" in said:
                 raise Failed("the machine refuses {}: {}", line, said.strip().replace("\r\n", ", "))
 
-    def _place(self, zero):
+    def _place_zero(self, zero):
         """The machine has homed and the operator has set G54."""
         board = self.board
         names = [axis["name"].upper() for axis in board["axes"]]
@@ -271,27 +271,27 @@ class Runner:
             if not low <= position <= high:
                 raise Failed("{}{:g} is not on the machine, which goes from {:g} to {:g} mm", names[number], position, low, high)
         self._app.controller.machine.homed = True
-        self._do(["$20=1", "G21G10L2P1" + self._words(zero)])
+        self._carry_out(["$20=1", "G21G10L2P1" + self._axis_words(zero)])
 
     def run(self, lines):
         """Carry out the lines of a job, to the end of their motion. Raises Failed."""
         app = self._app
         lines = iter(lines)
-        ahead = self._next(lines)
+        ahead = self._next_line(lines)
         idle = 0
         while ahead or self._under_way:
-            while ahead and self._fits(ahead[1]):
+            while ahead and self._may_send(ahead[1]):
                 self._under_way.append(ahead)
                 self._size += len(ahead[1]) + 1
                 self._line.incoming += ahead[1] + b"\n"
-                ahead = self._next(lines)
+                ahead = self._next_line(lines)
             self._player.line = self._under_way[0][0]
             if app.controller.state == "hold":
-                self._resume()
+                self._resume_pause()
             app.cycle()
             if self._line.outgoing:
                 idle = 0
-                self._hear()
+                self._read_answers()
             else:
                 self._play_on()
             idle += 1
@@ -320,28 +320,28 @@ class Runner:
         indices = self._app.planner.indices
         return (indices[QUEUE_ADDED] - indices[QUEUE_RETIRED]) & COUNT_MASK
 
-    def _next(self, lines):
+    def _next_line(self, lines):
         """The next line that is part of a job, or None."""
         for number, line in lines:
             if not is_order(line):
                 return number, line
-            self._sink.note(NOTE_SKIPPED, number, 0, line)
+            self._sink.add_note(NOTE_SKIPPED, number, 0, line)
         return None
 
-    def _fits(self, line):
+    def _may_send(self, line):
         """True if `line` may be sent too. Probing is sent alone: the alarm at its end would refuse the next lines."""
-        if self._under_way and (probes(line) or probes(self._under_way[-1][1])):
+        if self._under_way and (has_probe(line) or has_probe(self._under_way[-1][1])):
             return False
         return not self._under_way or self._size + len(line) < WINDOW
 
-    def _resume(self):
+    def _resume_pause(self):
         """Act as the operator in a pause: the oldest line without an answer asked for it."""
         if self._under_way and self._under_way[0] != self._paused:
             self._paused = self._under_way[0]
-            self._sink.note(NOTE_PAUSED, self._paused[0], 0, self._paused[1])
+            self._sink.add_note(NOTE_PAUSED, self._paused[0], 0, self._paused[1])
         self._line.incoming += b"~"
 
-    def _hear(self):
+    def _read_answers(self):
         data = self._line.outgoing
         self._line.outgoing = b""
         for said in data.decode().split("\r\n"):
@@ -351,7 +351,7 @@ class Runner:
                 number, line = self._under_way.pop(0)
                 self._size -= len(line) + 1
                 if said != "ok":
-                    self._sink.note(NOTE_REFUSED, number, int(said[6:]), line)
+                    self._sink.add_note(NOTE_REFUSED, number, int(said[6:]), line)
             elif said.startswith("ALARM:"):
                 self._note_alarm(int(said[6:]))
 
@@ -364,7 +364,7 @@ class Runner:
             self._player.flush()
             raise Failed("{}: alarm {}, {}", line.decode(), alarm - 200, error_texts.text(alarm), line=number)
         missed = alarm in (errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)
-        self._sink.note(NOTE_PROBED if missed else NOTE_ALARM, number, alarm, line)
+        self._sink.add_note(NOTE_PROBED if missed else NOTE_ALARM, number, alarm, line)
         self._under_way.append((number, b"$X"))
         self._size += 3
         self._line.incoming += b"$X\n"
@@ -376,16 +376,16 @@ class Frames:
     def __init__(self, out):
         self._out = out
 
-    def words(self, number, tick, words):
-        self._write(WORDS, number, len(words) * 4, tick, words)
+    def add_words(self, number, tick, words):
+        self._write_frame(WORDS, number, len(words) * 4, tick, words)
 
-    def note(self, kind, number, code, text):
-        self._write(kind, number, len(text), code, text)
+    def add_note(self, kind, number, code, text):
+        self._write_frame(kind, number, len(text), code, text)
 
     def begin(self, tick, position):
-        self._write(BEGIN, 0, 4 * len(position), tick, array("i", position))
+        self._write_frame(BEGIN, 0, 4 * len(position), tick, array("i", position))
 
-    def _write(self, kind, number, size, value, data):
+    def _write_frame(self, kind, number, size, value, data):
         self._out.write(struct.pack(HEADER, kind, number, size, value))
         if size:
             self._out.write(data)
@@ -408,13 +408,13 @@ def main():
     board, changes, zero, start = eval(jobs.readline().decode())
     try:
         Runner(board, frames, copy_due, changes, zero, start).run(_lines_of(jobs))
-        frames.note(END, 0, 0, b"")
+        frames.add_note(END, 0, 0, b"")
     except Failed as failed:
-        frames.note(FAILED, failed.line, 0, repr(failed.said).encode())
+        frames.add_note(FAILED, failed.line, 0, repr(failed.said).encode())
     except Exception as error:
         said = io.StringIO()
         sys.print_exception(error, said)
-        frames.note(FAILED, 0, 0, repr((said.getvalue(),)).encode())
+        frames.add_note(FAILED, 0, 0, repr((said.getvalue(),)).encode())
 
 
 if __name__ == "__main__":

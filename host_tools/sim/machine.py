@@ -2,7 +2,7 @@
 
     machine = VirtualMachine("plotter_2014", start=(300, 200), bounce_ms=3)
     machine.send(packet(COMMANDS["ORIGIN"]))
-    machine.run_until(lambda: machine.received() == b"o", 60_000)
+    machine.run_until(lambda: machine.replies_so_far() == b"o", 60_000)
     machine.plant.position, machine.trace.rows(), machine.plant.errors
 
 Time is virtual throughout, link time-outs included, so that a run is the same every time and waits for nothing.
@@ -75,7 +75,7 @@ class Machine:
         if self.drivers:
             lines = {**lines, "drivers": self.drivers}
         if self.plant.slipping:
-            self.plant.slipping.wire(self.drivers)
+            self.plant.slipping.wire_drivers(self.drivers)
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, player=player, radio=radio)
         if self.board.get("journal"):
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)
@@ -104,16 +104,16 @@ class Machine:
         if self._homing and not homing and app.controller.machine.homed and self.trace:
             self.trace.rezero(self.plant.position)
         self._homing = homing
-        self._wait(app.controller.busy(), homing)
+        self._pass_time(app.controller.busy(), homing)
 
-    def _wait(self, busy, homing):
+    def _pass_time(self, busy, homing):
         port = self.port
         if self._idle or not self.trace or port.pending(busy):
             port.wait(busy, homing)
             return
         before = port.now
         port.wait(busy, homing)
-        self.trace.skip(port.now - before)
+        self.trace.skip_ticks(port.now - before)
 
     def flush(self):
         self._files.flush()
@@ -140,7 +140,7 @@ class VirtualMachine(Machine):
         """Put bytes on a link, the first one unless named."""
         self.lines[link or self.first].incoming += bytes(data)
 
-    def received(self, link=None):
+    def replies_so_far(self, link=None):
         """Bytes that the board has sent on a link so far; they stay there until `take`."""
         return self.lines[link or self.first].outgoing
 
@@ -172,5 +172,5 @@ class VirtualMachine(Machine):
         """Send bytes and return the answer, once it has `answers` bytes."""
         self.take(link)
         self.send(data, link)
-        self.run_until(lambda: len(self.received(link)) >= answers, limit_ms)
+        self.run_until(lambda: len(self.replies_so_far(link)) >= answers, limit_ms)
         return self.take(link)

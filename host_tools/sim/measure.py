@@ -1,7 +1,7 @@
 """Measures a drawing in a trace: its steps, its time, and its distance from the ideal lines.
 
     rows = read_trace("out/square.csv")
-    result = measure(rows, [(False, 1000, 1000), (True, 1400, 1000), ...])
+    result = measure_drawing(rows, [(False, 1000, 1000), (True, 1400, 1000), ...])
     result.deviation <= 0.5 and not result.faults
 
 The drawing is the end of the trace: its last sum(max(|dx|, |dy|)) stepping rows, as each of them steps the dominant
@@ -41,12 +41,12 @@ def read_trace(path):
             reader = csv.reader(file)
             if next(reader, None) != _HEADER:
                 raise Failure("{} is not a trace: its first line should be {}", path, ",".join(_HEADER))
-            return [_row(path, reader.line_num, fields) for fields in reader]
+            return [_parse_row(path, reader.line_num, fields) for fields in reader]
     except OSError as error:
         raise Failure("cannot read trace {}: {}", path, reason(error)) from error
 
 
-def _row(path, line, fields):
+def _parse_row(path, line, fields):
     try:
         t_us, x, y, _, _, tool = fields
         return Row(float(t_us), int(x), int(y), int(tool))
@@ -54,38 +54,38 @@ def _row(path, line, fields):
         raise Failure("{}, line {}: not a row of a trace", path, line) from error
 
 
-def measure(rows, points, start=(0, 0)):
+def measure_drawing(rows, points, start=(0, 0)):
     """Compare the end of a trace with the object [(pen_down, x, y), ...] drawn from `start`."""
     legs = []
     position = start
     for pen_down, x, y in points:
         legs.append((position, (x, y), pen_down))
         position = (x, y)
-    steps = sum(_dominant(a, b) for a, b, _ in legs)
-    walk = [index for index in range(1, len(rows)) if _place(rows[index]) != _place(rows[index - 1])]
+    steps = sum(_dominant_steps(a, b) for a, b, _ in legs)
+    walk = [index for index in range(1, len(rows)) if _position_of(rows[index]) != _position_of(rows[index - 1])]
     if len(walk) < steps:
         return Result(len(walk), 0.0, 0, 0.0, [_("{} steps in the trace, {} commanded", len(walk), steps)])
     walk = walk[len(walk) - steps :]
     result = Result(steps, 0.0, 0, 0.0)
     if walk:
         result.first = walk[0] - 1
-        before = _place(rows[result.first])
+        before = _position_of(rows[result.first])
         if before != start:
             result.faults.append(_("begins at {}, not at {}", before, start))
         result.time_s = (rows[-1].t_us - rows[walk[0]].t_us) / 1e6
-    if _place(rows[-1]) != position:
-        result.faults.append(_("ends at {}, not at {}", _place(rows[-1]), position))
+    if _position_of(rows[-1]) != position:
+        result.faults.append(_("ends at {}, not at {}", _position_of(rows[-1]), position))
     if rows[-1].tool:
         result.faults.append(_("ends with the pen down"))
     done = 0
     for number, (a, b, pen_down) in enumerate(legs, 1):
-        count = _dominant(a, b)
-        _follow([rows[index] for index in walk[done : done + count]], a, b, pen_down, number, result)
+        count = _dominant_steps(a, b)
+        _check_line([rows[index] for index in walk[done : done + count]], a, b, pen_down, number, result)
         done += count
     return result
 
 
-def _follow(rows, a, b, pen_down, number, result):
+def _check_line(rows, a, b, pen_down, number, result):
     """Check the rows of one line, from a to b."""
     dx, dy = b[0] - a[0], b[1] - a[1]
     longer = max(abs(dx), abs(dy))
@@ -94,15 +94,15 @@ def _follow(rows, a, b, pen_down, number, result):
         result.deviation = max(result.deviation, across / longer)
         if bool(row.tool) != pen_down:
             text = _("point {}: the pen is up at {}") if pen_down else _("point {}: the pen is down at {}")
-            result.faults.append(text.format(number, _place(row)))
+            result.faults.append(text.format(number, _position_of(row)))
             return
-    if rows and _place(rows[-1]) != b:
-        result.faults.append(_("point {}: reached {}, not {}", number, _place(rows[-1]), b))
+    if rows and _position_of(rows[-1]) != b:
+        result.faults.append(_("point {}: reached {}, not {}", number, _position_of(rows[-1]), b))
 
 
-def _dominant(a, b):
+def _dominant_steps(a, b):
     return max(abs(b[0] - a[0]), abs(b[1] - a[1]))
 
 
-def _place(row):
+def _position_of(row):
     return row.x, row.y

@@ -45,8 +45,8 @@ class Pages:
         """Program `data` at `slot` of `block`: bits go from 1 to 0 only, as in flash. Raises PowerCut."""
         at = block * BLOCK + slot * RECORD
         for offset, byte in enumerate(data):
-            self._put(at + offset, self.data[at + offset] & byte)
-        self._save()
+            self._program_byte(at + offset, self.data[at + offset] & byte)
+        self._save_file()
 
     def erase(self, block):
         """Set all bits of a block. Raises PowerCut, and leaves random bits, if the power does not last."""
@@ -55,26 +55,26 @@ class Pages:
             for at in range(first, first + BLOCK):
                 self.data[at] |= self._random.getrandbits(8)
             raise PowerCut
-        self.spend(BLOCK)
+        self.spend_power(BLOCK)
         self.data[first : first + BLOCK] = b"\xff" * BLOCK
-        self._save()
+        self._save_file()
 
-    def spend(self, count=1):
+    def spend_power(self, count=1):
         """Program or erase `count` bytes. Raises PowerCut if the power does not last for them."""
         if self._left is not None:
             if self._left < count:
                 raise PowerCut
             self._left -= count
 
-    def _put(self, at, byte):
+    def _program_byte(self, at, byte):
         try:
-            self.spend()
+            self.spend_power()
         except PowerCut:
             self.data[at] &= byte | self._random.getrandbits(8)
             raise
         self.data[at] = byte
 
-    def _save(self):
+    def _save_file(self):
         if self._path is not None:
             fresh = self._path.with_suffix(".new")  # a process killed here leaves the old file or the new one
             try:

@@ -12,7 +12,7 @@ MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to th
 _ENDLESS = 1 << 40  # steps
 
 
-def endless(board, axis):
+def is_endless(board, axis):
     """Whether an axis turns without an end: a rotary one that homes at no sensor."""
     return board.get("rotary") == axis["name"] and axis["name"] not in (board.get("homing") or {}).get("sensors", ())
 
@@ -26,7 +26,7 @@ def pull_off_of(homing, axis):
 def hard_ends(board, axis):
     """(lowest, highest) position of an axis, in steps from its origin."""
     homing = board.get("homing") or {}
-    if endless(board, axis):
+    if is_endless(board, axis):
         return -_ENDLESS, _ENDLESS
     margin = axis["steps_per_m"] * MARGIN_MM // 1000
     low, high = -pull_off_of(homing, axis["name"]) - margin, axis["travel_steps"] + margin
@@ -115,7 +115,7 @@ class Barrier:
         self._bounce_ticks = bounce_ticks
         self._random = random
 
-    def cross(self, tick):
+    def cross_edge(self, tick):
         """The carriage crossed the edge."""
         self.below = not self.below
         self._reading = self.below != self._high
@@ -124,7 +124,7 @@ class Barrier:
         if len(times) % 2:
             times.pop()
         self._chatter = sorted(times, reverse=True)
-        self._plan()
+        self._plan_next()
 
     def pass_by(self):
         """The carriage was put across the edge while nothing plays: no chatter."""
@@ -135,12 +135,12 @@ class Barrier:
         """The next false edge."""
         self._chatter.pop()
         self._reading = not self._reading
-        self._plan()
+        self._plan_next()
 
-    def active(self, tick):
+    def is_active(self, tick):
         return self._reading
 
-    def _plan(self):
+    def _plan_next(self):
         self.due = self._chatter[-1] if self._chatter else NEVER
 
 
@@ -153,7 +153,7 @@ class Noise:
         self.due = NEVER
         self._ticks = []  # of the changes to come, the last one first
 
-    def add(self, ticks):
+    def add_flips(self, ticks):
         """Flip the input at each of `ticks`; a spike is two of them."""
         self._ticks = sorted(self._ticks + list(ticks), reverse=True)
         self.due = self._ticks[-1] if self._ticks else NEVER
@@ -173,7 +173,7 @@ class Solenoid:
         self._delays = off_ticks, on_ticks
         self._wanted = 0
 
-    def drive(self, tick, on):
+    def switch_coil(self, tick, on):
         """Switch the coil at `tick`; the pen follows after the board file's delay."""
         self._wanted = 1000 if on else 0
         # Released before it has arrived, it falls back without having moved.
@@ -186,7 +186,7 @@ class Solenoid:
 
 
 class Spindle:
-    """A spindle that follows its speed by a ramp, and gives `pulses` a turn. `held`: the highest speed that it reaches, rpm."""
+    """A spindle that follows its speed by a ramp, and gives `count_pulses` a turn. `held`: the highest speed that it reaches, rpm."""
 
     RAMP_RPM_S = 20_000
 
@@ -201,7 +201,7 @@ class Spindle:
         self.unplugged = False  # the wire of the pulses: none come
         self._count, self._last = 0, 0  # pulses, and the tick of the last
 
-    def drive(self, tick, level):
+    def set_level(self, tick, level):
         """From `tick` on it is asked for `level` of 1000 of its speed."""
         self.run(tick)
         self._asked = self._max_rpm * level / 1000
@@ -217,7 +217,7 @@ class Spindle:
         ramp_s = abs(self.rpm - before) / self.RAMP_RPM_S
         self._turns += ((before + self.rpm) / 2 * ramp_s + self.rpm * (seconds - ramp_s)) / 60
 
-    def pulses(self, tick):
+    def count_pulses(self, tick):
         """(pulses since the start, tick of the last)."""
         self.run(tick)
         count = int(self._turns * self._per_turn)

@@ -8,8 +8,8 @@ pen's solenoid has its delay. Times are ticks of 80 ns. Positions are steps from
 homing on a barrier that switches exactly at its edge. An axis that homes at its high end has its barrier there. `errors` records all motions that a
 real machine could not have followed. Motors and encoders may fail:
 
-    plant.stall("x", 5)         # the next five steps of X are lost
-    plant.slip("x2", -3)
+    plant.stall_motor("x", 5)         # the next five steps of X are lost
+    plant.slip_motor("x2", -3)
     plant.lose_counts("y", 20)
 
 The board file gives axes, drive, polarity, travel and pen delays; options give the rest:
@@ -22,13 +22,13 @@ The board file gives axes, drive, polarity, travel and pen delays; options give 
     seed         of all that is random
     stock        a Stock that the tool can touch: the input probe is active meanwhile
     play         {axis: steps of the motor that its carriage does not follow where it turns}
-    stalls       seed of what drivers feel that have `stall`: see slipping.py
+    stalls       seed of what drivers feel that have `stall_motor`: see slipping.py
 """
 
 import random
 
 from host_tools.sim.belt import Belt
-from host_tools.sim.decoders import StepDir, coils
+from host_tools.sim.decoders import StepDir, make_decoder
 from host_tools.sim.input_faults import InputFaults, Moments
 from host_tools.sim.parts import MARGIN_MM, NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle, hard_ends, pull_off_of
 from host_tools.sim.slipping import Slipping
@@ -68,7 +68,7 @@ class Plant:
             self._belt = self.slipping = Slipping(self, board, stalls)
         self.encoders = {}  # by motor, in the board file's order
         for item in self._board.get("encoders", ()):
-            motor = self._carriage(item["motor"])
+            motor = self._carriage_of(item["motor"])
             self.encoders[item["motor"]] = Encoder(motor, item["pulses"], item["steps"], -1 if item["reversed"] else 1)
         self._in_order = list(self.encoders.values())
         self._indexes = [(item["index"], self.encoders[item["motor"]]) for item in self._board.get("encoders", ()) if item["index"]]
@@ -83,8 +83,8 @@ class Plant:
         self._faults = InputFaults(board["inputs"], self.barriers, faults or {}, self._random)
         self._parts += self._faults.moments
         for name, ticks in self._faults.bounces:
-            self.inject(name, ticks)
-        self._plan()
+            self.inject_noise(name, ticks)
+        self._plan_next()
         self._decoders = []
         self._tool_mask = 0
 
@@ -142,7 +142,7 @@ class Plant:
                 random.Random(self._random.random()),
                 high,
             )
-            self._place(sensor, names.index(axis), barrier)
+            self._add_barrier(sensor, names.index(axis), barrier)
             if self._gantry and self._gantry.get("sensor") and axis == self._gantry["axis"]:
                 offset = self._gantry.get("offset_steps", 0)
                 self._watching_second = Barrier(
@@ -151,7 +151,7 @@ class Plant:
                     random.Random(self._random.random()), high,
                 )  # fmt: skip
                 self.barriers[self._gantry["sensor"]] = self._watching_second
-                self._levels[self._gantry["sensor"]] = self._level(self._watching_second, 0)
+                self._levels[self._gantry["sensor"]] = self._barrier_level(self._watching_second, 0)
         margin = MARGIN_MM // 2
         for direction, limit in ((self._board.get("interlock") or {}).get("limits") or {}).items():
             if limit in self.barriers:
@@ -165,7 +165,7 @@ class Plant:
                 limit, edge, self.position[number], bounce_ms * TICKS_PER_MS,
                 random.Random(self._random.random()), high,
             )  # fmt: skip
-            self._place(limit, number, barrier)
+            self._add_barrier(limit, number, barrier)
 
     def _rest_inputs(self):
         """Activate the inputs that the machine's interlock needs at rest: a drive is good, the selector stands at this board."""
@@ -195,7 +195,7 @@ class Plant:
                 times = drive.get("pulse_us", 2), drive.get("setup_us", 5)
                 decoder = StepDir(step, direction, polarity, *times, self.report)
             else:
-                decoder = coils(kind, mode, name, bit, self.report)
+                decoder = make_decoder(kind, mode, name, bit, self.report)
             self._decoders.append(decoder)
         if self._gantry:
             self._attach_second(bit, inverted)
@@ -227,10 +227,10 @@ class Plant:
     def _move_second(self, tick, levels, changed):
         steps = self._second_decoder.decode(tick, levels, changed)
         barrier = self._watching_second
-        if steps and self._move(tick, self.second, steps) and barrier is not None:
+        if steps and self._move_carriage(tick, self.second, steps) and barrier is not None:
             if (self.second.position <= barrier.last) != barrier.below:
-                barrier.cross(tick)
-                self._show(tick, barrier)
+                barrier.cross_edge(tick)
+                self._show_barrier(tick, barrier)
 
     def edges(self, tick, levels, changed):
         """Take new levels of the player's pins at `tick`; `changed`: a mask of the bits that are new. Called by the port."""
@@ -241,15 +241,15 @@ class Plant:
             if changed & mask:
                 steps = decode(tick, levels, changed)
                 if self._belt and i in self._belt.motors and steps:
-                    moved = self._belt.pull(tick, i, steps * sign) or moved
-                elif steps and self._move(tick, carriage, steps * sign):
+                    moved = self._belt.turn_motor(tick, i, steps * sign) or moved
+                elif steps and self._move_carriage(tick, carriage, steps * sign):
                     moved = True
                     self.position[i] = at = carriage.position
                     if barrier is not None and (at <= barrier.last) != barrier.below:
-                        barrier.cross(tick)
-                        self._show(tick, barrier)
+                        barrier.cross_edge(tick)
+                        self._show_barrier(tick, barrier)
                     if i in self._others:
-                        self._cross(tick, self._others[i], at)
+                        self._cross_barriers(tick, self._others[i], at)
         for name, encoder in self._indexes:
             if encoder.index_passed():
                 self.set_input(tick, name, True)
@@ -257,36 +257,36 @@ class Plant:
         if changed & self._second_mask:
             self._move_second(tick, levels, changed)
         if moved and self.trace is not None:
-            self.trace.row(tick, self.position, self.tool)
+            self.trace.add_row(tick, self.position, self.tool)
         if moved and self.stock is not None:
             self.set_input(tick, "probe", not self.tool and self.stock.touches(self.position))
         if changed & self._tool_mask:
-            self._solenoid.drive(tick, levels & self._tool_mask != self._tool_off)
-            self._plan()
+            self._solenoid.switch_coil(tick, levels & self._tool_mask != self._tool_off)
+            self._plan_next()
 
-    def move(self, tick, axis, steps):
+    def move_axis(self, tick, axis, steps):
         """Move the carriage of an axis, if it can; its barriers look."""
         carriage = self.carriages[axis]
-        if not self._move(tick, carriage, steps):
+        if not self._move_carriage(tick, carriage, steps):
             return False
         self.position[axis] = carriage.position
-        self._cross(tick, [self._watching[axis]] + self._others.get(axis, []), carriage.position)
+        self._cross_barriers(tick, [self._watching[axis]] + self._others.get(axis, []), carriage.position)
         return True
 
-    def _cross(self, tick, barriers, at):
+    def _cross_barriers(self, tick, barriers, at):
         for barrier in barriers:
             if barrier is not None and (at <= barrier.last) != barrier.below:
-                barrier.cross(tick)
-                self._show(tick, barrier)
+                barrier.cross_edge(tick)
+                self._show_barrier(tick, barrier)
 
-    def _place(self, name, axis, barrier):
+    def _add_barrier(self, name, axis, barrier):
         """`barrier` watches an axis, which may have one at either end."""
         self.barriers[name] = barrier
         if self._watching[axis] is None:
             self._watching[axis] = barrier
         else:
             self._others.setdefault(axis, []).append(barrier)
-        self._levels[name] = self._level(barrier, 0)
+        self._levels[name] = self._barrier_level(barrier, 0)
 
     def encoder(self, number):
         """Counts of the board file's encoder `number`."""
@@ -296,18 +296,18 @@ class Plant:
         """The tool's analogue power, which counts while the tool is on."""
         self._power = level
         if self._solenoid.value:
-            self._arrive(tick)
+            self._apply_tool(tick)
 
     def servo(self, tick, us):
         """Move the servo's arm to the height of pulses of `us` microseconds."""
         up, down = self._board["servo"]["up_us"], self._board["servo"]["down_us"]
         self.tool = 1000 * (us - up) // (down - up)
         if self.trace is not None:
-            self.trace.row(tick, self.position, self.tool)
+            self.trace.add_row(tick, self.position, self.tool)
 
     def pulses(self, tick):
         """Pulses of the spindle's tachometer so far: (count, tick of the last)."""
-        return self.spindle.pulses(tick)
+        return self.spindle.count_pulses(tick)
 
     def output(self, tick, name, level):
         """Take a new level of an output: enables and relays matter to the machine."""
@@ -322,8 +322,8 @@ class Plant:
         if tick >= self._due:
             self.run(tick)
         barrier = self.barriers.get(name)
-        level = self._levels[name] if barrier is None else self._level(barrier, tick)
-        level = self._faults.level(name, level, tick)
+        level = self._levels[name] if barrier is None else self._barrier_level(barrier, tick)
+        level = self._faults.faulty_level(name, level, tick)
         return level ^ self.noise[name].flipped if name in self.noise else level
 
     def run(self, tick):
@@ -334,12 +334,12 @@ class Plant:
                 if part.due == due:
                     part.run()
                     if part is self._solenoid:
-                        self._arrive(due)
+                        self._apply_tool(due)
                     elif isinstance(part, (Noise, Moments)):
-                        self._tell(due, part.name)
+                        self._report_input(due, part.name)
                     else:
-                        self._show(due, part)
-            self._plan()
+                        self._show_barrier(due, part)
+            self._plan_next()
 
     def next_event(self):
         """The tick at which something happens by itself next; None: nothing will."""
@@ -349,27 +349,27 @@ class Plant:
 
     def set_input(self, tick, name, active):
         """Hold an input that is no barrier (a button, a limit switch) active or not."""
-        level = self._active(name) if active else 1 - self._active(name)
+        level = self._active_level(name) if active else 1 - self._active_level(name)
         if level != self._levels[name]:
             self._levels[name] = level
-            self._tell(tick, name)
+            self._report_input(tick, name)
 
     def listen(self, callback):
         """Call callback(tick, name, level) at each change of an input."""
         self._listeners.append(callback)
 
-    def inject(self, name, ticks):
+    def inject_noise(self, name, ticks):
         """Noise on a wire: the level of an input is the other one from the first of `ticks` to the second, from the third to the
         fourth, and so on."""
         if name not in self.noise:
             self.noise[name] = Noise(name)
             self._parts.append(self.noise[name])
-        self.noise[name].add(ticks)
-        self._plan()
+        self.noise[name].add_flips(ticks)
+        self._plan_next()
 
-    def _tell(self, tick, name):
+    def _report_input(self, tick, name):
         level = self._levels[name]
-        level = self._faults.level(name, level, tick)
+        level = self._faults.faulty_level(name, level, tick)
         if name in self.noise:
             level ^= self.noise[name].flipped
         if self.pins is not None:
@@ -383,11 +383,11 @@ class Plant:
         if len(self.errors) < MAX_ERRORS:
             self.errors.append((tick, text))
 
-    def coil(self, axis):
+    def decoder_of(self, axis):
         """The decoder of an axis, for its electrical position, current and release."""
         return self._decoders[axis]
 
-    def _move(self, tick, carriage, steps):
+    def _move_carriage(self, tick, carriage, steps):
         if not self.enabled:
             self.report(tick, f"{carriage.name} stepped while the drivers are disabled")
             return False
@@ -396,47 +396,47 @@ class Plant:
             return False
         return carriage.move(tick, steps)
 
-    def _arrive(self, tick):
+    def _apply_tool(self, tick):
         """The tool has reached its state: note it in the trace, and drive the spindle."""
         if self._board.get("servo"):
             return  # which sees to the pen
         self.tool = self._solenoid.value * self._power // 1000
         if self.spindle is not None:
-            self.spindle.drive(tick, self.tool if self._board["spindle"]["pwm"] else self._solenoid.value)
+            self.spindle.set_level(tick, self.tool if self._board["spindle"]["pwm"] else self._solenoid.value)
         if self.trace is not None:
-            self.trace.row(tick, self.position, self.tool)
+            self.trace.add_row(tick, self.position, self.tool)
 
-    def _active(self, name):
+    def _active_level(self, name):
         if name not in self._actives:
             raise ValueError(f"the board file has no input {name!r}; its inputs are {', '.join(self._actives) or 'none'}")
         return self._actives[name]
 
-    def _level(self, barrier, tick):
-        return self._actives[barrier.name] ^ (not barrier.active(tick))
+    def _barrier_level(self, barrier, tick):
+        return self._actives[barrier.name] ^ (not barrier.is_active(tick))
 
-    def _show(self, tick, barrier):
-        level = self._level(barrier, tick)
+    def _show_barrier(self, tick, barrier):
+        level = self._barrier_level(barrier, tick)
         if level != self._levels[barrier.name]:
             self._levels[barrier.name] = level
-            self._tell(tick, barrier.name)
-        self._plan()
+            self._report_input(tick, barrier.name)
+        self._plan_next()
 
-    def _plan(self):
+    def _plan_next(self):
         self._due = min([part.due for part in self._parts])
 
     # --- what a motor and its encoder may do, by the motor's name
 
-    def stall(self, motor, steps):
+    def stall_motor(self, motor, steps):
         """The next `steps` that a motor is asked for are lost."""
-        self._carriage(motor).stall += steps
+        self._carriage_of(motor).stall += steps
 
     def mend_inputs(self):
         """From now on nothing is wrong with any input; levels that a bounce still has to change excepted."""
         self._faults = InputFaults(self._board["inputs"], self.barriers, {}, self._random)
 
-    def slip(self, motor, steps):
+    def slip_motor(self, motor, steps):
         """A motor turns by `steps` that nobody asked for."""
-        carriage = self._carriage(motor)
+        carriage = self._carriage_of(motor)
         carriage.position += steps
         watching = [self._watching_second]
         if carriage in self.carriages:
@@ -451,5 +451,5 @@ class Plant:
         """Have an encoder miss `counts` counts forward."""
         self.encoders[motor].lost += counts
 
-    def _carriage(self, motor):
+    def _carriage_of(self, motor):
         return next(carriage for carriage in self.carriages + [self.second] if carriage and carriage.name == motor)

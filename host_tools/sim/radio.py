@@ -35,11 +35,11 @@ class LoopbackRadio:
             except (OSError, OverflowError) as error:
                 raise Failure("cannot serve {} on port {}: {}", kind, port, reason(error)) from error
 
-    def kinds(self):
+    def open_kinds(self):
         """Kinds of the open sockets: "http", "tcp"."""
         return list(self._sockets)
 
-    def port(self, kind):
+    def port_of(self, kind):
         return self._sockets[kind].getsockname()[1]
 
     def own(self, peer):

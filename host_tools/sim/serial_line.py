@@ -4,7 +4,7 @@
     line = TcpLine(5000)                    # pyserial opens line.name: socket://127.0.0.1:5000
     data = line.read()                      # b"" if nothing has come; never waits
     line.write(b"k")
-    wait([line], 5)                         # until a byte may have come, or 5 ms
+    wait_for_bytes([line], 5)                         # until a byte may have come, or 5 ms
 
 Clients may connect again and again. Bytes that the board sends while there is none are lost, as on a real line.
 """
@@ -45,7 +45,7 @@ except OSError:
 """
 
 
-def wait(lines, milliseconds):
+def wait_for_bytes(lines, milliseconds):
     """Sleep until one of `lines` may have something to read, or the time is over."""
     watched = [fd for line in lines for fd in line.watched()]
     if watched:
@@ -64,7 +64,7 @@ class _Line:
 
     def write(self, data):
         self._unsent += bytes(data)
-        self._send()
+        self._send_unsent()
         if len(self._unsent) > UNSENT_BYTES:
             self._unsent = self._unsent[-UNSENT_BYTES:]
             if not self._told:
@@ -72,11 +72,11 @@ class _Line:
                 text = _("{}: its client does not read; what the board says to it is lost", self.name)
                 print(text, file=sys.stderr, flush=True)
 
-    def _send(self):
+    def _send_unsent(self):
         """Send what the client takes now; without a client forget it."""
         while self._unsent:
             try:
-                sent = self._put(self._unsent)
+                sent = self._send_some(self._unsent)
             except BlockingIOError:
                 return
             except OSError:
@@ -121,7 +121,7 @@ class PtyLine(_Line):
             if self._open:
                 self._hung_up()
         if self._unsent:
-            self._send()
+            self._send_unsent()
         return data
 
     def watched(self):
@@ -132,12 +132,12 @@ class PtyLine(_Line):
             if self._link.is_symlink() and os.readlink(self._link) == self._path:
                 self._link.unlink()
             if self._lock:
-                self._lock.release()
+                self._lock.release_lock()
             if self._remover:
                 self._remover.communicate()
         os.close(self._fd)
 
-    def _put(self, data):
+    def _send_some(self, data):
         return os.write(self._fd, data) if self._open else len(data)
 
     def _hung_up(self):
@@ -162,7 +162,7 @@ class PtyLine(_Line):
             self._remover = subprocess.Popen([*interpreter.python(), "-S", "-c", _REMOVE, *words], stdin=subprocess.PIPE, start_new_session=True)
         except OSError as error:
             if self._lock:
-                self._lock.release()
+                self._lock.release_lock()
             where = f"{error.filename}: " if self._lock is None and error.filename else ""
             raise Failure("cannot make the link {}: {}", self._link, where + reason(error)) from error
 
@@ -176,20 +176,20 @@ class Lock:
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
             # The former holder may have removed the file since it was opened: then this lock is on a file without a name.
-            self.taken = _same(self._fd, path)
+            self.taken = _is_same_file(self._fd, path)
         except BlockingIOError:
             self.taken = False
         if not self.taken:
             os.close(self._fd)
 
-    def release(self):
+    def release_lock(self):
         if self.taken:
             self.path.unlink(missing_ok=True)
             os.close(self._fd)
             self.taken = False
 
 
-def _same(fd, path):
+def _is_same_file(fd, path):
     """True if `fd` is open on the file that `path` names now."""
     try:
         return os.path.samestat(os.fstat(fd), os.lstat(path))
@@ -217,7 +217,7 @@ class _Client:
         except OSError:
             return None
         if data or self.gate.has_bytes():
-            data = self.gate.take(data, time.monotonic())
+            data = self.gate.filter_bytes(data, time.monotonic())
             if data is None:
                 print(_("{}: hung up on a client that is no sender", name), file=sys.stderr, flush=True)
         return data
@@ -247,7 +247,7 @@ class TcpLine(_Line):
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"
 
     def read(self):
-        self._accept()
+        self._accept_client()
         data = b""
         if self._coming:
             data = self._coming.read(self.name)
@@ -255,13 +255,13 @@ class TcpLine(_Line):
                 self._coming.socket.close()
                 self._coming = None
             elif data:
-                self._drop()
+                self._switch_client()
         if self._client and not data:
             data = self._client.read(self.name)
             if data is None:
-                self._drop()
+                self._switch_client()
         if self._unsent:
-            self._send()
+            self._send_unsent()
         return data or b""
 
     def write(self, data):
@@ -279,7 +279,7 @@ class TcpLine(_Line):
         self._client = self._coming = None
         self._server.close()
 
-    def _accept(self):
+    def _accept_client(self):
         try:
             coming = _Client(self._server.accept()[0])
         except OSError:  # nobody is there, or gone already
@@ -288,9 +288,9 @@ class TcpLine(_Line):
             self._coming.socket.close()
         self._coming = coming
         if not self._client:
-            self._drop()
+            self._switch_client()
 
-    def _drop(self):
+    def _switch_client(self):
         """The one that comes, if any, is the client now."""
         if self._client and self._coming:
             print(_("{}: the program at {} has taken the place of the one at {}", self.name, self._coming.address, self._client.address), file=sys.stderr, flush=True)
@@ -305,5 +305,5 @@ class TcpLine(_Line):
         self._client, self._coming = self._coming, None
         self.clients += bool(self._client)
 
-    def _put(self, data):
+    def _send_some(self, data):
         return self._client.socket.send(data) if self._client else len(data)

@@ -1,8 +1,8 @@
 """Motors that feel: rotors that lag behind their field if something holds the carriage, and the DIAG pins of their drivers.
 
     plant = Plant(board, stalls=7)          # the seed of all that trembles
-    plant.slipping.wire(drivers)            # a SimDrivers or SpiDrivers: threshold and the rest are in its registers
-    plant.slipping.spike(0.02)              # the share of measurements at which a free motor seems to stall, until SG_RESULT is measured again
+    plant.slipping.wire_drivers(drivers)            # a SimDrivers or SpiDrivers: threshold and the rest are in its registers
+    plant.slipping.set_spike_share(0.02)              # the share of measurements at which a free motor seems to stall, until SG_RESULT is measured again
 
 An axis homes where its hard end is, `pull_off_steps` from its origin. Against an end a rotor stands still while its field goes on; two full
 steps behind it slips to the next pole, four full steps back. SG_RESULT falls in proportion to the lag, to 0 at one full step, and trembles
@@ -35,15 +35,15 @@ class Slipping:
             self._full[number] = motor["microsteps"]
             if motor["axis"] in board["additions"].stalls:
                 self.sensors[number] = homing["sensors"][motor["axis"]]
-                self._stop(number, names[number] in homing.get("high_end", ""), pull_off_of(homing, names[number]))
+                self._set_hard_stop(number, names[number] in homing.get("high_end", ""), pull_off_of(homing, names[number]))
         self._names = names
         self._belt = board.get("kinematics") == "corexy"
         self.motors = range(len(names))
-        self._fields = self._turn(plant.position)  # position of each motor's field
+        self._fields = self._motors_of(plant.position)  # position of each motor's field
         self._lost = [0] * len(names)  # its distance from the rotor without a load
         self._told = [None] * len(names)  # the part of a full step that SG_RESULT is of
 
-    def _stop(self, number, high, pull_off):
+    def _set_hard_stop(self, number, high, pull_off):
         carriage = self._plant.carriages[number]
         if high:
             carriage.high = pull_off
@@ -51,64 +51,64 @@ class Slipping:
             carriage.low = -pull_off
         carriage.position = self._plant.position[number] = min(max(carriage.position, carriage.low), carriage.high)
 
-    def wire(self, drivers):
+    def wire_drivers(self, drivers):
         """Connect the DIAG pins of `drivers` to this model's inputs."""
         self._drivers = drivers
         for number in self.sensors:
             driver = drivers[self._names[number]]
-            driver.written = lambda motor=number, driver=driver: driver.feels or self._say(self._tick, motor, False)
+            driver.written = lambda motor=number, driver=driver: driver.can_feel_load or self._set_diag(self._tick, motor, False)
 
-    def _say(self, tick, motor, stalled):
+    def _set_diag(self, tick, motor, stalled):
         if motor in self.sensors:
             self._plant.set_input(tick, self.sensors[motor], stalled)
 
-    def spike(self, often):
+    def set_spike_share(self, often):
         """Have a share `often` (0…1) of the measurements show a stall on free motors."""
         self._often = often
 
-    def _turn(self, places):
+    def _motors_of(self, places):
         """Axes to motors, and so back but for a factor of two."""
         x, y = places[:2]
         return [x + y, x - y] + list(places[2:]) if self._belt else list(places)
 
-    def pull(self, tick, motor, steps):
+    def turn_motor(self, tick, motor, steps):
         """A motor's field goes on by steps. True if a carriage has moved."""
         self._tick = tick
         self._fields[motor] += steps
-        moved = self._follow(tick)
-        lags = self._lags()
+        moved = self._move_carriages(tick)
+        lags = self._rotor_lags()
         for number in self.sensors:
             if abs(lags[number]) >= 2 * self._full[number]:
                 self._lost[number] += 4 * self._full[number] * (1 if lags[number] > 0 else -1)
                 self.slips += 1
-                moved = self._follow(tick) or moved
+                moved = self._move_carriages(tick) or moved
         if motor in self.sensors:
-            self._feel(tick, motor, abs(self._lags()[motor]))
+            self._measure_load(tick, motor, abs(self._rotor_lags()[motor]))
         return moved
 
-    def _places(self):
+    def _free_positions(self):
         """Positions of the carriages if nothing held them."""
         wanted = [field - lost for field, lost in zip(self._fields, self._lost)]
         if self._belt:
             wanted[:2] = (wanted[0] + wanted[1]) // 2, (wanted[0] - wanted[1]) // 2
         return wanted
 
-    def _follow(self, tick):
+    def _move_carriages(self, tick):
         moved = False
-        for axis, place in enumerate(self._places()):
+        for axis, place in enumerate(self._free_positions()):
             carriage = self._plant.carriages[axis]
             if axis in self.sensors:
                 place = min(max(place, carriage.low), carriage.high)
             if place != carriage.position:
-                moved = self._plant.move(tick, axis, place - carriage.position) or moved
+                moved = self._plant.move_axis(tick, axis, place - carriage.position) or moved
         return moved
 
-    def _lags(self):
-        rotors = self._turn(self._plant.position)
+    def _rotor_lags(self):
+        rotors = self._motors_of(self._plant.position)
         lags = [field - lost - rotor for field, lost, rotor in zip(self._fields, self._lost, rotors)]
         return [0 if self._belt and number < 2 and abs(lag) < 2 else lag for number, lag in enumerate(lags)]  # half a step of the belt
 
-    def _feel(self, tick, motor, lag):
+    def _measure_load(self, tick, motor, lag):
         full = self._full[motor]
         driver = self._drivers[self._names[motor]]
         part = self._fields[motor] // full
@@ -118,4 +118,4 @@ class Slipping:
         result = FREE * (1 - lag / full) + self._random.gauss(0, TREMBLE)
         if self._random.random() < self._often:
             result = LEAST
-        self._say(tick, motor, driver.diag_level(result))
+        self._set_diag(tick, motor, driver.diag_level(result))

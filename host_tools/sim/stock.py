@@ -37,7 +37,7 @@ class Stock:
         self._top = max([solid[5] if len(solid) == 7 else solid[4] for solid in solids])
 
     @staticmethod
-    def fits(board):
+    def can_touch(board):
         """True if a board's machine can touch something."""
         return len(board["axes"]) >= 3 and "probe" in [item["name"] for item in board.get("inputs", ())]
 

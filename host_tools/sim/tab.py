@@ -49,7 +49,7 @@ class Trail:
         self._next = 0
         self._tool = 0
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         """Note a position, at most one each _SPACING_TICKS unless the tool changes."""
         if tick < self._next and tool == self._tool:
             return
@@ -59,7 +59,7 @@ class Trail:
             self.positions += position
             self.positions.append(tool)
 
-    def take(self):
+    def take_positions(self):
         """Positions since the last call: flat, each axis in steps and the tool, 0…1000."""
         positions = self.positions
         self.positions = []
@@ -73,49 +73,49 @@ class Tab:
         self.name = name
         self._send = send
         self._boards = boards
-        self.plant = Plant(board, start(board), stock=Stock(board) if Stock.fits(board) else None)
+        self.plant = Plant(board, start(board), stock=Stock(board) if Stock.can_touch(board) else None)
         self.trail = self.plant.trace = Trail()
         self._line = MemoryLine()
         self.port = VirtualPort(board, self.plant, mode, {board["links"][0]["name"]: self._line})
         self._board = board
         self.app = App(check(board_named(name)), self.port)
         self._teach = None
-        self.machine = self._language(board["links"][0]["protocol"])
+        self.machine = self._make_machine(board["links"][0]["protocol"])
         self.jobs = Jobs(jobs, self.machine.language)
         self.api = PanelOrders(self.machine, self.jobs, self._teach)
         self._pace = Pace()
         self._beats = self._pushed_ms = self._shown_ms = 0
-        self._hello()
+        self._send_hello()
 
-    def _language(self, protocol):
+    def _make_machine(self, protocol):
         if protocol == "plotter":
             from host_tools.page.plotter_machine import PlotterMachine
 
-            return PlotterMachine(self._put, self._tell, self._board)
+            return PlotterMachine(self._send_bytes, self._send_event, self._board)
         from host_tools.page.grbl_machine import GrblMachine
         from host_tools.page.teach import Teach
 
-        machine = GrblMachine(self._put, self._tell)
+        machine = GrblMachine(self._send_bytes, self._send_event)
         self._teach = Teach()
         machine.watcher = self._teach.see
         return machine
 
-    def _put(self, data):
+    def _send_bytes(self, data):
         self._line.incoming += data
 
-    def _tell(self, event):
+    def _send_event(self, event):
         self._send(json.dumps(event))
 
-    def _hello(self):
+    def _send_hello(self):
         machine = self.machine
         told = {"t": "hello", "can": list(machine.can) + list(self.api.makes), "axes": machine.axes, "language": machine.language, "travel": machine.travel}
         told["machines"] = list(self._boards)
-        self._tell(told)
+        self._send_event(told)
         axes = self._board["axes"]
         homing = self._board["homing"]
         high = homing["high_end"] if homing else ""
         ends = [(-1 if axis["name"] in high else 0, 0 if axis["name"] in high else 1) for axis in axes]
-        self._tell({
+        self._send_event({
             "t": "table", "board": self.name, "axes": "".join([axis["name"] for axis in axes]),
             "scale": [axis["steps_per_m"] / 1000 for axis in axes],
             "low": [axes[n]["travel_steps"] * ends[n][0] for n in range(len(axes))],
@@ -129,7 +129,7 @@ class Tab:
         answer = self._pace.look(order) if looks else self.api.order(order, True)
         if isinstance(order, dict) and "id" in order:
             answer["id"] = order["id"]
-        self._tell(answer)
+        self._send_event(answer)
 
     def turn(self, budget_ms):
         """Work for about `budget_ms`; returns how many ms may pass until the next turn."""
@@ -144,7 +144,7 @@ class Tab:
             behind = moving and port.now - before >= quantum  # else level with the wall clock
             if not behind or spent >= budget_ms:
                 break
-        self._show(now)
+        self._push_state(now)
         return 0 if behind else 1 if moving else _REST_MS
 
     def cycle(self):
@@ -161,7 +161,7 @@ class Tab:
         self.machine.poll(port.link_ms())
         return FINE_TICKS if fine else COARSE_TICKS
 
-    def _show(self, now):
+    def _push_state(self, now):
         if (now - self._pushed_ms) & COUNT_MASK >= PUSH_MS:
             self._pushed_ms = now
             self._beats += 1
@@ -173,11 +173,11 @@ class Tab:
             if self._teach:
                 state["teaching"] = self._teach.places()
             if self._pace.due(at_once(state), now):
-                self._tell(state)
+                self._send_event(state)
         if (now - self._shown_ms) & COUNT_MASK >= _SHOW_MS:
             self._shown_ms = now
             plant = self.plant
-            self._tell({
-                "t": "machine", "at": plant.position, "tool": plant.tool, "trail": self.trail.take(), "ms": self.port.machine_ms(),
+            self._send_event({
+                "t": "machine", "at": plant.position, "tool": plant.tool, "trail": self.trail.take_positions(), "ms": self.port.machine_ms(),
                 "faults": plant.error_count, "moving": self.port.pending(self.app.controller.busy()),
             })  # fmt: skip

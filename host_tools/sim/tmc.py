@@ -40,13 +40,13 @@ class SimDriver:
             self.written()
 
     @property
-    def feels(self):
+    def can_feel_load(self):
         """True if StallGuard works: TCOOLTHRS is set, and the chopper is StealthChop."""
         return bool(self.registers.get(0x14, 0)) and not self.registers[0x00] & 4
 
     def diag_level(self, result):
         """The level of DIAG with an SG_RESULT."""
-        return self.feels and max(0, result) <= 2 * self.registers.get(0x40, 0)
+        return self.can_feel_load and max(0, result) <= 2 * self.registers.get(0x40, 0)
 
     @property
     def status(self):
@@ -56,7 +56,7 @@ class SimDriver:
     def status(self, value):
         self.registers[0x6F] = value
 
-    def take(self, telegram):
+    def take_telegram(self, telegram):
         """The reply, or b""."""
         register = telegram[2] & 0x7F
         if telegram[2] & 0x80:
@@ -93,10 +93,10 @@ class SimDrivers:
         """Take bytes of the board. Echo and replies can be read after the time that they take on the wire."""
         if self.echo:
             self._due.append((self._now_ms() + len(data) * 10 * self._bit_ms, bytes(data)))
-        for reply in self.hear(data):
+        for reply in self.replies_to(data):
             self._due.append((self._now_ms() + ((len(data) + 8) * 10 + CLOCKS) * self._bit_ms, reply))
 
-    def hear(self, data):
+    def replies_to(self, data):
         """Replies to what these bytes complete."""
         self._coming += data
         replies = []
@@ -110,11 +110,11 @@ class SimDrivers:
             telegram = bytes(self._coming[:size])
             del self._coming[:size]
             if crc8(telegram[:-1]) == telegram[-1]:
-                replies += self._all(telegram)
+                replies += self._answer_telegram(telegram)
         return replies
 
-    def _all(self, telegram):
-        heard = [motor.take(telegram) for motor in self._motors.values() if not motor.dead and motor.address == telegram[1]]
+    def _answer_telegram(self, telegram):
+        heard = [motor.take_telegram(telegram) for motor in self._motors.values() if not motor.dead and motor.address == telegram[1]]
         found = [reply for reply in heard if reply]
         if len(found) > 1:  # two speak at once
             found = [bytes(a & b for a, b in zip(*found))] if found[0] != found[1] else found[:1]

@@ -39,7 +39,7 @@ class SpiDriver:
             self.written()
 
     @property
-    def feels(self):
+    def can_feel_load(self):
         """Whether its DIAG pin may tell: stallGuard2 works in spreadCycle, above the speed of TCOOLTHRS; the pin drives the line if it is a push-pull one."""
         gconf = self.registers[0x00]
         return bool(self.registers.get(0x14, 0)) and not gconf & 4 and gconf >> 7 + self.diag & 1 and gconf >> 12 + self.diag & 1
@@ -49,14 +49,14 @@ class SpiDriver:
         sgt = self.registers.get(0x6D, 0) >> 16 & 0x7F
         result = min(max(round(result) + AT_ZERO + A_SGT * (sgt - 128 if sgt > 63 else sgt), 0), 1023)
         self.registers[0x6F] = self.registers[0x6F] & ~0x010003FF | (not result) << 24 | result
-        return bool(self.feels and not result)
+        return bool(self.can_feel_load and not result)
 
-    def select(self):
+    def begin_exchange(self):
         """CS falls: put the status and the answer into the shift register."""
         state = self.registers[0x01] & 3 | (self.registers[0x6F] >> 31 & 1) << 3
         self.shift = state << 32 | self.answer
 
-    def take(self):
+    def end_exchange(self):
         """CS has risen."""
         register, value = self.shift >> 32 & 0x7F, self.shift & 0xFFFFFFFF
         if self.shift >> 39:
@@ -74,13 +74,13 @@ class SpiDriver:
             self.registers[1] = 0
 
     @property
-    def out(self):
+    def output_bit(self):
         """The level of SDO, the highest bit of the shift register; 0 without a supply."""
         return 0 if self.dead else self.shift >> 39
 
-    def clock(self, bit):
+    def shift_bit(self, bit):
         """The bit that leaves as the clock rises."""
-        out = self.out
+        out = self.output_bit
         self.shift = (self.shift << 1 | bit) & _MASK
         return out
 
@@ -98,35 +98,35 @@ class SpiDrivers:
     def __getitem__(self, axis):
         return self._motors[axis]
 
-    def select(self, cs, level):
+    def set_cs(self, cs, level):
         """Set a CS pin: low begins an exchange, high has the chips take their 40 bits."""
         for driver in self.chains.get(cs, ()):
             if level:
                 if not driver.dead:
-                    driver.take()
+                    driver.end_exchange()
             else:
-                driver.select()
+                driver.begin_exchange()
         self.exchanges += not level
 
-    def out(self, cs):
+    def output_level(self, cs):
         """The line's level, before the clock rises."""
         chain = self.chains.get(cs)
-        return chain[-1].out if chain else 0
+        return chain[-1].output_bit if chain else 0
 
-    def clock(self, cs, bit):
+    def clock_bit(self, cs, bit):
         """A rising edge of SCK with `bit` on SDI: each chip of the chain hands its highest bit on."""
         for driver in self.chains.get(cs, ()):
-            bit = driver.clock(bit)
+            bit = driver.shift_bit(bit)
 
     def exchange(self, cs, data):
         """Exchange `data` at a CS, highest bit first; returns as many bytes."""
-        self.select(cs, 0)
+        self.set_cs(cs, 0)
         found = 0
         for each in data:
             for place in range(7, -1, -1):
-                found = found << 1 | self.out(cs)
-                self.clock(cs, each >> place & 1)
-        self.select(cs, 1)
+                found = found << 1 | self.output_level(cs)
+                self.clock_bit(cs, each >> place & 1)
+        self.set_cs(cs, 1)
         if self.flips:
             self.flips -= 1
             found ^= 1 << 9

@@ -10,7 +10,7 @@
     1222.000,1,0,0,0,0
 
 `t_us` is virtual time since the start at the leading edge; x…a are steps from the machine's origin (from the start, if it never
-homed), 0 for missing axes; tool is 0…1000. The whole file has one zero: homing rewrites the rows before it. `skip` leaves
+homed), 0 for missing axes; tool is 0…1000. The whole file has one zero: homing rewrites the rows before it. `skip_ticks` leaves
 out time.
 """
 
@@ -42,16 +42,16 @@ class Trace:
             self._file = open(self._path, "w", encoding="ascii", newline="\n")
             self._file.write(HEADER + "\n")
         plant.trace = self
-        self.row(0, plant.position, plant.tool)
+        self.add_row(0, plant.position, plant.tool)
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         """A step or an arrival of the tool at `tick`; `position` in the plant's steps."""
         rows = self._rows
         rows.append((tick - self._skipped, *position, tool))
         if len(rows) >= BATCH_ROWS and self._file is not None:
             self.flush()
 
-    def skip(self, ticks):
+    def skip_ticks(self, ticks):
         """Leave out `ticks` that have passed since the last row and before the next."""
         self._skipped += ticks
 
@@ -59,7 +59,7 @@ class Trace:
         """Write buffered rows."""
         if self._file is None:
             return
-        self._file.write("".join(self._lines(self._rows)))
+        self._file.write("".join(self._csv_lines(self._rows)))
         self._file.flush()
         self._written += len(self._rows)
         self._rows.clear()
@@ -71,12 +71,12 @@ class Trace:
             return
         if self._written:
             self.flush()
-            self._rewrite(shift)
+            self._rewrite_file(shift)
         self._zero = list(origin)
 
     def rows(self):
         """[(t_us, x, y, z, a, tool)] of the rows kept in memory: all of them if there is no file."""
-        lines = (line.split(",") for line in self._lines(self._rows))
+        lines = (line.split(",") for line in self._csv_lines(self._rows))
         return [(float(line[0]), *map(int, line[1:])) for line in lines]
 
     def close(self):
@@ -85,14 +85,14 @@ class Trace:
             self._file.close()
             self._file = None
 
-    def _lines(self, rows):
+    def _csv_lines(self, rows):
         mark = self._mark
         zero = (*self._zero, 0)
         for row in rows:
             tens_ns = row[0] * 8  # a tick is 80 ns, so a µs has two decimals
             yield mark % (tens_ns // 100, tens_ns % 100, *map(sub, row[1:], zero))
 
-    def _rewrite(self, shift):
+    def _rewrite_file(self, shift):
         """Shift every row by writing a second file, so that there is a whole file at any moment."""
         self._file.close()
         moved = self._path.with_name(self._path.name + ".part")

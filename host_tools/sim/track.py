@@ -1,7 +1,7 @@
 """Follows the motors of a board through its step words, taken in whole arrays.
 
     track = Track(layout, drive, steps_per_mm, by_height=True)
-    track.words(tick, words)            # numpy's uint32: words that begin at `tick`, one behind the other
+    track.add_words(tick, words)            # numpy's uint32: words that begin at `tick`, one behind the other
     track.low, track.high, track.fastest, track.strokes, track.samples
 
 Positions at each step come from sums over an array; computations that need the position before (points of the path, windows of a speed) leap over
@@ -29,7 +29,7 @@ class Rows:
         self._count = 0
         self.stride = 1  # how sparsely rows are to be taken
 
-    def add(self, rows):
+    def add_rows(self, rows):
         """Append `rows`; True if the table has been thinned."""
         while self._count + len(rows) > len(self._room):
             self._room = np.concatenate([self._room, np.zeros_like(self._room)])
@@ -37,15 +37,15 @@ class Rows:
         self._count += len(rows)
         return self._count > self._most
 
-    def thin(self, keep):
+    def thin_rows(self, keep):
         """Keep the rows of the mask `keep`. If they are still too many, more room is granted."""
-        kept = self.all()[keep]
+        kept = self.all_rows()[keep]
         self._count = len(kept)
         self._room[: self._count] = kept
         self.stride *= 2
         self._most = max(self._most, 2 * self._count)
 
-    def all(self):
+    def all_rows(self):
         """The rows so far, a view."""
         return self._room[: self._count]
 
@@ -79,11 +79,11 @@ class Track:
         self._low, self._high = self.position.copy(), self.position.copy()
         self._measured = Rows(1 + self._axes, np.int64, MOST_SAMPLES)
         self._latest = np.array([0, *position])  # the last row that was measured
-        self._measured.add(self._latest[None])
+        self._measured.add_rows(self._latest[None])
         self._window = tick
         self._windows = 0
         self._path = Rows(2 + self._axes, np.int32, MOST_PLACES)  # begins, lowered, position
-        self._path.add(np.array([[1, 0, *position]]))
+        self._path.add_rows(np.array([[1, 0, *position]]))
         self._lowered = False
         self._last = list(position)
         self._leap = 0  # steps that cannot be drawn
@@ -105,12 +105,12 @@ class Track:
 
     # --- the words
 
-    def words(self, tick, words):
+    def add_words(self, tick, words):
         """Words that begin at `tick`. Their total is below 2⁶² ticks."""
         layout = self._layout
         levels = words & layout.levels_mask
         lasts = (words >> layout.bits).astype(np.int64)
-        moves = self._moves(levels)
+        moves = self._axis_moves(levels)
         steps = np.flatnonzero(moves.any(axis=1))
         if not len(steps):
             return
@@ -130,10 +130,10 @@ class Track:
                 lowered = positions[:, 2] / self._scale[2] < self.surface
             else:
                 lowered = (levels[steps] & layout.tool_mask) != 0
-            self._draw(positions, lowered)
-        self._measure(ticks, positions)
+            self._draw_path(positions, lowered)
+        self._measure_speeds(ticks, positions)
 
-    def _moves(self, levels):
+    def _axis_moves(self, levels):
         """−1, 0 or 1 of each axis in each word."""
         layout = self._layout
         moves = np.zeros((len(levels), self._axes), np.int8)
@@ -153,7 +153,7 @@ class Track:
 
     # --- the path, each tenth of a millimetre
 
-    def _draw(self, positions, lowered):
+    def _draw_path(self, positions, lowered):
         ends = [*(np.flatnonzero(lowered[1:] != lowered[:-1]) + 1).tolist(), len(positions)]
         columns = [memoryview(np.ascontiguousarray(positions[:, axis])) for axis in range(self._axes)]  # quicker than arrays, one by one
         found = []
@@ -165,13 +165,13 @@ class Track:
                 found += [(1, kind, *self._last), (0, kind, *here)]
                 self._lowered, self._last = kind, here
                 self._leap = begun + min(self._apart)
-            self._along(columns, end, kind, found)
+            self._follow_run(columns, end, kind, found)
             begun = end
         self._leap -= len(positions)
-        if found and self._path.add(np.array(found)):
+        if found and self._path.add_rows(np.array(found)):
             self._thin_path()
 
-    def _along(self, columns, end, kind, found):
+    def _follow_run(self, columns, end, kind, found):
         """Append the positions of a run that ends before the index `end`. A step moves an axis by one at most, so as many as are
         missing to the next position need not be looked at."""
         at = self._leap
@@ -192,13 +192,13 @@ class Track:
 
     def _thin_path(self):
         """Drop every second position but the ends of strokes."""
-        rows = self._path.all()
+        rows = self._path.all_rows()
         self._join_strokes(rows)
         keep = np.arange(len(rows)) % 2 == 0
         keep[rows[:, 0] == 1] = True
         keep[:-1][rows[1:, 0] == 1] = True
         keep[-1] = True
-        self._path.thin(keep)
+        self._path.thin_rows(keep)
         self._apart = [2 * apart for apart in self._apart]
 
     def _join_strokes(self, rows):
@@ -221,14 +221,14 @@ class Track:
     @property
     def strokes(self):
         """[(cut, positions in mm)]: the path, in its order."""
-        rows = self._path.all()
+        rows = self._path.all_rows()
         begins = [*np.flatnonzero(rows[:, 0]).tolist(), len(rows)]
         positions = rows[:, 2:] / self._scale
         return [(bool(rows[begun, 1]), positions[begun:end]) for begun, end in zip(begins, begins[1:])]
 
     # --- speeds
 
-    def _measure(self, ticks, positions):
+    def _measure_speeds(self, ticks, positions):
         """Note speeds from the positions at the ends of windows of 20 ms, longer while the machine stands."""
         found = []
         at = int(np.searchsorted(ticks, self._window + SPEED_TICKS))
@@ -245,13 +245,13 @@ class Track:
         self._latest = rows[-1]
         numbers = np.arange(self._windows + 1, self._windows + 1 + len(rows))
         self._windows += len(rows)
-        if self._measured.add(rows[numbers % self._measured.stride == 0]):
-            self._measured.thin(np.arange(len(self._measured.all())) % 2 == 0)
+        if self._measured.add_rows(rows[numbers % self._measured.stride == 0]):
+            self._measured.thin_rows(np.arange(len(self._measured.all_rows())) % 2 == 0)
 
     @property
     def samples(self):
         """Rows (seconds, mm/min along the path, mm/min of each axis) over 20 ms or more up to then."""
-        rows = self._measured.all()
+        rows = self._measured.all_rows()
         minutes = np.diff(rows[:, :1], axis=0) / TICKS_PER_S / 60
         speeds = np.diff(rows[:, 1:], axis=0) / self._scale / minutes
         return np.column_stack([rows[1:, 0] / TICKS_PER_S, np.sqrt((speeds**2).sum(axis=1)), speeds])

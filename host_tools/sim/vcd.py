@@ -24,9 +24,9 @@ class VcdTap:
         self._pins = []
         self._others = {}
         for item in board.get("outputs", ()):
-            self._others[item["name"]] = self._wire(item["name"], 1 - item.get("active", 1))
+            self._others[item["name"]] = self._add_wire(item["name"], 1 - item.get("active", 1))
         for item in board.get("inputs", ()):
-            self._others[item["name"]] = self._wire(item["name"], plant.input(0, item["name"]))
+            self._others[item["name"]] = self._add_wire(item["name"], plant.input(0, item["name"]))
         self._power = None
         if (board.get("spindle") or {}).get("pwm"):
             self._power = self._writer.register_var(MODULE, "power", "integer", size=16, init=0)
@@ -42,7 +42,7 @@ class VcdTap:
         self._pass_edges = plant.edges
 
     def attach(self, tick, names, levels):
-        self._pins = [(1 << bit, self._wire(name, levels >> bit & 1)) for bit, name in enumerate(names)]
+        self._pins = [(1 << bit, self._add_wire(name, levels >> bit & 1)) for bit, name in enumerate(names)]
         self._plant.attach(tick, names, levels)
 
     def edges(self, tick, levels, changed):
@@ -50,19 +50,19 @@ class VcdTap:
         self._pass_edges(tick, levels, changed)
         for mask, wire in self._pins:
             if changed & mask:
-                self._change(tick, wire, 1 if levels & mask else 0)
+                self._write_change(tick, wire, 1 if levels & mask else 0)
 
     def power(self, tick, level):
         if self._power is not None:
-            self._change(tick, self._power, level)
+            self._write_change(tick, self._power, level)
         self._plant.power(tick, level)
 
     def servo(self, tick, us):
-        self._change(tick, self._servo, us)
+        self._write_change(tick, self._servo, us)
         self._plant.servo(tick, us)
 
     def output(self, tick, name, level):
-        self._change(tick, self._others[name], level)
+        self._write_change(tick, self._others[name], level)
         self._plant.output(tick, name, level)
 
     def input(self, tick, name):
@@ -70,7 +70,7 @@ class VcdTap:
 
     def note_input(self, tick, name, level):
         """Called by the plant if an input has changed."""
-        self._change(tick, self._others[name], level)
+        self._write_change(tick, self._others[name], level)
 
     def flush(self):
         self._writer.flush()
@@ -79,8 +79,8 @@ class VcdTap:
         self._writer.close()
         self._file.close()
 
-    def _wire(self, name, level):
+    def _add_wire(self, name, level):
         return self._writer.register_var(MODULE, name, "wire", size=1, init=level)
 
-    def _change(self, tick, wire, level):
+    def _write_change(self, tick, wire, level):
         self._writer.change(wire, tick * NS_PER_TICK, level)

@@ -16,7 +16,7 @@ FOLDERS = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(FOLDERS), str(FOLDERS / "firmware")]
 
 from host_tools.emulator.pico import EmulatedPico  # noqa: E402
-from host_tools.sim.serial_line import TcpLine, wait  # noqa: E402
+from host_tools.sim.serial_line import TcpLine, wait_for_bytes  # noqa: E402
 from host_tools.uf2_format import BLOCK_BYTES, FLASH, PAGE  # noqa: E402
 
 SECTOR = 4096
@@ -98,7 +98,7 @@ def main(uf2, drive, blocks=None):
         if board.loading:
             usb.read()
             board.load()
-            wait([usb], IDLE_MS)
+            wait_for_bytes([usb], IDLE_MS)
             continue
         if board.pico.usb.up:
             board.pico.usb.write(usb.read())
@@ -107,12 +107,12 @@ def main(uf2, drive, blocks=None):
         except Exception as fault:  # it stands until somebody pulls its plug
             print(f"fault: {fault}", flush=True)
             while not stopped and not board.loading:
-                wait([usb], IDLE_MS)
+                wait_for_bytes([usb], IDLE_MS)
         said = board.pico.console.take()
         if said:
             usb.write(said)
         else:
-            wait([usb], 1)
+            wait_for_bytes([usb], 1)
     usb.close()
 
 

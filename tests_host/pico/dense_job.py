@@ -78,7 +78,7 @@ class StepDigest:
         self._sum = hashlib.sha256()
         plant.trace = self
 
-    def row(self, tick, position, _):
+    def add_row(self, tick, position, _):
         if position == self._start and not self.count:
             return  # the tool's arrival
         if not self.count:

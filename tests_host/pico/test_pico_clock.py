@@ -113,11 +113,11 @@ def router_at(mhz):
 @pytest.mark.parametrize("mhz", [pytest.param(150, marks=pytest.mark.slow), 200])
 def test_a_machine_as_it_is_flashed(make_machine, mhz):
     machine = make_machine(router_at(mhz), trace=None)
-    machine.run_until(lambda: b"unlock]\r\n" in machine.received("serial"), 5000)
+    machine.run_until(lambda: b"unlock]\r\n" in machine.replies_so_far("serial"), 5000)
     assert system_clock.of(machine.pico.chip).hz == mhz * 1_000_000
     machine.take("serial")
     machine.send(b"?", "serial")
-    machine.run_until(lambda: b">" in machine.received("serial"), 1000)  # loaded modules are put in their places first
+    machine.run_until(lambda: b">" in machine.replies_so_far("serial"), 1000)  # loaded modules are put in their places first
     assert machine.take("serial").startswith(b"<Alarm|MPos:0.000,0.000,0.000|")
     console = machine.pico.console
     begun = list(machine.plant.position)

@@ -31,14 +31,14 @@ def test_the_pins_draw_the_drawing(tmp_path, make_machine, show, board, tool):  
     lines = gcode.lines_of(plan, draw_gcode.cuts(loaded, plan, said))
 
     machine = make_machine(board)
-    machine.run_until(lambda: b"unlock" in machine.received() or b"$X" in machine.received(), 10_000)
+    machine.run_until(lambda: b"unlock" in machine.replies_so_far() or b"$X" in machine.replies_so_far(), 10_000)
     start = list(machine.plant.position)
     switched = machine.pico.edges(loaded["tool"]["pin"])
     for line in ["$X", *lines]:
         machine.take()
         machine.send(line.encode() + b"\n")
-        machine.run_until(lambda: b"ok" in machine.received() or b"error" in machine.received(), 20_000)
-        assert b"error" not in machine.received(), line
+        machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"error" in machine.replies_so_far(), 20_000)
+        assert b"error" not in machine.replies_so_far(), line
     machine.settle()
 
     rows = numpy.array(machine.trace.rows())

@@ -65,13 +65,13 @@ def measured(rows, board, centre):
 def test_feeds_at_the_pins_and_in_reports(name, where, make_machine, show):  # noqa: F811
     board = plain(name)
     machine = (VirtualMachine if where == "virtual" else make_machine)(copy.deepcopy(board), start=START[name], play=PLAY.get(name))
-    machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far() or b"$H" in machine.replies_so_far(), 10_000)
 
     def ask(data, answer=b"ok"):
         machine.take()
         machine.send(data)
-        machine.run_until(lambda: answer in machine.received() or b"error" in machine.received(), 60_000)
-        assert answer in machine.received(), (data, machine.received())
+        machine.run_until(lambda: answer in machine.replies_so_far() or b"error" in machine.replies_so_far(), 60_000)
+        assert answer in machine.replies_so_far(), (data, machine.replies_so_far())
         return machine.take()
 
     for line in (b"$X\n", b"G21G91G17\n"):

@@ -186,7 +186,7 @@ def test_a_crash_while_it_moves_leaves_safe_outputs_and_a_report(make_machine):
     machine.send(JOG)
     machine.run_ms(300)
     assert "ValueError: on purpose" in said(machine.pico)
-    assert machine.plant.coil(0).released and machine.plant.coil(1).released and machine.plant.tool == 0
+    assert machine.plant.decoder_of(0).released and machine.plant.decoder_of(1).released and machine.plant.tool == 0
     assert b"ValueError: on purpose" in machine.pico.files()["crash.txt"]
     machine.pico.hard_reset()
     machine.run_ms(900)
@@ -203,6 +203,6 @@ def test_a_hang_ends_in_the_watchdog(make_machine):
     begun = machine.now_ms()
     machine.pico.await_reset(3_000_000)
     assert 900 < machine.now_ms() - begun < 1400
-    assert machine.plant.tool == 0 and machine.plant.coil(0).released
+    assert machine.plant.tool == 0 and machine.plant.decoder_of(0).released
     machine.run_ms(900)
     assert "by the watchdog" in told(machine)

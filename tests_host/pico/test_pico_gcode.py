@@ -117,12 +117,12 @@ def test_s_curves_are_stepped_in_time(uf2):
 def test_a_router_as_it_is_has_memory_for_its_arcs(uf2):
     """With its questions before them and a settings file behind them; over the UART, nothing changed."""
     machine = EmulatedMachine("router_3axis", trace=None).boot()
-    machine.run_until(lambda: b"$X" in machine.received(LINK), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far(LINK), 10_000)
 
     def ask(line):
         machine.take(LINK)
         machine.send(line + b"\n", LINK)
-        machine.run_until(lambda: ANSWER.search(machine.received(LINK)), 10_000)
+        machine.run_until(lambda: ANSWER.search(machine.replies_so_far(LINK)), 10_000)
         return machine.take(LINK)
 
     for line in (b"$LINK=0", b"$X", b"$$", b"$#", b"$110=4000", b"G91G1X1F600", b"G2X2I1F600", b"G3X-2I-1Z1"):
@@ -136,12 +136,12 @@ def test_a_router_as_it_is_has_memory_for_its_arcs(uf2):
 def test_lines_sent_without_waiting_are_answered(uf2):
     """At the wire's full speed, each of them taking longer than it takes to arrive: none is lost without a word."""
     machine = EmulatedMachine("router_3axis", trace=None).boot()
-    machine.run_until(lambda: b"$X" in machine.received(LINK), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far(LINK), 10_000)
     machine.send(b"$LINK=0\n$X\n", LINK)
-    machine.run_until(lambda: machine.received(LINK).count(b"ok") == 2, 10_000)
+    machine.run_until(lambda: machine.replies_so_far(LINK).count(b"ok") == 2, 10_000)
     machine.take(LINK)
     machine.send(b"G53G0X0 \n" * FLOOD + b"G4P0\n", LINK)
-    machine.run_until(lambda: len(LINE_END.findall(machine.received(LINK))) > FLOOD, 10_000)
+    machine.run_until(lambda: len(LINE_END.findall(machine.replies_so_far(LINK))) > FLOOD, 10_000)
     answers = machine.take(LINK).split()
     assert set(answers) == {b"ok", b"error:11"} and len(answers) == FLOOD + 1 and machine.wire(LINK).overruns == 0
     # The first were done, the rest found no room; one of them may come just as a line is done.
@@ -152,16 +152,16 @@ def test_lines_sent_without_waiting_are_answered(uf2):
 def test_a_cam_program_runs_on_the_board(uf2):
     """Over the UART, as a CAM system wrote it: tool change, tool length, pecks. No line is refused, and memory stays."""
     machine = EmulatedMachine("router_3axis", trace=None).boot()
-    machine.run_until(lambda: b"$X" in machine.received(LINK), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far(LINK), 10_000)
     machine.take(LINK)
     start = list(machine.plant.position)
     lines = [line for line in CAM.split("\n") if line.strip() and line != "%"]
     for line in ["$LINK=0", "$X", *lines]:
         machine.send(line.encode() + b"\n", LINK)
         if "M6" in line:
-            machine.run_until(lambda: b"Tool change" in machine.received(LINK), 10_000)
+            machine.run_until(lambda: b"Tool change" in machine.replies_so_far(LINK), 10_000)
             machine.send(b"~", LINK)
-        machine.run_until(lambda: ANSWER.search(machine.received(LINK)), 30_000)
+        machine.run_until(lambda: ANSWER.search(machine.replies_so_far(LINK)), 30_000)
         answer = machine.take(LINK)
         assert ANSWER.search(answer)[2] == b"ok", (line, answer)
     machine.settle()

@@ -28,7 +28,7 @@ def spread(machine, ask):
     for _ in range(RUNS):
         for axis, number in zip(machine.board["axes"], range(3)):
             away = -1 if axis["name"] in machine.board["homing"]["high_end"] else 1
-            machine.plant.slip(axis["name"], away * 2 * chance.randint(-PULL_OFF // 3, 150) - machine.plant.position[number])
+            machine.plant.slip_motor(axis["name"], away * 2 * chance.randint(-PULL_OFF // 3, 150) - machine.plant.position[number])
         ask(machine)
         machine.settle()
         assert not machine.plant.errors, machine.plant.errors
@@ -39,8 +39,8 @@ def spread(machine, ask):
 def by_line(machine):
     machine.take()
     machine.send(b"$H\n")
-    machine.run_until(lambda: b"ok" in machine.received() or b"ALARM" in machine.received(), 60_000)
-    assert b"ALARM" not in machine.received()
+    machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"ALARM" in machine.replies_so_far(), 60_000)
+    assert b"ALARM" not in machine.replies_so_far()
 
 
 def by_packet(machine):
@@ -50,7 +50,7 @@ def by_packet(machine):
 @pytest.mark.parametrize("name", ("router_3axis", *(pytest.param(name, marks=pytest.mark.slow) for name in ("router_ballscrew", "corexy_plotter"))))
 def test_a_machine_that_speaks_grbl_ends_on_the_same_step(name, make_machine, show):  # noqa: F811
     machine = make_machine(quick_to_home(name))
-    machine.run_until(lambda: b"$H" in machine.received() or b"$X" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$H" in machine.replies_so_far() or b"$X" in machine.replies_so_far(), 10_000)
     found = spread(machine, by_line)
     show(f"homing of {name}", f"{RUNS} times, ended at {set(found)}")
     assert len(set(found)) == 1, found

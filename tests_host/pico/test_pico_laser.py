@@ -46,7 +46,7 @@ class Laser:
                 self.duty.append((self.machine.pico.cycle, self.value()))
 
         self.slice.write_register = write
-        self.machine.run_until(lambda: b"unlock" in self.machine.received(), 5000)
+        self.machine.run_until(lambda: b"unlock" in self.machine.replies_so_far(), 5000)
         self.steps = self.machine.pico.edges(_STEP)
         self.tool = self.machine.pico.edges(_TOOL)
         self.say("$X", "G21G91F3000")
@@ -59,7 +59,7 @@ class Laser:
         """Have lines answered."""
         self.machine.take()
         self.machine.send("".join(line + "\n" for line in lines).encode())
-        self.machine.run_until(lambda: self.machine.received().count(b"ok") >= len(lines), 3000)
+        self.machine.run_until(lambda: self.machine.replies_so_far().count(b"ok") >= len(lines), 3000)
 
     def settle(self):
         """Until no step has come for a while."""
@@ -206,7 +206,7 @@ def test_it_is_dark_at_once(laser, how):
     laser.machine.run_ms(100)
     assert laser.dark() and laser.duty[-1][0] - begun <= took_ms * CYCLES_PER_MS
     said = {"reset": b"ALARM:3", "door": b"Door", "limit": b"ALARM:1"}[how]
-    assert said in laser.machine.received()
+    assert said in laser.machine.replies_so_far()
 
 
 def test_a_beam_that_stands_changes_at_once(laser):

@@ -27,7 +27,7 @@ def router(uf2):  # noqa: F811
     machine.run_until(machine.listening, 10_000)
     machine.run_ms(500)
     machine.send(b"$X\n$21=1\nG91\nM3S24000\nG4P0.2\n")
-    machine.run_until(lambda: machine.received().count(b"ok") >= 5, 20_000)
+    machine.run_until(lambda: machine.replies_so_far().count(b"ok") >= 5, 20_000)
     machine.take()
     return machine
 

@@ -43,7 +43,7 @@ class Sender:
         self.ask(b"$X")
 
     def await_(self, pattern, limit_ms=20_000):
-        self.machine.run_until(lambda: re.search(pattern, self.machine.received()), limit_ms)
+        self.machine.run_until(lambda: re.search(pattern, self.machine.replies_so_far()), limit_ms)
         return self.machine.take()
 
     def ask(self, line):
@@ -100,7 +100,7 @@ class Sender:
         self.note()
         if b"error" in said or self.random.between(0, 1):
             self.reset()
-        elif b"[MSG:Job" not in said + self.machine.received():
+        elif b"[MSG:Job" not in said + self.machine.replies_so_far():
             assert b" done]" in self.await_(rb"\[MSG:Job [A-Z.]+( done\]|: error)", 120_000)
 
 

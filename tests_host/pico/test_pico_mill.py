@@ -19,7 +19,7 @@ class Mill:
         self.machine = machine
         self.plant = machine.plant
         self.outputs = machine.wiring.chains.outputs
-        machine.run_until(lambda: b"unlock" in machine.received(), 12_000)
+        machine.run_until(lambda: b"unlock" in machine.replies_so_far(), 12_000)
         machine.run_ms(60)
 
     def ask(self, line, limit_ms=20_000):
@@ -27,7 +27,7 @@ class Mill:
         self.machine.take()
         self.machine.send(line.encode() + b"\n")
         ends = (b"ok\r\n", b"error", b"ALARM")
-        self.machine.run_until(lambda: any(end in self.machine.received() for end in ends), limit_ms)
+        self.machine.run_until(lambda: any(end in self.machine.replies_so_far() for end in ends), limit_ms)
         return self.machine.take().decode()
 
     def settle(self):
@@ -36,7 +36,7 @@ class Mill:
     def state(self):
         self.machine.take()
         self.machine.send(b"?")
-        self.machine.run_until(lambda: b">" in self.machine.received(), 1000)
+        self.machine.run_until(lambda: b">" in self.machine.replies_so_far(), 1000)
         return self.machine.take().decode().partition("<")[2]
 
 
@@ -72,9 +72,9 @@ def test_it_boots_with_room_and_cuts_with_the_spindle_at_speed(mill, show):
     mill.machine.send(b"M3S9000\n")
     mill.machine.run_ms(300)
     model = mill.machine.inverter.model
-    assert b"ok" not in mill.machine.received() and 0 < model.hz < 140, "it waits for the spindle"
+    assert b"ok" not in mill.machine.replies_so_far() and 0 < model.hz < 140, "it waits for the spindle"
     assert mill.outputs[TOOL] == 1
-    mill.machine.run_until(lambda: b"ok" in mill.machine.received(), 5000)
+    mill.machine.run_until(lambda: b"ok" in mill.machine.replies_so_far(), 5000)
     assert model.hz == pytest.approx(150, abs=8) and model.way == 3
     position = list(mill.plant.position)
     assert "ok" in mill.ask("G1X20Y12Z-2F2400")
@@ -96,7 +96,7 @@ def test_it_boots_with_room_and_cuts_with_the_spindle_at_speed(mill, show):
 def test_a_limit_behind_the_register_stops_it_at_once(mill, show):
     limit = mill.plant.barriers["bxa"].last
     mill.machine.send(b"G1X-40F2400\n")
-    mill.machine.run_until(lambda: b"ALARM:1" in mill.machine.received(), 5000)
+    mill.machine.run_until(lambda: b"ALARM:1" in mill.machine.replies_so_far(), 5000)
     assert ",201,bxa]" in mill.ask("$LOG")
     over = limit - mill.plant.position[0]
     assert 0 <= over <= 4, "3200 steps/s: 100 µs of filter, two readings of the registers, the interrupts"
@@ -151,7 +151,7 @@ def test_a_drive_fault_behind_the_register(mill):
 
 def test_a_motor_of_the_gantry_that_lags_is_waited_for(mill):
     racked = mill.plant.skew_steps()
-    mill.plant.stall("x2", 7)
+    mill.plant.stall_motor("x2", 7)
     mill.ask("G1X5F1500")
     mill.machine.run_ms(800)
     assert mill.plant.skew_steps() == racked
@@ -161,7 +161,7 @@ def test_a_motor_of_the_gantry_that_lags_is_waited_for(mill):
 def test_a_silent_inverter_ends_safe(mill):
     assert "ok" in mill.ask("M3S6000")
     mill.machine.inverter.model.silent = True
-    mill.machine.run_until(lambda: b"ALARM" in mill.machine.received(), 3000)
+    mill.machine.run_until(lambda: b"ALARM" in mill.machine.replies_so_far(), 3000)
     mill.machine.run_ms(5)
     assert mill.outputs[TOOL] == 0
     mill.machine.inverter.model.silent = False

@@ -16,13 +16,13 @@ WAYS = [("router_3axis", "z", -1, 140), pytest.param("router_4axis", "a", 1, 110
 def test_the_place_is_that_of_the_contact(name, axis, sign, feed, make_machine, show):  # noqa: F811
     board = {**copy.deepcopy(boards.load(name)), "idle_release_ms": 0}
     machine = make_machine(board)
-    machine.run_until(lambda: b"$H" in machine.received() or b"$X" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$H" in machine.replies_so_far() or b"$X" in machine.replies_so_far(), 10_000)
 
     def do(line):
         machine.take()
         machine.send(line.encode() + b"\n")
-        machine.run_until(lambda: b"ok" in machine.received() or b"ALARM" in machine.received() or b"error" in machine.received(), 60_000)
-        assert b"ok" in machine.received(), machine.received()
+        machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"ALARM" in machine.replies_so_far() or b"error" in machine.replies_so_far(), 60_000)
+        assert b"ok" in machine.replies_so_far(), machine.replies_so_far()
 
     for line in ("$X", "G21G90", f"G92{axis}0"):
         do(line)

@@ -79,9 +79,9 @@ def test_live_speed(machine, show):
     def ask(data, answer=b"ok"):
         machine.take()
         machine.send(data)
-        machine.run_until(lambda: answer in machine.received(), 3000)
+        machine.run_until(lambda: answer in machine.replies_so_far(), 3000)
 
-    machine.run_until(lambda: b"ready" in machine.received(), 3000)
+    machine.run_until(lambda: b"ready" in machine.replies_so_far(), 3000)
     ask(frame("load", len(file)) + b"\n")
     machine.take()
     assert b"error" not in send_file(machine, file)

@@ -36,7 +36,7 @@ def laser(uf2, clock_mhz, fastest=FASTEST):  # noqa: F811
     for axis in board["axes"]:
         axis.update(accel_mm_s2=ACCEL_MM_S2, max_mm_min=fastest)
     machine = EmulatedMachine(board, trace=None, uf2=uf2).boot()
-    machine.run_until(lambda: b"unlock" in machine.received("pc"), 10_000)
+    machine.run_until(lambda: b"unlock" in machine.replies_so_far("pc"), 10_000)
     machine.run_ms(500)
     return machine
 

@@ -62,7 +62,7 @@ def test_information_lies_between_the_steps_on_the_pins(machine):
         machine.port.advance(random.randrange(1, 12_500 * 25))
         before = list(machine.plant.position)
         machine.send(torch.frame("INFO"))
-        while not machine.received():
+        while not machine.replies_so_far():
             machine.cycle()
         after = list(machine.plant.position)
         name, told = torch.answer_from(machine.take())

@@ -14,7 +14,7 @@ class Asked:
         """The answer to a line of G-code: up to `ok`, an error or an alarm."""
         self.machine.take()
         self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: any(word in self.machine.received() for word in (b"ok", b"error", b"ALARM")), limit_ms)
+        self.machine.run_until(lambda: any(word in self.machine.replies_so_far() for word in (b"ok", b"error", b"ALARM")), limit_ms)
         return self.machine.take().decode().strip()
 
     def do(self, *lines):

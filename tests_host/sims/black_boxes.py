@@ -29,7 +29,7 @@ class Doomed:
         self.machine.run_ms(50)
         if homed:
             self.machine.send(b"$H\n")
-            self.machine.run_until(lambda: b"ok" in self.machine.received(), 120_000)
+            self.machine.run_until(lambda: b"ok" in self.machine.replies_so_far(), 120_000)
         self.machine.take()
 
     def stream(self, lines, until=lambda: False, ask_ms=0):
@@ -109,7 +109,7 @@ def limit():
     doomed.machine.send(b"$21=1\n")
     doomed.stream(pieces(), amid(doomed, 6000))
     now = doomed.machine.port.now
-    doomed.machine.plant.inject("limit_x", [now + 1000, now + 20_000_000])
+    doomed.machine.plant.inject_noise("limit_x", [now + 1000, now + 20_000_000])
     return doomed.boxed()
 
 

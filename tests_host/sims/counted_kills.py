@@ -62,8 +62,8 @@ def whole(job, seed=0):
 class Counting(Pages):
     written = 0
 
-    def _put(self, at, byte):
-        super()._put(at, byte)
+    def _program_byte(self, at, byte):
+        super()._program_byte(at, byte)
         self.written += 1
 
 

@@ -42,7 +42,7 @@ class Router:
     def ask(self, line):
         self.machine.take()
         self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: re.search(rb"^(ok|error:\d+)\r\n\Z", self.machine.received(), re.M), 600_000)
+        self.machine.run_until(lambda: re.search(rb"^(ok|error:\d+)\r\n\Z", self.machine.replies_so_far(), re.M), 600_000)
         return self.machine.take().decode()
 
     def go(self, line):

@@ -62,7 +62,7 @@ class Slots(MemorySlots):
     def write(self, slot, data):
         self.data[slot] = b""
         for at in range(len(data)):
-            self._pages.spend()
+            self._pages.spend_power()
             self.data[slot] = data[: at + 1]
 
 
@@ -92,7 +92,7 @@ class Record:
         self._depth = depth
         self._last = None
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         if tool:
             self.rows.append((tick, *position, tool))
         elif self._depth is not None and position[2] < self._depth and self._last and self._last != tuple(position[:2]):

@@ -22,7 +22,7 @@ class Path:
     def __init__(self):
         self.rows = []  # (tick, (steps of each axis), tool)
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         self.rows.append((tick, tuple(position), tool))
 
 

@@ -100,7 +100,7 @@ class Witness:
             self._until = min([end for end in ends if end > tick], default=math.inf)
         return self._states
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         homing = self.machine.app.controller.state == "home"
         for axis, (now, before) in enumerate(zip(position, self.position)):
             if now != before:
@@ -198,7 +198,7 @@ class Session:
         flipped = []
 
         def flip(name, times_us):
-            self.machine.plant.inject(name, sorted({now + max(1, round(us * TICKS_PER_US)) for us in times_us}))
+            self.machine.plant.inject_noise(name, sorted({now + max(1, round(us * TICKS_PER_US)) for us in times_us}))
 
         def many(count, within_us):
             times = set()
@@ -248,7 +248,7 @@ class Session:
         now = self.machine.port.now
         for name in flipped:
             if self.machine.plant.noise[name].flipped:
-                self.machine.plant.inject(name, [now + 10])
+                self.machine.plant.inject_noise(name, [now + 10])
         self.machine.run_ms(MENDED_MS)
         for name in self.names:
             assert not self.machine.plant.noise.get(name) or not self.machine.plant.noise[name].flipped

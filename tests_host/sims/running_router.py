@@ -11,7 +11,7 @@ import time
 
 from boards.router_3axis import BOARD
 from host_tools.sim.pages import Pages
-from host_tools.sim.serial_line import PtyLine, wait
+from host_tools.sim.serial_line import PtyLine, wait_for_bytes
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort
@@ -31,7 +31,7 @@ class Running:
         board = check({**BOARD, **changes})
         self.line = line or PtyLine()
         lines = {"pc": self.line, "serial": MemoryLine()}
-        port = VirtualPort(board, self.world, mode, lines, lambda ms: wait([self.line], ms))
+        port = VirtualPort(board, self.world, mode, lines, lambda ms: wait_for_bytes([self.line], ms))
         if board.get("journal"):
             port.pages = Pages()
         self.app = App(board, port)

@@ -34,7 +34,7 @@ class Trail:
     def __init__(self):
         self.tick = 0
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         self.tick = tick
 
 

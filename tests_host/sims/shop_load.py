@@ -150,7 +150,7 @@ def board(folder, mode):
     from host_tools import boards
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
-    from host_tools.sim.serial_line import PtyLine, wait
+    from host_tools.sim.serial_line import PtyLine, wait_for_bytes
 
     use_compiled()
     traces = sorted(folder.glob("trace-*.csv"))
@@ -160,7 +160,7 @@ def board(folder, mode):
     line = PtyLine(folder / "port")
     lines = {"usb": line, "pc": PtyLine()}
     machine = Machine(
-        config, lines, mode, lambda ms: wait([line], max(ms, _IDLE_MS)), trace=folder / f"trace-{len(traces):03}.csv", idle=False, flash=folder / "flash", start=place
+        config, lines, mode, lambda ms: wait_for_bytes([line], max(ms, _IDLE_MS)), trace=folder / f"trace-{len(traces):03}.csv", idle=False, flash=folder / "flash", start=place
     )
     stopped = []
     signal.signal(signal.SIGTERM, lambda *_: stopped.append(True))

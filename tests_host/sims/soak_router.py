@@ -552,7 +552,7 @@ class Router(Cabled):
             self.press("stop", True)
         elif kind == "stop bounces":
             tick = machine.port.now
-            machine.plant.inject("stop", sorted({tick + self.dice.randint(1, 400_000) for _ in range(7)})[:5])
+            machine.plant.inject_noise("stop", sorted({tick + self.dice.randint(1, 400_000) for _ in range(7)})[:5])
         elif kind == "outside":
             self.ended, self.outside = "", ASKED
         elif kind == "long cut":
@@ -850,7 +850,7 @@ class Router(Cabled):
         for name in ("stop", "door"):
             noise = self.machine.plant.noise.get(name)
             if noise and noise.flipped:
-                self.machine.plant.inject(name, [self.machine.port.now + 10])
+                self.machine.plant.inject_noise(name, [self.machine.port.now + 10])
             self.press(name, False)
         self.run_ms(60)
         if not self.known or self.ended in ("power", "board"):

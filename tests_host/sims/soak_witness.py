@@ -166,7 +166,7 @@ class Witness:
         self._at = list(plant.position)
         plant.trace = self
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         rows = self._rows
         rows.append(tick)
         rows.extend(position)

@@ -57,7 +57,7 @@ def test_nothing_but_questions_and_what_makes_it_safe_goes_on(words):
     safe = bytes(set(given_) & {0x3F, *ALWAYS})
     for word in given_.translate(None, safe).split(b"\n"):
         assert word.strip().upper() in (b"", *QUESTIONS), word
-    consent.give()
+    consent.give_consent()
     assert through(line, b"$LINK=0\nG0X1\n~\x90") == b"$LINK=0\nG0X1\n~\x90"
 
 

@@ -21,7 +21,7 @@ def test_it_lasts_as_long_as_it_says(router, monkeypatch, seconds, at_a_time_ms)
     monkeypatch.setattr(program, "_DWELL_MS", at_a_time_ms)
     router.send(f"G4P{seconds}\n".encode())
     begun = router.port.now
-    router.run_until(lambda: b"ok" in router.received())
+    router.run_until(lambda: b"ok" in router.replies_so_far())
     took_ms = (router.port.now - begun) / TICKS_PER_MS
     assert 0 <= took_ms - 1000 * seconds < 60
 

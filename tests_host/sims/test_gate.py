@@ -21,7 +21,7 @@ def board(data, gate):
     given, now = b"", 0.0
     rest = data
     for _ in range(len(data) + 200):
-        got = gate.take(rest, now)
+        got = gate.filter_bytes(rest, now)
         rest = b""
         if got is None:
             return given, True
@@ -39,7 +39,7 @@ def test_requests_and_tls(request_, piece):
     gate = Gate()
     given = b""
     for at in range(0, len(request_), piece):
-        got = gate.take(request_[at : at + piece], at)
+        got = gate.filter_bytes(request_[at : at + piece], at)
         if got is None:
             break
         given += got
@@ -48,7 +48,7 @@ def test_requests_and_tls(request_, piece):
 
 @pytest.mark.parametrize("length", [b"", b"\x00\x1c"])
 def test_webrtc(length):
-    assert Gate().take(length + STUN, 0) is None
+    assert Gate().filter_bytes(length + STUN, 0) is None
 
 
 @given(strategies.lists(strategies.text("abcxyz:/ ()", min_size=1, max_size=30), min_size=5, max_size=9))
@@ -70,7 +70,7 @@ def test_what_senders_send_passes(data):
     given, now = b"", 0.0
     rest = data
     for _ in range(100):
-        got = gate.take(rest, now)
+        got = gate.filter_bytes(rest, now)
         rest = b""
         assert got is not None
         given += got
@@ -81,12 +81,12 @@ def test_what_senders_send_passes(data):
 
 def test_a_garbled_line_behind_an_accepted_one_hangs_up_on_nobody():
     gate = Gate()
-    assert gate.take(b"$G\n", 0) == b"$G\n"
+    assert gate.filter_bytes(b"$G\n", 0) == b"$G\n"
     gate.note_answer(b"[GC:G0]\r\nok\r\n")
     for _ in range(9):
-        assert gate.take(b"foo\n", 0) == b"foo\n"
+        assert gate.filter_bytes(b"foo\n", 0) == b"foo\n"
         gate.note_answer(b"error:1\r\n")
-    assert gate.take(b"G1X1\n", 0) == b"G1X1\n"
+    assert gate.filter_bytes(b"G1X1\n", 0) == b"G1X1\n"
 
 
 @pytest.mark.parametrize("request_", REQUESTS[:1] + [b"x\n" * 7 + BODY])

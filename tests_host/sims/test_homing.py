@@ -67,7 +67,7 @@ def test_a_step_between_the_position_and_the_look_is_counted(name, monkeypatch):
         slow.run_ms(100 + turn)
         slow.take()
         slow.send(b"$H\n")
-        slow.run_until(lambda slow=slow: b"ok" in slow.received(), 60_000)
+        slow.run_until(lambda slow=slow: b"ok" in slow.replies_so_far(), 60_000)
         slow.settle()
         assert slow.plant.position == [0, 0] and not slow.plant.errors, turn
 
@@ -180,7 +180,7 @@ def test_every_failure_ends_in_its_alarm_and_within_its_distance(faults, alarm, 
     router = machine(options={"faults": faults, "bounce_ms": 1}, homing={"order": order}, axes=axes)
     start = list(router.plant.position)
     router.machine.send(b"$H\n")
-    router.machine.run_until(lambda: b"Grbl 1.1h" in router.machine.received(), 60_000)
+    router.machine.run_until(lambda: b"Grbl 1.1h" in router.machine.replies_so_far(), 60_000)
     said = router.machine.take().decode()
     assert f"ALARM:{alarm}\r\n" in said and "ok\r\n" in said, said
     assert router.controller.machine.alarm == 200 + alarm and not router.controller.machine.homed
@@ -189,8 +189,8 @@ def test_every_failure_ends_in_its_alarm_and_within_its_distance(faults, alarm, 
         assert abs(at - begun) <= axis["travel_steps"] + 2 * max(axis["travel_steps"] // 10, 5 * PULL_OFF)
     router.plant.mend_inputs()
     for motor, at, begun in zip("xyz", router.plant.position, start):
-        router.plant.slip(motor, begun - at)  # by hand, off a hard end
-    router.plant.slip("x2", -router.plant.skew_steps())
+        router.plant.slip_motor(motor, begun - at)  # by hand, off a hard end
+    router.plant.slip_motor("x2", -router.plant.skew_steps())
     router.machine.run_ms(100)
     router.machine.send(b"\x18")
     router.machine.run_ms(100)

@@ -20,7 +20,7 @@ class Steps:
         self.ticks = []
         self.places = []
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         if not self.places or self.places[-1] != tuple(position):
             self.ticks.append(tick)
             self.places.append(tuple(position))
@@ -35,7 +35,7 @@ def send(made, data, ms=60):
 
 def turn(made, name):
     """The switch changes, from now on."""
-    made.plant.inject(name, [made.port.now + 1])
+    made.plant.inject_noise(name, [made.port.now + 1])
     return made.port.now + 1
 
 
@@ -61,7 +61,7 @@ def test_from_the_switch_to_the_last_step(name, speed, wait_us, turned):
         assert "Alarm" not in send(made, b"?")
     made.send(f"G1 X90 Y-50 F{speed}\n".encode())
     hit = made.port.now + int(wait_us * TICKS_PER_US)
-    made.plant.inject(name, [hit])
+    made.plant.inject_noise(name, [hit])
     made.run_ms(1000)
     ticks = made.plant.trace.ticks
     assert [tick for tick in ticks if tick < hit]
@@ -79,7 +79,7 @@ def test_noise_stops_nothing(widths, wait_us):
     made.send(b"G1 X30 Y-20 F3000\n")
     at = made.port.now + int(wait_us * TICKS_PER_US)
     for number, width in enumerate(widths):
-        made.plant.inject("limit_" + "xyz"[number % 3], [at, at + int(width * TICKS_PER_US)])
+        made.plant.inject_noise("limit_" + "xyz"[number % 3], [at, at + int(width * TICKS_PER_US)])
         at += int(200 * TICKS_PER_US)
     made.run_ms(1500)
     assert "ALARM" not in made.take().decode()

@@ -165,7 +165,7 @@ def test_arcs_want_both_directions_of_their_plane():
 def test_the_log_as_people_read_it():
     machine = mill()
     say(machine, b"$X\n")
-    machine.plant.inject("bxb", [machine.port.now + 100, machine.port.now + 200])
+    machine.plant.inject_noise("bxb", [machine.port.now + 100, machine.port.now + 200])
     machine.run_ms(10)
     machine.send(b"G91\nG1X-60F2400\n")
     machine.run_ms(2000)

@@ -80,7 +80,7 @@ def test_bursts_stop_nothing_and_are_counted(steps_s, longest_us):
             begin = machine.port.now + rng.randint(1000, 200 * 12_500) + burst
             spikes = rng.randint(1, 1 if longest_us == 5 else 8)
             times = rng.sample(range(1, longest_us * 25 // 2), 2 * spikes)
-            machine.plant.inject(name, [begin + time for time in times])
+            machine.plant.inject_noise(name, [begin + time for time in times])
     levels = {name: [] for name in names}
     machine.plant.listen(lambda tick, name, level: levels[name].append((tick, level)))
     machine.settle()
@@ -101,7 +101,7 @@ def test_a_true_trip_acts_within_the_filters_time(steps_s, name):
     machine = fast.machine
     filter_us = {item["name"]: item["filter_us"] for item in machine.board["inputs"]}[name]
     at = machine.port.now + 100_003
-    machine.plant.inject(name, [at - 1500, at - 1300, at] if filter_us else [at])
+    machine.plant.inject_noise(name, [at - 1500, at - 1300, at] if filter_us else [at])
     machine.settle()
     rows = machine.trace.rows()
     last_us = max(row[0] for row in rows)
@@ -117,6 +117,6 @@ def test_a_true_trip_acts_within_the_filters_time(steps_s, name):
 @pytest.mark.parametrize("name", ["bxa", "bya", "byb", "bza", "bzb", "dy", "dz", "probe"])
 def test_what_forbids_other_directions_lets_it_pass(name):
     fast = Fast(30_000, 15_000)
-    fast.machine.plant.inject(name, [fast.machine.port.now + 1000])
+    fast.machine.plant.inject_noise(name, [fast.machine.port.now + 1000])
     fast.machine.settle()
     assert fast.machine.plant.position[0] == fast.end and fast.machine.app.controller.state == "idle"

@@ -217,20 +217,20 @@ def barrier(bounce_ms=0, position=100, seed=1):
 
 def test_barrier_follows_the_carriage():
     b = barrier()
-    assert not b.active(0)
-    b.cross(10)
-    assert b.active(10) and b.due == float("inf")
-    b.cross(20)
-    assert not b.active(20)
-    assert barrier(position=0).active(0) and barrier(position=-5).active(0)
+    assert not b.is_active(0)
+    b.cross_edge(10)
+    assert b.is_active(10) and b.due == float("inf")
+    b.cross_edge(20)
+    assert not b.is_active(20)
+    assert barrier(position=0).is_active(0) and barrier(position=-5).is_active(0)
 
 
 def test_switch_at_the_high_end():
     b = Barrier("b", 640, 100, 0, random.Random(1), high=True)
-    assert not b.active(0) and b.last == 639
-    b.cross(10)
-    assert b.active(10)
-    assert Barrier("b", 640, 640, 0, random.Random(1), high=True).active(0)
+    assert not b.is_active(0) and b.last == 639
+    b.cross_edge(10)
+    assert b.is_active(10)
+    assert Barrier("b", 640, 640, 0, random.Random(1), high=True).is_active(0)
 
 
 @pytest.mark.parametrize("start", [(-600, 100, -32000), None])
@@ -272,12 +272,12 @@ def test_what_stops_at_once_cuts_no_pulse_short(what):
 def test_barrier_bounces_and_settles():
     for seed in range(50):
         b = barrier(bounce_ms=4, seed=seed)
-        b.cross(1000)
+        b.cross_edge(1000)
         edges = []
         while b.due != float("inf"):
             edges.append(b.due)
             b.run()
-        assert b.active(10**9) and len(edges) % 2 == 0
+        assert b.is_active(10**9) and len(edges) % 2 == 0
         assert edges == sorted(set(edges)) and all(1000 < tick <= 1000 + 4 * MS for tick in edges)
     assert any(edges), "chatter there must be"
 
@@ -288,8 +288,8 @@ def test_faults_of_inputs():
         ("broken@1", {0: False, MS: True}), ("bounces@5", {5 * MS: False}),
     ):  # fmt: skip
         fault = Fault("b", text, random.Random(1))
-        assert {tick: fault.holds(tick) for tick in times} == times, text
-        assert bool(fault.bounces()) == text.startswith("bounces") and all(5 * MS < tick <= 10 * MS for tick in fault.bounces())
+        assert {tick: fault.is_present(tick) for tick in times} == times, text
+        assert bool(fault.bounce_ticks()) == text.startswith("bounces") and all(5 * MS < tick <= 10 * MS for tick in fault.bounce_ticks())
     for wrong in ("tired", "dead@", "dead@x", "@3", "", "bounces", "pressed@4-4", "dead@3@4"):
         with pytest.raises(ValueError, match="dead, stuck"):
             Fault("b", wrong, random.Random(1))
@@ -297,18 +297,18 @@ def test_faults_of_inputs():
 
 def test_solenoid_takes_its_time():
     s = Solenoid(60, 30)
-    s.drive(100, True)
+    s.switch_coil(100, True)
     assert (s.value, s.due) == (0, 160)
     s.run()
     assert s.value == 1000
-    s.drive(200, False)
+    s.switch_coil(200, False)
     assert s.due == 230
-    s.drive(210, True)  # let go and pressed again: it never left
+    s.switch_coil(210, True)  # let go and pressed again: it never left
     assert s.due == float("inf") and s.value == 1000
 
 
 class Rows(list):
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         self.append((tick, *position, tool))
 
 

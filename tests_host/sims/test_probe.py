@@ -50,7 +50,7 @@ def test_the_place_is_that_of_the_contact(which):
         for code, target in (("G38.2", end), ("G38.4", start)):
             machine.machine.take()
             machine.machine.send(f"{code}{name}{target}F{feed}\n".encode())
-            machine.machine.run_until(lambda: b"ok" in machine.machine.received() or b"ALARM" in machine.machine.received(), 60_000)
+            machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far() or b"ALARM" in machine.machine.replies_so_far(), 60_000)
             found, touched = said(machine.machine.take(), steps_mm)
             assert touched and found == wall.met[-1], (which, feed, code, found, wall.met)
             machine.stand()
@@ -65,9 +65,9 @@ def test_a_spike_is_not_where_the_probe_touched():
     machine.stand()
     wall = machine.plant.stock = Wall(2, -3600, -1)
     now = machine.machine.port.now
-    machine.plant.inject("probe", [tick for ms in (300, 700, 1100) for tick in (now + ms * 12_500, now + ms * 12_500 + 60)])
+    machine.plant.inject_noise("probe", [tick for ms in (300, 700, 1100) for tick in (now + ms * 12_500, now + ms * 12_500 + 60)])
     machine.machine.send(b"G38.2Z-20F180\n")
-    machine.machine.run_until(lambda: b"ok" in machine.machine.received(), 60_000)
+    machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far(), 60_000)
     found, touched = said(machine.machine.take(), [320, 320, 400])
     assert touched and found == wall.met[-1], (found, wall.met)
 
@@ -90,7 +90,7 @@ def test_a_contact_behind_the_reading_of_the_pin_is_not_lost():
         wall = machine.plant.stock = Wall(2, -3600 - 101 * turn, -1)
         inputs.touched = touched
         machine.machine.send(b"G38.2Z-20F900\n")
-        machine.machine.run_until(lambda: b"ok" in machine.machine.received(), 60_000)
+        machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far(), 60_000)
         inputs.touched = read
         found, contact = said(machine.machine.take(), [320, 320, 400])
         assert contact and found == wall.met[-1], (turn, found, wall.met)

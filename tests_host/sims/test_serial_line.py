@@ -17,7 +17,7 @@ from host_tools.clients.grbl import GrblClient
 from host_tools.clients.plotter import PlotterClient
 from host_tools.clients.serial_port import LinkError, open_exclusively
 from host_tools.failure import Failure
-from host_tools.sim.serial_line import TAKEN, PtyLine, TcpLine, wait
+from host_tools.sim.serial_line import TAKEN, PtyLine, TcpLine, wait_for_bytes
 from running_router import Running
 
 ALL_BYTES = bytes(range(256))
@@ -28,7 +28,7 @@ def receive(line, count):
     data = b""
     end = time.monotonic() + 30
     while len(data) < count and time.monotonic() < end:
-        wait([line], 5)
+        wait_for_bytes([line], 5)
         data += line.read()
     return data
 
@@ -93,12 +93,12 @@ def test_wait_ends_early_when_a_byte_comes(line):
     with connect(line) as client:
         client.write(b"a")
         started = time.monotonic()
-        wait([line], 60_000)
+        wait_for_bytes([line], 60_000)
         assert time.monotonic() - started < 30 and receive(line, 1) == b"a"
     for _ in range(3):
         line.read()
     started = time.monotonic()
-    wait([line], 30)
+    wait_for_bytes([line], 30)
     assert time.monotonic() - started >= 0.025, "a line without a client must not spin"
 
 

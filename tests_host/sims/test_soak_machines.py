@@ -171,7 +171,7 @@ def test_a_job_that_was_stopped_amid_a_line_spoils_no_other():
         machine.run_ms(100)
         machine.send(b"$X\n")
         machine.run_ms(20)
-    assert b"error 157" in machine.received() and b"error 116" not in machine.received()
+    assert b"error 157" in machine.replies_so_far() and b"error 116" not in machine.replies_so_far()
 
 
 @pytest.mark.parametrize("lost", ["pause", "stop"])
@@ -181,7 +181,7 @@ def test_a_stored_job_needs_no_host(lost):
     machine.run_ms(50)
     begun = machine.now_ms()
     machine.settle()
-    assert b"[MSG:Job A done]" in machine.received() and machine.now_ms() - begun > 1000
+    assert b"[MSG:Job A done]" in machine.replies_so_far() and machine.now_ms() - begun > 1000
 
 
 @pytest.mark.parametrize("way", ["load", "stream"])
@@ -213,7 +213,7 @@ def test_no_wait_behind_steps_is_called_late():
     machine = pulses_machine()
     for steps in range(40, 60):
         machine.send(b"{stream}[+2400 " + b"A" * steps + b"*160 B)]{end}")
-        machine.run_until(lambda: b"end\n" in machine.received())
+        machine.run_until(lambda: b"end\n" in machine.replies_so_far())
         machine.take()
     assert not machine.app.controller.machine.log.counts.get(109)
 
@@ -249,7 +249,7 @@ def test_a_packet_that_ends_in_zero_can_be_sent_again():
     machine.send(data[:2] + data[1:])
     answers = []
     while len(answers) < 9 and b"n" not in answers:
-        machine.run_until(lambda: machine.received(), 3000)
+        machine.run_until(lambda: machine.replies_so_far(), 3000)
         answers.append(machine.take())
         if answers[-1] == b"r":
             machine.send(data)

@@ -52,7 +52,7 @@ def limit_hit():
     """With hard limits on, a limit switch is hit amid a motion."""
     made = unlocked()
     send(made, b"$21=1\nG1X5F600\n", 100)
-    made.plant.inject("limit_y", [made.port.now + 10])
+    made.plant.inject_noise("limit_y", [made.port.now + 10])
     made.run_ms(100)
     return made
 

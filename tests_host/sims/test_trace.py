@@ -27,9 +27,9 @@ def plant_at(*start):
 def test_format(tmp_path):
     path = tmp_path / "t.csv"
     trace = Trace(path, plant_at(100, 50))
-    trace.row(1, [101, 50], 0)
-    trace.row(15275, [101, 49], 0)
-    trace.row(12_500_000 * 3600 + 1, [100, 49], 1000)
+    trace.add_row(1, [101, 50], 0)
+    trace.add_row(15275, [101, 49], 0)
+    trace.add_row(12_500_000 * 3600 + 1, [100, 49], 1000)
     trace.close()
     assert path.read_bytes().decode("ascii").split("\n") == [
         "t_us,x,y,z,a,tool",
@@ -47,7 +47,7 @@ def test_columns_by_name_or_order(tmp_path):
         axes = [dict(axis, name=name) for axis, name in zip(board["axes"], names)]
         plant = Plant(dict(board, axes=axes, homing=None), start=(0, 0))
         trace = Trace(tmp_path / "t.csv", plant)
-        trace.row(0, [1, 2], 0)
+        trace.add_row(0, [1, 2], 0)
         trace.close()
         assert (tmp_path / "t.csv").read_text().splitlines()[-1] == f"0.000,{row},0"
 
@@ -56,11 +56,11 @@ def test_columns_by_name_or_order(tmp_path):
 def test_one_zero_for_the_whole_file(tmp_path, flushed):
     path = tmp_path / "t.csv"
     trace = Trace(path, plant_at(100, 50))
-    trace.row(100, [99, 50], 0)
+    trace.add_row(100, [99, 50], 0)
     if flushed:
         trace.flush()
     trace.rezero([1, -2])
-    trace.row(200, [1, -1], 0)
+    trace.add_row(200, [1, -1], 0)
     trace.flush()
     assert path.read_text().splitlines()[1:] == ["0.000,99,52,0,0,0", "8.000,98,52,0,0,0", "16.000,0,1,0,0,0"]
     trace.rezero([1, -2])
@@ -79,7 +79,7 @@ def test_long_traces_are_written_as_they_go(tmp_path):
     path = tmp_path / "t.csv"
     trace = Trace(path, plant_at(0, 0))
     for i in range(3 * BATCH_ROWS):
-        trace.row(i, [i, 0], 0)
+        trace.add_row(i, [i, 0], 0)
     assert len(path.read_text().splitlines()) > 2 * BATCH_ROWS
     trace.close()
     lines = path.read_text().splitlines()
@@ -88,7 +88,7 @@ def test_long_traces_are_written_as_they_go(tmp_path):
 
 def test_rows_in_memory():
     trace = Trace(None, plant_at(10, 20))
-    trace.row(25, [11, 20], 1000)
+    trace.add_row(25, [11, 20], 1000)
     trace.flush()
     trace.rezero([11, 18])
     trace.close()

@@ -27,7 +27,7 @@ def play(machine):
 def test_the_log_of_2014():
     machine = VirtualMachine(start=(700, 500))
     play(machine)
-    assert machine.received() == b"" and machine.app.controller.machine.homed
+    assert machine.replies_so_far() == b"" and machine.app.controller.machine.homed
     assert machine.plant.position == [644, 314] and machine.plant.tool == 0
     assert machine.plant.errors == []
     pen_down = [row[1:3] for row in machine.trace.rows() if row[5]]
@@ -58,7 +58,7 @@ def test_a_dead_barrier_ends_in_the_safe_state():
     machine.send(HOME)
     machine.run_until(lambda: machine.app.controller.state == "alarm", 120_000)
     machine.settle()
-    assert machine.plant.tool == 0 and machine.plant.coil(0).released and machine.plant.coil(1).released
+    assert machine.plant.tool == 0 and machine.plant.decoder_of(0).released and machine.plant.decoder_of(1).released
     assert machine.plant.carriages[0].lost > 0, "the hard end held it"
 
 
@@ -80,5 +80,5 @@ def test_closing_in_the_middle_of_a_line_leaves_pen_and_motors_off():
     machine.run_ms(400)
     assert machine.plant.tool == 1000 and machine.app.player.busy()
     machine.close()
-    assert machine.plant.tool == 0 and machine.plant.coil(0).released
+    assert machine.plant.tool == 0 and machine.plant.decoder_of(0).released
     assert machine.app.player.levels() == 0

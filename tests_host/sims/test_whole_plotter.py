@@ -179,7 +179,7 @@ def test_status_while_drawing_tells_the_place_on_the_pins():
         machine.ask(packet(COMMANDS["LINE"], x, y))
     machine.send(packet(COMMANDS["END"]))
     drawn = []
-    while not machine.received():
+    while not machine.replies_so_far():
         machine.cycle()
         place = [machine.plant.position[axis] - zero[axis] for axis in range(2)]
         assert machine.app.controller.position() == place

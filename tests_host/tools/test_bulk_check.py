@@ -15,7 +15,7 @@ from host_tools.cli import check
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
 from host_tools.sim import job as job_module
-from host_tools.sim.job import VirtualJob, bare
+from host_tools.sim.job import VirtualJob, strip_guards
 from host_tools.sim.job_runner import Resting
 from host_tools.sim.track import SPACING_MM, SPEED_TICKS, TICKS_PER_S, Rows, Track
 
@@ -88,7 +88,7 @@ def by_edges(name, lines):
     from passo.machine_builder import make_drive
     from passo.ports.virtual import VirtualPort
 
-    board = checked(bare(boards.load(name)))
+    board = checked(strip_guards(boards.load(name)))
     board["links"] = [{**board["links"][0], "protocol": "grbl"}]
     layout, drive, _ = make_drive(board)
     scale = [axis["steps_per_m"] / 1000 for axis in board["axes"]]
@@ -274,18 +274,18 @@ def test_a_path_that_is_too_long_is_thinned_and_stays_true():
     layout, _, _ = make_drive(board)
     whole, thin = Track(layout, None, [320, 320, 400], False), Track(layout, None, [320, 320, 400], False)
     thin._path = Rows(5, np.int32, 200)
-    thin._path.add(np.array([[1, 0, 0, 0, 0]]))
+    thin._path.add_rows(np.array([[1, 0, 0, 0, 0]]))
     thin._measured = Rows(4, np.int64, 50)
-    thin._measured.add(np.zeros((1, 4), np.int64))
+    thin._measured.add_rows(np.zeros((1, 4), np.int64))
     right, left = 1 | 8, 1
     for leg in range(40):
         tool = layout.tool_mask if leg % 2 else 0
         levels = (right if leg % 2 else left) | tool
         words = np.full(6400, 1000 << layout.bits | levels, np.uint32)
         for track in (whole, thin):
-            track.words(leg * 6_400_000, words)
-    assert len(thin._path.all()) <= 400 < 2000 < len(whole._path.all())
-    assert len(thin._measured.all()) <= 100 < 500 < len(whole._measured.all())
+            track.add_words(leg * 6_400_000, words)
+    assert len(thin._path.all_rows()) <= 400 < 2000 < len(whole._path.all_rows())
+    assert len(thin._measured.all_rows()) <= 100 < 500 < len(whole._measured.all_rows())
     places = {tuple(place) for _, stroke in whole.strokes for place in stroke.tolist()}
     assert all(tuple(place) in places for _, stroke in thin.strokes for place in stroke.tolist())
     assert [kind for kind, _ in thin.strokes] == [kind for kind, _ in whole.strokes]
@@ -307,16 +307,16 @@ def test_strokes_that_are_too_many_are_joined(monkeypatch):
     for number, most in enumerate((10_000, 100)):
         monkeypatch.setattr(track_module, "MOST_STROKES", most)
         tracks[number]._path = Rows(5, np.int32, 1000)
-        tracks[number]._path.add(np.array([[1, 0, 0, 0, 0]]))
+        tracks[number]._path.add_rows(np.array([[1, 0, 0, 0, 0]]))
         for leg in range(1500):
             steps = 6400 if leg % 100 == 50 else 320 + 7 * (leg % 5)
             tool = layout.tool_mask if leg % 2 or steps == 6400 else 0
             if steps == 6400 and not number:
                 long.append((tracks[number].position[0] + 3200) / 320)
             words = np.full(steps, 1000 << layout.bits | 1 | 8 | tool, np.uint32)
-            tracks[number].words(tracks[number].last_tick + 1000, words)
+            tracks[number].add_words(tracks[number].last_tick + 1000, words)
     whole, joined = tracks
-    assert len(whole.strokes) > 1400 and len(joined.strokes) < 300 and len(joined._path.all()) <= 1500
+    assert len(whole.strokes) > 1400 and len(joined.strokes) < 300 and len(joined._path.all_rows()) <= 1500
     kinds = [kind for kind, _ in joined.strokes]
     assert all(one != other for one, other in zip(kinds, kinds[1:]))
     for middle in long:
@@ -397,8 +397,8 @@ def test_what_a_full_queue_leaves_out_changes_nothing(name, monkeypatch):
     for full in (job_module.job_runner._FULL, 1 << 20):
         monkeypatch.setattr(job_module.job_runner, "_FULL", full)
         job = VirtualJob(name, inside=True)
-        words, take = [], job.track.words
-        monkeypatch.setattr(job.track, "words", lambda tick, block: (words.append((tick, block.copy())), take(tick, block)))
+        words, take = [], job.track.add_words
+        monkeypatch.setattr(job.track, "add_words", lambda tick, block: (words.append((tick, block.copy())), take(tick, block)))
         job.run(enumerate(lines, 1))
         found.append((words[0][0], np.concatenate([block for _, block in words]).tolist(), job.errors, job.pauses, job.seconds))
     one, other = found

@@ -135,7 +135,7 @@ def test_short_keys_are_refused_wherever_one_is_read(tmp_path):
             page_key.read_key(text)
         with pytest.raises(Failure, match="16 or more"):
             key_option.key_of(text, "PASSO_KEY")
-        assert not Consent().admits(text)
+        assert not Consent().admits_token(text)
     for word in ("QWERTYQWERTYQWE", "0" * 16):
         file = tmp_path / "key"
         file.write_text(word + "\n")

@@ -5,7 +5,7 @@ import pytest
 from host_tools.cli import plot as command
 from host_tools.drawings import objects, plot
 from host_tools.failure import Failure
-from host_tools.sim.measure import Row, measure, read_trace
+from host_tools.sim.measure import Row, measure_drawing, read_trace
 
 HEADER = "t_us,x,y,z,a,tool\n"
 
@@ -29,7 +29,7 @@ def rows_of(points):
 @pytest.mark.parametrize("name", list(objects.objects()))
 def test_an_ideal_trace_is_exact(name):
     points = objects.objects()[name]
-    result = measure(rows_of(points), points)
+    result = measure_drawing(rows_of(points), points)
     assert not result.faults
     assert result.deviation <= 0.5
     assert result.steps == len(rows_of(points)) - 2
@@ -38,7 +38,7 @@ def test_an_ideal_trace_is_exact(name):
 def test_what_comes_before_the_drawing_is_passed_over():
     points = [(False, 3, 0), (True, 3, 4)]
     homing = [Row(-9.0, 7, 1, 0), Row(-8.0, 6, 1, 0), Row(-7.0, 0, 0, 0)]
-    result = measure(homing + rows_of(points)[1:], points)
+    result = measure_drawing(homing + rows_of(points)[1:], points)
     assert (result.steps, result.first, result.faults) == (7, 2, [])
 
 
@@ -46,15 +46,15 @@ def test_faults_are_named():
     points = [(False, 3, 0), (True, 3, 4)]
     rows = rows_of(points)
     rows[2].y = 1
-    assert measure(rows, points).deviation == 1
+    assert measure_drawing(rows, points).deviation == 1
     rows = rows_of(points)
     rows[5].tool = 0
-    assert "pen is up" in measure(rows, points).faults[0]
+    assert "pen is up" in measure_drawing(rows, points).faults[0]
     rows = rows_of(points)
     rows[-1].tool = 1000
-    assert measure(rows, points).faults == ["ends with the pen down"]
-    assert "commanded" in measure(rows_of(points[:1]), points).faults[0]
-    assert "ends at" in measure(rows_of(points + [(True, 9, 4)]), points).faults[1]
+    assert measure_drawing(rows, points).faults == ["ends with the pen down"]
+    assert "commanded" in measure_drawing(rows_of(points[:1]), points).faults[0]
+    assert "ends at" in measure_drawing(rows_of(points + [(True, 9, 4)]), points).faults[1]
 
 
 def test_the_five_objects_have_their_point_counts():

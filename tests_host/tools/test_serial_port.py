@@ -97,7 +97,7 @@ def test_root_is_stopped_too(line, holder):
 def read(line, count):
     data = b""
     for _ in range(200):
-        serial_line.wait([line], 10)
+        serial_line.wait_for_bytes([line], 10)
         data += line.read()
         if len(data) >= count:
             break

@@ -11,7 +11,7 @@ from test_board_command import passo
 
 from host_tools import boards
 from host_tools.sim.machine import Machine
-from host_tools.sim.serial_line import PtyLine, wait
+from host_tools.sim.serial_line import PtyLine, wait_for_bytes
 from passo import errors
 from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine
@@ -54,7 +54,7 @@ class AtWork:
         self.line = PtyLine()
         lines = {link["name"]: MemoryLine() for link in board["links"]}
         lines[board["links"][0]["name"]] = self.line
-        self.machine = Machine(board, lines, "real", lambda ms: wait([self.line], ms), start=(0, 0, 0)[: len(board["axes"])])
+        self.machine = Machine(board, lines, "real", lambda ms: wait_for_bytes([self.line], ms), start=(0, 0, 0)[: len(board["axes"])])
         self._ends, self._failed = False, None
         self._thread = threading.Thread(target=self._loop, daemon=True)
         self._thread.start()

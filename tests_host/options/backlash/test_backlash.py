@@ -204,7 +204,7 @@ def test_a_probe_is_told_where_the_axis_is(homed):
         homed.machine.run_until(lambda: homed.plant.position[2] <= -4000, 20_000)
         homed.plant.set_input(homed.machine.port.now, "probe", True)
         touched = homed.plant.position[2]
-        homed.machine.run_until(lambda: b"ok" in homed.machine.received(), 20_000)
+        homed.machine.run_until(lambda: b"ok" in homed.machine.replies_so_far(), 20_000)
         said = homed.machine.take().decode()
         found.append(float(said.split("[PRB:")[1].split(":")[0].split(",")[2]) * 400 - touched)
         homed.plant.set_input(homed.machine.port.now, "probe", False)

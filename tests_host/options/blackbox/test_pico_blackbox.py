@@ -39,7 +39,7 @@ def stream(machine, lines, amid_ms):
             sizes.append(len(waiting[0]))
             machine.send(waiting.pop(0))
         machine.run_ms(2)
-        answered = machine.received().count(b"ok")
+        answered = machine.replies_so_far().count(b"ok")
         del sizes[: answered - heard]
         heard = answered
 
@@ -79,7 +79,7 @@ def limit(machine):
     machine.send(b"$X\n$21=1\n")
     machine.run_ms(60)
     stream(machine, job(), 700)
-    machine.plant.inject("limit_x", [machine.pico.cycle // 10 + 5000, machine.pico.cycle // 10 + 12_500_000])
+    machine.plant.inject_noise("limit_x", [machine.pico.cycle // 10 + 5000, machine.pico.cycle // 10 + 12_500_000])
     machine.run_ms(1500)
 
 

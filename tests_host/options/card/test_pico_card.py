@@ -106,7 +106,7 @@ def test_a_job_runs_from_a_card_at_50_khz(carded, show):
     machine.pico.charge_flash(50)
     steps = StepDigest(machine.plant)
     ask(machine, b"$F=BIG")
-    machine.run_until(lambda: b"[MSG:Job BIG" in machine.received(), 1000 * (2 * seconds + 10), slice_us=10_000)
+    machine.run_until(lambda: b"[MSG:Job BIG" in machine.replies_so_far(), 1000 * (2 * seconds + 10), slice_us=10_000)
     machine.settle()
     assert machine.take().endswith(b"[MSG:Job BIG done]\r\n")
     assert b"x109" not in ask(machine, b"$LOG")
@@ -134,7 +134,7 @@ def test_a_card_is_put_in_filled_taken_out_and_put_back(carded, tmp_path, show):
     ask(machine, b"$F=A")
     machine.run_ms(250)
     card.inside = False
-    machine.run_until(lambda: b"[MSG:Job A: error 158" in machine.received())
+    machine.run_until(lambda: b"[MSG:Job A: error 158" in machine.replies_so_far())
     machine.settle()
     assert b"ALARM" not in machine.take() and b"<Idle|" in ask(machine, b"?")
     assert ask(machine, b"$F=A") == b"error:158\r\n"
@@ -150,4 +150,4 @@ def test_a_card_is_put_in_filled_taken_out_and_put_back(carded, tmp_path, show):
     card.inside = True
     assert b"[FILE:A|SIZE:%d|" % len(data) in ask(machine, b"$F")
     ask(machine, b"$F=A")
-    machine.run_until(lambda: b"[MSG:Job A done]" in machine.received())
+    machine.run_until(lambda: b"[MSG:Job A done]" in machine.replies_so_far())

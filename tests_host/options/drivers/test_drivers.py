@@ -43,7 +43,7 @@ class Router:
     def ask(self, line, limit_ms=60_000):
         self.machine.take()
         self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: any(word in self.machine.received() for word in (b"ok", b"error", b"ALARM")), limit_ms)
+        self.machine.run_until(lambda: any(word in self.machine.replies_so_far() for word in (b"ok", b"error", b"ALARM")), limit_ms)
         return self.machine.take().decode().strip()
 
     def reports(self):
@@ -52,7 +52,7 @@ class Router:
         for _ in range(25):
             self.machine.take()
             self.machine.send(b"?")
-            self.machine.run_until(lambda: b">" in self.machine.received(), 1000)
+            self.machine.run_until(lambda: b">" in self.machine.replies_so_far(), 1000)
             said += self.machine.take().decode()
         return said
 

@@ -8,14 +8,14 @@ BOARD = "router_tmc2209"
 def ask(machine, line, *words, limit_ms=60_000):
     machine.take()
     machine.send(line.encode() + b"\n")
-    machine.run_until(lambda: any(word in machine.received() for word in words or (b"ok", b"error", b"ALARM")), limit_ms)
+    machine.run_until(lambda: any(word in machine.replies_so_far() for word in words or (b"ok", b"error", b"ALARM")), limit_ms)
     return machine.take()
 
 
 def test_drivers_are_set_up_and_a_cut_wire_stops_the_machine(make_machine, show):  # noqa: F811
     machine = make_machine(BOARD, start=(900, 700, -1200))
     drivers = machine.drivers.model
-    machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far() or b"$H" in machine.replies_so_far(), 10_000)
     assert b"ok" in ask(machine, "$X")
     machine.run_until(lambda: all(drivers[axis].registers[0x6C] != 0x10000053 for axis in "xyz"), 1000)
     machine.run_ms(50)
@@ -26,7 +26,7 @@ def test_drivers_are_set_up_and_a_cut_wire_stops_the_machine(make_machine, show)
     assert machine.plant.position[0] > 1000
     drivers["y"].dead = True
     begun = machine.now_ms()
-    machine.run_until(lambda: b"ALARM" in machine.received(), 2000)
+    machine.run_until(lambda: b"ALARM" in machine.replies_so_far(), 2000)
     took = machine.now_ms() - begun
     assert took < 250
     machine.run_ms(100)

@@ -45,7 +45,7 @@ def homed(make, count, often=0.0, seed=1):
     """(where X and Y stand after each of `count` homings from anywhere, the machine)."""
     machine = Asked(make(), stalls=seed, seed=seed)
     slipping = machine.plant.slipping
-    slipping.spike(often)
+    slipping.set_spike_share(often)
     places = []
     machine.do("$X")
     for number in range(count):
@@ -140,7 +140,7 @@ def count_silent(often, count, show):
     """The more often a free motor seems to stall, the more homings end in an alarm; none ends elsewhere and says ok."""
     machine = Asked(router(), stalls=11, seed=11)
     machine.do("$X")
-    machine.plant.slipping.spike(often)
+    machine.plant.slipping.set_spike_share(often)
     places, alarms = tried(machine, "x", count)
     show(f"homing by stall, {often:.0%} of full steps seem to stall", f"{len(places)} of {count} homings right, {len(alarms)} alarms")
     assert all(abs(place) <= 2 * FULL for place in places), places
@@ -162,9 +162,9 @@ def test_homing_that_failed_does_not_spoil_the_next():
     """Z, which has a switch, homes first."""
     machine = Asked(router(), stalls=11, seed=11)
     machine.do("$X")
-    machine.plant.slipping.spike(0.3)
+    machine.plant.slipping.set_spike_share(0.3)
     assert "ALARM:8" in machine.ask("$H", 600_000)
-    machine.plant.slipping.spike(0)
+    machine.plant.slipping.set_spike_share(0)
     machine.machine.run_ms(300)
     machine.do("$X", "$H")
     assert all(abs(place) <= 2 * FULL for place in machine.plant.position[:2])
@@ -221,15 +221,15 @@ def test_a_diag_pin_that_stays_active_once_it_was_is_an_alarm():
     at = machine.plant.position[0]
     machine.plant.slipping.sensors = {}
     machine.plant.set_input(0, "limit_x", True)
-    machine.machine.run_until(lambda: b"ALARM" in machine.machine.received(), 60_000)
-    assert b"ALARM:8" in machine.machine.received() and abs(machine.plant.position[0] - at) < 4000
+    machine.machine.run_until(lambda: b"ALARM" in machine.machine.replies_so_far(), 60_000)
+    assert b"ALARM:8" in machine.machine.replies_so_far() and abs(machine.plant.position[0] - at) < 4000
 
 
 def test_a_dead_wire_of_direction_is_an_alarm():
     machine = Asked(router())
     machine.do("$X")
-    pull = machine.plant.slipping.pull
-    machine.plant.slipping.pull = lambda tick, motor, steps: pull(tick, motor, -abs(steps) if motor == 0 else steps)
+    pull = machine.plant.slipping.turn_motor
+    machine.plant.slipping.turn_motor = lambda tick, motor, steps: pull(tick, motor, -abs(steps) if motor == 0 else steps)
     fails(machine, 8)
 
 
@@ -272,7 +272,7 @@ def test_a_driver_that_fails_while_it_homes_stops_the_machine():
     machine.machine.send(b"$H\n")
     machine.machine.run_ms(400)
     machine.machine.drivers["x"].power_cycle()
-    machine.machine.run_until(lambda: b"ALARM" in machine.machine.received(), 1000)
+    machine.machine.run_until(lambda: b"ALARM" in machine.machine.replies_so_far(), 1000)
     log = [str(entry) for entry in machine.machine.app.controller.machine.log.entries]
     assert any("driver of x: reset" in entry for entry in log), log
     machine.machine.run_ms(50)
@@ -285,7 +285,7 @@ def test_power_that_fails_as_homing_ends_is_not_overlooked():
     machine.do("$X")
     drivers = machine.machine.drivers
     machine.machine.send(b"$H\n")
-    machine.machine.run_until(lambda: b"ok" in machine.machine.received(), 300_000)
+    machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far(), 300_000)
     drivers["y"].registers[0x01] |= 4
     machine.machine.run_ms(400)
     assert machine.machine.app.controller.machine.alarm == errors.ALARM_DRIVER_POWER

@@ -42,9 +42,9 @@ def test_what_is_lost_is_made_up_for_at_the_end_of_the_move():
         ])  # fmt: skip
         made_up[motor] += lost
         if fault == "stall":
-            router.plant.stall(motor, steps)
+            router.plant.stall_motor(motor, steps)
         else:
-            router.plant.slip(motor, steps if fault == "slip" else -steps)
+            router.plant.slip_motor(motor, steps if fault == "slip" else -steps)
         back = "-" if turn % 2 else ""
         router.go(f"G1X{back}5Y{back}4Z{back}3F2000")
         assert router.noted(errors.STEPS_MADE_UP)[-1] == f"{motor} {lost:+d}", "its size, exactly"
@@ -58,7 +58,7 @@ def test_what_is_lost_is_made_up_for_at_the_end_of_the_move():
 def test_a_stalled_motor_is_an_alarm_that_tells_how_many_steps_and_where(motor, feed):
     router = Router()
     router.go("G1X1Y1Z1F1000")
-    router.plant.stall(motor, 10_000)
+    router.plant.stall_motor(motor, 10_000)
     said = router.go(f"G1{motor}20F{feed}")
     number, places = re.search(rf"ALARM:30\r\n\[MSG:Steps missing: {motor} (-\d+) at (.*)\]", said).groups()
     missing = -int(number)
@@ -75,10 +75,10 @@ def test_a_stalled_motor_is_an_alarm_that_tells_how_many_steps_and_where(motor, 
 def test_a_motor_that_is_turned_while_it_stands_is_an_alarm():
     router = Router()
     router.go("G1X1F1000")
-    router.plant.slip("y", LIMIT)
+    router.plant.slip_motor("y", LIMIT)
     router.machine.run_ms(50)
     assert router.controller.state == "idle"
-    router.plant.slip("y", 1)
+    router.plant.slip_motor("y", 1)
     router.machine.run_ms(50)
     assert b"ALARM:30" in router.machine.take() and router.noted(errors.ALARM_STEPS_MISSING)[0].startswith("y +9 at")
 
@@ -96,7 +96,7 @@ def test_the_index_pulse_tells_an_encoder_that_loses_counts_from_a_motor_that_lo
     router.go("G1X20F3000")
     router.go("G1X-40F3000")
     assert not router.noted(errors.COUNTS_LOST)
-    router.plant.slip("x", 30)
+    router.plant.slip_motor("x", 30)
     router.go("G1X20F3000")
     assert not router.noted(errors.COUNTS_LOST), "the motor is somewhere else, and so is its encoder"
     router.plant.lose_counts("x", 150)
@@ -108,8 +108,8 @@ def test_made_up_in_vain_is_an_alarm():
     """A motor that cannot move: three tries, then the alarm; each ends."""
     router = Router(correct=True)
     router.go("G1X1F1000")
-    router.plant.slip("x", -5)
-    router.plant.stall("x", 1000)
+    router.plant.slip_motor("x", -5)
+    router.plant.stall_motor("x", 1000)
     router.machine.run_ms(100)
     router.go("G1Y1F1000")
     router.machine.run_ms(5000)
@@ -143,7 +143,7 @@ def test_what_is_made_up_in_one_direction_counts_toward_the_limit(counts, home):
         router.go(home)
         assert router.plant.position == [0, 0, 0]
     for turn in range(3 * LIMIT):
-        router.plant.slip("y", 2 if turn % 2 else -2)
+        router.plant.slip_motor("y", 2 if turn % 2 else -2)
         router.go("G1Y1F3000")
     assert router.controller.state == "idle", "slips in both directions must cancel"
 
@@ -155,7 +155,7 @@ def test_after_a_halt_at_speed_the_position_is_verified():
     router.go("G1X50F3000")
     router.ask("G1X10F4000")
     router.machine.run_ms(300)
-    router.plant.slip("x", 3)  # the rotor runs on
+    router.plant.slip_motor("x", 3)  # the rotor runs on
     router.machine.send(b"\x18")
     router.machine.run_ms(200)
     assert "ALARM:3" in router.machine.take().decode()
@@ -169,7 +169,7 @@ def test_motors_without_current_may_be_turned_by_hand():
     router.go("G1X1Y1F1000")
     router.ask("$SLP")
     router.machine.run_ms(200)
-    router.plant.slip("x", 1234)
+    router.plant.slip_motor("x", 1234)
     router.machine.run_ms(200)
     assert router.off() == [0, 0, 0] and not router.noted(errors.ALARM_STEPS_MISSING)
 

@@ -146,19 +146,19 @@ def test_a_gantry_homes_square_catches_up_and_stops(make_machine, show):  # noqa
     def ask(line, answers=(b"ok\r\n", b"error"), limit_ms=30_000):
         machine.take()
         machine.send(line.encode() + b"\n")
-        machine.run_until(lambda: any(answer in machine.received() for answer in answers), limit_ms)
+        machine.run_until(lambda: any(answer in machine.replies_so_far() for answer in answers), limit_ms)
         return machine.take().decode()
 
     assert "ok" in ask("$H")
     assert max(map(abs, machine.plant.position)) <= 1 and abs(machine.plant.skew_steps()) <= 1
     racked = machine.plant.skew_steps()
     ask("G91")
-    machine.plant.stall("x2", 7)
+    machine.plant.stall_motor("x2", 7)
     ask("G1X5F1500")
     machine.run_ms(600)
     assert machine.plant.skew_steps() == racked
     assert "142,x2 +7]" in ask("$LOG")
-    machine.plant.stall("x2", 10_000)
+    machine.plant.stall_motor("x2", 10_000)
     said = ask("G1X20F3000", (b"ALARM",)) + ask("$LOG")
     assert "231,x " in said and abs(machine.plant.skew_steps() - racked) <= 20 + 3 * 3000 * 320 // 60_000 + 3
     lag = machine.plant.skew_steps() - racked

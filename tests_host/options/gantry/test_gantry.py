@@ -41,7 +41,7 @@ def test_two_motors_go_the_same_way_on_pins_of_their_own():
 def test_what_one_side_loses_it_catches_up_with(motor, lost):
     router = Watched()
     router.go("G1X2F1000")
-    router.plant.stall(motor, lost)
+    router.plant.stall_motor(motor, lost)
     router.go("G1X10F1000")
     assert router.plant.skew_steps() == 0 and router.off() == [0, 0, 0] and not router.plant.errors
     assert router.noted(errors.SQUARED) == [f"{motor} +{lost}"], "which side, and how far"
@@ -54,7 +54,7 @@ def test_from_wait_steps_on_the_move_itself_waits():
         router = Watched()
         router.ask("G1X40F1000")
         router.machine.run_ms(500)
-        router.plant.slip("x2", -lost)
+        router.plant.slip_motor("x2", -lost)
         router.machine.run_ms(800)
         assert router.controller.state == "run"
         assert (router.plant.skew_steps() == 0) == waits
@@ -73,7 +73,7 @@ def test_random_losses_on_both_sides():
         if abs(taken + lag) > LIMIT:
             stalls, steps, lag = False, steps if stalls and lag * (1 if motor == "x2" else -1) < 0 else -steps, -lag
         taken += lag
-        (router.plant.stall if stalls else router.plant.slip)(motor, steps)
+        (router.plant.stall_motor if stalls else router.plant.slip_motor)(motor, steps)
         back = "-" if turn % 2 else ""
         router.go(f"G1X{back}8Y{back}2F{chance.choice((300, 2500))}")
         assert router.plant.skew_steps() == 0 and router.off() == [0, 0, 0] and router.controller.state == "idle"
@@ -86,7 +86,7 @@ def test_a_lag_beyond_the_limit_is_an_alarm_with_both_counts(motor, feed):
     """Never further apart than the limit and what is played until the next check."""
     router = Watched()
     router.go("G1X5F1000")
-    router.plant.stall(motor, 10_000)
+    router.plant.stall_motor(motor, 10_000)
     said = router.go(f"G1X30F{feed}")
     if feed < 1000:
         assert said.count("ALARM:31") == 1 or router.noted(errors.SQUARED)
@@ -126,7 +126,7 @@ def test_a_hold_of_the_operator_stays_one():
     router = Watched()
     router.ask("G1X40F1000")
     router.machine.run_ms(500)
-    router.plant.slip("x2", -WAIT)
+    router.plant.slip_motor("x2", -WAIT)
     router.machine.send(b"!")
     router.machine.run_ms(3000)
     assert router.controller.state == "hold" and router.plant.skew_steps() == 0

@@ -24,7 +24,7 @@ class Pendant:
         self.machine = made = VirtualMachine(board(**keys), start=(9000, 9000, -3000), trace=True)
         made.run_ms(30)
         made.send(b"$H\n" if homed else b"$X\n")
-        made.run_until(lambda: b"ok" in made.received(), 200_000)
+        made.run_until(lambda: b"ok" in made.replies_so_far(), 200_000)
         made.settle()
         self.state = made.app.controller.machine
 

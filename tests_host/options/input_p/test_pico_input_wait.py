@@ -14,13 +14,13 @@ PIN = {"name": "p0", "pin": 22, "active": 0, "pull": "up"}
 def test_a_pin_ends_the_wait(make_machine, show):  # noqa: F811
     board = {**copy.deepcopy(boards.load("router_3axis")), "journal": None, "inputs": [*boards.load("router_3axis")["inputs"], PIN]}
     machine = make_machine(board)
-    machine.run_until(lambda: b"$H" in machine.received() or b"$X" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$H" in machine.replies_so_far() or b"$X" in machine.replies_so_far(), 10_000)
 
     def ask(data, answer=b"ok"):
         machine.take()
         machine.send(data + b"\n" if answer == b"ok" else data)
-        machine.run_until(lambda: answer in machine.received() or b"error" in machine.received(), 10_000)
-        assert answer in machine.received(), (data, machine.received())
+        machine.run_until(lambda: answer in machine.replies_so_far() or b"error" in machine.replies_so_far(), 10_000)
+        assert answer in machine.replies_so_far(), (data, machine.replies_so_far())
         return machine.take()
 
     machine.plant.set_input(0, "p0", False)

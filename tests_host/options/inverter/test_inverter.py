@@ -30,14 +30,14 @@ class Context:
         if function == 5:
             values = [0xFF00 if value else 0 for value in values]
         for value in values:
-            self.inverter.put(function, address, value)
+            self.inverter.write_register(function, address, value)
         self.inverter.written[address] = values
         return 0
 
     async def async_getValues(self, device, function, address, count):
         if address in self.inverter.written and function in (5, 6):
             return [bool(value) if function == 5 else value for value in self.inverter.written[address]]
-        return [self.inverter.get(function, address + number) for number in range(count)]
+        return [self.inverter.read_register(function, address + number) for number in range(count)]
 
 
 class Pymodbus(SimInverter):
@@ -53,7 +53,7 @@ class Pymodbus(SimInverter):
         self.spoil = 0  # the number of replies with a wrong CRC
         self.cut = 0  # or end too soon
 
-    def answer(self, request):
+    def reply_to(self, request):
         used, pdu = self.framer.handleFrame(request, self.address, 0)
         assert used == len(request) and pdu is not None, request.hex()
         if self.exception or self.busy:
@@ -93,7 +93,7 @@ class Spindle:
         begun = self.machine.now_ms()
         self.machine.take()
         self.machine.send(line + b"\n")
-        self.machine.run_until(lambda: b"ok" in self.machine.received(), 20_000)
+        self.machine.run_until(lambda: b"ok" in self.machine.replies_so_far(), 20_000)
         return self.machine.now_ms() - begun
 
     @property
@@ -118,7 +118,7 @@ class Spindle:
         self.machine.take()
         self.machine.send(b"G1X50F1000\n")
         self.run(300)
-        assert b"error:9" in self.machine.received() and list(self.machine.plant.position) == place
+        assert b"error:9" in self.machine.replies_so_far() and list(self.machine.plant.position) == place
         assert self.inverter.silent or self.inverter.way == 0
 
 
@@ -152,7 +152,7 @@ def test_the_other_way_round_only_from_a_standstill(make):
     inverter = spindle.inverter
     spindle.start()
     turned = []
-    put = inverter.put
+    put = inverter.write_register
 
     def watch(function, register, value):
         before = inverter.way
@@ -160,7 +160,7 @@ def test_the_other_way_round_only_from_a_standstill(make):
         if inverter.way == 4 != before:
             turned.append(inverter.hz)
 
-    inverter.put = watch
+    inverter.write_register = watch
     assert spindle.start(b"M4") >= 1900, "down and up again"
     assert inverter.way == 4 and inverter.hz >= 190 and turned[0] <= 2
 

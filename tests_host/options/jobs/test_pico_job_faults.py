@@ -45,7 +45,7 @@ def runs(machine, name, steps=None):
     """Run a job to its end; `steps`: by how many it has to move, on each axis."""
     start = list(machine.plant.position)
     ask(machine, b"$F=" + name)
-    machine.run_until(lambda: b"[MSG:Job %s done]" % name in machine.received())
+    machine.run_until(lambda: b"[MSG:Job %s done]" % name in machine.replies_so_far())
     machine.settle()
     if steps:
         assert [at - then for at, then in zip(machine.plant.position, start)] == steps

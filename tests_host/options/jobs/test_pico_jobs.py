@@ -28,12 +28,12 @@ def ask(machine, line):
     """Return the bytes up to the answer to a line."""
     machine.take()
     machine.send(line + b"\n")
-    machine.run_until(lambda: b"ok\r\n" in machine.received() or re.search(rb"error:\d+\r\n", machine.received()))
+    machine.run_until(lambda: b"ok\r\n" in machine.replies_so_far() or re.search(rb"error:\d+\r\n", machine.replies_so_far()))
     return machine.take()
 
 
 def ready(machine):
-    machine.run_until(lambda: b"for help]" in machine.received())
+    machine.run_until(lambda: b"for help]" in machine.replies_so_far())
     machine.run_ms(50)
     assert ask(machine, b"$X").endswith(b"ok\r\n")
     return machine
@@ -48,7 +48,7 @@ def test_a_job_is_uploaded_and_run(make_machine, show):
     assert b"[FILE:A|SIZE:%d|" % len(SMALL) in ask(machine, b"$F")
     start = list(machine.plant.position)
     ask(machine, b"$F=A")
-    machine.run_until(lambda: b"[MSG:Job A done]\r\n" in machine.received())
+    machine.run_until(lambda: b"[MSG:Job A done]\r\n" in machine.replies_so_far())
     assert [at - then for at, then in zip(machine.plant.position, start)] == [0, 64, 0]
     for _ in range(20):
         assert ask(machine, b"G1X5") == b"error:22\r\n"
@@ -75,7 +75,7 @@ def read_ms(machine, count):
     took = machine.now_ms() - begin
     said = machine.take()
     machine.send(b"\x18")
-    machine.run_until(lambda: b"error 157" in machine.received())
+    machine.run_until(lambda: b"error 157" in machine.replies_so_far())
     ask(machine, b"$X")
     return len(data), took, said
 
@@ -107,7 +107,7 @@ def run_from_flash(machine, limit_s):
     """The digest of the steps of the job BIG, up to its end. The word for steps that came late is not said."""
     steps = StepDigest(machine.plant)
     ask(machine, b"$F=BIG")
-    machine.run_until(lambda: b"[MSG:Job BIG" in machine.received(), 1000 * limit_s, slice_us=10_000)
+    machine.run_until(lambda: b"[MSG:Job BIG" in machine.replies_so_far(), 1000 * limit_s, slice_us=10_000)
     machine.settle()
     assert machine.take().endswith(b"[MSG:Job BIG done]\r\n")
     assert b"x109" not in ask(machine, b"$LOG")

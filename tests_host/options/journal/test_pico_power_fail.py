@@ -54,7 +54,7 @@ def test_the_place_is_saved_while_the_capacitors_last(make_machine, show):
         sent = 0
         machine.take()
         while machine.now_ms() < end_ms:
-            said = bytes(machine.received())
+            said = bytes(machine.replies_so_far())
             assert b"error" not in said
             while sent < len(lines) and sent - said.count(b"ok") < UNDER_WAY:
                 machine.send(lines[sent])

@@ -218,7 +218,7 @@ def test_a_probe_is_told_in_axes(x, y):
     belt.machine.run_ms(700)
     belt.plant.set_input(belt.machine.port.now, "probe", True)
     touched = list(belt.plant.position)
-    belt.machine.run_until(lambda: b"ok" in belt.machine.received(), 20_000)
+    belt.machine.run_until(lambda: b"ok" in belt.machine.replies_so_far(), 20_000)
     said = belt.machine.take().decode()
     found = [float(each) * 80 for each in said.split("[PRB:")[1].split(":")[0].split(",")[:2]]
     assert all(abs(a - b) <= 2 for a, b in zip(found, touched)), (found, touched)
@@ -238,7 +238,7 @@ def test_a_plotter_s_packets_draw_in_axes():
     def ask(name, *points):
         belt.machine.take("pc")
         belt.machine.send(packet(COMMANDS[name], *points), "pc")
-        belt.machine.run_until(lambda: belt.machine.received("pc"), 120_000)
+        belt.machine.run_until(lambda: belt.machine.replies_so_far("pc"), 120_000)
         return belt.machine.take("pc")
 
     assert ask("ORIGIN") == b"o" and belt.settle()[0] == [0, 0]
@@ -298,7 +298,7 @@ def test_the_status_report_is_the_axes_position_amid_motion(belt):
         belt.machine.run_ms(20)
         belt.machine.take()
         belt.machine.send(b"?")
-        belt.machine.run_until(lambda: b">" in belt.machine.received(), 1000)
+        belt.machine.run_until(lambda: b">" in belt.machine.replies_so_far(), 1000)
         text = belt.machine.take().decode()
         x, y = (float(each) for each in text.split("MPos:")[1].split("|")[0].split(",")[:2])
         assert abs(x * 0.4 - y) < 0.05
@@ -354,7 +354,7 @@ def test_a_polar_plotter_follows_by_the_same_contract(polar_board):
     def do(line):
         machine.take()
         machine.send(line.encode() + b"\n")
-        machine.run_until(lambda: b"ok" in machine.received() or b"error" in machine.received(), 60_000)
+        machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"error" in machine.replies_so_far(), 60_000)
         said.append(machine.take())
         assert b"error" not in said[-1], (line, said[-1])
 

@@ -27,12 +27,12 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):  # noqa: F811
 
 def drawn(machine, lines):
     """The places of the path after homing, in steps from its end, the origin, which is the plant's to the step."""
-    machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far() or b"$H" in machine.replies_so_far(), 10_000)
     for line in ["$H", *lines]:
         machine.take()
         machine.send(line.encode() + b"\n")
-        machine.run_until(lambda: b"ok" in machine.received() or b"error" in machine.received(), 60_000)
-        assert b"error" not in machine.received(), line
+        machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"error" in machine.replies_so_far(), 60_000)
+        assert b"error" not in machine.replies_so_far(), line
         if line == "$H":
             machine.settle()
             assert list(machine.plant.position) == [0, 0]

@@ -20,7 +20,7 @@ class Router:
         plain = copy.deepcopy(boards.load("router_3axis"))
         outputs = [*plain["outputs"], {"name": "p0", "pin": P0}, {"name": "p1", "pin": P1, "active": 0}]
         self.machine = make({**plain, "journal": None, "outputs": outputs, **changes})
-        self.machine.run_until(lambda: b"$H" in self.machine.received() or b"$X" in self.machine.received(), 10_000)
+        self.machine.run_until(lambda: b"$H" in self.machine.replies_so_far() or b"$X" in self.machine.replies_so_far(), 10_000)
         pico = self.machine.pico
         self.steps = []  # cycles of all steps
         for pin in STEPS:
@@ -31,7 +31,7 @@ class Router:
     def ask(self, line):
         self.machine.take()
         self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: b"ok" in self.machine.received() or b"error" in self.machine.received(), 60_000)
+        self.machine.run_until(lambda: b"ok" in self.machine.replies_so_far() or b"error" in self.machine.replies_so_far(), 60_000)
         return self.machine.take()
 
     def do(self, *lines):
@@ -45,7 +45,7 @@ class Router:
             self.machine.take()
             some = lines[at : at + 6]
             self.machine.send("".join(line + "\n" for line in some).encode())
-            self.machine.run_until(lambda: self.machine.received().count(b"ok") == len(some), 60_000)
+            self.machine.run_until(lambda: self.machine.replies_so_far().count(b"ok") == len(some), 60_000)
 
     def marks(self):
         """Steps made as each motion began, by settling between: see places()."""
@@ -143,7 +143,7 @@ def test_of_a_stored_job_and_in_check_mode(make_machine, show):
     made.machine.settle()
     first = len(made.steps)
     made.ask("$F=A")
-    made.machine.run_until(lambda: b"Job A done" in made.machine.received(), 60_000)
+    made.machine.run_until(lambda: b"Job A done" in made.machine.replies_so_far(), 60_000)
     assert len(made.steps) - first == 320 + 160 * 13
     show("M62 of a stored job", exact(made.late_us(made.p0, [first + 320 + 160 * n for n in range(13)])))
 

@@ -44,7 +44,7 @@ class Parked(Asked):
     def state(self):
         self.hear()
         self.machine.send(b"?")
-        self.machine.run_until(lambda: b">" in self.machine.received(), 1000)
+        self.machine.run_until(lambda: b">" in self.machine.replies_so_far(), 1000)
         return self.hear().split("<")[-1].split("|")[0]
 
     def until(self, state, limit_ms=30_000):

@@ -12,27 +12,27 @@ def test_the_path_is_the_one_without_a_door(make_machine, show):  # noqa: F811
     board["parking"] = {"target_mm": -1, "mm_min": 1500, "pull_out_mm": 1, "pull_out_mm_min": 900}
     board["spindle"] = {**board["spindle"], "spin_up_ms": 100, "coolant_ms": 50}
     machine = make_machine(board)
-    machine.run_until(lambda: b"$H" in machine.received() or b"$X" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$H" in machine.replies_so_far() or b"$X" in machine.replies_so_far(), 10_000)
 
     def do(*lines):
         for line in lines:
             machine.take()
             machine.send(line.encode() + b"\n")
-            machine.run_until(lambda: b"ok" in machine.received() or b"error" in machine.received(), 60_000)
-            assert b"ok" in machine.received(), (line, machine.received())
+            machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"error" in machine.replies_so_far(), 60_000)
+            assert b"ok" in machine.replies_so_far(), (line, machine.replies_so_far())
 
     def until(state):
         for _ in range(400):
             machine.take()
             machine.send(b"?")
-            machine.run_until(lambda: b">" in machine.received(), 2000)
-            if b"<" + state in machine.received():
+            machine.run_until(lambda: b">" in machine.replies_so_far(), 2000)
+            if b"<" + state in machine.replies_so_far():
                 return
             machine.run_ms(20)
-        raise AssertionError((state, machine.received()))
+        raise AssertionError((state, machine.replies_so_far()))
 
     for axis, steps in zip("xyz", (500, 400, -500)):
-        machine.plant.slip(axis, steps - machine.plant.position["xyz".index(axis)])
+        machine.plant.slip_motor(axis, steps - machine.plant.position["xyz".index(axis)])
     do("$H", "G21G90G17", "M3S12000", "G1Z-3F1500")
     machine.settle()
     first = len(machine.trace.rows())

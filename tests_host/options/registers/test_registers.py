@@ -206,7 +206,7 @@ def test_the_whole_mill_cuts(name):
     machine = VirtualMachine(name, start=(800, 800, -800), trace=None)
     machine.run_ms(100)
     machine.send(b"$X\nM3 S9000\nG91 G1 X10 Y5 F1200\nM5\nG4 P0.1\n")
-    machine.run_until(lambda: machine.received().count(b"ok") >= 5, 20_000)
+    machine.run_until(lambda: machine.replies_so_far().count(b"ok") >= 5, 20_000)
     machine.settle()
     assert machine.plant.position == [1600, 1200, -800] and machine.plant.second.position == 1600
     assert machine.plant.errors == [] and not machine.app.controller.machine.alarm

@@ -50,7 +50,7 @@ class Table(Asked):
     def status(self):
         self.machine.take()
         self.machine.send(b"?")
-        self.machine.run_until(lambda: b">" in self.machine.received(), 1000)
+        self.machine.run_until(lambda: b">" in self.machine.replies_so_far(), 1000)
         return self.machine.take().decode()
 
 

@@ -13,12 +13,12 @@ LINES = ("$X", "G21G91G1X2A90F600", "A-45F3600", "G1X-1Y1A7.5F300", "$J=G91A12F7
 
 def turned(machine):
     """The places of the path, in steps from its end."""
-    machine.run_until(lambda: b"unlock" in machine.received(), 10_000)
+    machine.run_until(lambda: b"unlock" in machine.replies_so_far(), 10_000)
     for line in LINES:
         machine.take()
         machine.send(line.encode() + b"\n")
-        machine.run_until(lambda: b"ok" in machine.received() or b"error" in machine.received(), 60_000)
-        assert b"error" not in machine.received(), line
+        machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"error" in machine.replies_so_far(), 60_000)
+        assert b"error" not in machine.replies_so_far(), line
         machine.settle()
     rows = machine.trace.rows()
     assert not machine.plant.errors, machine.plant.errors

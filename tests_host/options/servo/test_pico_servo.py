@@ -27,7 +27,7 @@ def test_the_pulses_of_a_pen(uf2, show):  # noqa: F811
         machine.send(packet(COMMANDS[command], x, y))
         machine.run_until(lambda: machine.take() == b"n", 500)
     machine.send(packet(COMMANDS["END"]))
-    machine.run_until(lambda: b"d" in machine.received(), 2000)
+    machine.run_until(lambda: b"d" in machine.replies_so_far(), 2000)
     machine.run_ms(120)
     rises = [(cycle, fall[0]) for (cycle, state), fall in zip(edges, edges[1:]) if state]
     widths = [round((fall - rise) / CYCLES_PER_US) for rise, fall in rises]
@@ -56,7 +56,7 @@ def test_each_line_has_its_pressure(uf2):  # noqa: F811
     for line in (b"$X", b"G21 G91 F3000", b"M3 S600", b"G1 X6", b"M5", b"G0 Y3", b"M3 S300", b"G1 X-6", b"M5", b"G4 P0"):
         machine.take()
         machine.send(line + b"\n")
-        machine.run_until(lambda: b"ok" in machine.received(), 5000)
+        machine.run_until(lambda: b"ok" in machine.replies_so_far(), 5000)
     rows = machine.trace.rows()
     drawn = collections.Counter((row[2], row[-1]) for before, row in itertools.pairwise(rows) if row[1] != before[1])
     assert drawn == {(0, 600): 240, (120, 300): 240} and rows[-1][-1] == 0 and not machine.plant.errors

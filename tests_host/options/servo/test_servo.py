@@ -84,7 +84,7 @@ def test_s_is_the_pressure():
     machine.take()
     for line in (b"M3S600\n", b"G1X5\n", b"S250\n", b"G4P0.5\n", b"G1X5\n", b"M5\n", b"G0Y3\n"):
         machine.send(line)
-        machine.run_until(lambda: b"ok" in machine.received())
+        machine.run_until(lambda: b"ok" in machine.replies_so_far())
         answer = machine.take()
         assert answer.replace(b"[MSG:Caution: not homed, soft limits do not hold]\r\n", b"") == b"ok\r\n", line
         assert (b"Caution" in answer) == line.startswith(b"M3"), "said once, before the pen goes down"

@@ -19,10 +19,10 @@ def test_drivers_are_set_up_and_a_fault_stops_the_machine(chip, make_machine, sh
     def ask(line):
         machine.take()
         machine.send(line + b"\n")
-        machine.run_until(lambda: any(word in machine.received() for word in (b"ok", b"error", b"ALARM")), 60_000)
+        machine.run_until(lambda: any(word in machine.replies_so_far() for word in (b"ok", b"error", b"ALARM")), 60_000)
         return machine.take()
 
-    machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far() or b"$H" in machine.replies_so_far(), 10_000)
     assert b"ok" in ask(b"$X")
     rows = 8 if chip == "tmc5160" else 6
     machine.run_until(lambda: all(len(drivers[axis].taken) == rows for axis in "xyz"), 1000)
@@ -34,7 +34,7 @@ def test_drivers_are_set_up_and_a_fault_stops_the_machine(chip, make_machine, sh
     assert machine.plant.position[0] > 1000
     drivers["z"].registers[0x6F] |= 1 << 25
     begun = machine.now_ms()
-    machine.run_until(lambda: b"ALARM" in machine.received(), 2000)
+    machine.run_until(lambda: b"ALARM" in machine.replies_so_far(), 2000)
     took = machine.now_ms() - begun
     machine.run_ms(100)
     stood = list(machine.plant.position)

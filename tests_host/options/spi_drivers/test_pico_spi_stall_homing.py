@@ -13,13 +13,13 @@ def test_it_repeats_within_two_full_steps(chip, phase, make_machine, show):  # n
         axis["travel_steps"] = 4000
     machine = make_machine(board, start=(900, 700, -1200), stalls=phase)
     drivers = machine.drivers.model
-    machine.run_until(lambda: b"$X" in machine.received() or b"$H" in machine.received(), 10_000)
+    machine.run_until(lambda: b"$X" in machine.replies_so_far() or b"$H" in machine.replies_so_far(), 10_000)
     places = []
     for number in range(3):
         machine.take()
         machine.send(b"$H\n")
-        machine.run_until(lambda: b"ok" in machine.received() or b"ALARM" in machine.received(), 60_000)
-        assert b"ok" in machine.received() and b"ALARM" not in machine.received(), machine.received()
+        machine.run_until(lambda: b"ok" in machine.replies_so_far() or b"ALARM" in machine.replies_so_far(), 60_000)
+        assert b"ok" in machine.replies_so_far() and b"ALARM" not in machine.replies_so_far(), machine.replies_so_far()
         places.append(list(machine.plant.position[:2]))
         machine.send(b"G90G0X%dY%d\n" % (5 + number, 7))
         machine.settle()

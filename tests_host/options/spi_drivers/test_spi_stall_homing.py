@@ -47,7 +47,7 @@ def homed(chip, phases, count, often, pause=0.0):
     places, alarms, slips = [], [], 0
     for phase in phases:
         machine = ready(router(chip, phase), stalls=phase + 1, seed=phase)
-        machine.plant.slipping.spike(often)
+        machine.plant.slipping.set_spike_share(often)
         rng = random.Random(phase)
         found = tried(machine, "x", count, lambda: rng.random() < pause and machine.machine.port.advance(8 * 12_500))
         places += found[0]
@@ -66,7 +66,7 @@ def shown(show, what, places, alarms, slips):
 @pytest.mark.parametrize("often", (0.0, 0.001), ids=("trembling", "with false stalls"))
 def test_homing_repeats_within_two_full_steps(chip, often, show):
     machine = ready(router(chip), stalls=1, seed=1)
-    machine.plant.slipping.spike(often)
+    machine.plant.slipping.set_spike_share(often)
     places = []
     for number in range(6):
         machine.do("$H")
@@ -202,8 +202,8 @@ def test_a_diag_pin_that_is_active_is_an_alarm_before_anything_moves():
 
 def test_a_dead_wire_of_direction_is_an_alarm():
     machine = ready(router())
-    pull = machine.plant.slipping.pull
-    machine.plant.slipping.pull = lambda tick, motor, steps: pull(tick, motor, -abs(steps) if motor == 0 else steps)
+    pull = machine.plant.slipping.turn_motor
+    machine.plant.slipping.turn_motor = lambda tick, motor, steps: pull(tick, motor, -abs(steps) if motor == 0 else steps)
     fails(machine, 8)
 
 
@@ -255,7 +255,7 @@ def test_power_that_fails_as_homing_ends_is_not_overlooked(chip):
     """The set-up behind homing does not clear what a driver remembers of it; a TMC2130 forgets it as it is read."""
     machine = ready(router(chip))
     machine.machine.send(b"$H\n")
-    machine.machine.run_until(lambda: b"ok" in machine.machine.received(), 300_000)
+    machine.machine.run_until(lambda: b"ok" in machine.machine.replies_so_far(), 300_000)
     machine.machine.drivers["y"].registers[0x01] |= 4
     machine.machine.run_ms(400)
     assert machine.machine.app.controller.machine.alarm == errors.ALARM_DRIVER_POWER

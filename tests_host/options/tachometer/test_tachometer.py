@@ -31,7 +31,7 @@ def machine(**keys):
 def answered(made, line, limit_ms=5000):
     begun = made.now_ms()
     made.send(line)
-    made.run_until(lambda: b"ok" in made.received() or b"ALARM" in made.received(), limit_ms)
+    made.run_until(lambda: b"ok" in made.replies_so_far() or b"ALARM" in made.replies_so_far(), limit_ms)
     return made.now_ms() - begun, made.take().decode()
 
 
@@ -42,7 +42,7 @@ def test_no_cut_begins_before_the_spindle_is_at_speed():
     made.run_until(lambda: made.plant.position != at, 5000)
     assert 8100 <= made.plant.spindle.rpm <= 9000
     made.settle()
-    assert made.plant.position[0] > at[0] and b"ok\r\nok" in made.received()
+    assert made.plant.position[0] > at[0] and b"ok\r\nok" in made.replies_so_far()
 
 
 def test_a_new_speed_is_awaited_and_the_report_tells_it():
@@ -88,7 +88,7 @@ def test_one_that_is_lost_in_a_cut_ends_it_at_a_stand(fault):
         made.plant.spindle.held = 0
     else:
         made.plant.spindle.unplugged = True
-    made.run_until(lambda: b"ALARM:44" in made.received(), 3000)
+    made.run_until(lambda: b"ALARM:44" in made.replies_so_far(), 3000)
     assert made.now_ms() - begun < (900 if fault == "stall" else 800)
     made.settle()
     made.run_ms(50)

@@ -22,7 +22,7 @@ class Tip:
         self.lowest = 0
         self.plant.trace = self
 
-    def row(self, tick, position, tool):
+    def add_row(self, tick, position, tool):
         over = all(abs(at - place * STEPS_MM) <= 80 for at, place in zip(position, SENSOR))
         pressed = over and position[2] <= FLOOR + self.length
         if over:
@@ -45,7 +45,7 @@ def mill():
 def ask(machine, line, limit_ms=60_000):
     machine.take()
     machine.send(line.encode() + b"\n")
-    machine.run_until(lambda: any(end in machine.received() for end in (b"ok\r\n", b"error", b"ALARM")), limit_ms)
+    machine.run_until(lambda: any(end in machine.replies_so_far() for end in (b"ok\r\n", b"error", b"ALARM")), limit_ms)
     return machine.take().decode()
 
 
@@ -53,12 +53,12 @@ def change(machine, tip, tool, length):
     """M6: the tool is put in at the pause."""
     machine.take()
     machine.send(b"M6T%d\n" % tool)
-    machine.run_until(lambda: b"~ to continue" in machine.received(), 60_000)
+    machine.run_until(lambda: b"~ to continue" in machine.replies_so_far(), 60_000)
     machine.run_until(lambda: machine.app.controller.state == "hold" and machine.app.controller.machine.stood, 60_000)
     assert machine.plant.position[:2] == [place * STEPS_MM for place in AT] and machine.plant.position[2] == 0
     tip.length = length
     machine.send(b"~")
-    machine.run_until(lambda: any(end in machine.received() for end in (b"ok\r\n", b"error", b"ALARM")), 120_000)
+    machine.run_until(lambda: any(end in machine.replies_so_far() for end in (b"ok\r\n", b"error", b"ALARM")), 120_000)
     machine.settle()
     return machine.take().decode()
 
