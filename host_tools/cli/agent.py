@@ -66,17 +66,17 @@ def agent(
 
         passo agent --virtual a=router_3axis --virtual b=plotter_2014 --broker localhost
     """
-    _check(shop_key, at_machine, page_key, tool or laser_class or page)
-    served = _address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
-    boards = _named(port or [], _add_old_name(virtual or [], emulated or []))
+    _check_options(shop_key, at_machine, page_key, tool or laser_class or page)
+    served = _parse_address("--figures", figures if ":" in figures else f"127.0.0.1:{figures}") if figures else None
+    boards = _parse_boards(port or [], _add_old_name(virtual or [], emulated or []))
     key = key_in(shop_key) if shop_key else ""
-    about = (_of_machines(*each, boards) for each in (("--tool", tool), ("--laser-class", laser_class), ("--page", page)))
+    about = (_parse_machine_texts(*each, boards) for each in (("--tool", tool), ("--laser-class", laser_class), ("--page", page)))
     told = make_broker(broker, user, password, ca), home_assistant, key, about
-    stopped = _ended()
+    stopped = _collect_stop_signals()
     with contextlib.ExitStack() as stack:
-        made = {name: (where, _virtual(where, stack) if virtual else _real(where, baud, protocol, board)) for name, (where, virtual) in boards.items()}
-        agent = _agent(made, served, told, stack)
-        _run(agent, (at_machine, page_key), stopped, stack)
+        made = {name: (where, _start_virtual(where, stack) if virtual else _find_real(where, baud, protocol, board)) for name, (where, virtual) in boards.items()}
+        agent = _connect_agent(made, served, told, stack)
+        _run_agent(agent, (at_machine, page_key), stopped, stack)
 
 
 def _add_old_name(virtual, emulated):
@@ -86,7 +86,7 @@ def _add_old_name(virtual, emulated):
     return [*virtual, *emulated]
 
 
-def _check(shop_key, at_machine, page_key, more):
+def _check_options(shop_key, at_machine, page_key, more):
     """Raise Failure if options want others."""
     if (at_machine is not None or more) and not shop_key:
         raise Failure("--at-machine, --tool, --laser-class and --page want --shop-key")
@@ -94,7 +94,7 @@ def _check(shop_key, at_machine, page_key, more):
         raise Failure("--page-key wants --at-machine")
 
 
-def _ended():
+def _collect_stop_signals():
     """A list that is empty until somebody ends this program."""
     found = []
     for number in (signal.SIGTERM, signal.SIGINT):
@@ -102,7 +102,7 @@ def _ended():
     return found
 
 
-def _run(agent, page, stopped, stack):
+def _run_agent(agent, page, stopped, stack):
     """Until something is in `stopped`. `page`: (port, file of its key)."""
     asked = queue.SimpleQueue()
     if page[0] is not None:
@@ -111,14 +111,14 @@ def _run(agent, page, stopped, stack):
     agent.run(lambda: stopped, asked)
 
 
-def _agent(boards, served, told, stack):
+def _connect_agent(boards, served, told, stack):
     """The Agent of {name: (where, (language, board file's table, make_port))}, connected."""
     from host_tools.shop.agent import Agent
     from host_tools.shop.home_assistant import discovery
     from host_tools.shop.link import ROOT, Link
 
     broker, home_assistant, key, (tools, lasers, pages) = told
-    agent = Agent(_figures(served, stack))
+    agent = Agent(_serve_figures(served, stack))
     stack.callback(agent.close)
     for name, (where, (language, table, make_port)) in boards.items():
         more = {f"{ROOT}/{name}/language": language, **(discovery(home_assistant, f"{ROOT}/", name) if home_assistant else {})}
@@ -148,26 +148,26 @@ def _serve_page(port, file, agent, asked, stack):
     terminal = sys.stdout.isatty()
     key, file = _page_key(file, terminal)
 
-    def call(function):
+    def run_in_agent(function):
         done = Future()
 
-        def work():
+        def answer_call():
             try:
                 done.set_result(function())
             except Exception as error:  # the page hears of it; the agent goes on
                 done.set_exception(error)
 
-        asked.put(work)
+        asked.put(answer_call)
         return done.result(10)
 
-    close, port = serve(port, key, lambda: call(agent.machines), lambda name, what: call(lambda: agent.do(name, what)), agent.stop)
+    close, port = serve(port, key, lambda: run_in_agent(agent.machines), lambda name, what: run_in_agent(lambda: agent.do(name, what)), agent.stop)
     stack.callback(close)
     print(f"page: http://127.0.0.1:{port}/" + (f"#key={key}" if terminal else ""), flush=True)  # a log is no place for a key
     if file:
         print(_("the page's key: {}", file), flush=True)
 
 
-def _of_machines(option, texts, boards):
+def _parse_machine_texts(option, texts, boards):
     """{machine: text} of an option that says something of machines. Raises Failure."""
     from host_tools.shop.desk import LASER_CLASSES
 
@@ -186,13 +186,13 @@ def make_broker(text, user, password, ca):
     """The Broker of the options. Raises Failure."""
     from host_tools.shop.link import Broker
 
-    host, number = _address("--broker", text)
+    host, number = _parse_address("--broker", text)
     if bool(user) != bool(password):
         raise Failure("--user and --password-file belong together")
     return Broker(host, number, user, read_secret(password) if password else "", str(ca) if ca else None)
 
 
-def _address(option, text):
+def _parse_address(option, text):
     """(host, port) of HOST:PORT; the port may be missing: 0. Raises Failure."""
     host, colon, number = text.rpartition(":") if text.count(":") == 1 else (text, "", "0")
     if not host or not number.isdigit() or colon and not 0 < int(number) < 65536:
@@ -200,7 +200,7 @@ def _address(option, text):
     return host, int(number)
 
 
-def _figures(address, stack):
+def _serve_figures(address, stack):
     """The Figures served at an address; None: none are asked for."""
     if address is None:
         return None
@@ -211,7 +211,7 @@ def _figures(address, stack):
     return found
 
 
-def _named(ports, virtual):
+def _parse_boards(ports, virtual):
     """{name: (port or board file, whether it is virtual)}. Raises Failure."""
     from host_tools.shop.machines import NAME
 
@@ -230,7 +230,7 @@ def _named(ports, virtual):
     return found
 
 
-def _virtual(name, stack):
+def _start_virtual(name, stack):
     """(language, board file's table, make_port) of a virtual board."""
     from host_tools import boards
     from host_tools.panel.board import Demo, Port
@@ -241,14 +241,14 @@ def _virtual(name, stack):
     return table["links"][0]["protocol"], table, lambda changed: Port(demo.name, 115_200, changed)
 
 
-def _real(port, baud, protocol, board):
+def _find_real(port, baud, protocol, board):
     """The same of the board on a port. Raises Failure."""
     from host_tools import boards
-    from host_tools.cli.log import spoken
+    from host_tools.cli.log import find_language
     from host_tools.panel import languages
     from host_tools.panel.board import Port
 
-    language = protocol or spoken(port, baud or languages.BAUD["grbl"])
+    language = protocol or find_language(port, baud or languages.BAUD["grbl"])
     if language not in languages.BOARDS:
         raise Failure("{}: the agent speaks {}", language, ", ".join(languages.BOARDS))
     table = boards.load(board or languages.BOARDS[language])

@@ -32,13 +32,13 @@ def blackbox(
         raise Failure("which black box? Give --port, or a file that --save has written")
     if file and not file.is_file():
         raise Failure("no file {}", file)
-    files = unpack(file.read_bytes()) if file else read_off(port, yes)
+    files = unpack(file.read_bytes()) if file else read_board_files(port, yes)
     if save:
         save.write_bytes(pack(files))
         print(_("{}: all of it", save))
     box = Box.of(files, older)
-    played = replayed(box) if replay else None
-    for line in lines(box, played):
+    played = replay_box(box) if replay else None
+    for line in report_lines(box, played):
         print(line)
     if picture:
         from host_tools.programs.timeline import draw
@@ -49,7 +49,7 @@ def blackbox(
         raise typer.Exit(1)
 
 
-def read_off(port, yes):
+def read_board_files(port, yes):
     """{name: bytes} of a board's files. Its firmware ends, and begins anew. Raises Failure."""
     from host_tools.cli.flash import check_port
     from host_tools.prove.connection import PortBoard
@@ -97,7 +97,7 @@ def files_of(board):
     return files
 
 
-def replayed(box):
+def replay_box(box):
     """The Replay, played to its end; None, and a line, if nothing can be."""
     from host_tools.sim.blackbox import Replay
 
@@ -108,7 +108,7 @@ def replayed(box):
         return None
 
 
-def lines(box, played):
+def report_lines(box, played):
     """Yield the lines for people: the events with their times, the crash, the result of the replay."""
     from host_tools.programs.timeline import lines_of, mm, reason
 

@@ -95,17 +95,17 @@ def board(
     except BoardError as error:
         raise Failure("board {}: {}", board, reason(error)) from error
     options = {
-        "start": _positions(start), "bounce_ms": bounce_ms, "faults": _pairs("--fault", fault, None), "seed": seed,
-        "stock": _stock(config) if stock else None,
+        "start": _parse_positions(start), "bounce_ms": bounce_ms, "faults": _parse_pairs("--fault", fault, None), "seed": seed,
+        "stock": _create_stock(config) if stock else None,
         "idle": idle,
-        "radio": _radio(config, {"http": http, "tcp": signed}, key),
-        "flash": _folder(flash),
+        "radio": _create_radio(config, {"http": http, "tcp": signed}, key),
+        "flash": _check_flash_folder(flash),
     }  # fmt: skip
     names = [entry["name"] for entry in config["links"]]
-    serve(config, time_, _pairs("--protocol", protocol, names), _pairs("--link", link, names), tcp, trace, vcd, options)
+    serve_board(config, time_, _parse_pairs("--protocol", protocol, names), _parse_pairs("--link", link, names), tcp, trace, vcd, options)
 
 
-def serve(config, mode, protocols, links, tcp, trace, vcd, options):
+def serve_board(config, mode, protocols, links, tcp, trace, vcd, options):
     """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
@@ -150,11 +150,11 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
         try:
             for index, line in enumerate(lines.values()):
                 print(f"port: {line.name}" if index == 0 else f"port {list(lines)[index]}: {line.name}", flush=True)
-            _tell(options["radio"])
-            _loop(machine, stopped)
+            _print_network(options["radio"])
+            _run_until_stopped(machine, stopped)
         finally:
             machine.close()
-        _summary(machine.plant)
+        _print_errors(machine.plant)
     finally:
         for line in lines.values():
             line.close()
@@ -182,7 +182,7 @@ def _end_with_stdin():
     os.kill(os.getpid(), signal.SIGTERM)
 
 
-def _stock(config):
+def _create_stock(config):
     """Raises Failure if the machine can touch nothing."""
     from host_tools.sim.stock import Stock
 
@@ -191,7 +191,7 @@ def _stock(config):
     return Stock(config)
 
 
-def _radio(config, ports, key):
+def _create_radio(config, ports, key):
     """The network that was asked for by {kind: port or None}, or None. Raises Failure if the board file has none."""
     from host_tools.cli.key_option import key_of
     from host_tools.sim.radio import LoopbackRadio
@@ -206,7 +206,7 @@ def _radio(config, ports, key):
     return LoopbackRadio(wanted, key_of(key, "--key") if key else page_key.make_key(os.urandom), config) if wanted else None
 
 
-def _tell(radio):
+def _print_network(radio):
     if radio is not None:
         from host_tools.clients.page_key import in_groups
 
@@ -216,7 +216,7 @@ def _tell(radio):
         print(f"key: {in_groups(radio.key)}", flush=True)
 
 
-def _loop(machine, stopped):
+def _run_until_stopped(machine, stopped):
     flush_at = 0
     while not stopped:
         machine.cycle()
@@ -226,14 +226,14 @@ def _loop(machine, stopped):
             flush_at = now + FLUSH_S
 
 
-def _summary(plant):
+def _print_errors(plant):
     """Print on stderr how many steps and signals the machine could not follow, and the first of them."""
     if plant.error_count:
         tick, text = plant.errors[0]
         typer.echo(_("the machine: {} errors; the first at {:.3f} ms: {}", plant.error_count, tick / 12500, text), err=True)
 
 
-def _pairs(option, texts, names):
+def _parse_pairs(option, texts, names):
     """{name: value} of `NAME=VALUE` texts. With `names`, a text without a name belongs to the first of them. Raises Failure."""
     pairs = {}
     for text in texts or ():
@@ -249,7 +249,7 @@ def _pairs(option, texts, names):
     return pairs
 
 
-def _folder(path):
+def _check_flash_folder(path):
     """The folder of --flash. Raises Failure if nothing can be kept there."""
     if path is not None:
         tried = path / ".tried"
@@ -265,7 +265,7 @@ def _folder(path):
     return path
 
 
-def _positions(text):
+def _parse_positions(text):
     if text is None:
         return None
     try:

@@ -30,7 +30,7 @@ def print_sizes(title, rows):
     Console().print(table)
 
 
-def checked(name):
+def check_board(name):
     """The board of a file. Raises Failure if it is wrong."""
     from passo.config.board_error import BoardError
     from passo.config.boardfile import check
@@ -45,7 +45,7 @@ def print_budget(name):
     """Print how much of its chip a board file uses. Raises Failure if the board file is wrong."""
     from host_tools.build.budget import budget
 
-    rows = budget(checked(name))
+    rows = budget(check_board(name))
     width = max(len(title) for title, _ in rows)
     for title, text in rows:
         print(f"{title:<{width}}  {text}")
@@ -88,7 +88,7 @@ def build(
     if show:
         print_kernel(board, show)
         return
-    check_module(checked(board), board)
+    check_module(check_board(board), board)
     out = out or default_out(board)
     by = []
     rows = build_tree(board, out, march, by=by)

@@ -70,22 +70,22 @@ def calibrate(
         raise Failure("which steps/mm were used? Give one of --board, --steps-per-mm and --port")
     rows = calibration.read(table)
     link = port and (port, baud, protocol)
-    used, taken = _machine(*link) if link else (_given(steps_per_mm), {}) if steps_per_mm else _of_board(board)
-    fits = _fits(rows, used, reading)
+    used, taken = _scales_of_machine(*link) if link else (_parse_steps_per_mm(steps_per_mm), {}) if steps_per_mm else _scales_of_board(board)
+    fits = _fit_axes(rows, used, reading)
     if means:
         print("\n".join(table_of_means(calibration.characterise(rows))), end="\n\n")
-    _tell(fits, used, taken)
+    _print_fits(fits, used, taken)
     diagonals = [row for row in rows if len(row.axis) > 1]
     for square in calibration.squareness(diagonals, {fit.axis: fit.scale for fit in fits}, reading):
-        print(told_square(square))
+        print(square_text(square))
     if write:
-        _write(fits, taken, link, anyway)
+        _write_settings(fits, taken, link, anyway)
 
 
-def _tell(fits, used, taken):
+def _print_fits(fits, used, taken):
     for fit in fits:
-        print("\n".join(told(fit, used[fit.axis])))
-        print("".join(f"   {line}\n" for line in proposed(fit, taken)), end="")
+        print("\n".join(fit_lines(fit, used[fit.axis])))
+        print("".join(f"   {line}\n" for line in backlash_advice(fit, taken)), end="")
 
 
 def table_of_means(lengths):
@@ -100,9 +100,9 @@ def table_of_means(lengths):
         yield f"{length:<{_COLUMN}g}" + "".join(cells).rstrip()
 
 
-def proposed(fit, taken):
+def backlash_advice(fit, taken):
     """Yield lines that say how to take up the backlash found, if the fit is sure of it. `taken`: mm of each axis that are taken up already."""
-    play = backlash(fit, taken)
+    play = total_backlash(fit, taken)
     if play is None:
         return
     if not taken:
@@ -114,14 +114,14 @@ def proposed(fit, taken):
         yield _("{} takes it up", line) if fit.split else _("{} takes it up, if the readings have no offset: measure lengths with `same`, too", line)
 
 
-def backlash(fit, taken):
+def total_backlash(fit, taken):
     """mm that are to be taken up in all; None if what was found is not beyond its uncertainty."""
     if fit.verdict in ("mechanics", "unknown") or abs(fit.backlash) <= 2 * fit.u_backlash:
         return None
     return max(fit.backlash + taken.get(fit.axis, 0), 0)
 
 
-def _fits(rows, used, reading):
+def _fit_axes(rows, used, reading):
     """The fit of each axis that was measured."""
     from host_tools.programs import calibration
 
@@ -135,7 +135,7 @@ def _fits(rows, used, reading):
     return fits
 
 
-def told(fit, used):
+def fit_lines(fit, used):
     """Yield lines with the fit of an axis: steps/mm, backlash, the distance of each reading from the line, χ², verdict."""
     name = fit.axis.upper()
     text = _("{}  steps/mm {:.3f} ± {:.3f}, {:g} were used; scale {:.5f} ± {:.5f}")
@@ -146,16 +146,16 @@ def told(fit, used):
         yield _("   backlash (with the readings' offset) {:.3f} ± {:.3f} mm", fit.backlash, fit.u_backlash)
     for commanded, measured, rest, sigma in fit.left:
         yield _("   {:8g} mm commanded, {:.3f} measured ± {:.3f}, {:+.3f} from the line", commanded, measured, sigma, rest)
-    chance = "" if fit.chance is None else _("; by chance {}", _percent(fit.chance))
+    chance = "" if fit.chance is None else _("; by chance {}", _percent_text(fit.chance))
     yield _("   χ² {:.2f} of {} degrees of freedom", fit.chi2, fit.freedom) + chance
     yield f"   {_VERDICTS[fit.verdict](fit)}"
 
 
-def _percent(chance):
+def _percent_text(chance):
     return f"{chance:.0%}" if chance >= 0.01 else f"{chance:.1%}" if chance >= 0.001 else _("less than 0.1%")
 
 
-def _mechanics(fit):
+def _mechanics_text(fit):
     worst = max(fit.left, key=lambda row: abs(row[2] / row[3]))
     text = _("MECHANICS, or the measuring: {:g} mm lies {:.2f} mm off the best line, {:.0f} times what its readings scatter")
     text = text.format(worst[0], abs(worst[2]), abs(worst[2] / worst[3]))
@@ -164,15 +164,15 @@ def _mechanics(fit):
     return text
 
 
-def _scale(fit):
+def _scale_text(fit):
     if fit.scale > 1:
         text = _("SCALE: lengths come out {:.2%} too long; with {:.3f} steps/mm they are right")
     else:
         text = _("SCALE: lengths come out {:.2%} too short; with {:.3f} steps/mm they are right")
-    return text.format(abs(fit.scale - 1), fit.steps_per_mm) + _play(fit)
+    return text.format(abs(fit.scale - 1), fit.steps_per_mm) + _backlash_text(fit)
 
 
-def _play(fit):
+def _backlash_text(fit):
     if fit.backlash > 2 * fit.u_backlash:
         return _(". Backlash of {:.2f} mm after each turn stays", fit.backlash)
     if fit.backlash < -2 * fit.u_backlash:
@@ -181,14 +181,14 @@ def _play(fit):
 
 
 _VERDICTS = {
-    "right": lambda fit: _("RIGHT: the steps/mm are as good as these lengths can tell") + _play(fit),
-    "scale": _scale,
-    "mechanics": _mechanics,
+    "right": lambda fit: _("RIGHT: the steps/mm are as good as these lengths can tell") + _backlash_text(fit),
+    "scale": _scale_text,
+    "mechanics": _mechanics_text,
     "unknown": lambda fit: _("UNKNOWN: give three lengths or more with several readings each, to tell the scale from the mechanics"),
 }  # fmt: skip
 
 
-def told_square(square):
+def square_text(square):
     sure = abs(square.mm_m) > 2 * square.u_mm_m
     first, second = square.axes.upper()
     if not sure:
@@ -200,7 +200,7 @@ def told_square(square):
     return _("{}{} {:+.2f} ± {:.2f} mm at 1 m: {}", first, second, square.mm_m, square.u_mm_m, verdict)
 
 
-def _given(text):
+def _parse_steps_per_mm(text):
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -210,7 +210,7 @@ def _given(text):
     return dict(zip(_AXES, values))
 
 
-def _of_board(name):
+def _scales_of_board(name):
     """({axis: steps/mm}, {axis: mm of backlash that are taken up}; empty if none can be)"""
     from host_tools import boards
 
@@ -220,7 +220,7 @@ def _of_board(name):
     return scales, {axis: board["backlash"].get(axis, 0) / 1000 for axis in names if board.get("backlash")}
 
 
-def _machine(port, baud, protocol):
+def _scales_of_machine(port, baud, protocol):
     """The same of a machine."""
     from host_tools.cli.settings import board_at
 
@@ -232,7 +232,7 @@ def _machine(port, baud, protocol):
     return found
 
 
-def _write(fits, taken, link, anyway):
+def _write_settings(fits, taken, link, anyway):
     """Set the steps/mm that are known to be wrong, and the backlash that is known. Raises Failure, before anything is written, if a fit does not allow it."""
     from host_tools.cli.settings import board_at
 
@@ -241,7 +241,7 @@ def _write(fits, taken, link, anyway):
         raise Failure("nothing is written: {} has no scale to be trusted; --anyway writes it all the same", ", ".join(doubtful))
     lines = [f"${100 + _AXES.index(fit.axis)}={fit.steps_per_mm:.3f}" for fit in fits if anyway or fit.verdict == "scale"]
     for fit in fits:
-        play = backlash(fit, taken) if taken and fit.split else None
+        play = total_backlash(fit, taken) if taken and fit.split else None
         if play is not None and play <= _MOST_MM:
             lines.append(f"${160 + _AXES.index(fit.axis)}={play:.3f}")
     if not lines:
@@ -259,7 +259,7 @@ def _write(fits, taken, link, anyway):
             print(_("home the machine again before it cuts: its millimetres have changed"))
 
 
-def lengths_of(text):
+def parse_lengths(text):
     """The numbers of --lengths. Raises Failure."""
     try:
         lengths = [float(part) for part in text.split(",")]
@@ -270,7 +270,7 @@ def lengths_of(text):
     return lengths
 
 
-def _lines_of(calibration, axis, lengths, strokes, feed, board):
+def _pattern_lines(calibration, axis, lengths, strokes, feed, board):
     """The program of an axis, in the language of a board; None: G-code. Raises Failure."""
     from host_tools import boards
 
@@ -288,13 +288,13 @@ def _lines_of(calibration, axis, lengths, strokes, feed, board):
 
 
 def _write_pattern(calibration, table, pattern, text, strokes, feed, board):
-    lengths = lengths_of(text)
+    lengths = parse_lengths(text)
     if table.exists():
         raise Failure("{} is there already: name a new table, or move that one away", table)
     files = {table: _TABLE}
     for axis in "xy":
         path = pattern.with_name(f"{pattern.stem}_{axis}{pattern.suffix}")
-        files[path] = "\n".join(_lines_of(calibration, axis, lengths, strokes, feed, board)) + "\n"
+        files[path] = "\n".join(_pattern_lines(calibration, axis, lengths, strokes, feed, board)) + "\n"
         files[table] += "".join(f"#{axis}      {length:<9g}  ?         ?      {strokes:<8}  turn\n" for length in lengths)
     for path, content in files.items():
         try:

@@ -76,8 +76,8 @@ def check(
         raise Failure("--workers and --dask are for a folder of programs, and {} is none", file)
     if at and port:
         raise Failure("--at says where the program's zero lies, and so does the machine at --port: give one of them")
-    changes, start = _machine(port, baud) if port else ((), None)
-    place = tuple(changes), _zero(at), start
+    changes, start = _read_machine(port, baud) if port else ((), None)
+    place = tuple(changes), _parse_zero(at), start
     if file.is_dir():
         if drop_z or z_pen is not None:
             raise Failure("--drop-z and --z-pen are for one program, and {} is a folder", file)
@@ -100,21 +100,21 @@ def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=Non
     flat.leave_out_z(program, drop_z, z_pen)
     job = VirtualJob(board, *place, drawn=bool(out))
     flat.refuse_z(program, len(job.board["axes"]) > 2)
-    _run(job, program)
+    _run_program(job, program)
     compiler.tell(program)
-    for line in summary(job):
+    for line in summary_lines(job):
         print(line)
     if slow := feeds.slow_feeds(program.rows(), job.seconds):
         print(slow)
     if out:
-        picture(out, job, file.name)
+        save_job_picture(out, job, file.name)
         print(out)
     for number, text, what in job.errors[:_MOST_SHOWN]:
         typer.echo(f"{program.place(number)}: {text}: {what}", err=True)
-    _judge(job, program)
+    _raise_if_faulty(job, program)
 
 
-def _judge(job, program):
+def _raise_if_faulty(job, program):
     """Raises Failure if lines were refused, or if the job is larger than the machine."""
     if job.errors:
         if advice := program.advice():
@@ -124,14 +124,14 @@ def _judge(job, program):
         raise Failure("{} is larger than the machine: {}", program.path, too_long)
 
 
-def _run(job, program):
+def _run_program(job, program):
     """Run all lines, with progress. Raises Failure if the job cannot go on; it names the program's line."""
     job.origin = program.origin
-    with _shown(program) as progress:
+    with _show_progress(program) as progress:
         job.run(program.rows(), progress)
 
 
-def _zero(text):
+def _parse_zero(text):
     """The positions of `--at`, or None. Raises Failure."""
     if text is None:
         return None
@@ -141,10 +141,10 @@ def _zero(text):
         raise Failure("--at {}: millimetres are wanted, one number an axis, for example 20,30,-35", text) from None
 
 
-def _machine(port, baud):
+def _read_machine(port, baud):
     """(changes, start) of VirtualJob: the settings and work offsets of a machine, and where it stands. G92 and G43.1 end with the
     reset by which a job begins. Raises Failure."""
-    from host_tools.cli.settings import backup
+    from host_tools.cli.settings import backup_lines
     from host_tools.clients.grbl import GrblClient
 
     with GrblClient(port, baud) as client:
@@ -152,7 +152,7 @@ def _machine(port, baud):
         status = client.ask_status()
         if status["state"] == "Alarm":
             raise Failure("the machine is in alarm, so its position is not known: home it first")
-        kept = backup(client)
+        kept = backup_lines(client)
     inches = "$13=1" in kept
     positions = [float(position) * (25.4 if inches else 1.0) for position in status["MPos"].split(",")]
     changes = ["G20" if inches else "G21"]
@@ -168,7 +168,7 @@ def _bears_on_motion(line):
 
 
 @contextlib.contextmanager
-def _shown(program):
+def _show_progress(program):
     """Shows progress and the current line at the terminal."""
     from host_tools.cli.stream import progress_bar
 
@@ -179,7 +179,7 @@ def _shown(program):
     with progress_bar(transient=True) as bar:
         told = time.monotonic()
 
-        def progress(number):
+        def show_line(number):
             nonlocal told
             if time.monotonic() - told > _TELL_S:
                 told = time.monotonic()
@@ -187,7 +187,7 @@ def _shown(program):
                 text = f"{share:4.0%} checking {program.name}: line {number} of {last}"
                 bar.update(bar.task_ids[0], completed=share, description=text, refresh=True)
 
-        yield progress
+        yield show_line
 
 
 def table_mm(board):
@@ -201,7 +201,7 @@ def table_mm(board):
     return left, bottom, right, top
 
 
-def summary(job):
+def summary_lines(job):
     """Yield lines about a job: its time, the range and speed of each axis, pauses, skipped lines, probes."""
     from host_tools.programs.gcode_file import clock
 
@@ -249,12 +249,12 @@ def _show_table(axes, job):
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7, frameon=False)
 
 
-def _parts(positions):
+def _split_stroke(positions):
     """A long stroke in pieces: matplotlib needs memory for all the pixels of one."""
     return [positions[begun : begun + _PIECE + 1] for begun in range(0, max(1, len(positions) - 1), _PIECE)]
 
 
-def picture(path, job, title):
+def save_job_picture(path, job, title):
     """The path seen from above, the speed along it and the axes' accelerations over time."""
     from matplotlib.collections import LineCollection
 
@@ -270,7 +270,7 @@ def picture(path, job, title):
     )
     above, speed, acceleration = parts["above"], parts["speed"], parts["acceleration"]
     for lowered, color, width in ((False, "#9cc3e6", 0.6), (True, "#1a1a2e", 0.9)):
-        lines = [part for kind, positions in job.track.strokes if kind == lowered for part in _parts(positions[:, :2])]
+        lines = [part for kind, positions in job.track.strokes if kind == lowered for part in _split_stroke(positions[:, :2])]
         labels = (_("above Z0"), _("below Z0")) if job.track.by_height else (_("tool off"), _("tool on"))
         label = labels[lowered]
         above.add_collection(LineCollection(lines, colors=color, linewidths=width, label=label))

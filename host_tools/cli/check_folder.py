@@ -23,7 +23,7 @@ class Sent(NamedTuple):
     data: Optional[bytes] = None
 
     @classmethod
-    def of(cls, path, travels):
+    def from_path(cls, path, travels):
         """Raises Failure if it cannot be read."""
         try:
             return cls(str(path), Path(path).read_bytes() if travels else None)
@@ -31,7 +31,7 @@ class Sent(NamedTuple):
             raise Failure("cannot read {}: {}", path, reason(error)) from error
 
     @contextlib.contextmanager
-    def here(self):
+    def local_path(self):
         """Its path on this computer."""
         if self.data is None:
             yield Path(self.path)
@@ -63,7 +63,7 @@ class Row(NamedTuple):
     fault: str
 
 
-def work(item):
+def check_item(item):
     """The Row of an Item."""
     from host_tools import boards
     from host_tools.programs import compiler
@@ -71,7 +71,7 @@ def work(item):
 
     language.choose(item.lang)
     with contextlib.ExitStack() as stack:
-        file, tools, board = (each and stack.enter_context(each.here()) for each in (item.program, item.tools, _sent(item.board)))
+        file, tools, board = (each and stack.enter_context(each.local_path()) for each in (item.program, item.tools, _file_of_board(item.board)))
         try:
             program = compiler.read(file, item.dialect, tools, not boards.load(str(board or item.board)).get("rotary"))
             job = VirtualJob(str(board or item.board), *item.place, drawn=False)
@@ -79,10 +79,10 @@ def work(item):
             job.run(program.rows())
         except Failure as failure:
             return Row(0.0, 0, (), (), failure.message())
-        return Row(job.seconds, job.track.steps, tuple(map(float, job.low)), tuple(map(float, job.high)), _fault(job, program))
+        return Row(job.seconds, job.track.steps, tuple(map(float, job.low)), tuple(map(float, job.high)), _fault_text(job, program))
 
 
-def _fault(job, program):
+def _fault_text(job, program):
     """The first error of a program that has been run, or the travel that it exceeds; "" if it has no fault."""
     if job.errors:
         number, text, what = job.errors[0]
@@ -93,7 +93,7 @@ def _fault(job, program):
     return _("larger than the machine: {}", too_long) if too_long else ""
 
 
-def _sent(board):
+def _file_of_board(board):
     return board if isinstance(board, Sent) else None
 
 
@@ -105,25 +105,25 @@ def check_folder(folder, board, place, dialect, tools, out, count, cluster):
         raise Failure("no program in {}: names end in {}", folder, ", ".join(SUFFIXES))
     travels = bool(cluster)
     if board.endswith(".py"):
-        board = Sent.of(Path(board).expanduser(), travels)
-    table = tools and Sent.of(tools, travels)
-    items = (Item(Sent.of(path, travels), board, table, dialect, place, language.current_language()) for path in files)
+        board = Sent.from_path(Path(board).expanduser(), travels)
+    table = tools and Sent.from_path(tools, travels)
+    items = (Item(Sent.from_path(path, travels), board, table, dialect, place, language.current_language()) for path in files)
     begun = time.monotonic()
-    found = workers.done(work, items, min(count or os.cpu_count() or 1, len(files)), cluster)
-    width = min(max(len(_name(folder, path)) for path in files), 60)
+    found = workers.done(check_item, items, min(count or os.cpu_count() or 1, len(files)), cluster)
+    width = min(max(len(_relative_name(folder, path)) for path in files), 60)
     faults = 0
     with workers.table(out, _COLUMNS) as write:
         for path, row in _in_order([str(path) for path in files], found):
-            name = _name(folder, path)
+            name = _relative_name(folder, path)
             faults += bool(row.fault)
-            print(f"{name:{width}}  {_told(row)}", flush=True)
+            print(f"{name:{width}}  {_row_text(row)}", flush=True)
             write((name, f"{row.seconds:.3f}", row.words, *(" ".join(f"{mm:.3f}" for mm in side) for side in (row.low, row.high)), row.fault))
     print(_("{} in {:.1f} s, {} with a fault", count_text(len(files), "program"), time.monotonic() - begun, faults))
     if faults:
         raise Failure("{}: faults in {} of {}", folder, faults, count_text(len(files), "program"))
 
 
-def _name(folder, path):
+def _relative_name(folder, path):
     return str(Path(path).relative_to(folder))
 
 
@@ -143,7 +143,7 @@ def _in_order(paths, found):
             print(_("{} of {} checked", done, len(paths)), end="", file=sys.stderr, flush=True)
 
 
-def _told(row):
+def _row_text(row):
     """A row of the table, behind its name."""
     from host_tools.programs.gcode_file import clock
 

@@ -41,7 +41,7 @@ def compile_(
 
     if out and out != Path("-") and out.exists() and out.resolve() == file.resolve():
         raise Failure("{} is the program itself", out)
-    program = compile_file(file, dialect, tools, _place(start), bound, skip, linear)
+    program = compile_file(file, dialect, tools, _parse_start(start), bound, skip, linear)
     if program.listing.turns_in_inches:
         typer.echo(_("warning: A has words in G20, which count degrees; if A is linear on your machine, give --linear-a"), err=True)
     for warning in program.listing.warnings:
@@ -57,7 +57,7 @@ def compile_(
         typer.echo(str(picture), err=True)
 
 
-def _place(text):
+def _parse_start(text):
     """The places of --start, or None. Raises Failure."""
     if text is None:
         return None
@@ -96,12 +96,12 @@ def save_picture(path, program):
     holes = [stroke.points[-1] for stroke in cuts if stroke.points[0][:2] == stroke.points[-1][:2] and len(stroke.points) == 2]
     if holes:
         axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label=_("straight down"))
-    _label(axes, cuts or strokes, len(program.texts) > 1)
+    _label_strokes(axes, cuts or strokes, len(program.texts) > 1)
     finish(figure, axes, f"{program.name} ({program.dialect}): {count_text(len(program.listing.codes), 'line of G-code')}")
     write(figure, path)
 
 
-def _label(axes, strokes, files):
+def _label_strokes(axes, strokes, files):
     """Numbers of the program's lines beside their longest strokes, where there is room for them."""
     longest = {}
     for stroke in strokes:

@@ -51,16 +51,16 @@ def draw(**given):
 
     said = Said(**given)
     machine, spoken = machine_of(said.board, said.out)
-    options = options_of(said.kept())
+    options = options_of(said.options_to_keep())
     console = Console()
     if spoken == "plotter":
-        machine, whose = as_running(machine, said)
+        machine, whose = machine_as_running(machine, said)
         console.print(whose, soft_wrap=True)
     names = ", ".join(map(str, said.file))
     with console.status(_("reading {}", names)) as status:
         plan = drawing.load(said.file, machine, options, lambda text, share: status.update(f"{_(text)} {names}: {share:.0%}"))
     job = (draw_run.Plotted if spoken == "plotter" else draw_gcode.Written)(machine, plan, said)
-    _describe(console, plan, options, job)
+    _print_plan(console, plan, options, job)
     if said.preview:
         draw_picture.write(console, said.preview, plan, machine, job.seconds)
     if said.dry_run:
@@ -68,7 +68,7 @@ def draw(**given):
     if said.out:
         job.write(console, said.out)
         return
-    record = Journal(said.journal or Journal.beside(said.file[0]), job.digest, said.points, said.kept())
+    record = Journal(said.journal or Journal.beside(said.file[0]), job.digest, said.points, said.options_to_keep())
     if not said.resume:
         record.probe()
         if record.is_begun():
@@ -81,13 +81,13 @@ draw.__signature__ = inspect.signature(Said)
 draw.__annotations__ = Said.__annotations__
 
 
-def as_running(machine, said):
+def machine_as_running(machine, said):
     """(the board file with the steps/mm of the board that is to draw, a line that says whose they are)"""
     from host_tools.cli import draw_run, ports
     from host_tools.running_board import running
 
     sends = not said.dry_run and not said.out
-    port = said.port or (ports.only() if sends else None)
+    port = said.port or (ports.only_port() if sends else None)
     return running(machine, "plotter", port, said.baud or draw_run.BAUD)
 
 
@@ -96,10 +96,10 @@ def options_of(said):
     from host_tools.drawings.drawing import Options
 
     known = {key: said[key] for key in PLACED if key in said}
-    return Options(origin=corner(said.get("origin")), layers=tuple(said.get("layer") or ()), hatch=tuple(said.get("hatch") or ()), **known)
+    return Options(origin=parse_corner(said.get("origin")), layers=tuple(said.get("layer") or ()), hatch=tuple(said.get("hatch") or ()), **known)
 
 
-def corner(text):
+def parse_corner(text):
     if text is None:
         return None
     try:
@@ -109,7 +109,7 @@ def corner(text):
     return x, y
 
 
-def plotter(name):
+def load_plotter(name):
     """The checked board file. Raises Failure if none of its links speaks the plotter's language."""
     machine, spoken = machine_of(name)
     if spoken != "plotter":
@@ -135,7 +135,7 @@ def machine_of(name, out=None):
     return board, "grbl"
 
 
-def _describe(console, plan, options, job):
+def _print_plan(console, plan, options, job):
     """Say what would be drawn."""
     from rich.markup import escape
 
@@ -158,7 +158,7 @@ def _describe(console, plan, options, job):
     if plan.before_mm > up * 1.01:
         later = estimate.clock(job.seconds + job.travel_s(plan.before_mm - up))
         console.print(_("  in the order of the file: pen up {:.2f} m, about {}", plan.before_mm / 1000, later))
-    for line in job.told():
+    for line in job.tool_lines():
         console.print(f"  {line}")
     for note in plan.notes:
         console.print(f"  [yellow]{escape(note)}[/yellow]")

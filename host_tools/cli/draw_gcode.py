@@ -5,7 +5,7 @@ import hashlib
 from dataclasses import fields, replace
 
 from host_tools.cli import resume_gcode, stream
-from host_tools.cli.draw_run import go_on, pen_of
+from host_tools.cli.draw_run import continue_advice, pen_of
 from host_tools.clients.refusal import Refused
 from host_tools.drawings import gcode
 from host_tools.drawings.gcode import TOOLS, Cut
@@ -20,7 +20,7 @@ _BAUD = 115200
 _LEAST_TIMEOUT_S = 5.0
 
 
-def cuts(machine, plan, said):
+def cuts_of_parts(machine, plan, said):
     """{number of a part: its Cut}, by the options of the command. Raises Failure."""
     given = {each.name: getattr(said, each.name) for each in fields(Cut) if getattr(said, each.name) is not None}
     if given.get("tool", TOOLS[0]) not in TOOLS:
@@ -42,7 +42,7 @@ class Written:
     """A drawing as G-code. `digest`: of its lines; `seconds`: that they take, about."""
 
     def __init__(self, machine, plan, said):
-        self._plan, self._cuts = plan, cuts(machine, plan, said)
+        self._plan, self._cuts = plan, cuts_of_parts(machine, plan, said)
         change = None if said.pens == "none" else [line.strip() for line in (said.change or "M0").split(";")]
         self.lines = gcode.lines_of(plan, self._cuts, change)
         self._pens = gcode.pens_at(self.lines, plan) if change else {}
@@ -56,7 +56,7 @@ class Written:
         """How long that takes with the tool up."""
         return length_mm / self._rapid_mm_s
 
-    def told(self):
+    def tool_lines(self):
         """How each layer is drawn."""
         for part in self._plan.parts:
             cut = self._cuts[part.number]
@@ -70,19 +70,19 @@ class Written:
     def write(self, console, path):
         """Write the file. Raises Failure."""
         try:
-            path.write_text("\n".join([self._head(), *self.lines, ""]), encoding="ascii")
+            path.write_text("\n".join([self._head_line(), *self.lines, ""]), encoding="ascii")
         except OSError as error:
             raise Failure("cannot write {}: {}", path, reason(error)) from error
         console.print(_("  {0}: {1}; passo check {0} shows what the machine makes of it", path, count_text(len(self.lines), "line")))
 
-    def _head(self):
+    def _head_line(self):
         """The first line of the file."""
         name = "".join(each for each in self._plan.name if each.isascii() and each not in "()")
         return f"(passo draw {name})"
 
-    def _gone_on_as_stored(self, client, said):
+    def _continue_stored_job(self, client, said):
         """True if the board's journal says that it ran the file as a stored job, which is gone on with then. Raises Failure."""
-        resume_gcode.settled(client)
+        resume_gcode.wait_until_settled(client)
         try:
             found = Record.of(client.command("$JR"))
         except Refused:
@@ -100,9 +100,9 @@ class Written:
         from host_tools.clients.grbl import GrblClient
 
         first = None
-        with GrblClient(said.port or ports.only(), said.baud or _BAUD, max(said.timeout, _LEAST_TIMEOUT_S), said.log) as client:
+        with GrblClient(said.port or ports.only_port(), said.baud or _BAUD, max(said.timeout, _LEAST_TIMEOUT_S), said.log) as client:
             if said.resume:
-                if self._gone_on_as_stored(client, said):
+                if self._continue_stored_job(client, said):
                     return
                 record.resume()
                 first = record.object
@@ -111,12 +111,12 @@ class Written:
                     console.print(_("  pen {} draws on", pen_of(pens[-1])))
             stream.make_ready(client, said.home and not said.unlock, said.unlock)
             try:
-                seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._name, record.save)
+                seconds, _count = stream.send(client, self._rows, self._plan.name, True, first, said.yes, self._line_name, record.save)
             except stream.Aborted as aborted:
-                raise Failure("{}; {}", aborted, go_on(record)) from None
+                raise Failure("{}; {}", aborted, continue_advice(record)) from None
         record.finish()
         console.print(_("drawn in {}: {}", gcode_file.clock(seconds), count_text(len(self._rows), "line")))
 
-    def _name(self, number):
+    def _line_name(self, number):
         part = self._pens.get(number)
         return _("{}: put in pen {}", line_text(number), pen_of(part)) if part else line_text(number)

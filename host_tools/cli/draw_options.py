@@ -74,7 +74,7 @@ class Said:
     log: Annotated[Optional[Path], typer.Option(help="Save the conversation on the wire to this file.")] = None
     timeout: Annotated[float, typer.Option(min=0.5, help="Seconds an answer may take.")] = 3.0
 
-    def kept(self):
+    def options_to_keep(self):
         """Those that a drawing is gone on with, as the journal keeps them."""
         return {name: getattr(self, name) for name in KEPT}
 

@@ -17,7 +17,7 @@ def write(console, path, plan, machine, seconds):
     if path == _TERMINAL:
         console.print(in_dots(plan, placement.table_mm(machine), console.width, console.height), highlight=False)
     elif path.suffix.lower() == ".svg":
-        _svg(path, plan, placement.table_mm(machine))
+        _write_svg(path, plan, placement.table_mm(machine))
     else:
         title = _("{} at {} %, about {}", name, drawing.percent(plan.scale), estimate.clock(seconds))
         table = (0.0, 0.0, *placement.table_mm(machine))
@@ -26,7 +26,7 @@ def write(console, path, plan, machine, seconds):
 
 def in_dots(plan, table, columns, rows):
     """The table and the drawing as braille, as large as the terminal."""
-    from host_tools.cli.watch import braille
+    from host_tools.cli.watch import braille_map
 
     wide, high = max(10, columns - 2), max(5, rows - 4)
     scale = min(2 * wide / table[0], 4 * high / table[1])  # dots a mm
@@ -35,10 +35,10 @@ def in_dots(plan, table, columns, rows):
     positions = [(0.0, 0.0), (right, 0.0), (right, top), (0.0, top), (0.0, 0.0)]
     for line in plan.lines:
         positions += [None, *((x / plan.steps_per_mm[0], y / plan.steps_per_mm[1]) for x, y in line)]
-    return braille(positions, wide, high)
+    return braille_map(positions, wide, high)
 
 
-def _svg(path, plan, table):
+def _write_svg(path, plan, table):
     """Each pen in a colour of its own, in a group of its own: a drawing again."""
     groups = []
     for index, part in enumerate(plan.parts):

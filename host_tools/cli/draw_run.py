@@ -8,7 +8,7 @@ import sys
 import time
 from typing import NamedTuple
 
-from host_tools.cli.lead_in import agreed
+from host_tools.cli.lead_in import operator_agrees
 from host_tools.clients.plotter import POLL_S
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
@@ -52,7 +52,7 @@ class Plotted:
         """Of its points."""
         return self._plan.digest(self._said.points)
 
-    def told(self):
+    def tool_lines(self):
         """Yield a line for each pen that the operator has to insert."""
         for part in self._changes.values():
             yield _("pen {}: you are asked for it before it draws", pen_of(part))
@@ -91,13 +91,13 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
     from host_tools.programs.job import Broken, Job
 
     begun = time.monotonic()
-    with PlotterClient(port or ports.only(), baud, timeout, log) as client:
-        with _cancelled_by_signals(client):
+    with PlotterClient(port or ports.only_port(), baud, timeout, log) as client:
+        with _cancel_by_signals(client):
             job = Job(client, objects, record, lambda text: console.print(f"[yellow]{text}[/yellow]"))
             try:
                 with console.status(_("homing") if way.home else _("preparing")):
-                    _prepare(client, way)
-                    spot = _spot(client, objects, record, way, numbers)
+                    _wait_until_at_rest(client, way)
+                    spot = _find_spot(client, objects, record, way, numbers)
                     if way.home:
                         client.origin()
                     if speed is not None:
@@ -113,11 +113,11 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                 if not way.resume:
                     drawn.announce(client, objects, drawn.Spot(0, 0))
                 if spot and spot.done:
-                    _lead(client, objects, spot, way)
+                    _lead_to_spot(client, objects, spot, way)
                 with _Progress(console, job, machine, speed) as progress:
-                    job.run(progress, lambda number: _change(console, client, progress, (changes or {}).get(number)))
+                    job.run(progress, lambda number: _wait_for_pen(console, client, progress, (changes or {}).get(number)))
             except Broken as broken:
-                raise Failure("{}, pen up; {}", broken, go_on(record)) from None
+                raise Failure("{}, pen up; {}", broken, continue_advice(record)) from None
             except Cancelled:
                 client.stop()
                 raise Failure("stopped before drawing began") from None
@@ -126,7 +126,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                     raise
                 raise Failure(
                     "{}\n{} drawn for certain; when the machine is there again, {}",
-                    error, job.progress_text(), go_on(record),
+                    error, job.progress_text(), continue_advice(record),
                 ) from error
         if record:
             record.finish()
@@ -134,13 +134,13 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
         console.print(_("drawn in {:.0f} s: {} packets, {} sent again", took, client.packets, client.resends))
 
 
-def _change(console, client, progress, part):
+def _wait_for_pen(console, client, progress, part):
     """Wait until the operator has put in a part's pen. Raises Cancelled, also if nobody answers."""
     from host_tools.clients.plotter import Cancelled
 
     if part is None:
         return
-    with progress.held():
+    with progress.hide_bar():
         console.print(_("put in pen {}, then press Enter", pen_of(part)))
         while not select.select([sys.stdin], [], [], _LOOK_S)[0]:
             client.status()
@@ -149,7 +149,7 @@ def _change(console, client, progress, part):
 
 
 @contextlib.contextmanager
-def _cancelled_by_signals(client):
+def _cancel_by_signals(client):
     """Ctrl-C, a closed terminal and the end of the session stop the machine."""
     numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = [(number, signal.signal(number, lambda *_: client.cancel())) for number in numbers]
@@ -160,11 +160,11 @@ def _cancelled_by_signals(client):
             signal.signal(number, handler)
 
 
-def go_on(record):
+def continue_advice(record):
     return _("go on with the same command and --continue ({})", record.path) if record else _("go on with passo resume")
 
 
-def _prepare(client, way):
+def _wait_until_at_rest(client, way):
     """Wait until the machine is at rest: it draws the points that it has of an interrupted drawing. Raises Failure if it moves and
     --continue is not given."""
     while True:
@@ -177,7 +177,7 @@ def _prepare(client, way):
     client.stop()  # drops points that a program before left unfinished
 
 
-def _spot(client, objects, record, way, numbers):
+def _find_spot(client, objects, record, way, numbers):
     """The spot at which the drawing goes on, by the board's journal if it is of this drawing, else by that of the PC. None: at
     the start. Raises Failure."""
     if not way.resume:
@@ -199,12 +199,12 @@ def _spot(client, objects, record, way, numbers):
     return drawn.spot_at(objects, record.object, record.drawn) if found else None
 
 
-def _lead(client, objects, spot, way):
+def _lead_to_spot(client, objects, spot, way):
     """Pen up, over the place; then the operator is asked."""
     start = spot.start(objects)
     client.point(False, *start)
     client.end(1)
-    if way.ask and not agreed(_("next is point {}, from {}, {} steps", spot.done + 1, *start)):
+    if way.ask and not operator_agrees(_("next is point {}, from {}, {} steps", spot.done + 1, *start)):
         raise Failure("not gone on: the pen is up")
 
 
@@ -225,7 +225,7 @@ class _Progress:
         self._points = sum(len(points) for points in job.objects)
         self._counts = [len(points) for points in job.objects]
         start = job.start
-        self._first = self._done(*start)
+        self._first = self._seconds_done(*start)
         self._bar = Progress(
             TextColumn(_("drawing")),
             BarColumn(),
@@ -244,14 +244,14 @@ class _Progress:
         self._bar.stop()
 
     @contextlib.contextmanager
-    def held(self):
+    def hide_bar(self):
         """Without the bar."""
         self._bar.stop()
         yield
         self._bar.start()
 
     def __call__(self, number, drawn):
-        done = self._done(number, drawn)
+        done = self._seconds_done(number, drawn)
         left = sum(self._totals) - done
         gained = done - self._first
         if gained > 5:
@@ -260,6 +260,6 @@ class _Progress:
         text = _("{}/{} points, {} sent again, {} left", points, self._points, self._client.resends, self._clock(left))
         self._bar.update(self._task, completed=done, description=text)
 
-    def _done(self, number, drawn):
+    def _seconds_done(self, number, drawn):
         done = sum(self._totals[:number])
         return done + sum(self._spans[number][:drawn]) if number < len(self._spans) else done

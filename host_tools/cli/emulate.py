@@ -8,7 +8,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli.board import BounceMs, Faults, Seed, StartPlace, TraceFile, VcdFile, _pairs, _positions, _summary
+from host_tools.cli.board import BounceMs, Faults, Seed, StartPlace, TraceFile, VcdFile, _parse_pairs, _parse_positions, _print_errors
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 
@@ -59,22 +59,22 @@ def emulate(
     uf2 = find_uf2()
     boards.load(board)
     options = {
-        "start": _positions(start),
+        "start": _parse_positions(start),
         "bounce_ms": bounce_ms,
-        "faults": _pairs("--fault", fault, None),
+        "faults": _parse_pairs("--fault", fault, None),
         "seed": seed,
     }
     if not blank:
-        tell(_("building the firmware of {}", board))
-    machine = _machine(board, {} if blank else None, trace, vcd, uf2, options)
+        print_progress(_("building the firmware of {}", board))
+    machine = _create_machine(board, {} if blank else None, trace, vcd, uf2, options)
     try:
-        serve(machine, {0: uart0, 1: uart1}, tcp, blank)
+        serve_emulated(machine, {0: uart0, 1: uart1}, tcp, blank)
     finally:
         machine.close()
-    _summary(machine.plant)
+    _print_errors(machine.plant)
 
 
-def _machine(board, files, trace, vcd, uf2, options):
+def _create_machine(board, files, trace, vcd, uf2, options):
     """An EmulatedMachine of these arguments. Raises Failure for a wrong board file or place."""
     from host_tools.emulator.machine import EmulatedMachine
     from passo.config.boardfile import BoardError
@@ -87,12 +87,12 @@ def _machine(board, files, trace, vcd, uf2, options):
         raise Failure("cannot write {}: {}", error.filename, reason(error)) from error
 
 
-def tell(text):
+def print_progress(text):
     """Tell the user, who waits for a port, what is going on."""
     print(text, file=sys.stderr, flush=True)
 
 
-def serve(machine, symlinks, tcp, blank=False):
+def serve_emulated(machine, symlinks, tcp, blank=False):
     """Run until SIGTERM or SIGINT, with a pty for each UART that a link uses and a socket for USB."""
     from host_tools.sim.serial_line import PtyLine, TcpLine
 
@@ -110,11 +110,11 @@ def serve(machine, symlinks, tcp, blank=False):
         if not ptys and usb is None:
             raise Failure("all links of this board are on USB: give --tcp to open it")
         if not blank:
-            tell(_("the Pico starts: it loads the firmware for some two seconds of its own time, up to a minute of yours"))
+            print_progress(_("the Pico starts: it loads the firmware for some two seconds of its own time, up to a minute of yours"))
         machine.boot(lambda: stopped)
         if usb is not None and not stopped:
             print(f"usb: {usb.name}", flush=True)
-        _loop(machine, ptys, usb, stopped, pressed, blank)
+        _run_until_stopped(machine, ptys, usb, stopped, pressed, blank)
     except TimeoutError as error:
         raise Failure("the Pico does not start: {}", error) from error
     finally:
@@ -122,19 +122,19 @@ def serve(machine, symlinks, tcp, blank=False):
             line.close()
 
 
-def _announce(machine, ptys, blank):
+def _print_ports(machine, ptys, blank):
     """Print the ports of the UARTs once the firmware listens, or has failed to start. True when that is done."""
     if not blank and not machine.listening():
         if machine.now_ms() < UP_LIMIT_MS:
             return False
         said = machine.pico.console.text.decode("utf-8", "replace").strip()
-        tell(_("the firmware has not come up: its console says\n{}", said) if said else _("the firmware has not come up"))
+        print_progress(_("the firmware has not come up: its console says\n{}", said) if said else _("the firmware has not come up"))
     for index, (name, line) in enumerate(ptys.items()):
         print(f"port: {line.name}" if index == 0 else f"port {name}: {line.name}", flush=True)
     return True
 
 
-def _loop(machine, ptys, usb, stopped, pressed, blank):
+def _run_until_stopped(machine, ptys, usb, stopped, pressed, blank):
     from host_tools.sim.serial_line import wait_for_bytes
 
     lines = [*ptys.values(), *([usb] if usb else [])]
@@ -142,7 +142,7 @@ def _loop(machine, ptys, usb, stopped, pressed, blank):
     flush_at = 0
     announced = False
     while not stopped:
-        announced = announced or _announce(machine, ptys, blank)
+        announced = announced or _print_ports(machine, ptys, blank)
         if pressed:
             pressed.clear()
             machine.pico.press_reset()
@@ -156,7 +156,7 @@ def _loop(machine, ptys, usb, stopped, pressed, blank):
         for name, line in ptys.items():
             if machine.replies_so_far(name):
                 line.write(machine.take(name))
-        said = machine.pico.console.take() if announced or usb is not None else b""  # before, `_announce` needs it
+        said = machine.pico.console.take() if announced or usb is not None else b""  # before, `_print_ports` needs it
         if usb is not None and said:
             usb.write(said)
         now = time.monotonic()

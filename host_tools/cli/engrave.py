@@ -8,7 +8,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.cli import resume_gcode
-from host_tools.cli.draw import corner
+from host_tools.cli.draw import parse_corner
 from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
 from host_tools.language import _, count_text, line_text
@@ -83,13 +83,13 @@ def engrave(
         raise Failure("--dialect is one of {}, not {!r}", ", ".join(DIALECTS), dialect)
     options = engraving.Options(
         width, height, dots, shade, threshold / 100, greys, black / 100, white / 100, gamma, invert,
-        engraving.read_curve(curve) if curve else (), power / 100, min(least, power) / 100, speed, one_way, offset, overscan, corner(origin),
+        engraving.read_curve(curve) if curve else (), power / 100, min(least, power) / 100, speed, one_way, offset, overscan, parse_corner(origin),
         passes, constant, air, None if frame is None else frame / 100,
     )  # fmt: skip
     if continued and not port:
         raise Failure("--continue goes on at a machine: give --port")
     with contextlib.ExitStack() as ends:
-        client = _client(ends, port, baud, home, unlock, continued) if port else None
+        client = _connect_machine(ends, port, baud, home, unlock, continued) if port else None
         rest = partial(resume_gcode.go_on, stored=0, home=home, unverified=False, yes=yes) if continued else None
         _carry_out(file, options, board, dialect, client, out, preview, rest)
 
@@ -107,15 +107,15 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
 
     console = Console()
     machine = engraving.Machine.of_settings(client.command("$$")) if client else engraving.Machine.of_board(boards.load(board), board)
-    _choose(dialect, machine, client)
-    options.speed = _bounded(console, options.speed, machine)
+    _choose_dialect(dialect, machine, client)
+    options.speed = _limit_speed(console, options.speed, machine)
     picture = engraving.open_picture(file) if file else engraving.card(options)
     with console.status(_("shading")) as status:
         powers = engraving.powers_of(picture, options, lambda share: status.update(_("shading: {:.0%}", share)))
     rows = engraving.rows_of(powers, options)
     lines = [(number, line.encode()) for number, line in enumerate(engraving.gcode(rows, options, machine), 1)]
     seconds = sum(gcode_time.estimate(lines, machine.limits))
-    _describe(console, powers, rows, options, machine, len(lines), seconds)
+    _print_plan(console, powers, rows, options, machine, len(lines), seconds)
     if preview:
         save_preview(preview, powers, rows, options, machine, seconds)
         console.print(str(preview))
@@ -132,7 +132,7 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
         console.print(_("{}: {} in {}", name, count_text(count, "line"), gcode_file.clock(seconds)))
 
 
-def _choose(dialect, machine, client):
+def _choose_dialect(dialect, machine, client):
     """How dots are written: packed, if the machine takes that. Raises Failure if rows of them are asked for, and it does not take them."""
     from host_tools.drawings import engraving
 
@@ -149,24 +149,24 @@ def _choose(dialect, machine, client):
         raise Failure("this machine takes no such rows of dots: its $I does not say so; give --dialect plain")
 
 
-def _client(ends, port, baud, home, unlock, continued):
+def _connect_machine(ends, port, baud, home, unlock, continued):
     from host_tools.clients.grbl import GrblClient
 
     client = ends.enter_context(GrblClient(port, baud))
     if continued:
-        resume_gcode.settled(client)
+        resume_gcode.wait_until_settled(client)
     else:
         make_ready(client, home, unlock)
     return client
 
 
-def _bounded(console, speed, machine):
+def _limit_speed(console, speed, machine):
     if speed > machine.speed:
         console.print(_("  [yellow]{:g} mm/min is more than the machine goes: {:g}[/yellow]", speed, machine.speed))
     return min(speed, machine.speed)
 
 
-def _describe(console, powers, rows, options, machine, lines, seconds):
+def _print_plan(console, powers, rows, options, machine, lines, seconds):
     from host_tools.drawings import engraving
     from host_tools.programs.gcode_file import clock
 

@@ -48,15 +48,15 @@ def experiments(
     if on not in (VIRTUAL, EMULATED):
         check_port(on)
     with place_of(on, moves) as place:
-        place.moves = place.moves or allowed(place, chosen)
-        done, failed = measure(chosen, place)
+        place.moves = place.moves or may_drive_pins(place, chosen)
+        done, failed = run_experiments(chosen, place)
     html, table = write(out, done, place.title())
     print(_("written: {} and {}", html, table))
     if failed:
         raise typer.Exit(1)
 
 
-def allowed(place, names):
+def may_drive_pins(place, names):
     """Whether a board's pins may be driven: asked at a terminal if one of the experiments wants that."""
     from host_tools.cli.prove import is_terminal
     from host_tools.experiments.experiments import EXPERIMENTS
@@ -66,30 +66,30 @@ def allowed(place, names):
     return typer.confirm(_("The board will drive its STEP and DIR pins, and home. Is the machine clear, and the emergency stop at hand? Then y"))
 
 
-def measure(names, place):
+def run_experiments(names, place):
     """([(name, Outcome or why not)], whether one failed or was wrong)"""
     from host_tools.emulator.copies import CopyFailed
     from host_tools.experiments.experiments import refusal, run
 
     done, failed = [], False
     for number, name in enumerate(names, 1):
-        tell(f"{number}/{len(names)} {name}")
+        print_progress(f"{number}/{len(names)} {name}")
         try:
             outcome = refusal(name, place)
             if outcome:
-                tell(f"{name}: {outcome}")
+                print_progress(f"{name}: {outcome}")
             else:
                 outcome = run(name, place)
                 failed = failed or any(row.agrees is False for row in outcome.rows)
         except (Failure, OSError, CopyFailed) as error:
             outcome, failed = error.message() if isinstance(error, Failure) else str(error).strip().splitlines()[-1], True
-            tell(f"{name}: {outcome}")
+            print_progress(f"{name}: {outcome}")
         except KeyboardInterrupt:
             return [*done, (name, _("interrupted"))], True
         done.append((name, outcome))
     return done, failed
 
 
-def tell(text):
+def print_progress(text):
     """For somebody who waits."""
     print(text, file=sys.stderr, flush=True)

@@ -42,10 +42,10 @@ def film(
     if sys.stderr.isatty():
         with progress_bar(transient=True) as bar:
 
-            def progress(share):
+            def show_share(share):
                 bar.update(bar.task_ids[0], completed=share, description=f"{share:4.0%} {out}", refresh=True)
 
-            count = films.write(out, moves, scale, seconds, speed, per_second, progress)
+            count = films.write(out, moves, scale, seconds, speed, per_second, show_share)
     else:
         count = films.write(out, moves, scale, seconds, speed, per_second)
     print(_("{}: {} frames", out, count))

@@ -50,20 +50,20 @@ def run():
                     lines = [board.stdout.readline()]
                 else:
                     if command == COMMANDS[-1]:
-                        _end(board)
+                        _end_board(board)
                     done = subprocess.run(words, **options, timeout=300)
                     if done.returncode:
                         raise Failure("{}: {}", command, done.stdout)
                     lines = done.stdout.splitlines()
                 told.append((command, [line.rstrip().replace(link, LINK) for line in lines if line.strip()]))
         finally:
-            _end(board)
+            _end_board(board)
         rows = read_trace(Path(folder) / "pen.csv")
     strokes = [points for down, points in strokes_of_trace(rows, boards.steps_per_mm(boards.load(BOARD))) if down]
-    return told, [_thinned(points) for points in strokes]
+    return told, [_thin_points(points) for points in strokes]
 
 
-def _end(board):
+def _end_board(board):
     """End it: its trace is whole."""
     if board is not None and board.poll() is None:
         board.terminate()
@@ -71,7 +71,7 @@ def _end(board):
         board.stdout.close()
 
 
-def _thinned(points):
+def _thin_points(points):
     kept = [points[0]]
     for point in points[1:-1]:
         if abs(point[0] - kept[-1][0]) + abs(point[1] - kept[-1][1]) >= _LEAST_MM:
@@ -79,11 +79,11 @@ def _thinned(points):
     return [*kept, points[-1]]
 
 
-def film(told, strokes):
+def film_svg(told, strokes):
     """The SVG's text."""
     at, y, rows, styles, drawing = 0.0, 34, [], [], (0.0, 1.0)
 
-    def show(text, kind, begin):
+    def add_text(text, kind, begin):
         if begin < 0:
             styles.append(f"@keyframes r{len(rows)}{{0%,100%{{opacity:1}}}}")
         else:
@@ -91,16 +91,16 @@ def film(told, strokes):
         rows.append(f'<text class="{kind}" style="animation-name:r{len(rows)}" x="{_MARGIN}" y="{y}" xml:space="preserve">{escape(text)}</text>')
 
     for number, (command, lines) in enumerate(told):
-        show(f"$ {command}", "typed", at if number else -1)
+        add_text(f"$ {command}", "typed", at if number else -1)
         at, y = at + _TYPING_S, y + _ROW
         if number == DRAWS:
             drawing = at, at + _DRAWING_S
         for row, line in enumerate(lines):
             late = number == DRAWS and row >= len(lines) - 2  # the bar and the end of the drawing
-            show(line[:_COLUMNS], "told", at + (_DRAWING_S if late else 0))
+            add_text(line[:_COLUMNS], "told", at + (_DRAWING_S if late else 0))
             at, y = at + (0 if number == DRAWS else _LINE_S), y + _ROW
         at, y = at + (_DRAWING_S + 1 if number == DRAWS else 0.8), y + 6
-    paths = _paths(strokes, *drawing, styles)
+    paths = _path_elements(strokes, *drawing, styles)
     begin = "\n".join(styles)
     return f"""<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" width="{_WIDTH}" height="{_HEIGHT}">
 <!-- made by python -m host_tools.cli.first_minute -->
@@ -120,7 +120,7 @@ path{{fill:none;stroke-width:9;stroke-dasharray:1;stroke-linecap:round;stroke-li
 """
 
 
-def _paths(strokes, begin, end, styles):
+def _path_elements(strokes, begin, end, styles):
     """Each stroke, drawn in the part of the time that its length is of all; blue first, red last."""
     lengths = [sum(abs(a[0] - b[0]) + abs(a[1] - b[1]) for a, b in zip(points, points[1:])) for points in strokes]
     xs, ys = [x for points in strokes for x, _ in points], [y for points in strokes for _, y in points]
@@ -144,4 +144,4 @@ def _paths(strokes, begin, end, styles):
 
 
 if __name__ == "__main__":
-    FILM.write_text(film(*run()), encoding="utf-8")
+    FILM.write_text(film_svg(*run()), encoding="utf-8")

@@ -33,19 +33,19 @@ PROBE_TIMEOUT_S = 30
 COPY_TIMEOUT_S = 600
 
 
-def commands(port, out, drivers=(), source=False):
+def flash_commands(port, out, drivers=(), source=False):
     """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules, copy the stamp and reset. The
     stamp is spoilt first, and main.py comes next, which compares it: whatever was there before, a board whose copy was cut short says so at
     its start. `drivers`: packages of micropython-lib,
     which mpremote fetches from the internet. `source`: the package is to run instead of the one in the UF2."""
-    mpremote = flash_uf2.mpremote(port)
+    mpremote = flash_uf2.mpremote_command(port)
     copy = ["cp", str(out / "main.py"), ":", "+", "cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "board.py"), ":"]
     if drivers:
         copy += ["+", "mip", "install", *drivers]
     finish = ["+", "run", str(REMOVE_STALE), "+", "cp", str(out / STAMP), ":"]
     finish += ["+", "cp", str(out / STAMP), ":source.txt"] if source else []
     finish += ["+", "reset"]
-    return [flash_uf2.asking(port), mpremote + ["run", str(REMOVE_STAMP), "+"] + copy + finish]
+    return [flash_uf2.ask_command(port), mpremote + ["run", str(REMOVE_STAMP), "+"] + copy + finish]
 
 
 def drivers_of(board):
@@ -73,7 +73,7 @@ def check_port(port):
         raise Failure("there is no port {}: is the board plugged in? (passo ports)", port)
 
 
-def probe(command, port):
+def ask_board(command, port):
     """Run `command` of mpremote and return its output. Raises Failure unless a board with MicroPython answers."""
     if find_spec("mpremote") is None:
         raise Failure("mpremote, which talks to the board, is not installed: pip install mpremote")
@@ -90,7 +90,7 @@ def probe(command, port):
     return result.stdout
 
 
-def copy(command, port):
+def copy_files(command, port):
     """Runs the copy with mpremote's own progress; raises Failure if it ended early."""
     try:
         result = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=COPY_TIMEOUT_S)
@@ -100,23 +100,23 @@ def copy(command, port):
         raise Failure("copying to {} ended early: {}; flash it again", port, reason_of(result.stderr))
 
 
-def put(command, chosen, port):
+def copy_and_report(command, chosen, port):
     """Copy, and say what runs."""
-    copy(command, port)
+    copy_files(command, port)
     print(_("{} runs on {}", chosen, port))
 
 
-def renew(port, path, board):
+def install_uf2(port, path, board):
     """Another UF2 for the board, which may be in its boot loader. Raises Failure."""
     told = flash_uf2.check_file(path)
     print(_("{} holds Passo's build {} for the {}", path, told[1], told[0]) if told else _("{} holds no Passo: MicroPython as it comes", path))
     try:
-        has = flash_uf2.told(probe(flash_uf2.asking(port), port), port) if flash_uf2.drive_of() is None else None
+        has = flash_uf2.parse_answer(ask_board(flash_uf2.ask_command(port), port), port) if flash_uf2.find_drive() is None else None
     except Failure:
-        raise flash_uf2.hold(path) from None
-    flash_uf2.replace(port, path, has)
+        raise flash_uf2.start_failure(path) from None
+    flash_uf2.replace_uf2(port, path, has)
     if board is None:
-        subprocess.run([*flash_uf2.mpremote(port), "reset"], capture_output=True, timeout=PROBE_TIMEOUT_S)
+        subprocess.run([*flash_uf2.mpremote_command(port), "reset"], capture_output=True, timeout=PROBE_TIMEOUT_S)
 
 
 def flash(
@@ -141,12 +141,12 @@ def flash(
     if port is not None and not dry_run and uf2 is None:
         check_port(port)
     if uf2 is not None and not dry_run:
-        renew(port, uf2, board)
+        install_uf2(port, uf2, board)
     if board is None:
         return
     config = check(boards.load(board))
     print_cautions(config)
-    if not dry_run and (found := flash_uf2.told(probe(flash_uf2.asking(port), port), port)).chip and not source:
+    if not dry_run and (found := flash_uf2.parse_answer(ask_board(flash_uf2.ask_command(port), port), port)).chip and not source:
         put_board_file(board, config, found, port)
         return
     check_module(config, board)
@@ -155,12 +155,12 @@ def flash(
     print(_("{}: {} files, {:,} bytes in {} (passo build lists them)", board, len(rows), sum(row[2] for row in rows), out))
     if config["chip"].startswith("esp32"):
         print(memory(config))
-    asking, copying = commands(port or "PORT", out, drivers_of(boards.load(board)), source)
+    asking, copying = flash_commands(port or "PORT", out, drivers_of(boards.load(board)), source)
     if dry_run:
         print(shlex.join(asking))
         print(shlex.join(copying))
         return
-    put(copying, board, port)
+    copy_and_report(copying, board, port)
 
 
 def put_board_file(board, config, found, port):
@@ -171,4 +171,4 @@ def put_board_file(board, config, found, port):
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "board.py"
         file.write_bytes(boards.board_py(board))
-        put(flash_uf2.copying(port, file), board, port)
+        copy_and_report(flash_uf2.copy_command(port, file), board, port)

@@ -1,7 +1,7 @@
 """UF2s of `passo flash`: it asks the board which one it runs, and puts another one there by the chip's own boot loader.
 
-    has = ask(port)                 # has.chip is None: MicroPython without Passo
-    replace(port, path, has)        # the board starts with the UF2 of a file; files survive
+    has = parse_answer(text, port)  # what ask_command(port) prints; has.chip is None: MicroPython without Passo
+    replace_uf2(port, path, has)    # the board starts with the UF2 of a file; files survive
 
 The boot loader shows the board as a drive: INFO_UF2.TXT on it says which chip it is. On Linux the desktop mounts it, or udisksctl;
 on Windows it gets a letter.
@@ -34,15 +34,15 @@ _OF_PACKAGE = "passo", "main.py", "stamp.txt", "source.txt"  # not carried over:
 Has = namedtuple("Has", "chip stamp version files_at names")
 
 
-def mpremote(port):
+def mpremote_command(port):
     return interpreter.mpremote(port)
 
 
-def asking(port):
-    return [*mpremote(port), "run", str(ASK)]
+def ask_command(port):
+    return [*mpremote_command(port), "run", str(ASK)]
 
 
-def told(text, port):
+def parse_answer(text, port):
     """The Has of ask_board.py's output. Raises Failure if the board runs something other than MicroPython."""
     lines = text.splitlines()
     words = lines[0].split() if lines else []
@@ -60,44 +60,44 @@ def check_fits(has, board, name):
         raise Failure("the board has Passo's UF2 for the {}, and {} wants that for the {}: passo flash --uf2 FILE", has.chip, name, wanted)
 
 
-def copying(port, board_file):
+def copy_command(port, board_file):
     """The command that lays a board file beside Passo's UF2."""
-    return [*mpremote(port), "run", str(REMOVE_PACKAGE), "+", "cp", str(board_file), ":board.py", "+", "reset"]
+    return [*mpremote_command(port), "run", str(REMOVE_PACKAGE), "+", "cp", str(board_file), ":board.py", "+", "reset"]
 
 
 # --- another UF2
 
 
-def replace(port, path, has):
+def replace_uf2(port, path, has):
     """`has` is None if nothing answers: then the board has to be in its boot loader. Raises Failure."""
-    kept = saved(port, path, has) if has else None
+    kept = save_files(port, path, has) if has else None
     if has:
-        subprocess.run([*mpremote(port), "exec", "--no-follow", "import machine; machine.bootloader()"], capture_output=True, timeout=START_S)
-    drive = awaited(drive_of, DRIVE_S)
+        subprocess.run([*mpremote_command(port), "exec", "--no-follow", "import machine; machine.bootloader()"], capture_output=True, timeout=START_S)
+    drive = wait_for(find_drive, DRIVE_S)
     if drive is None:
-        raise hold(path, kept)
+        raise start_failure(path, kept)
     print(_("copying {} to {}", path.name, drive))
     write(path, drive)
-    if awaited(lambda: drive_of() is None, DRIVE_S) is None or awaited(lambda: answer(port), START_S) is None:
-        raise hold(path, kept)
+    if wait_for(lambda: find_drive() is None, DRIVE_S) is None or wait_for(lambda: board_answers(port), START_S) is None:
+        raise start_failure(path, kept)
     if kept:
         put_back(port, kept)
 
 
-def hold(path, kept=None):
+def start_failure(path, kept=None):
     if kept:
         print(_("the board's files are in {0}; once it answers: mpremote cp -r {0}/* :", kept))
     return Failure("the board did not start with {0}: hold BOOTSEL while you plug it in, then: passo flash --uf2 {0}", path)
 
 
-def saved(port, path, has):
+def save_files(port, path, has):
     """A folder with the board's files if they would be lost, because the file system begins elsewhere; otherwise None."""
     if has.files_at == location(path)[0]:
         return None
     folder = Path(tempfile.mkdtemp(prefix="passo-files-"))
     names = [name for name in has.names if name not in _OF_PACKAGE]
     for name in names:
-        done = subprocess.run([*mpremote(port), "cp", "-r", f":{name}", str(folder)], capture_output=True, text=True, timeout=COPY_S)
+        done = subprocess.run([*mpremote_command(port), "cp", "-r", f":{name}", str(folder)], capture_output=True, text=True, timeout=COPY_S)
         if done.returncode:
             raise Failure("{} cannot be read from the board, and its file system is to move: {}", name, done.stderr.strip())
     print(_("the file system begins elsewhere: {} files and folders are kept in {}", len(names), folder))
@@ -107,7 +107,7 @@ def saved(port, path, has):
 def put_back(port, folder):
     names = sorted(str(each) for each in folder.iterdir())
     if names:
-        done = subprocess.run([*mpremote(port), "cp", "-r", *names, ":"], capture_output=True, text=True, timeout=COPY_S)
+        done = subprocess.run([*mpremote_command(port), "cp", "-r", *names, ":"], capture_output=True, text=True, timeout=COPY_S)
         if done.returncode:
             raise Failure("the board's files could not be put back, and are in {}: {}", folder, done.stderr.strip())
     shutil.rmtree(folder)
@@ -122,10 +122,10 @@ def write(path, drive):
             target.flush()
             os.fsync(target.fileno())
     except OSError:
-        pass  # replace() finds out by waiting for the board to start
+        pass  # replace_uf2() finds out by waiting for the board to start
 
 
-def awaited(question, limit_s):
+def wait_for(question, limit_s):
     """The first answer but None or False; None after the limit."""
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
@@ -136,14 +136,14 @@ def awaited(question, limit_s):
     return None
 
 
-def answer(port):
+def board_answers(port):
     try:
-        return subprocess.run([*mpremote(port), "exec", "pass"], capture_output=True, timeout=START_S).returncode == 0
+        return subprocess.run([*mpremote_command(port), "exec", "pass"], capture_output=True, timeout=START_S).returncode == 0
     except subprocess.TimeoutExpired:
         return False
 
 
-def drive_of():
+def find_drive():
     """The folder of the boot loader's drive, or None. PASSO_BOOT_DRIVE names it where it is mounted elsewhere."""
     if named := os.environ.get("PASSO_BOOT_DRIVE"):
         return Path(named) if (Path(named) / INFO).is_file() else None

@@ -36,7 +36,7 @@ class Table:
         self.limits = section.get("limits", {})
         self.masks = self.board["additions"].masks
 
-    def gated(self):
+    def rows_of_gates(self):
         """{name: Row} of the directions, tool and outputs that the firmware gates: in inputs only, without signals, as in its masks."""
         from passo.options.interlock.steps_viper import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
 
@@ -67,7 +67,7 @@ class Row:
             " & ".join(name if wanted else "!" + name for name, wanted in product.items()) for product in self.products
         )
 
-    def lines(self):
+    def truth_lines(self):
         """(states, value) of every combination of its inputs."""
         for levels in product((0, 1), repeat=len(self.names)):
             yield levels, int(self.value(dict(zip(self.names, levels))))
@@ -78,17 +78,17 @@ def truth_table(row):
     if len(row.names) > MOST_INPUTS:
         return [f"{row.name} = {row.text()}", _("    {} inputs: too many for a table", len(row.names))]
     lines = [f"{row.name} = {row.text()}", "    " + " ".join(row.names) + f"  {row.name}"]
-    for levels, value in row.lines():
+    for levels, value in row.truth_lines():
         lines.append("    " + " ".join(f"{level:>{len(name)}}" for name, level in zip(row.names, levels)) + f"  {value:>{len(row.name)}}")
     return lines
 
 
-def draw(table, path):
+def draw_table(table, path):
     """Draw a picture of the gated directions, tool and outputs against the inputs. Each product of a row is a line of marks: filled,
     the input must be active; empty, it must not."""
     from host_tools.figures import pyplot
 
-    gated = table.gated()
+    gated = table.rows_of_gates()
     rows = [(name, number, product) for name, row in gated.items() for number, product in enumerate(row.products)]
     names = [name for name in table.inputs if any(name in product for _, _, product in rows)]
     plt = pyplot()
@@ -135,8 +135,8 @@ def interlock(
         table = Table(boards.load(board))
     except BoardError as error:
         raise Failure("{}: {}", board, reason(error)) from None
-    for row in (table.rows if rows else table.gated()).values():
+    for row in (table.rows if rows else table.rows_of_gates()).values():
         print("\n".join(truth_table(row)), end="\n\n")
     if out:
-        draw(table, out)
+        draw_table(table, out)
         print(_("drawn: {}", out))

@@ -29,7 +29,7 @@ Protocol = Annotated[str, typer.Option(help="What the link of --port speaks: grb
 
 
 @contextlib.contextmanager
-def _connected(port, baud, protocol):
+def _connect_client(port, baud, protocol):
     """The client of the language; its ask(line) sends `$F` lines. Raises Failure if the board refuses one because a stored job runs."""
     from host_tools.cli import ports
     from host_tools.cli.link import BAUD
@@ -41,7 +41,7 @@ def _connected(port, baud, protocol):
     kinds = {"grbl": GrblClient, "pulses": PulsesClient, "plotter": PlotterClient}
     if protocol not in kinds:
         raise Failure("--protocol is {}, not {!r}", ", ".join(kinds), protocol)
-    with kinds[protocol](port or ports.only(), baud or BAUD[protocol]) as client:
+    with kinds[protocol](port or ports.only_port(), baud or BAUD[protocol]) as client:
         if protocol == "grbl":
             client.be_sure_it_stands()
         try:
@@ -53,7 +53,7 @@ def _connected(port, baud, protocol):
             raise
 
 
-def _listed(client):
+def _list_jobs(client):
     """({name: (bytes, bytes stored, CRC-32, language)}, bytes free, how many more jobs there are)."""
     from host_tools.clients.grbl import Refused
     from host_tools.programs.stored_job import LISTED
@@ -79,8 +79,8 @@ def list_(port: Port = None, baud: AnyBaud = None, protocol: Protocol = "grbl"):
 
         passo jobs list --port /dev/ttyACM0
     """
-    with _connected(port, baud, protocol) as client:
-        found, free, more = _listed(client)
+    with _connect_client(port, baud, protocol) as client:
+        found, free, more = _list_jobs(client)
     for name, (size, stored, crc, language) in found.items():
         print(_("{:24} {:9} bytes, {:8} in flash, {}", name, size, stored, language))
     if more:
@@ -123,8 +123,8 @@ def store(
         written = stored_job.write_on_card(card, name, language, data)
         print(_("{}: {} bytes, {} on the card", written, len(data), written.stat().st_size))
         return
-    with _connected(port, baud, protocol) as client:
-        free = _listed(client)[1]
+    with _connect_client(port, baud, protocol) as client:
+        free = _list_jobs(client)[1]
         if check and language == "grbl":
             _check_here(client, file)
         if len(packed) > free:
@@ -143,7 +143,7 @@ def store(
                 print(_("{0} has not been checked line by line: the machine is not idle. Home it, then: passo jobs check {0}", name))
                 return
             try:
-                _check(client, name)
+                _check_stored(client, name)
             except Refused as refused:
                 raise Failure("{} is stored, but not right: {}", name, refused) from None
 
@@ -168,13 +168,13 @@ def _check_here(client, file):
         raise Failure("{}, {}; nothing was stored", file, failure) from None
 
 
-def _check(client, name):
+def _check_stored(client, name):
     """Run a job in check mode. Raises Refused at its first error."""
     if client.ask_status()["state"] != "Idle":
         raise Failure("the machine has to be idle: home or unlock it first")
     client.command("$C")
     try:
-        _run(client, name, _("checking {}", name))
+        _run_job(client, name, _("checking {}", name))
     finally:
         client.reset()
     print(_("{}: every line is understood", name))
@@ -190,8 +190,8 @@ def check_(name: Annotated[str, typer.Argument(help="The job.")], port: Port = N
     """
     if protocol != "grbl":
         raise Failure("G-code is checked by the board; other files are checked whole when they are stored")
-    with _connected(port, baud, protocol) as client:
-        _check(client, name.upper())
+    with _connect_client(port, baud, protocol) as client:
+        _check_stored(client, name.upper())
 
 
 @app.command()
@@ -202,7 +202,7 @@ def delete(name: Annotated[str, typer.Argument(help="The job.")], port: Port = N
 
         passo jobs delete PART.GCODE
     """
-    with _connected(port, baud, protocol) as client:
+    with _connect_client(port, baud, protocol) as client:
         client.ask(f"$FD={name.upper()}")
 
 
@@ -222,17 +222,17 @@ def run(
         passo jobs run PART.GCODE --home
         passo jobs run PART.GCODE --no-wait
     """
-    with _connected(port, baud, protocol) as client:
+    with _connect_client(port, baud, protocol) as client:
         if home:
             client.home()
         if wait:
-            (_run if protocol == "grbl" else _watch)(client, name.upper(), _("running {}", name.upper()))
+            (_run_job if protocol == "grbl" else _watch_job)(client, name.upper(), _("running {}", name.upper()))
             print(_("{}: done", name.upper()))
         else:
             client.ask(f"$F={name.upper()}")
 
 
-def _run(client, name, text):
+def _run_job(client, name, text):
     """Run a job to its end, with progress and its `text`. Raises Refused if it ended with an error."""
     from host_tools.clients.grbl import LinkError, Refused, alarm_text, explain
 
@@ -263,8 +263,8 @@ def _run(client, name, text):
     raise LinkError("{}: the board says nothing of {} any more: it has ended, and its last message was lost", client.port, name)
 
 
-def _watch(client, name, text):
-    """_run() in a language that has no reports: `$F?` is asked."""
+def _watch_job(client, name, text):
+    """_run_job() in a language that has no reports: `$F?` is asked."""
     from host_tools.clients.refusal import Refused, explain
 
     client.ask(f"$F={name}")
@@ -297,9 +297,9 @@ class _bar:
             self._progress = progress_bar(True)
             self._progress.start()
             self._task = self._progress.task_ids[0]
-        return self._show
+        return self._show_share
 
-    def _show(self, share):
+    def _show_share(self, share):
         if self._progress:
             self._progress.update(self._task, completed=share, description=self._text, refresh=True)
 

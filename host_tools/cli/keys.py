@@ -42,23 +42,23 @@ def keys(
     from host_tools.cli import ports
     from host_tools.clients.wire import open_port
 
-    items = parse(send) if send is not None else None
-    kit = Kit(open_port(port or ports.only(), baud))
+    items = parse_keys(send) if send is not None else None
+    kit = Kit(open_port(port or ports.only_port(), baud))
     try:
         if items is not None:
-            kit.play(items)
+            kit.press_all(items)
             print(kit)
         elif sys.stdin.isatty():
-            _live(kit)
+            _press_live(kit)
         else:
             for line in sys.stdin:
-                kit.play(parse(line.split("#")[0]))
+                kit.press_all(parse_keys(line.split("#")[0]))
                 print(kit)
     finally:
         kit.close()
 
 
-def parse(text):
+def parse_keys(text):
     """Convert words to a list of bytes to send and seconds to wait. Raises Failure at the first that is neither."""
     from passo.commands import KIT_SLOWEST
 
@@ -89,14 +89,14 @@ class Kit:
     def close(self):
         self._serial.close()
 
-    def play(self, items):
+    def press_all(self, items):
         for item in items:
             if isinstance(item, float):
                 time.sleep(item)
             else:
-                self.press(item)
+                self.press_key(item)
 
-    def press(self, data):
+    def press_key(self, data):
         """Send one task: a byte, or two for a speed."""
         from host_tools.clients.serial_port import port_error
 
@@ -105,9 +105,9 @@ class Kit:
             self._serial.flush()
         except (OSError, ValueError) as error:
             raise port_error(self._serial.port, error) from error
-        self._note(data)
+        self._note_state(data)
 
-    def _note(self, data):
+    def _note_state(self, data):
         from passo.protocols.keys.protocol import OFF, ON, REVERSE, SPEED
 
         key = data[0]
@@ -134,24 +134,24 @@ class Kit:
         return "   ".join(motors)
 
 
-def _live(kit):
+def _press_live(kit):
     print(_("A n, B n: speed    C D I: on    E F J: off    G H: reverse    q: both off, and leave"))
     with _raw_terminal():
         while True:
             print(f"\r\x1b[K{kit}", end="", flush=True)
             character = sys.stdin.read(1)
             if not character or character in _LEAVE:
-                kit.press(b"J")
+                kit.press_key(b"J")
                 print(f"\r\x1b[K{kit}\r")
                 return
             key = character.upper()
             if key in "AB":
-                _speed(kit, key)
+                _read_speed(kit, key)
             elif key in "CDEFGHIJ":
-                kit.press(key.encode())
+                kit.press_key(key.encode())
 
 
-def _speed(kit, key):
+def _read_speed(kit, key):
     """Read the speed's digits up to Enter."""
     digits = ""
     while True:
@@ -165,7 +165,7 @@ def _speed(kit, key):
             break
     if character in "\r\n " and digits:
         try:
-            kit.play(parse(f"{key}{digits}"))
+            kit.press_all(parse_keys(f"{key}{digits}"))
         except Failure as failure:
             print(f"\r\x1b[K{failure.message()}\r")
 

@@ -12,7 +12,7 @@ _SIGN_S = 0.3
 _WAIT_S = 600  # that a way, a spindle or a dwell may take
 
 
-def announce(client, lines, name):
+def announce_program(client, lines, name):
     """Tell a board with a journal which program begins, and remember its name."""
     from host_tools.clients.grbl import Refused
     from host_tools.programs import begun
@@ -25,7 +25,7 @@ def announce(client, lines, name):
             raise
 
 
-def prepared(client, lines, number, place=None, yes=False, end=None, sure=True):
+def prepare_start(client, lines, number, place=None, yes=False, end=None, sure=True):
     """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there.
     Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
     `sure`: see staged().
@@ -50,17 +50,17 @@ def _carry_out(client, stages, number, yes):
     moving = any(what == replay.DOWN for what, _ in stages)
     for what, sent in stages:
         if what == (replay.DOWN if moving else replay.GO) and not yes:
-            _ask(client, _("line {}: next is {}", number, " ".join(sent)))
+            _require_agreement(client, _("line {}: next is {}", number, " ".join(sent)))
         for line in sent:
             client.command(line, _WAIT_S)
         client.command("G4P0", _WAIT_S)
 
 
-def _ask(client, next_):
+def _require_agreement(client, next_):
     """Raise Failure unless the operator agrees; spindle and coolant are off then, and if nobody can be asked or the question is broken off."""
     agrees = False
     try:
-        agrees = agreed(next_, client.ask_status)
+        agrees = operator_agrees(next_, client.ask_status)
     finally:
         if not agrees:
             client.command("M5")
@@ -69,7 +69,7 @@ def _ask(client, next_):
         raise Failure("not gone on: the tool is up, spindle and coolant are off")
 
 
-def agreed(next_, idle=None):
+def operator_agrees(next_, idle=None):
     """Ask the operator before the tool goes down; `idle()` is called several times a second meanwhile, so that a board that minds its
     host, the spindle on, hears of it. Raises Failure if there is nobody."""
     if not sys.stdin.isatty():

@@ -35,18 +35,18 @@ def link(
 
     if protocol not in BAUD:
         raise Failure("--protocol {}: it has no word for that; ask on a link that speaks {}", protocol, ", ".join(BAUD))
-    port = port or ports.only()
+    port = port or ports.only_port()
     baud = baud or BAUD[protocol]
     if protocol == "grbl":
-        print(_grbl(port, baud, number))
+        print(_hand_over_grbl(port, baud, number))
     elif number is None:
         raise Failure("{} has no word for who commands; give the number of a link", protocol)
     else:
-        {"plotter": _plotter, "torch": _torch, "pulses": _pulses}[protocol](port, baud, number)
+        {"plotter": _hand_over_plotter, "torch": _hand_over_torch, "pulses": _hand_over_pulses}[protocol](port, baud, number)
         print(_("link {} commands", number) if number else _("this link commands"))
 
 
-def _grbl(port, baud, number):
+def _hand_over_grbl(port, baud, number):
     from host_tools.clients.grbl import GrblClient
 
     with GrblClient(port, baud) as client:
@@ -59,14 +59,14 @@ def _grbl(port, baud, number):
     return _("link {}, {}, commands", commander, name)
 
 
-def _plotter(port, baud, number):
+def _hand_over_plotter(port, baud, number):
     from host_tools.clients.plotter import PlotterClient
 
     with PlotterClient(port, baud) as client:
         client.hand_over(number)
 
 
-def _torch(port, baud, number):
+def _hand_over_torch(port, baud, number):
     from host_tools.clients.torch import TorchClient
     from passo.protocols.torch import protocol as torch
 
@@ -74,7 +74,7 @@ def _torch(port, baud, number):
         client.order(torch.passo(torch.LINK_OF, number))
 
 
-def _pulses(port, baud, number):
+def _hand_over_pulses(port, baud, number):
     from host_tools.clients.serial_port import LinkError
     from host_tools.clients.wire import open_port
     from passo.protocols.pulses import protocol as pulses

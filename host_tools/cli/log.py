@@ -30,27 +30,27 @@ def log(
 
     Example: passo log --port /dev/ttyUSB0 --protocol pulses
     """
-    protocol, port, baud = link(port, baud, protocol)
-    for line in {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud):
+    protocol, port, baud = find_link(port, baud, protocol)
+    for line in {"grbl": _lines_of_grbl, "torch": _lines_of_torch, "pulses": _lines_of_pulses, "plotter": _lines_of_plotter}[protocol](port, baud):
         print(line)
 
 
-def link(port, baud, protocol):
+def find_link(port, baud, protocol):
     """(language, port, baud) of the link to ask, from the options; those left out are found. Raises Failure."""
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
-        raise _wordless(protocol)
-    port = port or ports.only()
+        raise _no_word_failure(protocol)
+    port = port or ports.only_port()
     baud = baud or BAUD[protocol or "grbl"]
-    return protocol or spoken(port, baud), port, baud
+    return protocol or find_language(port, baud), port, baud
 
 
-def _wordless(language):
+def _no_word_failure(language):
     return Failure("--protocol {}: it has no word for the status and the log; ask on a link that speaks {}", language, ", ".join(BAUD))
 
 
-def spoken(port, baud, known=BAUD):
+def find_language(port, baud, known=BAUD):
     """Find the language of a link, one of `known`. `?` moves nothing in any, and no log has it: grbl and pulses answer with their status.
     A board of keys says why it refused the last key: two bytes, and nothing else may be sent there, for each byte may be a key.
     If nothing answers, five bytes more make a plotter's packet STATUS of it; a torch takes no notice of either, and is asked last.
@@ -60,7 +60,7 @@ def spoken(port, baud, known=BAUD):
     from host_tools.clients.frames import OFFER_S, FramedPort
     from host_tools.clients.wire import open_port
 
-    def question(line):
+    def ask_status(line):
         line.timeout = _ANSWER_S
         line.write(_STATUS[:1])
         said = line.read(9)
@@ -75,18 +75,18 @@ def spoken(port, baud, known=BAUD):
         status = said.find(b"<")
         return said if status < 1 else said[status:] + line.read(1)
 
-    said = _with(open_port(port, baud), question)
+    said = _ask_and_close(open_port(port, baud), ask_status)
     if said[:1] == _STATUS[:1] and len(said) == _WHY_LENGTH:
         if "keys" in known:
             return "keys"
-        raise _wordless("keys")
+        raise _no_word_failure("keys")
     if not said and _is_torch(port, baud):
         return "torch"
     if not said or b"\0" in said:
         if serial_port.frames is not False:
             with contextlib.suppress(OSError):  # a session that does not end: the language is not found then, and the caller says so
-                _with(FramedPort(open_port(port, baud)), lambda line: line.begin(OFFER_S))
-        said = _with(open_port(port, baud), question)  # a board may have been busy, too
+                _ask_and_close(FramedPort(open_port(port, baud)), lambda line: line.begin(OFFER_S))
+        said = _ask_and_close(open_port(port, baud), ask_status)  # a board may have been busy, too
     if said[:1] == b"<":
         return "grbl" if said[1:2].isupper() else "pulses"
     if said[:1] == _STATUS[:1] and len(said) == STATUS_LENGTH:
@@ -101,7 +101,7 @@ def _is_torch(port, baud):
         return client.status() is not None
 
 
-def _with(line, ask):
+def _ask_and_close(line, ask):
     """Return ask(line) and close `line`; then wait until the board takes what comes next for something new."""
     try:
         return ask(line)
@@ -110,38 +110,38 @@ def _with(line, ask):
         time.sleep(_QUIET_S)
 
 
-def _grbl(port, baud):
+def _lines_of_grbl(port, baud):
     from host_tools.clients.grbl import GrblClient
 
     with GrblClient(port, baud) as client:
-        return [text for text in map(shown, client.command("$LOG")) if text]
+        return [text for text in map(log_line_text, client.command("$LOG")) if text]
 
 
-def _torch(port, baud):
+def _lines_of_torch(port, baud):
     from host_tools.clients.torch import TorchClient
 
     with TorchClient(port, baud) as client:
         entries = client.log()
     if entries is None:
         raise Failure("{}: no answer, or a board that keeps no log; is it one of --protocol {}?", port, ", ".join(BAUD))
-    return told(entries)
+    return entry_lines(entries)
 
 
-def _pulses(port, baud):
+def _lines_of_pulses(port, baud):
     from host_tools.clients.pulses import PulsesClient
 
     with PulsesClient(port, baud) as client:
-        return told(client.log())
+        return entry_lines(client.log())
 
 
-def _plotter(port, baud):
+def _lines_of_plotter(port, baud):
     from host_tools.clients.plotter import PlotterClient
     with PlotterClient(port, baud) as client:
         number = client.status()["error"]
     return [_("the last: {:>3}  {}", number, error_text(number)) if number else _("nothing since it was last asked")]
 
 
-def told(entries):
+def entry_lines(entries):
     return [entry_text(*entry) for entry in entries] or [_("nothing since the start")]
 
 
@@ -159,7 +159,7 @@ def pin_text(name, active, trips, glitches, at_ms, lasted_ms):
     return text
 
 
-def shown(line):
+def log_line_text(line):
     """A line of $LOG as people read it; None for any other."""
     name, colon, fields = line.strip("[]").partition(":")
     if name == "LOG":

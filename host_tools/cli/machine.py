@@ -16,7 +16,7 @@ from host_tools.build.budget import check_module
 from host_tools.build.machines import OLD
 from host_tools.build.tree import FILE_LIST, STAMP, build_tree, default_out
 from host_tools.cli import flash_uf2
-from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
+from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, flash_commands, copy_files, ask_board, reason_of
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
@@ -42,18 +42,18 @@ _BAUD = 115_200  # of a chip's own USB any will do
 _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
 
-def _mpremote(port):
+def _mpremote_command(port):
     return interpreter.mpremote(port)
 
 
-def _run(port, call, *more):
+def _call_board(port, call, *more):
     """The lines that a call of machines.py prints on the board. Raises Failure with its error."""
     check_port(port)
-    probe(commands(port, Path())[0], port)
+    ask_board(flash_commands(port, Path())[0], port)
     text = _ON_BOARD.read_text(encoding="utf-8") + "\n" + call
     try:
         result = subprocess.run(
-            [*_mpremote(port), "exec", text, *more], capture_output=True, text=True, timeout=COPY_TIMEOUT_S
+            [*_mpremote_command(port), "exec", text, *more], capture_output=True, text=True, timeout=COPY_TIMEOUT_S
         )
     except subprocess.TimeoutExpired:
         raise Failure("the board on {} stopped answering", port) from None
@@ -68,7 +68,7 @@ def list_(port: Port):
 
     Example: passo machine list --port /dev/ttyACM0
     """
-    lines = _run(port, "tell()", "+", "reset")
+    lines = _call_board(port, "tell()", "+", "reset")
     now = next((line[7:] for line in lines if line.startswith("chosen ")), "")
     found = [line[8:].split(": ", 1) for line in lines if line.startswith("machine ")]
     for name, state in found:
@@ -86,7 +86,7 @@ def add(
 
     Example: passo machine add boards/mine.py --port /dev/ttyACM0
     """
-    told = store(board, port, "tell()")
+    told = store_machine(board, port, "tell()")
     name = Path(board).stem
     print(_("{0} is stored: passo machine choose {0}", name))
     for line in told:
@@ -94,7 +94,7 @@ def add(
             print(line)
 
 
-def store(board, port, call, out=None):
+def store_machine(board, port, call, out=None):
     """Store a machine, and what is missing of its firmware; then `call` of machines.py, and a restart. `out`: folder of the build.
     Returns the lines that the call prints. Raises Failure."""
     from host_tools import board_files, boards
@@ -102,16 +102,16 @@ def store(board, port, call, out=None):
     name = Path(board).stem
     board_files.check_name(name)
     chip = boards.load(board).get("chip")
-    told = _run(port, "tell()")
+    told = _call_board(port, "tell()")
     there = next((line[5:] for line in told if line.startswith("chip ")), None)
     if there is None:
         raise Failure("there is no machine on this board yet: passo flash first")
     if there != chip:
         raise Failure("this board is an {}, and {} is for an {}", there, name, chip)
-    files = _firmware(board, port, out or default_out(board))
+    files = _build_firmware(board, port, out or default_out(board))
     text = "".join(f"{path} {digest}\n" for path, digest in files)
     data = boards.board_py(board)
-    wanted = {line.split()[1] for line in _run(port, f"retire({name!r}, {_digest('board.py', data)!r})\nwant({text!r})") if line.startswith("wants ")}
+    wanted = {line.split()[1] for line in _call_board(port, f"retire({name!r}, {_file_digest('board.py', data)!r})\nwant({text!r})") if line.startswith("wants ")}
     with tempfile.TemporaryDirectory() as folder:
         machines = Path(folder) / "machines"
         (machines / "files").mkdir(parents=True)
@@ -119,44 +119,44 @@ def store(board, port, call, out=None):
             if digest in wanted:
                 shutil.copyfile(source, machines / "files" / digest)
         if wanted:
-            copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
+            copy_files([*_mpremote_command(port), "cp", "-r", str(machines), ":"], port)
         stored = machines / name
         stored.mkdir()
         (stored / "board.py").write_bytes(data)
         (stored / "modules.txt").write_text(text, encoding="ascii")
-        copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
-    return _run(port, "tidy()\n" + call, "+", "reset")
+        copy_files([*_mpremote_command(port), "cp", "-r", str(machines), ":"], port)
+    return _call_board(port, "tidy()\n" + call, "+", "reset")
 
 
-def _firmware(board, port, out):
+def _build_firmware(board, port, out):
     """{(path on the board, digest): file} of a machine's firmware: none where the board has Passo's UF2."""
     from host_tools import boards
     from passo.config.boardfile import check
 
-    has = flash_uf2.told(probe(flash_uf2.asking(port), port), port)
+    has = flash_uf2.parse_answer(ask_board(flash_uf2.ask_command(port), port), port)
     if has.chip:
         flash_uf2.check_fits(has, check(boards.load(board)), board)
         return {}
     check_module(check(boards.load(board)), board)
     build_tree(board, out)
     files = [out / "main.py", out / STAMP, *sorted(path for path in (out / "passo").rglob("*.*") if path.name != FILE_LIST)]
-    return {(path.relative_to(out).as_posix(), _digest(path.relative_to(out).as_posix(), path.read_bytes())): path for path in files}
+    return {(path.relative_to(out).as_posix(), _file_digest(path.relative_to(out).as_posix(), path.read_bytes())): path for path in files}
 
 
-def _digest(path, data):
+def _file_digest(path, data):
     """As machines.py has it."""
     return hashlib.sha256(path.encode() + b"\0" + data).hexdigest()[:16]
 
 
-def become(board, port):
+def become_machine(board, port):
     """Store a machine, choose it and start the board with it; what fails starts the board with the machine it had. The board must
     stand, and nobody use its port. Takes some ten seconds, a minute if much has to be copied. Raises Failure."""
     try:
         with tempfile.TemporaryDirectory() as folder:
-            store(board, port, f"choose({Path(board).stem!r})", Path(folder))
+            store_machine(board, port, f"choose({Path(board).stem!r})", Path(folder))
     except Failure:
         with contextlib.suppress(subprocess.SubprocessError):
-            subprocess.run([*_mpremote(port), "reset"], capture_output=True, timeout=PROBE_TIMEOUT_S)
+            subprocess.run([*_mpremote_command(port), "reset"], capture_output=True, timeout=PROBE_TIMEOUT_S)
         raise
 
 
@@ -172,8 +172,8 @@ def choose(
     Example: passo machine choose lpt_router --port /dev/ttyACM0
     """
     _check_stored_name(name)
-    _at_rest(port)
-    _run(port, f"choose({name!r})", "+", "reset")
+    _check_at_rest(port)
+    _call_board(port, f"choose({name!r})", "+", "reset")
     print(_("{} is chosen, and the board starts with it", name))
 
 
@@ -185,8 +185,8 @@ def back(port: Port):
 
     Example: passo machine back --port /dev/ttyACM0
     """
-    _at_rest(port)
-    lines = _run(port, "back()", "+", "reset")
+    _check_at_rest(port)
+    lines = _call_board(port, "back()", "+", "reset")
     print(_("{} is chosen, and the board starts with it", next(line[7:] for line in lines if line.startswith("chosen "))))
 
 
@@ -200,8 +200,8 @@ def remove(
     Example: passo machine remove mine_old --port /dev/ttyACM0
     """
     _check_stored_name(name)
-    _at_rest(port)
-    _run(port, f"remove({name!r})\ntidy()", "+", "reset")
+    _check_at_rest(port)
+    _call_board(port, f"remove({name!r})\ntidy()", "+", "reset")
     print(_("{} is removed", name))
 
 
@@ -222,8 +222,8 @@ def new(
 
     board_files.check_name(name)
     file = Path(f"{name}.py")
-    board_files.create(file, like, _values(pairs))
-    _say_written(file)
+    board_files.create(file, like, _parse_pairs(pairs))
+    _print_written(file)
 
 
 @app.command("set")
@@ -244,25 +244,25 @@ def set_(
 
     board_files.check_own(file)
     text = boards.read(file)
-    changed = board_files.edited(file, text, _values(pairs))
+    changed = board_files.edited(file, text, _parse_pairs(pairs))
     if port is not None:
         board_files.check_name(file.stem)
-        _at_rest(port)
+        _check_at_rest(port)
     board_files.replace(file, text, changed)
-    _say_written(file)
+    _print_written(file)
     if port is not None:
-        become(str(file), port)
+        become_machine(str(file), port)
         print(_("{0} starts with it; passo machine back --port {0} returns to what it was", port))
 
 
-def _values(pairs):
+def _parse_pairs(pairs):
     """{path: value} of KEY=VALUE. Raises Failure."""
     from host_tools import board_edit
 
     return dict(board_edit.parse(pair) for pair in pairs)
 
 
-def _say_written(file):
+def _print_written(file):
     print(_("{} is written", file))
 
 
@@ -271,26 +271,26 @@ def _check_stored_name(name):
         raise Failure("{!r} is no name of a machine", name)
 
 
-def _at_rest(port):
+def _check_at_rest(port):
     """Raise Failure if a machine on that port says, in whatever language, that it is moving. One that says nothing is at its prompt, or in its start."""
     check_port(port)
     try:
-        state = _state(port)
+        state = _ask_state(port)
     except Failure:
         return
     if state.partition(":")[0].lower() not in ("idle", "alarm", "sleep", "check"):
         raise Failure("the machine is not at rest: {}; stop it first", state)
 
 
-def _state(port):
+def _ask_state(port):
     """What a machine says that it does; "idle" if it is no torch of Passo's, which has no word for it. Raises Failure if nothing answers."""
-    from host_tools.cli.log import spoken
+    from host_tools.cli.log import find_language
     from host_tools.clients.grbl import GrblClient
     from host_tools.clients.plotter import PlotterClient
     from host_tools.clients.pulses import PulsesClient
     from host_tools.clients.torch import TorchClient
 
-    kind = {"pulses": PulsesClient, "plotter": PlotterClient, "torch": TorchClient}.get(spoken(port, _BAUD))
+    kind = {"pulses": PulsesClient, "plotter": PlotterClient, "torch": TorchClient}.get(find_language(port, _BAUD))
     if kind is None:
         with GrblClient(port, _BAUD, 0.5) as client:
             return client.ask_status()["state"]

@@ -55,7 +55,7 @@ def _show_version(wanted: bool):
         raise typer.Exit()
 
 
-def _choose(context: typer.Context, lang: Optional[str]):
+def _choose_language(context: typer.Context, lang: Optional[str]):
     """Before all other options: --help behind it speaks that language."""
     if lang is not None and lang not in language.LANGUAGES:
         raise Failure("--lang is en or pt, not {!r}", lang)
@@ -63,7 +63,7 @@ def _choose(context: typer.Context, lang: Optional[str]):
     language.speak(context.command)
 
 
-def _passo(
+def _passo_options(
     context: typer.Context,
     _version: Annotated[
         bool, typer.Option("--version", help="Show the version and end.", callback=_show_version, is_eager=True)
@@ -71,7 +71,7 @@ def _passo(
     lang: Annotated[
         Optional[str],
         typer.Option(
-            metavar="pt|en", is_eager=True, callback=_choose,
+            metavar="pt|en", is_eager=True, callback=_choose_language,
             help="Language of all that is said to people; LANG's unless given.",
         ),
     ] = None,
@@ -126,10 +126,10 @@ def explain_missing(name):
 
 
 @lru_cache(maxsize=None)
-def made(verbs=VERBS):
+def create_app(verbs=VERBS):
     """Return a typer.Typer with these verbs."""
     app = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode="markdown")
-    app.callback(invoke_without_command=True)(_passo)
+    app.callback(invoke_without_command=True)(_passo_options)
     for verb in verbs:
         module = import_module(f"host_tools.cli.{verb}")
         if hasattr(module, "app"):
@@ -141,11 +141,11 @@ def made(verbs=VERBS):
 
 def __getattr__(name):
     if name == "app":
-        return made()
+        return create_app()
     raise AttributeError(name)
 
 
-def asked(words):
+def verbs_to_import(words):
     """Return the verbs to import for a command line: its first word if that is a verb; else all of them, which --help and "No such
     command" list."""
     if words[:1] == ["--lang"]:
@@ -157,7 +157,7 @@ def main():
     """Run `passo`. Failures and errors of the system become one line on stderr and exit status 1."""
     interpreter.isolate()
     try:
-        command = typer.main.get_command(made(asked(sys.argv[1:])))
+        command = typer.main.get_command(create_app(verbs_to_import(sys.argv[1:])))
         language.speak(command)
         speak_by_itself(command)
         help_with_first_steps(command)

@@ -24,7 +24,7 @@ class Try(NamedTuple):
     turn: bool
 
 
-def work(item):
+def nest_try(item):
     """(height used in mm, share of it that is full) of a Try; None: there was no room."""
     import shapely
 
@@ -78,14 +78,14 @@ def nest(
     sent = tuple(shapely.to_wkb(found))
     items = (Try(order, sent, width, height, gap, turn) for order in range(tries))
     with table(out, _COLUMNS) as write:
-        rows = sorted((item.order, result) for item, result in done(work, items, min(workers or os.cpu_count() or 1, tries), dask))
+        rows = sorted((item.order, result) for item, result in done(nest_try, items, min(workers or os.cpu_count() or 1, tries), dask))
         for order, result in rows:
             write((order, f"{result[0]:.3f}", f"{100 * result[1]:.1f}", "") if result not in (DIED, None) else (order, "", "", result or _("no room")))
     made = sorted((round(result[0], 3), order, 100 * result[1]) for order, result in rows if result not in (DIED, None))
-    _tell(made, tries, sum(result == DIED for _order, result in rows), width, height)
+    _print_best(made, tries, sum(result == DIED for _order, result in rows), width, height)
 
 
-def _tell(made, tries, died, width, height):
+def _print_best(made, tries, died, width, height):
     """Raises Failure if no nesting has room."""
     for used, order, full in made[:_SHOWN]:
         print(_("nesting {:>6}: {:.1f} mm of the sheet's height, {:.0f} % of that full", order, used, full))

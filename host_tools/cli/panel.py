@@ -65,8 +65,8 @@ def panel(
     board = board or (_DEMO if demo else None)
     virtual = Demo(board, ["--trace", str(trace)] if trace else []) if demo else None
     try:
-        served = _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt)
-        asyncio.run(served.run(host, http, lambda number: _tell(host, number, served.key, line, open_)))
+        served = _create_panel(virtual, port, baud, protocol, board, line, jobs, host, own, prompt)
+        asyncio.run(served.run(host, http, lambda number: _print_address(host, number, served.key, line, open_)))
     finally:
         if virtual:
             virtual.close()
@@ -74,7 +74,7 @@ def panel(
             line.close()
 
 
-def _tell(host, number, key, line, open_):
+def _print_address(host, number, key, line, open_):
     """Print where the page is, and open it."""
     from host_tools.sim.consent import print_port
     from host_tools.clients.page_key import in_groups
@@ -86,10 +86,10 @@ def _tell(host, number, key, line, open_):
         print_port(line)
     print(_("Ctrl-C ends it."), flush=True)
     if open_:
-        _open(f"{address}#key={key}")
+        _open_browser(f"{address}#key={key}")
 
 
-def _open(address):
+def _open_browser(address):
     """Open an address in this PC's browser. Its key is not for the list of processes, where all users see a browser's arguments: the
     browser is given a file that only this user can read, which leads there."""
     import tempfile
@@ -101,7 +101,7 @@ def _open(address):
     webbrowser.open(page.as_uri())
 
 
-def _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
+def _create_panel(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
     """The Panel of a virtual board, or of the board on `port`; None: the only one that is connected."""
     from host_tools import boards
     from host_tools.cli import ports
@@ -109,9 +109,9 @@ def _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
     from host_tools.panel.board import Port
     from host_tools.panel.panel import Panel
 
-    name = virtual.name if virtual else port or ports.only()
-    language = _spoken(_language(boards.load(board)) if virtual else protocol, name, baud, line)
-    machines, change, files = _demos(virtual, own, line) if virtual else _cable(name, prompt, board, own, line)
+    name = virtual.name if virtual else port or ports.only_port()
+    language = _find_language(_language_of(boards.load(board)) if virtual else protocol, name, baud, line)
+    machines, change, files = _demo_machines(virtual, own, line) if virtual else _cable_machines(name, prompt, board, own, line)
     table = boards.load(board or languages.BOARDS[language])
     return Panel(
         lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines, change,
@@ -119,32 +119,32 @@ def _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
     )  # fmt: skip
 
 
-def _speaking(guest):
+def _languages_for(guest):
     """The languages of machines to choose from."""
     from host_tools.panel import languages
 
     return ("grbl",) if guest else tuple(languages.BOARDS)
 
 
-def _demos(virtual, own, guest):
+def _demo_machines(virtual, own, guest):
     """(names of the virtual machines to choose from, function that starts one, {name: board file})."""
     from host_tools import boards
 
-    files = _machines(boards, virtual.board, own, _speaking(guest))
+    files = _machines_speaking(boards, virtual.board, own, _languages_for(guest))
 
-    def change(name):
+    def change_demo(name):
         table = boards.load(files[name])
         return virtual.change(files[name]), table["links"][0], table
 
-    return list(files), change, files
+    return list(files), change_demo, files
 
 
-def _cable(port, prompt, board, own, guest):
+def _cable_machines(port, prompt, board, own, guest):
     """(names of the machines that the board on `port` may become, function that makes it one, {name: board file})."""
-    from host_tools.cli.machine import become
+    from host_tools.cli.machine import become_machine
     from host_tools.panel.cable import Cable
 
-    cable = Cable(port, prompt or port, board or "", own, _speaking(guest), become)
+    cable = Cable(port, prompt or port, board or "", own, _languages_for(guest), become_machine)
     for what in cable.wrong:
         print(_("left out: {}", what))
     return cable.names(), cable.change, cable.files
@@ -160,13 +160,13 @@ def _guest_line(guest):
     return GuestLine(TcpLine(int(guest), message=TAKEN["grbl"]), Consent()) if guest.isdigit() else PtyLine(guest)
 
 
-def _spoken(language, port, baud, guest):
+def _find_language(language, port, baud, guest):
     """The language of a board: as given, or else found by asking. Raises Failure if the panel does not speak it."""
-    from host_tools.cli.log import spoken
+    from host_tools.cli.log import find_language
     from host_tools.panel import languages
 
     if not language:
-        language = spoken(port, baud or _BAUD)
+        language = find_language(port, baud or _BAUD)
         if language == "torch":
             _check_torch(port, baud)
     if language not in languages.BOARDS:
@@ -192,19 +192,19 @@ def _check_torch(port, baud):
         )
 
 
-def _language(board):
+def _language_of(board):
     """Protocol of the first link of a board file."""
     return board["links"][0]["protocol"]
 
 
-def _machines(boards, first, own, speaking):
+def _machines_speaking(boards, first, own, speaking):
     """{name: board file} of those whose first link speaks one of those languages, `first` at the head. Files that are wrong are left out."""
     from host_tools import board_files
 
     found = {first: first}
     for name, file in board_files.choice(own).items():
         try:
-            if _language(boards.load(file)) in speaking:
+            if _language_of(boards.load(file)) in speaking:
                 found.setdefault(name, file)
         except Failure as failure:
             print(_("left out: {}", failure.message()))

@@ -30,13 +30,13 @@ def plot(
     scale = scale_of(steps_per_mm, board)
     out = out or trace.with_suffix(".png")
     rows = read_trace(trace)
-    table = None if steps_per_mm or drawn else _table(board)
+    table = None if steps_per_mm or drawn else _table_box(board)
     strokes = [stroke for stroke in strokes_of_trace(rows, scale) if stroke[0] or not drawn]
     save(out, strokes, title_of_trace(trace.stem, rows), table, order=order)
     print(out)
 
 
-def _table(name):
+def _table_box(name):
     """The box that the machine can reach, in mm, or None if the board file does not say."""
     from host_tools import boards
     from host_tools.drawings import placement

@@ -24,7 +24,7 @@ def kind_of(vendor, product):
     return None
 
 
-def found():
+def find_boards():
     """[(port, kind, serial number)] of the boards that are connected now."""
     from serial.tools import list_ports
 
@@ -36,9 +36,9 @@ def found():
     return boards
 
 
-def only():
+def only_port():
     """The port of the one board that is connected. Raises Failure if there is none, or more than one."""
-    boards = found()
+    boards = find_boards()
     if not boards:
         raise Failure("no board is connected; name its port with --port")
     if len(boards) > 1:
@@ -56,7 +56,7 @@ def ports():
     from rich.console import Console
     from rich.table import Table
 
-    boards = found()
+    boards = find_boards()
     if not boards:
         raise Failure("no board is connected (a virtual one starts with: passo board)")
     table = Table(_("port"), _("board"), _("serial number"))

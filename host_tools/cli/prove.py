@@ -55,18 +55,18 @@ def prove(
     wanted = Wanted.from_words(analyser, first_pin, rate, trigger, play) if analyser else None
     if lines:
         end_with_stdin()
-    connection, raw = connected(port, emulated, uf2, named=not wanted or play)
+    connection, raw = connect_board(port, emulated, uf2, named=not wanted or play)
     with connection as board:
-        pins = yes_drivers or not lines and (bool(emulated) or (not wanted or play) and asked(raw))
+        pins = yes_drivers or not lines and (bool(emulated) or (not wanted or play) and may_drive_pins(raw))
         if wanted:
             print(wanted.record_to_file(board, raw, pins))
             return
-        worse = proven(board, raw, pins, report, json, picture, lines)
+        worse = measure_board(board, raw, pins, report, json, picture, lines)
     if worse:
         raise typer.Exit(1)
 
 
-def connected(port, emulated, uf2, named):
+def connect_board(port, emulated, uf2, named):
     """(connection, the board file's table); `named` False: the table is {} if the board has none. Raises Failure."""
     from host_tools import boards
     from host_tools.prove.connection import EmulatedBoard, PortBoard, Silent, board_file_of
@@ -86,7 +86,7 @@ def connected(port, emulated, uf2, named):
         return connection, {}
 
 
-def proven(board, raw, pins, report, json, picture, lines=False):
+def measure_board(board, raw, pins, report, json, picture, lines=False):
     """Measure, show, and write the reports. Whether anything is worse."""
     from host_tools.prove import report as reports
     from host_tools.prove.promises import WORSE
@@ -94,7 +94,7 @@ def proven(board, raw, pins, report, json, picture, lines=False):
 
     proof = Proof(board, raw, pins)
     header = _("Passo {}: {} on {}", version(), raw["name"], board.name)
-    rows = list(reports.as_lines(proof, header) if lines else watched(proof))
+    rows = list(reports.as_lines(proof, header) if lines else rows_with_progress(proof))
     if lines:
         print(reports.last_line(rows, header), flush=True)
     else:
@@ -109,7 +109,7 @@ def proven(board, raw, pins, report, json, picture, lines=False):
     return any(row.verdict == WORSE for row in rows)
 
 
-def asked(raw):
+def may_drive_pins(raw):
     """Whether the pins may be driven."""
     from passo.steps.wiring import word_pins
     from passo.config.boardfile import check
@@ -125,20 +125,20 @@ def asked(raw):
 def end_with_stdin():
     """Interrupt this program once standard input ends: the program that started it has closed the pipe, or has died."""
 
-    def wait():
+    def wait_for_end():
         while os.read(0, 4096):
             pass
         os.kill(os.getpid(), signal.SIGINT)
 
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell's job in the background ignores it
-    threading.Thread(target=wait, daemon=True).start()
+    threading.Thread(target=wait_for_end, daemon=True).start()
 
 
 def is_terminal():
     return sys.stdin.isatty()
 
 
-def watched(proof):
+def rows_with_progress(proof):
     """Yield the rows of a proof as they are measured; show a progress bar on stderr."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn

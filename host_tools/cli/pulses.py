@@ -29,14 +29,14 @@ Back = Annotated[bool, typer.Option("--back", help="And then backward.")]
 Wait = Annotated[bool, typer.Option("--wait/--no-wait", help="Show position and state until the machine stands.")]
 
 
-def _client(port, baud, log=None):
+def _connect_client(port, baud, log=None):
     from host_tools.cli import ports
     from host_tools.clients.pulses import PulsesClient
 
-    return PulsesClient(port or ports.only(), baud, log)
+    return PulsesClient(port or ports.only_port(), baud, log)
 
 
-def _follow(client, wait, playing):
+def _follow_run(client, wait, playing):
     """Show progress until the machine stands; Ctrl-C stops it. Raises Failure if it is `playing` and only paused."""
     from host_tools.cli.pulses_panel import Panel, status_text
     from host_tools.clients.pulses import check
@@ -45,7 +45,7 @@ def _follow(client, wait, playing):
         return
     try:
         with Panel(client) as panel:
-            status = panel.follow(playing)
+            status = panel.follow_run(playing)
     except KeyboardInterrupt:
         client.command("stop")
         raise Failure("stopped by Ctrl-C at {}", status_text(client.status())) from None
@@ -61,10 +61,10 @@ def _follow(client, wait, playing):
     return status
 
 
-def _order(words, port, baud, wait=True, playing=False):
-    with _client(port, baud) as client:
+def _send_order(words, port, baud, wait=True, playing=False):
+    with _connect_client(port, baud) as client:
         client.command(*words)
-        return _follow(client, wait, playing)
+        return _follow_run(client, wait, playing)
 
 
 # --- on a board
@@ -99,16 +99,16 @@ def play(
     from host_tools.programs import pulse_file
 
     if stream or back or begin is not None:
-        _stream(file, repeat, speed, begin, back, port, baud, wait, log)
+        _stream_file(file, repeat, speed, begin, back, port, baud, wait, log)
         return
     data = pulse_file.load(file)
     from host_tools.cli.pulses_panel import Panel
 
-    from host_tools.cli.pulses_stream import tell
+    from host_tools.cli.pulses_stream import tell_journal
     from host_tools.programs.long_pulses import codes_of
 
-    with _client(port, baud, log) as client:
-        tell(client, f"$JR={zlib.crc32(codes_of(data)) or 1:08x}")
+    with _connect_client(port, baud, log) as client:
+        tell_journal(client, f"$JR={zlib.crc32(codes_of(data)) or 1:08x}")
         try:
             with Panel(client):
                 count = client.send_file(data)
@@ -119,19 +119,19 @@ def play(
         if speed:
             client.command("speed", speed)
         client.command("run", repeat)
-        _follow(client, wait, playing=True)
+        _follow_run(client, wait, playing=True)
 
 
-def _stream(file, repeat, speed, begin, back, port, baud, wait, log):
+def _stream_file(file, repeat, speed, begin, back, port, baud, wait, log):
     """Play a file of any length as it is sent."""
-    from host_tools.cli.pulses_stream import go_to, play_long
+    from host_tools.cli.pulses_stream import jog_to, play_long
     from host_tools.programs.long_pulses import LongFile
 
     if not wait:
         raise Failure("to stream a file takes as long as it plays; leave out --no-wait")
     if back and repeat > 1:
         raise Failure("backward a file is played once: it ends at its start")
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         axes = "xyz"[: len(client.status()["place"].split(","))]
         source = LongFile(file, axes)
         number = source.total if back and begin is None else begin or 0
@@ -139,12 +139,12 @@ def _stream(file, repeat, speed, begin, back, port, baud, wait, log):
         print(_("{}: {} commands", file, source.total))
         try:
             if begin is not None:
-                go_to(client, source, number)
+                jog_to(client, source, number)
             play_long(client, source, number, back, repeat, speed)
         except KeyboardInterrupt:
             client.command("stop")
             raise Failure("stopped by Ctrl-C") from None
-        _follow(client, wait, playing=True)
+        _follow_run(client, wait, playing=True)
 
 
 @app.command()
@@ -156,7 +156,7 @@ def run(
 
     Example: passo pulses run 5
     """
-    _order(("run", times) if times else ("run",), port, baud, wait, playing=True)
+    _send_order(("run", times) if times else ("run",), port, baud, wait, playing=True)
 
 
 @app.command()
@@ -167,7 +167,7 @@ def reverse(port: Port = None, baud: Baud = 115200, wait: Wait = True):
 
     Example: passo pulses reverse
     """
-    status = _order(("back",), port, baud, wait, playing=True)
+    status = _send_order(("back",), port, baud, wait, playing=True)
     if status and status["state"] == "idle" and int(status["at"]):
         raise Failure(
             "not back at the start, but at command {} of {}: what was streamed before is forgotten; passo pulses run goes forward again",
@@ -181,7 +181,7 @@ def pause(port: Port = None, baud: Baud = 115200):
 
     Example: passo pulses pause
     """
-    _order(("pause",), port, baud)
+    _send_order(("pause",), port, baud)
 
 
 @app.command()
@@ -190,7 +190,7 @@ def stop(port: Port = None, baud: Baud = 115200):
 
     Example: passo pulses stop
     """
-    _order(("stop",), port, baud)
+    _send_order(("stop",), port, baud)
 
 
 @app.command()
@@ -199,7 +199,7 @@ def step(back: Back = False, port: Port = None, baud: Baud = 115200):
 
     Example: passo pulses step --back
     """
-    _order(("step", "back") if back else ("step",), port, baud)
+    _send_order(("step", "back") if back else ("step",), port, baud)
 
 
 @app.command("return")
@@ -208,7 +208,7 @@ def return_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: Wa
 
     Example: passo pulses return
     """
-    _order(("return", "back") if back else ("return",), port, baud, wait, playing=True)
+    _send_order(("return", "back") if back else ("return",), port, baud, wait, playing=True)
 
 
 @app.command("continue")
@@ -217,7 +217,7 @@ def continue_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: 
 
     Example: passo pulses continue
     """
-    _order(("continue", "back") if back else ("continue",), port, baud, wait, playing=True)
+    _send_order(("continue", "back") if back else ("continue",), port, baud, wait, playing=True)
 
 
 @app.command()
@@ -226,7 +226,7 @@ def repeat(times: Annotated[int, typer.Argument(min=1, max=100)], port: Port = N
 
     Example: passo pulses repeat 10
     """
-    _order(("repeat", times), port, baud, wait=False)
+    _send_order(("repeat", times), port, baud, wait=False)
 
 
 @app.command()
@@ -237,7 +237,7 @@ def speed(
 
     Example: passo pulses speed 300
     """
-    _order(("speed", mm_min), port, baud, wait=False)
+    _send_order(("speed", mm_min), port, baud, wait=False)
 
 
 @app.command(context_settings=_NUMBERS)
@@ -257,7 +257,7 @@ def jog(
     from host_tools.cli import ports
     from host_tools.running_board import running
 
-    port = port or ports.only()
+    port = port or ports.only_port()
     config, whose = running(boards.load(board), "pulses", None if steps else port, baud)
     axes = {axis["name"]: axis["steps_per_m"] / 1000 for axis in config["axes"]}
     if len(words) % 2:
@@ -271,21 +271,21 @@ def jog(
         order += [axis, count]
     if not steps:
         print(whose)
-    _order(order, port, baud, wait)
+    _send_order(order, port, baud, wait)
 
 
-def _switch(name):
-    def switch(state: Annotated[str, typer.Argument(metavar="on|off")], port: Port = None, baud: Baud = 115200):
+def _add_switch(name):
+    def set_switch(state: Annotated[str, typer.Argument(metavar="on|off")], port: Port = None, baud: Baud = 115200):
         if state not in ("on", "off"):
             raise Failure("{} on or off, not {}", name, state)
-        _order((name, state), port, baud)
+        _send_order((name, state), port, baud)
 
-    switch.__doc__ = f"Switch the {name} by hand, at a stand.\n\nExample: passo pulses {name} on"
-    app.command(name)(switch)
+    set_switch.__doc__ = f"Switch the {name} by hand, at a stand.\n\nExample: passo pulses {name} on"
+    app.command(name)(set_switch)
 
 
 for _name in ("tool", "drives"):
-    _switch(_name)
+    _add_switch(_name)
 
 
 @app.command()
@@ -302,7 +302,7 @@ def status(
     from host_tools.cli.pulses_panel import status_text
     from host_tools.clients.pulses import POLL_S
 
-    with _client(port, baud) as client:
+    with _connect_client(port, baud) as client:
         try:
             while True:
                 print(status_text(client.status()), flush=True)

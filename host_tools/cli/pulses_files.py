@@ -20,16 +20,16 @@ GCODE = (".gcode", ".nc", ".ngc", ".tap", ".g")
 
 
 def _running_board(name, port, baud):
-    """_board() with the steps/mm of the board at `port`; says whose they are, beside what the command prints."""
+    """_load_board() with the steps/mm of the board at `port`; says whose they are, beside what the command prints."""
     from host_tools.running_board import running
 
-    config, axes = _board(name)
+    config, axes = _load_board(name)
     config, whose = running(config, "pulses", port, baud)
     print(whose, file=sys.stderr)
     return config, axes
 
 
-def _board(name):
+def _load_board(name):
     from host_tools import boards
     from passo.config.boardfile import BoardError, check
 
@@ -94,7 +94,7 @@ def convert(
         raise Failure("--side makes G-code of a pulse file: name it, as in -o part.gcode")
     if file.suffix.lower() in GCODE:
         target = out or file.with_suffix(".txt")
-        _write(target, pulse_file.Converter(config).convert(gcode_file.read(file)))
+        _write_text(target, pulse_file.Converter(config).convert(gcode_file.read(file)))
     elif out and out.suffix.lower() in GCODE:
         from host_tools.programs import pulse_gcode
         from host_tools.programs.compensation import LEFT, RIGHT
@@ -103,7 +103,7 @@ def convert(
         found = pulse_file.items(pulse_file.load(file), axes, config["step_program"], file)
         beside = ({"left": LEFT, "right": RIGHT}[side], radius) if side else None
         text, counts = pulse_gcode.to_gcode(found, config, beside)
-        _write(target, text)
+        _write_text(target, text)
         print(_("{} and {} of {}", *(count_text(counts[noun + "s"], noun) for noun in ("line", "arc", "step"))))
     else:
         course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
@@ -112,7 +112,7 @@ def convert(
     print(target)
 
 
-def _write(target, text):
+def _write_text(target, text):
     try:
         target.write_text(text, encoding="ascii")
     except OSError as error:
@@ -147,7 +147,7 @@ def ramps(
     made = pulse_file.items(text.encode(), axes, config["step_program"])
     if not same_steps(found, made, len(axes)):
         raise Failure("the steps would not be the same: this is a fault of passo")
-    _write(target, text)
+    _write_text(target, text)
     print(_("{}: {} cells, {:.1f} s", target, len(made), pulse_file.Course(made, config).seconds))
 
 
@@ -162,7 +162,7 @@ def image(file: PulseFile, board: BoardName = BOARD):
     from passo.commands import STEPS_DRIVES, STEPS_TOOL
     from passo.protocols.pulses.report import port_byte
 
-    config, axes = _board(board)
+    config, axes = _load_board(board)
     drives = tool = False
     for item in pulse_file.items(pulse_file.load(file), axes, config["step_program"], file):
         kind = 0 if item & 15 else item >> 4 & 15
@@ -203,5 +203,5 @@ def example(
     per_mm = scale.pop() / 1000
     z_per_mm = config["axes"][-1]["steps_per_m"] / 1000
     target = out or Path(f"{shape}.txt")
-    _write(target, pulse_shapes.text(shape, per_mm, speed, round(down * z_per_mm)))
+    _write_text(target, pulse_shapes.text(shape, per_mm, speed, round(down * z_per_mm)))
     print(target)

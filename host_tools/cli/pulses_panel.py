@@ -1,8 +1,8 @@
 """The status line and the keys while a file of pulse codes is played.
 
     with Panel(client) as panel:
-        client.send_file(data, stream=True, idle=panel.cycle)
-        status = panel.follow(playing=True)
+        client.send_file(data, stream=True, idle=panel.poll_keys)
+        status = panel.follow_run(playing=True)
 
 This program has the port until the end, so pause, speed and stop come from its own keys.
 """
@@ -65,29 +65,29 @@ class Panel:
         if sys.stderr.isatty():
             print("\r\x1b[K", end="", file=sys.stderr)
 
-    def cycle(self):
+    def poll_keys(self):
         """Handle a key, if one was pressed; redraw the screen now and then. Raises Failure after s, LinkError if the port is
         lost."""
         if self._terminal and select.select([sys.stdin], [], [], 0)[0]:
-            self._key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
+            self._press_key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
         if sys.stderr.isatty() and time.monotonic() - self._shown > _SHOW_S:
-            self._show(self._client.status())
+            self._show_status(self._client.status())
 
-    def follow(self, playing):
+    def follow_run(self, playing):
         """Wait until the machine stands; returns the last status. If it is `playing`, a pause is no end as long as there are keys
         to end it."""
         from host_tools.clients.pulses import POLL_S
 
         while True:
             status = self._client.status()
-            self._show(status)
+            self._show_status(status)
             paused = status["state"] == "hold" and playing and self._terminal
             if status["state"] != "run" and not paused:
                 return status
-            self.cycle()
+            self.poll_keys()
             time.sleep(POLL_S)
 
-    def _key(self, key):
+    def _press_key(self, key):
         from host_tools.clients.serial_port import LinkError
 
         self._said = ""
@@ -109,7 +109,7 @@ class Panel:
         except Failure as refused:
             self._typed, self._said = "", refused.message()
 
-    def _show(self, status):
+    def _show_status(self, status):
         if not sys.stderr.isatty():
             return
         self._shown = time.monotonic()

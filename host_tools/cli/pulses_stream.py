@@ -26,21 +26,21 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
     if speed:
         client.command("speed", speed)
     while True:
-        announce(client, file, number, backward, times)
+        announce_stream(client, file, number, backward, times)
         chunks = file.backward(number) if backward else file.forward(number, times)
         lead = file.lead_of(number, backward)
         with Panel(client) as panel:
 
-            def idle():
+            def poll_panel():
                 if "oldest" in client.said:
                     raise _Oldest
-                panel.cycle()
+                panel.poll_keys()
                 if show:
                     show(panel, client.status())
 
             try:
-                client.send_file(chunks, True, idle=idle)
-                status = panel.follow(True)
+                client.send_file(chunks, True, idle=poll_panel)
+                status = panel.follow_run(True)
                 if "oldest" not in client.said:
                     for line in client.said:
                         check(line, _("the run"))
@@ -57,13 +57,13 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
         backward, times = not backward, 1
 
 
-def announce(client, file, number=0, backward=False, times=1):
+def announce_stream(client, file, number=0, backward=False, times=1):
     """Tell a board with a journal what begins: the rest of a LongFile, as a stream."""
     flags = DONE | (BACK if backward else 0) | min(times, 255) << 8
-    tell(client, f"$JR={file.job_number():08x},{number},{flags},{file.lead_of(number, backward)}")
+    tell_journal(client, f"$JR={file.job_number():08x},{number},{flags},{file.lead_of(number, backward)}")
 
 
-def tell(client, line):
+def tell_journal(client, line):
     """A `$JR` line to a board that may have no journal."""
     try:
         client.ask(line)
@@ -72,12 +72,12 @@ def tell(client, line):
             raise
 
 
-def go_to(client, file, number):
+def jog_to(client, file, number):
     """Move by hand, tool off, from the start of the file to where command `number` begins."""
-    go_by(client, file.seek(number).place)
+    jog_by(client, file.seek(number).place)
 
 
-def go_by(client, way):
+def jog_by(client, way):
     """Move by hand, tool off, by `way`: steps of each axis, one axis after the other. Raises Failure if a move does not end."""
     place = list(way)
     while any(place):
@@ -89,6 +89,6 @@ def go_by(client, way):
                 place[axis] -= part
         client.command(*words)
         with Panel(client) as panel:
-            status = panel.follow(False)
+            status = panel.follow_run(False)
         if status["state"] not in ("idle", "hold"):
             raise Failure("not there yet: {}", status_text(status))

@@ -45,25 +45,25 @@ def resume(
     protocol = protocol or _LANGUAGES.get(file.suffix.lower(), "grbl")
     if protocol not in _RESUMES:
         raise Failure("--protocol is {}, not {!r}", ", ".join(_RESUMES), protocol)
-    _RESUMES[protocol](file, port or ports.only(), baud or BAUD[protocol], home, unverified, yes)
+    _RESUMES[protocol](file, port or ports.only_port(), baud or BAUD[protocol], home, unverified, yes)
 
 
 def _resume_pulses(*arguments):
     from host_tools.cli import resume_pulses
 
-    resume_pulses.resume(*arguments)
+    resume_pulses.resume_pulse_file(*arguments)
 
 
 def _resume_plotter(*arguments):
     from host_tools.cli import resume_plotter
 
-    resume_plotter.resume(*arguments)
+    resume_plotter.resume_drawing(*arguments)
 
 
 def _resume_gcode(*arguments):
     from host_tools.cli import resume_gcode
 
-    resume_gcode.resume(*arguments)
+    resume_gcode.resume_program(*arguments)
 
 
 _RESUMES = {"grbl": _resume_gcode, "pulses": _resume_pulses, "plotter": _resume_plotter}

@@ -2,7 +2,7 @@
 
 import time
 
-from host_tools.cli.lead_in import prepared
+from host_tools.cli.lead_in import prepare_start
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -14,7 +14,7 @@ _SLOWING = "Hold:1"  # on its way to a stand, a held one or an alarm's; or the t
 _AGAIN_S = 0.1
 
 
-def resume(file, port, baud, home, unverified, yes):
+def resume_program(file, port, baud, home, unverified, yes):
     from host_tools.clients.grbl import GrblClient
     from host_tools.programs import compiler, stored_job
 
@@ -23,13 +23,13 @@ def resume(file, port, baud, home, unverified, yes):
     plain = program.listing is None
     lines = list(program.rows()) if plain else None
     with GrblClient(port, baud) as client:
-        settled(client)
+        wait_until_settled(client)
         lines = lines or list(compiler.fit(program, client.command("$I")).rows())
         go_on(client, lines, file, stored_job.crc(stored_job.gcode_lines(lines)) if plain else 0, home, unverified, yes)
 
 
 def go_on(client, lines, name, stored, home, unverified, yes):
-    """Go on with [(number, bytes)] of the program `name` where the journal of a settled() machine says; `stored`: the CRC-32 of the
+    """Go on with [(number, bytes)] of the program `name` where the journal of a machine at rest says; `stored`: the CRC-32 of the
     same as a stored job. Raises Failure."""
     from host_tools.cli.stream import Panel, ask_settings
 
@@ -41,7 +41,7 @@ def go_on(client, lines, name, stored, home, unverified, yes):
         raise Failure("the board has no journal (docs/use/jobs.md): {}; passo stream --from LINE needs none", refused) from None
     number, place, known = resume_point(said, lines, stored)
     print(_("{}: interrupted before line {}", name, number) if place is None else _("{}: interrupted in line {}", name, number))
-    find_zero(known, home, unverified, lambda: _home(client))
+    find_zero(known, home, unverified, lambda: _home_machine(client))
     if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
         try:
             client.command("$X")
@@ -53,15 +53,15 @@ def go_on(client, lines, name, stored, home, unverified, yes):
     if state != "Idle":
         raise Failure("the machine has to be idle, and its state is {}", state)
     ask_settings([row for row in lines if row[0] >= number])
-    rest = prepared(client, lines, number, place, yes, end_position(said), known or unverified)
+    rest = prepare_start(client, lines, number, place, yes, end_position(said), known or unverified)
     with Panel(client, lines) as panel:
-        for done in client.stream(rest, True, panel.cycle, True):
-            panel.done(done)
-        client.wait_idle(panel.cycle)
+        for done in client.stream(rest, True, panel.poll_keys, True):
+            panel.count_line(done)
+        client.wait_idle(panel.poll_keys)
     print(_("{}: done, unverified", name) if unverified and not known else _("{}: done", name))
 
 
-def _home(client):
+def _home_machine(client):
     """Home the machine. Reset it first if it is in an alarm in which `$H` is refused."""
     try:
         client.home()
@@ -72,7 +72,7 @@ def _home(client):
         client.home()
 
 
-def settled(client):
+def wait_until_settled(client):
     """Wait until the machine has played the blocks queued when the cable was cut: it is not reset while it moves. Raises Failure if it is held."""
     state = client.ask_status()["state"]
     if state == _SLOWING:

@@ -13,29 +13,29 @@ _POINTS = 1000
 _BOARD = "plotter_2014"
 
 
-def resume(file, port, baud, home, unverified, yes):
+def resume_drawing(file, port, baud, home, unverified, yes):
     way = Way(True, home, unverified, True, not yes)
     record = None
     if file.suffix.lower() in SUFFIXES:
-        objects, machine, record, speed = _drawing(file)
+        objects, machine, record, speed = _load_drawing(file)
         numbers = drawn.numbers_of_stored(objects, speed)
     else:
         data = stored_job.plotter_job(file)
         objects, speed = drawn.objects_of(data)
-        machine = draw.plotter(_BOARD)
+        machine = draw.load_plotter(_BOARD)
         numbers = [stored_job.crc(data)]
     if not objects:
         raise Failure("{} draws nothing", file)
     run(Console(), objects, machine, record, port, baud, speed, way, numbers=numbers)
 
 
-def _drawing(file):
+def _load_drawing(file):
     """A drawing with the options that it was begun with."""
     from host_tools.drawings import drawing
 
     place = Journal.beside(file)
     said = Journal.options_of(place)
-    machine = draw.plotter(said.get("board", _BOARD))
+    machine = draw.load_plotter(said.get("board", _BOARD))
     most = said.get("points", _POINTS)
     plan = drawing.load(file, machine, draw.options_of(said), lambda text, share: None)
     return plan.objects(most), machine, Journal(place, plan.digest(most), most, said), said.get("speed")

@@ -2,9 +2,9 @@
 
 import time
 
-from host_tools.cli.lead_in import agreed
+from host_tools.cli.lead_in import operator_agrees
 from host_tools.cli.pulses_panel import Panel, status_text
-from host_tools.cli.pulses_stream import go_by, play_long
+from host_tools.cli.pulses_stream import jog_by, play_long
 from host_tools.clients.pulses import PulsesClient
 from host_tools.clients.refusal import Refused
 from host_tools.clients.serial_port import LinkError
@@ -17,20 +17,20 @@ from host_tools.programs.long_pulses import LongFile
 _QUIET_S = 1.2
 
 
-def resume(file, port, baud, home, unverified, yes):
+def resume_pulse_file(file, port, baud, home, unverified, yes):
     with PulsesClient(port, baud) as client:
-        status = _awake(client)
+        status = _first_status(client)
         source = LongFile(file, "xyz"[: len(status["place"].split(","))])
         try:
-            if any(line.startswith("[JOB:") for line in _asked(client, "$F?")):
+            if any(line.startswith("[JOB:") for line in _ask_optional(client, "$F?")):
                 raise Failure("a stored job runs on the board: passo pulses status, stop")
-            _settle(client, status)
+            _stop_run(client, status)
             record = Record.of_job(client.ask("$JR"))
         except Refused as refused:
             raise Failure("the board has no journal (docs/use/jobs.md): {}; passo pulses play --from COMMAND needs none", refused) from None
         if record.job != source.job_number():
             raise Failure("the board's journal is of another file, or the file has changed; begin at a command with passo pulses play --from")
-        number, times, backward = where(record, source)
+        number, times, backward = start_of_rest(record, source)
         way = _(", backward") if backward else _(", {} times to go", times) if times > 1 else ""
         print(_("{}: interrupted before command {}", file, number) + way)
         find_zero(record.known, home, unverified, client.home)
@@ -39,19 +39,19 @@ def resume(file, port, baud, home, unverified, yes):
             client.command("unlock")
         if client.status()["state"] == "alarm":
             raise Failure("the machine is in alarm: give --home")
-        _go(client, source, number, record.place, yes)
+        _go_to_start(client, source, number, record.place, yes)
         try:
             play_long(client, source, number, backward, times)
         except KeyboardInterrupt:
             client.command("stop")
             raise Failure("stopped by Ctrl-C") from None
         with Panel(client) as panel:
-            status = panel.follow(True)
+            status = panel.follow_run(True)
         done = _("{}: done, unverified", file) if unverified and not record.known else _("{}: done", file)
         print(f"{done}; {status_text(status)}")
 
 
-def _awake(client):
+def _first_status(client):
     """Return the status. A command whose end was lost with the cable is refused a second after its last byte: ask once more then."""
     try:
         return client.status()
@@ -64,25 +64,25 @@ def _awake(client):
         return client.status()
 
 
-def _asked(client, line):
+def _ask_optional(client, line):
     try:
         return client.ask(line)
     except Refused:
         return []  # a board without stored jobs
 
 
-def _settle(client, status):
+def _stop_run(client, status):
     """Bring to a stand what still plays, and end it: the tool is off, and the journal has the position."""
     if status["state"] in ("run", "hold"):
         client.command("pause")
         with Panel(client) as panel:
-            while panel.follow(False)["state"] == "run":
+            while panel.follow_run(False)["state"] == "run":
                 pass
     if status["state"] != "alarm":
         client.command("stop")
 
 
-def where(record, source):
+def start_of_rest(record, source):
     """(command to begin at, times to play, backward) of a Record. Raises Failure if there is nothing left."""
     number, times = record.line, max(record.flags >> 8, 1)
     backward = bool(record.flags & BACK)
@@ -95,26 +95,26 @@ def where(record, source):
     return number, 1 if backward else times, backward
 
 
-def _go(client, source, number, position, yes):
+def _go_to_start(client, source, number, position, yes):
     """The tool off, up, over the position, then down to it, if the operator agrees."""
-    here = _place(client)
+    here = _read_position(client)
     axes = len(here)
     position = position[:axes]
     top = here[-1]
     if axes == 3:
         top = max(top, position[2] - source.seek(number).place[2] + source.highest(), position[2])
-        go_by(client, (0, 0, top - here[2]))
+        jog_by(client, (0, 0, top - here[2]))
     across = [to - at for to, at in zip(position, here)]
     if axes == 3:
         across[2] = 0
-    go_by(client, across)
-    if not yes and not agreed(_("next is command {}, at {} steps", number, ", ".join(map(str, position)))):
+    jog_by(client, across)
+    if not yes and not operator_agrees(_("next is command {}, at {} steps", number, ", ".join(map(str, position)))):
         raise Failure("not gone on: the tool is off")
     if axes == 3:
-        go_by(client, (0, 0, position[2] - top))
-    if _place(client) != position:
-        raise Failure("the machine is not at the place: {}, not {}", _place(client), position)
+        jog_by(client, (0, 0, position[2] - top))
+    if _read_position(client) != position:
+        raise Failure("the machine is not at the place: {}, not {}", _read_position(client), position)
 
 
-def _place(client):
+def _read_position(client):
     return [int(part) for part in client.status()["place"].split(",")]

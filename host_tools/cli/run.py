@@ -25,7 +25,7 @@ LARGEST_DEVIATION = 0.5  # steps on the minor axis: Bresenham's bound
 _START_S = 20
 
 
-def jobs(out):
+def create_jobs(out):
     """{name: list of objects} that are drawn; writes the contour map's SVG to `out`."""
     found = {name: [points] for name, points in objects.objects().items()}
     svg = out / "contours.svg"
@@ -34,12 +34,12 @@ def jobs(out):
     return found
 
 
-def draw(name, job, trace):
+def draw_job(name, job, trace):
     """Draw one job on a virtual board that writes `trace`. Returns the client, closed, for its counts."""
     command = [*interpreter.passo(), "board", "--board", BOARD, "--time", "fast"]
     process = subprocess.Popen([*command, "--trace", str(trace), "--no-idle"], stdout=subprocess.PIPE, text=True)
     try:
-        with PlotterClient(_port(process)) as client:
+        with PlotterClient(_read_port(process)) as client:
             client.request()
             client.origin()
             client.speed(1000)
@@ -57,7 +57,7 @@ def draw(name, job, trace):
     return client
 
 
-def _port(process):
+def _read_port(process):
     """The pty that the board prints; Failure if it ends without printing one."""
     for line in process.stdout:
         if line.startswith("port: "):
@@ -74,13 +74,13 @@ def main():
     begun = time.monotonic()
     console = Console()
     heads = (_("points"), _("packets"), _("resends"), _("steps"), _("time s"), _("off line"), _("path"))
-    table = Table(_("drawing"), *map(_right, heads), title=_("Passo on {}", BOARD))
+    table = Table(_("drawing"), *map(_right_column, heads), title=_("Passo on {}", BOARD))
     scale = boards.steps_per_mm(boards.load(BOARD))
     faults = []
-    for name, job in jobs(out).items():
+    for name, job in create_jobs(out).items():
         trace = out / f"{name}.csv"
         with console.status(_("drawing {}", name)):
-            client = draw(name, job, trace)
+            client = draw_job(name, job, trace)
             rows = read_trace(trace)
             points = [point for points in job for point in points]
             result = measure_drawing(rows, points)
@@ -99,7 +99,7 @@ def main():
         raise Failure("{} faults; the first: {}", len(faults), faults[0])
 
 
-def _right(head):
+def _right_column(head):
     from rich.table import Column
 
     return Column(head, justify="right")

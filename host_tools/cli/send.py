@@ -44,21 +44,21 @@ def send(
     from host_tools.cli import ports
     from host_tools.clients.plotter import PlotterClient
 
-    items = parse(words or [])
-    with PlotterClient(port or ports.only(), baud, timeout, log) as client:
+    items = parse_packets(words or [])
+    with PlotterClient(port or ports.only_port(), baud, timeout, log) as client:
         before = signal.signal(signal.SIGINT, lambda *_: client.cancel())
         try:
             if words:
-                drawn = [(item, _send(client, item)) for item in items]
-                _tell_objects([(item[1], seconds) for item, seconds in drawn if item[0] == OBJECT])
+                drawn = [(item, _send_item(client, item)) for item in items]
+                _print_objects([(item[1], seconds) for item, seconds in drawn if item[0] == OBJECT])
             else:
                 signal.signal(signal.SIGINT, before)
-                _converse(client)
+                _send_from_keyboard(client)
         finally:
             signal.signal(signal.SIGINT, before)
 
 
-def parse(words):
+def parse_packets(words):
     """Convert words to [(name, numbers) | bytes]. Raises Failure at the first that is neither."""
     from passo.protocols.plotter import host as plotter
 
@@ -94,7 +94,7 @@ def parse(words):
     return items
 
 
-def _converse(client):
+def _send_from_keyboard(client):
     """Send packets from the keyboard (or a pipe) until its end; show errors and go on."""
     tty = sys.stdin.isatty()
     failed = None
@@ -104,8 +104,8 @@ def _converse(client):
         except (EOFError, KeyboardInterrupt):
             break
         try:
-            for item in parse([line.split("#")[0]]):
-                _send(client, item)
+            for item in parse_packets([line.split("#")[0]]):
+                _send_item(client, item)
         except Failure as failure:
             failed = failure
             print(failure.message(), file=sys.stderr)
@@ -113,7 +113,7 @@ def _converse(client):
         raise Failure("not every packet was carried out")
 
 
-def _tell_objects(drawn):
+def _print_objects(drawn):
     """The times of the objects [(points, seconds)], if there are any."""
     for number, (points, seconds) in enumerate(drawn):
         print(_("Object {}: {} points, {:.3f} s", number, len(points), seconds))
@@ -125,12 +125,12 @@ def _send_object(client, points):
     """Send a polygon's packets. Returns the seconds from its first packet until it is drawn."""
     begun = time.monotonic()
     for number, point in enumerate(points):
-        _send(client, ("LINE" if number else "MOVE", point))
-    _send(client, ("END", ()))
+        _send_item(client, ("LINE" if number else "MOVE", point))
+    _send_item(client, ("END", ()))
     return time.monotonic() - begun
 
 
-def _send(client, item):
+def _send_item(client, item):
     """Send one item and print it with its answer. Returns the seconds of an object."""
     from host_tools.clients.plotter import Cancelled
     from host_tools.clients.wire import packet_text
@@ -184,26 +184,26 @@ def _status_text(status):
     return _("STATUS {} at {}, {}, {} points drawn, room for {}", *fields) + error
 
 
-def _done(action, answer):
-    def perform(client, *numbers):
+def _action(action, answer):
+    def act_and_answer(client, *numbers):
         from host_tools.clients.wire import answer_text
 
         action(client, *numbers)
         return answer_text(answer)
 
-    return perform
+    return act_and_answer
 
 
 _ACTIONS = {
-    "REQUEST": _done(lambda client: client.hello(), b"k"),
-    "ORIGIN": _done(lambda client: client.origin(), b"o"),
-    "SPEED": _done(lambda client, value: client.speed(value), b"s"),
-    "LINK": _done(lambda client, number: client.hand_over(number), b"t"),
-    "MOVE": _done(lambda client, x, y: client.point(False, x, y), b"n"),
-    "LINE": _done(lambda client, x, y: client.point(True, x, y), b"n"),
-    "END": _done(lambda client: client.end(), b"d"),
-    "STOP": _done(lambda client: client.stop(), b"d"),
+    "REQUEST": _action(lambda client: client.hello(), b"k"),
+    "ORIGIN": _action(lambda client: client.origin(), b"o"),
+    "SPEED": _action(lambda client, value: client.speed(value), b"s"),
+    "LINK": _action(lambda client, number: client.hand_over(number), b"t"),
+    "MOVE": _action(lambda client, x, y: client.point(False, x, y), b"n"),
+    "LINE": _action(lambda client, x, y: client.point(True, x, y), b"n"),
+    "END": _action(lambda client: client.end(), b"d"),
+    "STOP": _action(lambda client: client.stop(), b"d"),
     "STATUS": lambda client: _status_text(client.status()),
 }
 for _name in ("UP", "LEFT", "DOWN", "RIGHT"):
-    _ACTIONS[_name] = _done(lambda client, name=_name: client.jog(name), b"n")
+    _ACTIONS[_name] = _action(lambda client, name=_name: client.jog(name), b"n")

@@ -51,7 +51,7 @@ def settings(
     what = what or ["show"]
     action, *rest = what
     if action not in _ACTIONS:
-        _change(what, port, baud, protocol)
+        _change_settings(what, port, baud, protocol)
         return
     if action == "show" and rest or action != "show" and len(rest) != 1:
         raise Failure("passo settings {} FILE: the file is missing", action) if not rest else Failure("one file, not {}", " ".join(rest))
@@ -59,11 +59,11 @@ def settings(
     wanted, version = read(file) if action == "restore" else ([], VERSION)
     with board_at(port, baud, protocol) as board:
         if action == "restore":
-            changed = restore(board, meant(board, wanted, version) if board.of_lines else wanted)
+            changed = restore_lines(board, convert_backup(board, wanted, version) if board.of_lines else wanted)
             print(_("{} of {} were different and are restored", len(changed), count_text(len(wanted), "line")))
             return
-        lines = backup(board)
-        if action == "backup" and (not board.of_lines or masks(board) is not None):
+        lines = backup_lines(board)
+        if action == "backup" and (not board.of_lines or read_masks(board) is not None):
             lines.insert(0, f"{_HEADER}{VERSION}")
     if action == "show":
         from host_tools.clients.setting_names import table
@@ -80,17 +80,17 @@ def settings(
 def board_at(port, baud, protocol):
     """The settings of the board at a port; its language is found by asking, a board that does not say is a grbl controller's."""
     from host_tools.cli import ports
-    from host_tools.cli.log import spoken
+    from host_tools.cli.log import find_language
     from host_tools.clients import settings as clients
 
     if protocol not in (None, *clients.BAUD):
         raise Failure("--protocol {}: known are {}", protocol, ", ".join(clients.BAUD))
-    port = port or ports.only()
-    language = protocol or spoken(port, baud or clients.BAUD["grbl"], clients.BAUD)
+    port = port or ports.only_port()
+    language = protocol or find_language(port, baud or clients.BAUD["grbl"], clients.BAUD)
     return clients.connect(language or "grbl", port, baud)
 
 
-def _change(words, port, baud, protocol):
+def _change_settings(words, port, baud, protocol):
     """Tell and set single settings, `NAME` and `NAME=VALUE`. All names and values are looked at before the first is sent."""
     from host_tools.clients.setting_names import table
     from host_tools.clients.settings import number_of, value_of
@@ -109,7 +109,7 @@ def _change(words, port, baud, protocol):
             print(_("the position is unknown now: home the machine, or set its origin, before it works"))
 
 
-def backup(client):
+def backup_lines(client):
     """All that a controller keeps, as the lines that restore it."""
     lines = [line for line in client.command("$$") if line.startswith("$")]
     lines += [line for line in client.command("$N") if line.startswith("$N")]
@@ -123,7 +123,7 @@ def backup(client):
     return lines
 
 
-def masks(client):
+def read_masks(client):
     """{number: board file's value} of the settings that are masks; None if the firmware cannot tell."""
     try:
         said = client.command("$MASKS")
@@ -136,24 +136,24 @@ def masks(client):
     return None
 
 
-def meant(client, wanted, version):
+def convert_backup(client, wanted, version):
     """The lines of a back-up, converted for this controller. Raises Failure if it would misread a mask."""
-    board = masks(client)
+    board = read_masks(client)
     if board is None:
-        if version >= VERSION and any(_mask(line) for line in wanted) and _is_passo(client.command("$$")):
+        if version >= VERSION and any(_parse_mask(line) for line in wanted) and _is_passo(client.command("$$")):
             raise Failure("the board's firmware is older than this back-up, and reads its masks otherwise: flash it anew first")
         return wanted
     if version >= VERSION:
         return wanted
     lines = [line for line in wanted if line != "$1=255"]  # the first firmware did not release drivers by it
     for index, line in enumerate(lines):
-        number, value = _mask(line) or (None, None)
+        number, value = _parse_mask(line) or (None, None)
         if number in board:
             lines[index] = f"${number}={value ^ board[number]}"
     return lines
 
 
-def _mask(line):
+def _parse_mask(line):
     """(number, value) of a line that sets a mask, else None."""
     match = re.fullmatch(r"\$(2|3|4|5|6|23)=(\d+)", line)
     return (int(match[1]), int(match[2])) if match else None
@@ -184,25 +184,25 @@ def read(file):
     return lines, version or (1 if _is_passo(lines) else VERSION)
 
 
-def restore(client, wanted):
+def restore_lines(client, wanted):
     """Send the lines that differ from the controller's; returns them. Offsets are read in the units of $13. Refused lines are
     sent again after the others, as long as that helps: a setting may depend on another."""
-    have = set(backup(client))
-    changed = sorted([line for line in wanted if line not in have], key=_order)
+    have = set(backup_lines(client))
+    changed = sorted([line for line in wanted if line not in have], key=_sort_key)
     if any(line.startswith(("G10", "$N")) for line in changed):
         client.command("$X")
         inches = "$13=1" in have
         client.command("G20" if inches else "G21")
     left = changed
     while left:
-        refusals = _send(client, left)
+        refusals = _send_lines(client, left)
         if len(refusals) == len(left):
             raise refusals[left[0]]
         left = list(refusals)
     return changed
 
 
-def _send(client, lines):
+def _send_lines(client, lines):
     """Send lines; returns {line: Refused} of the refused ones."""
     refusals = {}
     for line in lines:
@@ -213,6 +213,6 @@ def _send(client, lines):
     return refusals
 
 
-def _order(line):
+def _sort_key(line):
     """Offsets before the units of the report, which change how they read."""
     return line.startswith("$13="), line

@@ -56,7 +56,7 @@ def shop(
     desk = Desk(broker, secret, opened)
     try:
         served = Shop(desk, opened, page_key, host)
-        asyncio.run(served.run(host, http, lambda number: _tell(host, number, page_key, key)))
+        asyncio.run(served.run(host, http, lambda number: _print_address(host, number, page_key, key)))
     finally:
         desk.close()
         opened.close()
@@ -68,7 +68,7 @@ def _database_error():
     return sqlite3.Error
 
 
-def _tell(host, number, page_key, path):
+def _print_address(host, number, page_key, path):
     address = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{number}/"
     print(f"page: {address}#key={page_key}")
     print(_("the agents' key: {}", path))

@@ -32,10 +32,10 @@ def site(
         size = builder.build(out, builder.package())
     print(_("site: {}, {} files, {:.1f} MB", out, len(list(out.iterdir())), size / 1e6))
     if serve is not None:
-        _serve(out, serve)
+        _serve_folder(out, serve)
 
 
-def _serve(folder, port):
+def _serve_folder(folder, port):
     """Serve a folder on 127.0.0.1 until Ctrl-C."""
     from functools import partial
     from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer

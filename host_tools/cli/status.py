@@ -1,6 +1,6 @@
 """`passo status`: how a board is now: state, positions, inputs, encoders, what it has logged."""
 
-from host_tools.cli.log import BAUD, link, shown
+from host_tools.cli.log import BAUD, find_link, log_line_text
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import N_, _, error_text
@@ -31,14 +31,14 @@ def status(
 
     Example: passo status --port /dev/ttyUSB0 --protocol plotter
     """
-    protocol, port, baud = link(port, baud, protocol)
-    rows = {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud)
+    protocol, port, baud = find_link(port, baud, protocol)
+    rows = {"grbl": _rows_of_grbl, "torch": _rows_of_torch, "pulses": _rows_of_pulses, "plotter": _rows_of_plotter}[protocol](port, baud)
     width = max(len(_(row[0])) for row in rows)
     for name, text in rows:
         print(f"{_(name):<{width}}  {text}".rstrip())
 
 
-def _grbl(port, baud):
+def _rows_of_grbl(port, baud):
     from host_tools.clients.grbl import GrblClient
     from host_tools.clients.serial_port import LinkError
 
@@ -50,7 +50,7 @@ def _grbl(port, baud):
                 break
         try:
             log = client.command("$LOG")
-            job = _job(client, fields)
+            job = _job_row(client, fields)
             # `En`: the board has some
             encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")] if "En" in fields else []
         except LinkError:
@@ -60,7 +60,7 @@ def _grbl(port, baud):
     return rows[:1] + job + rows[1:]
 
 
-def _job(client, fields):
+def _job_row(client, fields):
     """The row that tells which job has not been done to its end: where the board keeps a journal, and stands."""
     from host_tools.clients.refusal import Refused
     from host_tools.programs import begun, stored_job
@@ -95,12 +95,12 @@ def grbl_rows(fields, encoders, log):
     from host_tools.clients.grbl_wire import FIELDS
 
     names = {**_MORE, **options.status()}
-    rows = [(N_("state"), _state(fields, log))]
-    offset = _numbers(fields.get("WCO", ""))
+    rows = [(N_("state"), _state_text(fields, log))]
+    offset = _parse_numbers(fields.get("WCO", ""))
     for name, key, other, sign in ((N_("machine"), "MPos", "WPos", 1), (N_("work"), "WPos", "MPos", -1)):
-        position = _numbers(fields.get(key, ""))
+        position = _parse_numbers(fields.get(key, ""))
         if not position and key not in fields and offset and other in fields:
-            position = [at + sign * by for at, by in zip(_numbers(fields[other]), offset)]
+            position = [at + sign * by for at, by in zip(_parse_numbers(fields[other]), offset)]
         if position:
             rows.append((name, "  ".join(f"{axis} {at:.3f}" for axis, at in zip("XYZA", position))))
     feed, rpm = (*fields.get("FS", "0,0").split(","), "0")[:2]
@@ -110,17 +110,17 @@ def grbl_rows(fields, encoders, log):
         rows.append((N_("overrides"), _("feed {} %, rapids {} %, spindle {} %", *fields["Ov"].split(","))))
     active = [_(_PINS[letter]) if letter in _PINS else _("limit {}", letter) for letter in fields.get("Pn", "")]
     rows.append((N_("active"), ", ".join(active) or _("no input")))
-    rows += [(_(names.get(word, word)), _text(word, fields)) for word in fields if word not in FIELDS + _ELSEWHERE]
+    rows += [(_(names.get(word, word)), _word_text(word, fields)) for word in fields if word not in FIELDS + _ELSEWHERE]
     for line in encoders:
         motor, count, error, most = line[5:-1].split(",")
         rows.append((_("encoder {}", motor), _("{} counts, {} steps off, {} at most", count, error, most)))
-    for text in map(shown, log):
+    for text in map(log_line_text, log):
         if text:
             rows.append(("", text))
     return rows
 
 
-def _state(fields, log):
+def _state_text(fields, log):
     """The state, and why it is an alarm: a board says so, or its log."""
     state = fields["state"]
     if state.partition(":")[0] != "Alarm":
@@ -130,7 +130,7 @@ def _state(fields, log):
     return f"{state} {number}: {error_text(number)}"
 
 
-def _text(word, fields):
+def _word_text(word, fields):
     if word == "Nh" and fields["state"].partition(":")[0] != "Alarm":
         return _("{}; soft limits ($20) do not hold", " ".join(fields[word]))
     if word in ("Vac", "Clamp"):
@@ -140,12 +140,12 @@ def _text(word, fields):
     return " ".join(fields[word]) if word == "Nh" else fields[word]
 
 
-def _numbers(text):
+def _parse_numbers(text):
     return [float(part) for part in text.split(",") if part]
 
 
-def _torch(port, baud):
-    from host_tools.cli.log import told
+def _rows_of_torch(port, baud):
+    from host_tools.cli.log import entry_lines
     from host_tools.clients.torch import TorchClient
 
     with TorchClient(port, baud) as client:
@@ -153,19 +153,19 @@ def _torch(port, baud):
     if fields is None:
         raise Failure("{}: no answer, or a board that has no word for its state; is it one of --protocol {}?", port, ", ".join(BAUD))
     rows = [(name, str(value)) for name, value in fields.items()]
-    return rows + [("", line) for line in told(log or [])]
+    return rows + [("", line) for line in entry_lines(log or [])]
 
 
-def _pulses(port, baud):
-    from host_tools.cli.log import told
+def _rows_of_pulses(port, baud):
+    from host_tools.cli.log import entry_lines
     from host_tools.clients.pulses import PulsesClient
 
     with PulsesClient(port, baud) as client:
         fields, log = client.status(), client.log()
-    return [(name, str(value)) for name, value in fields.items()] + [("", line) for line in told(log)]
+    return [(name, str(value)) for name, value in fields.items()] + [("", line) for line in entry_lines(log)]
 
 
-def _plotter(port, baud):
+def _rows_of_plotter(port, baud):
     from host_tools.clients.plotter import PlotterClient
 
     with PlotterClient(port, baud) as client:

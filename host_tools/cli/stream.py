@@ -12,7 +12,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli.lead_in import announce, prepared
+from host_tools.cli.lead_in import announce_program, prepare_start
 from host_tools.cli.options import Baud, DropZ, Port, ZPen
 from host_tools.clients.grbl import LinkError
 from host_tools.clients.refusal import Refused
@@ -87,7 +87,7 @@ def stream(
     compiler.tell(program)
     if not allow_settings:
         ask_settings(lines, program.origin)
-    with GrblClient(port or ports.only(), baud, timeout, log) as client:
+    with GrblClient(port or ports.only_port(), baud, timeout, log) as client:
         flat.refuse_z(program, program.flat and any(line.startswith("$102=") for line in client.command("$$")))
         make_ready(client, home, unlock)
         fitted = compiler.fit(program, client.command("$I") if program.listing else (), tools)
@@ -129,15 +129,15 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
     from host_tools.programs import gcode_time
 
     if first:
-        lines = prepared(client, lines, first, None, yes)
-    announce(client, lines, name)
+        lines = prepare_start(client, lines, first, None, yes)
+    announce_program(client, lines, name)
     zero = next((line for line in client.command("$#") if line.startswith("[G54:")), "[G54:?]")
     limits = gcode_time.Limits.of_settings(client.command("$$"))
     with Panel(client, lines, gcode_time.estimate(lines, limits), origin, keep) as panel:
         try:
-            for number in client.stream(lines, count, panel.cycle, True, origin):
-                panel.done(number)
-            client.wait_idle(panel.cycle)
+            for number in client.stream(lines, count, panel.poll_keys, True, origin):
+                panel.count_line(number)
+            client.wait_idle(panel.poll_keys)
         except Refused as refused:
             if client.alarm != errors.ALARM_SOFT_LIMIT - 200:
                 raise
@@ -146,7 +146,7 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
                 refused, zero[5:-1], number=refused.number,
             ) from None  # fmt: skip
     panel.tell()
-    return panel.seconds(), len(lines)
+    return panel.moving_s(), len(lines)
 
 
 def make_ready(client, home, unlock):
@@ -155,14 +155,14 @@ def make_ready(client, home, unlock):
     with contextlib.suppress(Refused):
         client.command("$I")  # how many bytes may be under way
     if home:
-        _home(client)
+        _home_or_abort(client)
     elif unlock:
         client.command("$X")
     if client.ask_status()["state"] == "Alarm":
         raise Failure("the machine is in alarm; give --home or --unlock")
 
 
-def _home(client):
+def _home_or_abort(client):
     try:
         client.command("$H", 600)
     except KeyboardInterrupt:
@@ -215,7 +215,7 @@ class Panel:
 
     def __exit__(self, kind, *_):
         if self._bar:
-            self._show()
+            self._show_progress()
         self._keys.close()
         if self._keep and self._line:
             self._keep(self._line)
@@ -225,29 +225,29 @@ class Panel:
             self._client.halt()
             raise Aborted("aborted at {}", self._origin(self._line)) from None
 
-    def seconds(self):
+    def moving_s(self):
         """How long the job has been moving."""
         now = time.monotonic() if self._paused_at is None else self._paused_at
         return now - self._begun - self._paused_s
 
-    def done(self, number):
+    def count_line(self, number):
         """Line `number` of the file has been answered."""
         self._done += 1
 
-    def cycle(self):
+    def poll_keys(self):
         """Keys, and the screen now and then."""
         if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
-            self.key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
+            self.press_key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
         self._line = max(self._line, int(self._client.status.get("Ln", 0)))
         now = time.monotonic()
         if self._keep and self._line and now - self._kept >= _KEEP_S:
             self._kept = now
             self._keep(self._line)
-        self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
+        self._note_pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
         if self._paused_at is not None and "Ln" not in self._client.status:  # at a stand: the line that waits
             # As the report came: behind a key, lines are answered before the next report says that the stand is over.
             self._line = max(self._line, self._numbers[min(self._client.answered_then, len(self._numbers) - 1)])
-        self._wait()
+        self._take_pipe_keys()
         if self._asked and self._client.silent():
             raise LinkError("port {}: no answer any more, at {}", self._client.port, self._origin(self._line))
         if now - self._asked >= _STATUS_S:
@@ -257,7 +257,7 @@ class Panel:
             if self._asks:
                 self._client.real_time(b"?")
             if self._bar:
-                self._show()
+                self._show_progress()
 
     def _look_at_queue(self):
         """Note where the machine waits for lines."""
@@ -268,9 +268,9 @@ class Panel:
         if self._low and not before and self._done < len(self._numbers) and status.get("state") == "Run":
             self._starved.append(self._line)
 
-    def tell(self):
+    def print_rate(self):
         """Say what the link did: lines a second, and where the machine waited for them."""
-        seconds = self.seconds()
+        seconds = self.moving_s()
         if seconds < _WORTH_S or not self._done:
             return
         print(_("{:.0f} lines a second", self._done / seconds))
@@ -278,12 +278,12 @@ class Panel:
             print(_("the board's queue was nearly empty {} times, first at {}: the machine slowed down to the link's pace", len(self._starved),
                     self._origin(self._starved[0])))  # fmt: skip
 
-    def rate(self):
+    def lines_per_s(self):
         """Lines a second, of the last seconds."""
         (begun, before), (now, done) = self._answered[0], self._answered[-1]
         return (done - before) / (now - begun) if now > begun else 0.0
 
-    def _pause(self, paused, now):
+    def _note_pause(self, paused, now):
         """Do not count time in a hold, whether by a key, the door, or M0 in the program."""
         if paused and self._paused_at is None:
             self._paused_at = now
@@ -291,7 +291,7 @@ class Panel:
             self._paused_s += now - self._paused_at
             self._paused_at = None
 
-    def _wait(self):
+    def _take_pipe_keys(self):
         """Without a terminal: say once where the machine stands and waits, as for the next pen, and take keys from a pipe, one a line."""
         if self._paused_at is None:
             self._waits = 0
@@ -304,7 +304,7 @@ class Panel:
         self._waits = 1
         if not keys and self._typed is not None and (line := self._line_of_pipe()) is not None:
             self._waits = 2
-            self.key(line.strip()[:1] or "r")
+            self.press_key(line.strip()[:1] or "r")
 
     def _line_of_pipe(self):
         """The next line of stdin, or None."""
@@ -323,7 +323,7 @@ class Panel:
         self._typed = rest
         return line.decode("ascii", "replace")
 
-    def key(self, key):
+    def press_key(self, key):
         if key == "p":
             self._client.real_time(b"!")
         elif key == "r":
@@ -332,22 +332,22 @@ class Panel:
             self._client.halt()
             raise Aborted("aborted at {}", self._origin(self._line))
 
-    def _show(self):
-        text = self.text()
+    def _show_progress(self):
+        text = self.progress_text()
         self._bar.update(self._bar.task_ids[0], completed=self._remaining.share, description=text, refresh=True)
 
-    def text(self):
+    def progress_text(self):
         from host_tools.programs.gcode_file import clock
 
         status = self._client.status
         done = bisect.bisect_left(self._numbers, self._line)
-        gone = self.seconds()
+        gone = self.moving_s()
         left = clock(self._remaining.at(done, gone))
         place = status.get("MPos") or status.get("WPos") or ""
         keys = _("PAUSED: r resumes, a aborts") if self._paused_at is not None else _("p pause, a abort")
         times = _("{} gone, {} left", clock(gone), left)
         full = self._client.full
-        link = _("{:.0f} lines/s", self.rate()) + ("" if full is None else ", " + _("queue {:.0%}", full))
+        link = _("{:.0f} lines/s", self.lines_per_s()) + ("" if full is None else ", " + _("queue {:.0%}", full))
         return f"{self._remaining.share:4.0%} {self._origin(self._line)}  {status.get('state', '')} {place}  {link}  {times}  ({keys})"
 
 

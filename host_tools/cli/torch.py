@@ -53,32 +53,32 @@ class Units:
             if here is not file and self.per_mm == boards.steps_per_mm(file):
                 self.whose = ""
 
-    def count(self, axis, length):
+    def count_steps(self, axis, length):
         """A length in whole steps. Raises Failure above 2²⁹ − 2 steps, the most that a frame holds."""
         steps = length * self.per_mm[axis]
-        if not _fits(steps):
+        if not _fits_frame(steps):
             raise Failure("too far: {} is {:g}, and at most 2²⁹ − 2 steps go into a move or jog", "xy"[axis], length)
         return round(steps)
 
-    def speed(self, axis, speed, default):
+    def steps_per_s(self, axis, speed, default):
         """A speed (mm/min; steps/s with --steps) in whole steps/s, at least 1. Raises Failure above 2²⁹ − 2 steps/s, the most that a frame holds."""
         value = default if speed is None else speed
         steps_s = value if self.steps else value * self.per_mm[axis] / 60
-        if not _fits(steps_s):
+        if not _fits_frame(steps_s):
             raise Failure("too fast: the speed of {} is {:g}, and at most 2²⁹ − 2 steps/s go into a frame", "xy"[axis], value)
         return max(round(steps_s), 1)
 
-    def tell(self):
+    def print_scale(self):
         if self.whose:
             print(self.whose)
 
-    def text(self, x, y):
+    def position_text(self, x, y):
         if self.steps:
             return _("X {} Y {} steps", x, y)
         return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
 
 
-def _fits(value):
+def _fits_frame(value):
     """False for a number that a frame cannot say: the frame would have another one, or another sign."""
     return abs(value) < FOREVER - 0.5
 
@@ -95,48 +95,48 @@ def _read_settings(client, numbers):
         return None  # an older firmware
 
 
-def _client(port, baud, log):
+def _connect_client(port, baud, log):
     from host_tools.cli import ports
     from host_tools.clients.torch import TorchClient
 
-    return TorchClient(port or ports.only(), baud, log=log)
+    return TorchClient(port or ports.only_port(), baud, log=log)
 
 
 def status_text(units, status):
     motors = {True: _(", motors here"), False: _(", motors with the other controller"), None: ""}[status["ours"]]
-    return f"{status['state']:<5} {units.text(status['x'], status['y'])}{motors}"
+    return f"{status['state']:<5} {units.position_text(status['x'], status['y'])}{motors}"
 
 
-def _finish(client, units, wait):
+def _wait_and_show(client, units, wait):
     """Show where it is until it stands; Ctrl-C stops it."""
     if not wait:
         return
     live = sys.stderr.isatty()
 
-    def show(status):
+    def show_status(status):
         if live:
             print("\r\x1b[K" + status_text(units, status), end="", file=sys.stderr, flush=True)
 
     try:
-        status = client.wait(show)
+        status = client.wait(show_status)
     except KeyboardInterrupt:
         x, y = client.counts("STOP")
-        raise Failure("stopped by Ctrl-C after {}", units.text(x, y)) from None
+        raise Failure("stopped by Ctrl-C after {}", units.position_text(x, y)) from None
     finally:
         if live:
             print("\r\x1b[K", end="", file=sys.stderr)
     print(status_text(units, status))
 
 
-def _move(client, units, lengths, speeds, wait):
+def _send_move(client, units, lengths, speeds, wait):
     from passo.protocols.torch import protocol as torch
 
     fields = []
     for axis in range(2):
-        count = units.count(axis, lengths[axis])
+        count = units.count_steps(axis, lengths[axis])
         fields += [abs(count), speeds[axis] if count >= 0 else -speeds[axis]]
     client.order(torch.move(*fields))
-    _finish(client, units, wait)
+    _wait_and_show(client, units, wait)
 
 
 @app.command(context_settings=_NUMBERS)
@@ -154,11 +154,11 @@ def move(
         passo torch move 20 -7.5 --speed 300 --y-speed 120
         passo torch move 480 830 --steps --x-speed 480 --y-speed 830
     """
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         units = Units(board, steps, client)
-        speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
-        units.tell()
-        _move(client, units, (x, y), speeds, wait)
+        speeds = units.steps_per_s(0, x_speed, speed), units.steps_per_s(1, y_speed, speed)
+        units.print_scale()
+        _send_move(client, units, (x, y), speeds, wait)
 
 
 @app.command()
@@ -177,22 +177,22 @@ def strokes(
         passo torch strokes x --port /dev/ttyACM0
         passo torch strokes y --lengths 20,50 --strokes 4
     """
-    from host_tools.cli.calibrate import lengths_of
+    from host_tools.cli.calibrate import parse_lengths
     from host_tools.programs.calibration import square_waves
 
     if axis not in ("x", "y"):
         raise Failure("strokes are drawn along x or y, not {!r}", axis)
-    wanted, at = lengths_of(lengths), (0.0, 0.0)
+    wanted, at = parse_lengths(lengths), (0.0, 0.0)
     live = sys.stdin.isatty()
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         units = Units(board, False, client)
-        units.tell()
-        speeds = units.speed(0, None, speed), units.speed(1, None, speed)
+        units.print_scale()
+        speeds = units.steps_per_s(0, None, speed), units.steps_per_s(1, None, speed)
         for length, x, y in [*square_waves(axis, wanted, strokes_), (None, 0.0, 0.0)]:
             if length is not None:
                 print(_("strokes of {:g} mm", length))
             if (x, y) != at:
-                _move(client, units, (x - at[0], y - at[1]), speeds, True)
+                _send_move(client, units, (x - at[0], y - at[1]), speeds, True)
             if length is not None and live:
                 input(_("tool on, then Enter "))
             at = x, y
@@ -211,15 +211,15 @@ def goto(
 
         passo torch goto 0 0
     """
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         units = Units(board, steps, client)
-        speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
+        speeds = units.steps_per_s(0, x_speed, speed), units.steps_per_s(1, y_speed, speed)
         status = client.status()
         if status is None:
             raise Failure("this board does not say where it is; use move")
         at = status["x"], status["y"]
         lengths = [target - place / per_mm for target, place, per_mm in zip((x, y), at, units.per_mm)]
-        _move(client, units, lengths, speeds, wait)
+        _send_move(client, units, lengths, speeds, wait)
 
 
 @app.command()
@@ -238,10 +238,10 @@ def jog(
     """
     if direction.lower() not in JOGS:
         raise Failure("jog {} or {}, not {!r}", ", ".join(JOGS[:3]), JOGS[3], direction)
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         units = Units(board, steps, client)
         client.jog(direction.upper(), times)
-        _finish(client, units, wait)
+        _wait_and_show(client, units, wait)
 
 
 @app.command()
@@ -258,13 +258,13 @@ def info(
     """
     import time
 
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         units = Units(board, steps, client)
         try:
             while True:
                 made = client.counts()
                 status = client.status()
-                text = _("made {}", units.text(*made))
+                text = _("made {}", units.position_text(*made))
                 if status:
                     text = _("{}; {}; {} dropped", status_text(units, status), text, status["dropped"])
                     if status["error"]:
@@ -287,9 +287,9 @@ def halt(
 
         passo torch halt
     """
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         made = client.counts("STOP")
-        print(_("stopped after {}", Units(board, steps, client).text(*made)))
+        print(_("stopped after {}", Units(board, steps, client).position_text(*made)))
 
 
 @app.command(context_settings=_NUMBERS)
@@ -326,11 +326,11 @@ def weave(
     if len(places) != len("xy") or not all(map(math.isfinite, places)):
         raise Failure("--centre wants two numbers, as in 0,20, not {!r}", centre)
     spec = NAMES.index(shape), round(amplitude * 1000), round(pitch * 1000), left, right, 1 if along else 0
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         units = Units(board, False, client)
-        to = [units.count(axis, place) for axis, place in enumerate(places)]
-        client.order(torch.weave(spec, units.count(0, x), units.count(1, y), max(round(speed * 1000 / 60), 1), tuple(to), clockwise))
-        _finish(client, units, wait)
+        to = [units.count_steps(axis, place) for axis, place in enumerate(places)]
+        client.order(torch.weave(spec, units.count_steps(0, x), units.count_steps(1, y), max(round(speed * 1000 / 60), 1), tuple(to), clockwise))
+        _wait_and_show(client, units, wait)
 
 
 @app.command()
@@ -341,7 +341,7 @@ def origin(port: Port = None, baud: Baud = 115200, log: Log = None):
 
         passo torch origin
     """
-    _plain("ORIGIN", port, baud, log)
+    _send_order("ORIGIN", port, baud, log)
     print(_("the origin is here"))
 
 
@@ -369,20 +369,20 @@ def config(
 
     if (x_jog is None) != (y_jog is None):
         raise Failure("config wants the jogs of both axes, or of none")
-    with _client(port, baud, log) as client:
-        for number, value in zip((100, 101), _pair(scale)):
+    with _connect_client(port, baud, log) as client:
+        for number, value in zip((100, 101), _parse_scale(scale)):
             client.ask(f"${number}={value:.3f}")
         if x_jog is None:
             _show_settings(client)
             return
         units = Units(board, steps, client)
-        jogs = units.count(0, x_jog), units.count(1, y_jog)
-        speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
+        jogs = units.count_steps(0, x_jog), units.count_steps(1, y_jog)
+        speeds = units.steps_per_s(0, x_speed, speed), units.steps_per_s(1, y_speed, speed)
         client.order(torch.configure(*jogs, *speeds))
     print(_("jogs of {} and {} steps at {} and {} steps/s", *jogs, *speeds))
 
 
-def _pair(text):
+def _parse_scale(text):
     """The two numbers of --steps-per-mm; none if it is not given. Raises Failure."""
     try:
         found = [float(part) for part in text.split(",")] if text else []
@@ -410,7 +410,7 @@ def connect(port: Port = None, baud: Baud = 115200, log: Log = None):
 
         passo torch connect
     """
-    _plain("CONNECT", port, baud, log)
+    _send_order("CONNECT", port, baud, log)
     print(_("the motors are this board's"))
 
 
@@ -422,7 +422,7 @@ def disconnect(port: Port = None, baud: Baud = 115200, log: Log = None):
 
         passo torch disconnect
     """
-    _plain("DISCONNECT", port, baud, log)
+    _send_order("DISCONNECT", port, baud, log)
     print(_("the motors are the original controller's"))
 
 
@@ -436,7 +436,7 @@ def unlock(port: Port = None, baud: Baud = 115200, log: Log = None):
     """
     from passo.protocols.torch import protocol as torch
 
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         if client.status() is None:
             raise Failure("this board has no such word")
         for value in (1, 0):
@@ -461,13 +461,13 @@ def admit(
     """
     from passo.protocols.torch import protocol as torch
 
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         client.order(torch.passo(torch.ADMIT_OF, minutes))
     print(_("admitted for {} minutes", minutes) if minutes else _("no longer admitted"))
 
 
-def _plain(name, port, baud, log):
+def _send_order(name, port, baud, log):
     from passo.protocols.torch import protocol as torch
 
-    with _client(port, baud, log) as client:
+    with _connect_client(port, baud, log) as client:
         client.order(torch.frame(name))

@@ -27,17 +27,17 @@ SENTENCES = (
 def speak_by_itself(command):
     """Put what a command of click and its subcommands say by themselves into the language that is chosen by then."""
     for name in ("make_context", "invoke"):
-        setattr(command, name, _refusing(getattr(command, name)))
+        setattr(command, name, _reword_refusals(getattr(command, name)))
     waiting = [command]
     for each in waiting:
-        each.get_usage = _usage(each.get_usage)
+        each.get_usage = _translate_usage(each.get_usage)
         waiting += getattr(each, "commands", {}).values()
 
 
-def _refusing(plain):
+def _reword_refusals(plain):
     refusal = typer.BadParameter.__mro__[2]  # the base of all errors of a command line, which typer names in some versions only
 
-    def parse(*arguments, **named):
+    def call_reworded(*arguments, **named):
         try:
             return plain(*arguments, **named)
         except refusal as error:
@@ -45,10 +45,10 @@ def _refusing(plain):
             error.format_message = lambda: text
             raise
 
-    return parse
+    return call_reworded
 
 
-def _usage(plain):
+def _translate_usage(plain):
     def get_usage(context):
         from typer import rich_utils  # which takes a while, and is there already: this is shown by it
 

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from host_tools.cli.log import link
+from host_tools.cli.log import find_link
 from host_tools.cli.options import AnyBaud, Port, Protocol
 from host_tools.failure import Failure
 from host_tools.language import N_, _
@@ -36,28 +36,28 @@ def watch(
     from rich.console import Console
     from rich.live import Live
 
-    protocol, port, baud = link(port, baud, protocol)
-    with _client(protocol, port, baud) as client:
+    protocol, port, baud = find_link(port, baud, protocol)
+    with _create_client(protocol, port, baud) as client:
         view = View(f"{port}, {protocol}")
         look = _LOOKS[protocol]
-        view.take(*look(client, {}))
+        view.add_position(*look(client, {}))
         console = Console()
         if once:
-            console.print(view.shown())
+            console.print(view.as_panel())
             return
         fields = {}
         try:
-            with Live(view.shown(), console=console, auto_refresh=False, screen=console.is_terminal) as live:
+            with Live(view.as_panel(), console=console, auto_refresh=False, screen=console.is_terminal) as live:
                 while True:
                     time.sleep(interval)
-                    view.take(*look(client, fields))
-                    live.update(view.shown(), refresh=True)
+                    view.add_position(*look(client, fields))
+                    live.update(view.as_panel(), refresh=True)
         except KeyboardInterrupt:
             pass
-        console.print(view.shown())
+        console.print(view.as_panel())
 
 
-def _client(protocol, port, baud):
+def _create_client(protocol, port, baud):
     from host_tools.clients.grbl import GrblClient
     from host_tools.clients.plotter import PlotterClient
     from host_tools.clients.pulses import PulsesClient
@@ -66,7 +66,7 @@ def _client(protocol, port, baud):
     return {"grbl": GrblClient, "torch": TorchClient, "pulses": PulsesClient, "plotter": PlotterClient}[protocol](port, baud)
 
 
-def _grbl(client, known):
+def _look_at_grbl(client, known):
     """(rows, position) of a grbl link. `known`: fields of earlier reports, because a report has some only now and then."""
     from host_tools.cli.status import grbl_rows
 
@@ -80,7 +80,7 @@ def _grbl(client, known):
     return rows, tuple((*positions, 0.0)[:2])
 
 
-def _others(client, known):
+def _look_at_status(client, known):
     """The same of a language whose status is a dict of texts or numbers."""
     fields = client.status()
     if fields is None:
@@ -93,7 +93,7 @@ def _others(client, known):
     return rows, tuple((*positions, 0.0)[:2])
 
 
-_LOOKS = {"grbl": _grbl, "torch": _others, "pulses": _others, "plotter": _others}
+_LOOKS = {"grbl": _look_at_grbl, "torch": _look_at_status, "pulses": _look_at_status, "plotter": _look_at_status}
 
 
 class View:
@@ -104,14 +104,14 @@ class View:
         self._rows = []
         self.positions = []
 
-    def take(self, rows, position):
+    def add_position(self, rows, position):
         self._rows = rows
         if not self.positions or self.positions[-1] != position:
             self.positions.append(position)
         if len(self.positions) > _MOST_PLACES:
             self.positions = self.positions[::2]
 
-    def shown(self):
+    def as_panel(self):
         from rich.columns import Columns
         from rich.panel import Panel
         from rich.table import Table
@@ -121,10 +121,10 @@ class View:
         for name, text in self._rows:
             color = _STATE_COLORS.get(text.partition(":")[0].lower(), "") if name == "state" else ""
             table.add_row(Text(_(name), "dim"), Text(text, f"bold {color}".strip() if name == "state" else ""))
-        return Panel(Columns([table, Text(braille(self.positions, *_MAP))], padding=(0, 4)), title=self._title)
+        return Panel(Columns([table, Text(braille_map(self.positions, *_MAP))], padding=(0, 4)), title=self._title)
 
 
-def braille(positions, width, height):
+def braille_map(positions, width, height):
     """A map of the way along positions in `width` by `height` characters of braille, which have 2 by 4 dots each; the last position is a
     full one. None: the way goes on elsewhere."""
     wide, high = 2 * width, 4 * height
@@ -133,7 +133,7 @@ def braille(positions, width, height):
     zoom = min((wide - 1) / max(max(xs) - low_x, 1e-9), (high - 1) / max(max(ys) - low_y, 1e-9))
     cells = [[0] * width for _ in range(height)]
 
-    def dot(x, y):
+    def set_dot(x, y):
         column, row = min(int((x - low_x) * zoom), wide - 1), high - 1 - min(int((y - low_y) * zoom), high - 1)
         cells[row // 4][column // 2] |= _DOTS[row % 4][column % 2]
         return row // 4, column // 2
@@ -144,7 +144,7 @@ def braille(positions, width, height):
         (x, y), (to_x, to_y) = before, after
         count = max(1, min(400, int(max(abs(to_x - x), abs(to_y - y)) * zoom)))
         for part in range(count):
-            dot(x + (to_x - x) * part / count, y + (to_y - y) * part / count)
-    row, column = dot(*positions[-1])
+            set_dot(x + (to_x - x) * part / count, y + (to_y - y) * part / count)
+    row, column = set_dot(*positions[-1])
     cells[row][column] = 0xFF
     return "\n".join("".join(chr(0x2800 + cell) for cell in line) for line in cells)

@@ -37,7 +37,7 @@ Port = Annotated[Optional[str], typer.Option(help="USB serial port of the board 
 Passphrase = Annotated[Optional[str], typer.Option(help="Asked for if it is left out: then it stays out of the shell's history.")]
 
 
-def _mpremote(port, *words):
+def _run_mpremote(port, *words):
     """Run mpremote; returns what it printed, and its status. Raises Failure if no board answers."""
     from host_tools.cli.flash import check_port, no_answer
 
@@ -52,15 +52,15 @@ def _mpremote(port, *words):
     return result.stdout, result.returncode
 
 
-def _port(port):
+def _port_or_only(port):
     from host_tools.cli import ports
 
-    return port or ports.only()
+    return port or ports.only_port()
 
 
-def _saved(port):
+def _read_network(port):
     """The board's network file, parsed; None if it has none, or a damaged one."""
-    text, status = _mpremote(port, "cat", ":" + FILE)
+    text, status = _run_mpremote(port, "cat", ":" + FILE)
     if status:
         return None
     try:
@@ -70,7 +70,7 @@ def _saved(port):
 
 
 def _key_of(found):
-    """The key in a network file that _saved() returned; "" if it has none, or a wrong one."""
+    """The key in a network file that _read_network() returned; "" if it has none, or a wrong one."""
     from host_tools.clients import page_key
 
     try:
@@ -79,7 +79,7 @@ def _key_of(found):
         return ""
 
 
-def checked(name, passphrase):
+def check_network(name, passphrase):
     """Raises Failure unless a radio can take both."""
     if not 1 <= len(name.encode()) <= _NAME_BYTES:
         raise Failure("a network's name has 1 to {} bytes, not {}", _NAME_BYTES, len(name.encode()))
@@ -89,22 +89,22 @@ def checked(name, passphrase):
         raise Failure("this passphrase is guessed at once: take another")
 
 
-def _set(mode, name, passphrase, port, new_key):
+def _write_network(mode, name, passphrase, port, new_key):
     import os
 
     from host_tools.clients import page_key
 
-    port = _port(port)
+    port = _port_or_only(port)
     if passphrase is None:
         passphrase = typer.prompt(_("passphrase"), hide_input=True, confirmation_prompt=mode == "access" and _("the passphrase again"))
-    checked(name, passphrase)
-    before = _saved(port)
+    check_network(name, passphrase)
+    before = _read_network(port)
     key = page_key.make_key(os.urandom) if new_key else _key_of(before) or page_key.make_key(os.urandom)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / FILE
         path.touch(mode=0o600)
         path.write_text(json.dumps({"mode": mode, "name": name, "passphrase": passphrase, "key": key}))
-        status = _mpremote(port, "cp", str(path), ":" + FILE, "+", "reset")[1]
+        status = _run_mpremote(port, "cp", str(path), ":" + FILE, "+", "reset")[1]
     if status:
         raise Failure("the board on {} did not take the file: try again", port)
     print(_("access point {}; the board starts anew", name) if mode == "access" else _("station of {}; the board starts anew", name))
@@ -127,7 +127,7 @@ def access(
 
         passo wifi access tocha --port /dev/ttyACM0
     """
-    _set("access", name, passphrase, port, new_key)
+    _write_network("access", name, passphrase, port, new_key)
 
 
 @app.command()
@@ -141,7 +141,7 @@ def station(
 
         passo wifi station workshop --port /dev/ttyACM0
     """
-    _set("station", name, passphrase, port, new_key)
+    _write_network("station", name, passphrase, port, new_key)
 
 
 @app.command()
@@ -154,7 +154,7 @@ def show(port: Port = None):
     """
     from host_tools.clients import page_key
 
-    found = _saved(_port(port))
+    found = _read_network(_port_or_only(port))
     if not found:
         print(_("the radio is off"))
         return
@@ -171,9 +171,9 @@ def off(port: Port = None):
 
         passo wifi off --port /dev/ttyACM0
     """
-    port = _port(port)
-    _mpremote(port, "rm", ":" + FILE)
-    _mpremote(port, "reset")
+    port = _port_or_only(port)
+    _run_mpremote(port, "rm", ":" + FILE)
+    _run_mpremote(port, "reset")
     print(_("the radio is off"))
 
 

@@ -38,7 +38,7 @@ def wiring(
         print(boards.board_py(board).decode(), end="")
         return
     if out is None:
-        return _show(checked)
+        return _print_table(checked)
     from host_tools.wiring.drawing import drawing
 
     if out.suffix.lower() != ".svg":
@@ -47,7 +47,7 @@ def wiring(
     print(out)
 
 
-def _show(board):
+def _print_table(board):
     from rich.console import Console
     from rich.table import Table
 

@@ -28,7 +28,7 @@ def test_the_pins_draw_the_drawing(tmp_path, make_machine, show, board, tool):  
     loaded = boards.load(board)
     plan = drawing.load(page_of(tmp_path, 20, 20, body), loaded)
     said = Said(tmp_path, tool=tool, feed=1500.0, depth=DEPTH_MM, lift=0.5, plunge=600.0, passes=1)
-    lines = gcode.lines_of(plan, draw_gcode.cuts(loaded, plan, said))
+    lines = gcode.lines_of(plan, draw_gcode.cuts_of_parts(loaded, plan, said))
 
     machine = make_machine(board)
     machine.run_until(lambda: b"unlock" in machine.replies_so_far() or b"$X" in machine.replies_so_far(), 10_000)

@@ -74,7 +74,7 @@ def jobs(tmp_path_factory):
     """{name: file of packets} of everything that `make run` draws."""
     folder = tmp_path_factory.mktemp("jobs")
     files = {}
-    for name, drawings in run.jobs(folder).items():
+    for name, drawings in run.create_jobs(folder).items():
         files[name] = folder / f"{name}.bin"
         files[name].write_bytes(job_of(drawings))
     return files

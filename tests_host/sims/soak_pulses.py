@@ -407,7 +407,7 @@ class Pulses(Cabled):
             if max(abs(told - at) for told, at in zip(there, self.place())) > (1 if self.ended else 0):
                 raise Wrong(f"the board says it is at {there}, and it is at {self.place()}")
             self.zero = [zero + at - told for zero, at, told in zip(self.zero, self.place(), there)]
-            found = {name: crc for name, (_, _, crc, _) in jobs._listed(client)[0].items()}
+            found = {name: crc for name, (_, _, crc, _) in jobs._list_jobs(client)[0].items()}
             if found != self.jobs:
                 raise Wrong(f"stored jobs: {found}, and not {self.jobs}")
         self.check_stands()

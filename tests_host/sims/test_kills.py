@@ -86,7 +86,7 @@ def test_a_program_that_had_not_begun_begins_where_it_would_have(tmp_path):
             client.command("$H", 600)
             client.command("G90G0X5Y4Z-2")
             client.command("G4P0")
-            lead_in.announce(client, gcode_file.read(path), path.name)
+            lead_in.announce_program(client, gcode_file.read(path), path.name)
         stood = bench.machine.app.controller.position()
         after = bench.reboot()
         pc.revive(after)
@@ -155,7 +155,7 @@ def test_the_tool_stays_up_and_the_spindle_goes_off_unless_somebody_agrees(stopp
 
     square = Interrupted(b"M3S1000\n" + SQUARE, tmp_path, 1.5)
     if stopped != "nobody":
-        monkeypatch.setattr(lead_in, "agreed", answer)
+        monkeypatch.setattr(lead_in, "operator_agrees", answer)
     with pytest.raises(Failure):
         square.resume(yes=False)
     square.course.bench.machine.settle()

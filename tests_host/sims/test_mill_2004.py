@@ -3,7 +3,7 @@
 import pytest
 
 from host_tools import boards
-from host_tools.cli.log import shown
+from host_tools.cli.log import log_line_text
 from host_tools.sim.machine import VirtualMachine
 
 pytestmark = pytest.mark.quick
@@ -170,7 +170,7 @@ def test_the_log_as_people_read_it():
     machine.send(b"G91\nG1X-60F2400\n")
     machine.run_ms(2000)
     machine.settle()
-    lines = [shown(line) for line in say(machine, b"$LOG\n").splitlines()]
+    lines = [log_line_text(line) for line in say(machine, b"$LOG\n").splitlines()]
     text = "\n".join(line for line in lines if line)
     assert "bxa        201  a limit switch or the emergency stop was hit" in text
     assert "input bxa: active, stopped the machine 1 times, 0 glitches; last became active at" in text and "and still is" in text

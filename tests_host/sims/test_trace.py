@@ -172,7 +172,7 @@ SIDES = [(False, 200, 100), (True, 260, 100), (True, 230, 150), (True, 200, 100)
 def test_two_traces_of_a_job_are_equal_byte_for_byte(tmp_path, monkeypatch, sleeps_s):
     """By the program and the pty of `make run`, however long the PC takes between two objects."""
     first, second = tmp_path / "first.csv", tmp_path / "second.csv"
-    run.draw("first", [SIDES, SIDES], first)
+    run.draw_job("first", [SIDES, SIDES], first)
     ended = PlotterClient.end
     paces = iter(sleeps_s)
 
@@ -181,7 +181,7 @@ def test_two_traces_of_a_job_are_equal_byte_for_byte(tmp_path, monkeypatch, slee
         return ended(self, *arguments)
 
     monkeypatch.setattr(PlotterClient, "end", end)
-    run.draw("second", [SIDES, SIDES], second)
+    run.draw_job("second", [SIDES, SIDES], second)
     assert first.read_bytes() == second.read_bytes() and len(first.read_bytes().splitlines()) > 300
 
 

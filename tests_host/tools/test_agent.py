@@ -404,14 +404,14 @@ def test_a_board_that_does_not_answer():
 
 
 def test_names():
-    named = command._named(["/dev/ttyACM0", "mill=/dev/ttyUSB0", "socket://host:5000"], ["laser=laser_xy", "plotter_2014"])
+    named = command._parse_boards(["/dev/ttyACM0", "mill=/dev/ttyUSB0", "socket://host:5000"], ["laser=laser_xy", "plotter_2014"])
     assert named == {
         "ttyACM0": ("/dev/ttyACM0", False), "mill": ("/dev/ttyUSB0", False), "host-5000": ("socket://host:5000", False),
         "laser": ("laser_xy", True), "plotter_2014": ("plotter_2014", True),
     }  # fmt: skip
     for ports, virtual, what in (([], [], "which board"), (["a=x", "a=y"], [], "two machines"), (["a+b=x"], [], "no machine's name"), (["#=x"], [], "name")):
         with pytest.raises(Failure, match=what):
-            command._named(ports, virtual)
+            command._parse_boards(ports, virtual)
 
 
 def test_the_old_name_of_virtual_boards_still_works_and_says_the_new_one(capsys):
@@ -426,10 +426,10 @@ def test_the_old_name_of_virtual_boards_still_works_and_says_the_new_one(capsys)
 
 def test_what_is_said_of_machines():
     boards = {"a": ("x", False)}
-    assert command._of_machines("--laser-class", ["a=3B"], boards) == {"a": "3B"}
+    assert command._parse_machine_texts("--laser-class", ["a=3B"], boards) == {"a": "3B"}
     for option, text, what in (("--laser-class", "a=5", "one of 1, 1C"), ("--laser-class", "b=1", "of a machine"), ("--page", "a=x", "address"), ("--tool", "a=", "of a machine")):
         with pytest.raises(Failure, match=what):
-            command._of_machines(option, [text], boards)
+            command._parse_machine_texts(option, [text], boards)
 
 
 def test_the_broker_and_its_password(tmp_path):

@@ -272,7 +272,7 @@ def test_no_machine_code_is_compiled_on_the_board(tmp_path, name):
     assert sorted(path.name for path in sources) == ["board.py", "main.py"]
     run = [flash.REMOVE_STALE, flash.REMOVE_STAMP]
     assert [machine_code(path) for path in [*sources, *run]] == [[], [], [], []]
-    _, copying = flash.commands("PORT", tmp_path)
+    _, copying = flash.flash_commands("PORT", tmp_path)
     files = {each for each in copying if "/" in each and each != sys.executable}
     assert files == {str(tmp_path / "passo"), str(tmp_path / "main.py"), str(tmp_path / "board.py"), str(tmp_path / "stamp.txt"), *map(str, run)}
 

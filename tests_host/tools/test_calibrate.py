@@ -125,7 +125,7 @@ def test_squareness(lean):
     (square,) = squareness(rows, {"x": 1.02, "y": 0.97})
     assert square.degrees == pytest.approx(lean, abs=1e-9)
     assert square.mm_m == pytest.approx(1000 * math.sin(math.radians(lean)), abs=1e-6) and 0 < square.u_mm_m < 0.2
-    said = command.told_square(square)
+    said = command.square_text(square)
     assert "as far as these" in said if lean == 0 else f"Y leans {'towards' if lean > 0 else 'away from'} X+" in said
 
 

@@ -22,10 +22,10 @@ def test_streamed_as_they_are(name, tmp_path, monkeypatch):
     running = Running("fast")
 
     class Panel(stream.Panel):
-        def cycle(self):
-            super().cycle()
+        def poll_keys(self):
+            super().poll_keys()
             if running.app.controller.state == "hold":
-                self.key("r")
+                self.press_key("r")
 
     monkeypatch.setattr(stream, "Panel", Panel)
     try:

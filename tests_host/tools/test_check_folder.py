@@ -111,10 +111,10 @@ def test_what_travels_is_all_that_a_worker_needs(tmp_path, monkeypatch):
     file.write_text(GOOD.format(3))
     board = tmp_path / "mine.py"
     board.write_text((Path(__file__).parents[2] / "boards" / "router_3axis.py").read_text())
-    item = check_folder.Item(check_folder.Sent.of(file, True), check_folder.Sent.of(board, True), None, None, ((), None, None), "pt")
+    item = check_folder.Item(check_folder.Sent.from_path(file, True), check_folder.Sent.from_path(board, True), None, None, ((), None, None), "pt")
     file.unlink()
     board.unlink()
-    row = check_folder.work(item)
+    row = check_folder.check_item(item)
     assert row.fault == "" and row.high == pytest.approx((3, 5, 0), abs=0.01)
 
 
@@ -170,10 +170,10 @@ def test_on_a_cluster_of_which_a_worker_is_killed_twice(tmp_path):
                 yield item
 
         items = [
-            check_folder.Item(check_folder.Sent.of(path, True), "router_3axis", None, None, ((), None, None), "en")
+            check_folder.Item(check_folder.Sent.from_path(path, True), "router_3axis", None, None, ((), None, None), "en")
             for path in sorted(tmp_path.glob("*.nc"))
         ]
-        found = list(workers.on_cluster(check_folder.work, counted(items), cluster.scheduler_address))
+        found = list(workers.on_cluster(check_folder.check_item, counted(items), cluster.scheduler_address))
     assert len(killed) == 2
     assert Counter(item.program.path for item, _ in found) == Counter(item.program.path for item in items)
     assert all(row != workers.DIED and row.fault == "" for _, row in found)

@@ -160,8 +160,8 @@ def test_stream_compiles(part, tmp_path, capsys):
             stream.stream(part, running.line.name, 115200, "count", False, True, None, 5.0)
         program = compiler.read(part)
         with GrblClient(running.line.name) as client, stream.Panel(client, list(program.rows()), None, program.origin) as panel:
-            panel.done(2)
-            assert "part.ngc" in panel.text()
+            panel.count_line(2)
+            assert "part.ngc" in panel.progress_text()
 
 
 def test_check_compiles(part, tmp_path):

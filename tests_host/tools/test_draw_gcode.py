@@ -98,7 +98,7 @@ def test_the_pins_draw_the_drawing(tmp_path, board, tool):
     machine = boards.load(board)
     plan = drawing.load(page_of(tmp_path, 100, 100, body), machine, drawing.Options(fit=True))
     said = Said(tmp_path, tool=tool, feed=3000.0, depth=0.5, passes=2)
-    lines = gcode.lines_of(plan, draw_gcode.cuts(machine, plan, said))
+    lines = gcode.lines_of(plan, draw_gcode.cuts_of_parts(machine, plan, said))
     job = VirtualJob(board, inside=True)
     if tool == "m3":
         job.track.by_height = False
@@ -184,7 +184,7 @@ def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys, more):
 
     said, status, where = drawn("fast")
     assert not status and "drawn in" in said and where == [0, 0] and not journal.exists(), said
-    plain = stream.Panel.cycle
+    plain = stream.Panel.poll_keys
 
     def broken(panel):
         plain(panel)
@@ -192,7 +192,7 @@ def test_sent_broken_off_and_gone_on_with(tmp_path, monkeypatch, capsys, more):
             raise KeyboardInterrupt
 
     with monkeypatch.context() as changed:
-        changed.setattr(stream.Panel, "cycle", broken)
+        changed.setattr(stream.Panel, "poll_keys", broken)
         said, status, _ = drawn("real")  # fast time leaps over the line
     assert status == 1 and "aborted at line" in said and "and --continue" in said and journal.exists(), said
     said, status, _ = drawn("fast", "--continue")
@@ -228,7 +228,7 @@ def test_broken_off_behind_and_at_a_pens_change(tmp_path, monkeypatch, capsys, c
     """Broken off by pen 2, then while it waits for pen 3: the pen that draws on is named, the one that is missing is asked for again, and
     each line is drawn by its pen."""
     path = pens_page(tmp_path)
-    plain = stream.Panel.cycle
+    plain = stream.Panel.poll_keys
     drawn = [collections.Counter() for _ in PENS]
 
     def run(ends, pen, *more):
@@ -237,7 +237,7 @@ def test_broken_off_behind_and_at_a_pens_change(tmp_path, monkeypatch, capsys, c
 
         def cycle(panel):
             plain(panel)
-            text = panel.text()
+            text = panel.progress_text()
             waits = re.search(r"put in pen (\d)", text)
             if waits and panel._paused_at is not None and running.standing() and int(waits[1]) not in asked:
                 asked.append(int(waits[1]))
@@ -245,11 +245,11 @@ def test_broken_off_behind_and_at_a_pens_change(tmp_path, monkeypatch, capsys, c
             if ends(panel, asked[-1] if asked else pen):
                 raise KeyboardInterrupt
             if panel._paused_at is not None and running.standing():
-                panel.key("r")
+                panel.press_key("r")
 
         steps = []
         with monkeypatch.context() as changed, Running("real", **changes) as running:
-            changed.setattr(stream.Panel, "cycle", cycle)
+            changed.setattr(stream.Panel, "poll_keys", cycle)
             running.world.path, running.world.burnt = [], []
             said, _ = command(monkeypatch, capsys, path, *options, "--port", running.line.name, *more)
             for number, (first, end) in enumerate(itertools.pairwise([0, *steps, len(running.world.path)])):
@@ -327,7 +327,7 @@ def test_a_pen_a_layer_waits_and_says_which(tmp_path, monkeypatch, capsys):
     assert lines[at - 2 : at + 3] == ["M5", "(pen 2)", "M6 T2", "G4 P1", "M4 S300"]
     running = Running("fast")
     try:
-        monkeypatch.setattr(stream.Panel, "cycle", answered(stream.Panel.cycle, told := []))
+        monkeypatch.setattr(stream.Panel, "poll_keys", answered(stream.Panel.poll_keys, told := []))
         where = ["--board", "router_3axis", "--port", running.line.name, "--feed", 3000, "--lift", 0, "--pens", "layers"]
         said, status = command(monkeypatch, capsys, path, *where)
         assert not status and any("put in pen 2 (layer2)" in each for each in told), told[-3:]
@@ -336,13 +336,13 @@ def test_a_pen_a_layer_waits_and_says_which(tmp_path, monkeypatch, capsys):
 
 
 def answered(plain, told):
-    """A Panel's cycle() that presses r at each pause."""
+    """A Panel's poll_keys() that presses r at each pause."""
 
     def cycle(panel):
         plain(panel)
         if panel._paused_at is not None:
-            told.append(panel.text())
-            panel.key("r")
+            told.append(panel.progress_text())
+            panel.press_key("r")
 
     return cycle
 

@@ -95,7 +95,7 @@ def test_a_film_that_cannot_be(tmp_path):
 
 def text_of(view):
     out = Console(file=io.StringIO(), width=120)
-    out.print(view.shown())
+    out.print(view.as_panel())
     return out.file.getvalue()
 
 
@@ -108,7 +108,7 @@ def test_watch_shows_a_running_machine():
             for line in ("G21G90", "N12G1X4F1200", "N13Y4"):
                 client.command(line)
             for _ in range(20_000):
-                view.take(*watch._grbl(client, known))
+                view.add_position(*watch._look_at_grbl(client, known))
                 seen.append(dict(view._rows))
                 if seen[-1]["state"] == "Idle" and len(seen) > 2:
                     break
@@ -121,12 +121,12 @@ def test_watch_shows_a_running_machine():
 
 def test_the_map_shows_the_way():
     """A square: full lines at its four sides, nothing inside."""
-    lines = watch.braille([(0, 0), (10, 0), (10, 10), (0, 10), (0, 0)], 20, 10).splitlines()
+    lines = watch.braille_map([(0, 0), (10, 0), (10, 10), (0, 10), (0, 0)], 20, 10).splitlines()
     assert len(lines) == 10 and all(len(line) == 20 for line in lines)
     assert all(character != "⠀" for character in lines[0] + lines[-1])
     assert all(line[0] != "⠀" and line[-1] != "⠀" and set(line[1:-1]) == {"⠀"} for line in lines[1:-1])
-    assert watch.braille([(3, 3)], 4, 2).count("⣿") == 1
+    assert watch.braille_map([(3, 3)], 4, 2).count("⣿") == 1
     view = watch.View("x")
     for number in range(20_000):
-        view.take([], (number, number % 7))
+        view.add_position([], (number, number % 7))
     assert len(view.positions) <= watch._MOST_PLACES and view.positions[-1] == (19_999, 19_999 % 7)

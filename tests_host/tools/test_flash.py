@@ -62,7 +62,7 @@ def test_a_wrong_port_is_one_line(folder, port):
 
 
 def test_a_port_that_does_not_answer_is_one_line(folder, monkeypatch):
-    monkeypatch.setattr(flash, "probe", lambda command, port: (_ for _ in ()).throw(flash.no_answer(port)))
+    monkeypatch.setattr(flash, "ask_board", lambda command, port: (_ for _ in ()).throw(flash.no_answer(port)))
     result = run_flash("--port", "socket://localhost:1")
     assert isinstance(result.exception, Failure) and "no MicroPython board answers" in str(result.exception)
     assert result.output == "" and not (folder / "build").exists()
@@ -75,9 +75,9 @@ def test_a_port_must_be_named(folder):
 
 
 def test_a_port_that_is_not_there():
-    asking, _ = flash.commands("/dev/no-such-port", Path("build/x"))
+    asking, _ = flash.flash_commands("/dev/no-such-port", Path("build/x"))
     with pytest.raises(Failure, match="there is no port /dev/no-such-port"):
-        flash.probe(asking, "/dev/no-such-port")
+        flash.ask_board(asking, "/dev/no-such-port")
 
 
 def test_a_port_without_a_board(monkeypatch):
@@ -85,10 +85,10 @@ def test_a_port_without_a_board(monkeypatch):
     tty.setraw(slave)
     port = os.ttyname(slave)
     monkeypatch.setattr(flash, "PROBE_TIMEOUT_S", 3)
-    asking, _ = flash.commands(port, Path("build/x"))
+    asking, _ = flash.flash_commands(port, Path("build/x"))
     try:
         with pytest.raises(Failure, match=f"no MicroPython board answers on {port}"):
-            flash.probe(asking, port)
+            flash.ask_board(asking, port)
     finally:
         os.close(master)
         os.close(slave)
@@ -214,7 +214,7 @@ def test_a_copy_cut_anywhere_does_not_start(folder, how):
     flash.build_tree("router_3axis", out)
     write_package(out)
     if how == "flash":
-        writes = list(copied(flash.commands("PORT", out)[1], out))
+        writes = list(copied(flash.flash_commands("PORT", out)[1], out))
     else:
         urls = json.loads((out / "package.json").read_text())["urls"]
         writes = [(name, (out / source).read_bytes().decode("latin-1")) for name, source in urls]

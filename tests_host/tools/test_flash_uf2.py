@@ -72,7 +72,7 @@ def test_a_uf2_of_another_chip_is_refused(chip, board, fits):
 @pytest.mark.parametrize("said", ["", "circuitpython 9.1.0\n-1\nboot.py\n", "Traceback\n"])
 def test_something_else_is_one_sentence(said):
     with pytest.raises(Failure, match="runs .*, and no MicroPython"):
-        flash_uf2.told(said, "/dev/ttyACM0")
+        flash_uf2.parse_answer(said, "/dev/ttyACM0")
 
 
 # --- the file
@@ -145,7 +145,7 @@ def drive(tmp_path, board, monkeypatch):
     place.mkdir()
     (place / flash_uf2.INFO).write_text("UF2 Bootloader v3.0\n")
     there = board[1] / ".bootloader"
-    monkeypatch.setattr(flash_uf2, "drive_of", lambda: place if there.exists() and not list(place.glob("*.uf2")) else None)
+    monkeypatch.setattr(flash_uf2, "find_drive", lambda: place if there.exists() and not list(place.glob("*.uf2")) else None)
     for name in ("DRIVE_S", "START_S"):
         monkeypatch.setattr(flash_uf2, name, 20)
     return place
@@ -172,7 +172,7 @@ def test_another_uf2_keeps_the_files(folder, with_uf2, drive, new_uf2):
 
 
 def test_without_a_drive_it_says_what_to_do(folder, with_uf2, new_uf2, monkeypatch):
-    monkeypatch.setattr(flash_uf2, "drive_of", lambda: None)
+    monkeypatch.setattr(flash_uf2, "find_drive", lambda: None)
     monkeypatch.setattr(flash_uf2, "DRIVE_S", 0.5)
     put(with_uf2[1], "settings.0", "speeds")
     result = run_flash("--port", with_uf2[0], "--uf2", str(new_uf2))
@@ -183,15 +183,15 @@ def test_without_a_drive_it_says_what_to_do(folder, with_uf2, new_uf2, monkeypat
 
 def test_files_stay_where_the_file_system_stays(tmp_path, new_uf2):
     stays = flash_uf2.Has("rp2040", "", "", location(new_uf2)[0], ["settings.0"])
-    assert flash_uf2.saved("nowhere", new_uf2, stays) is None
+    assert flash_uf2.save_files("nowhere", new_uf2, stays) is None
 
 
 def test_drives_are_found_by_what_is_on_them(tmp_path, monkeypatch):
     monkeypatch.setattr(flash_uf2, "Path", partial(_below, tmp_path))
-    assert flash_uf2.drive_of() is None
+    assert flash_uf2.find_drive() is None
     put(tmp_path, "media/somebody/RPI-RP2/INFO_UF2.TXT")
     monkeypatch.setenv("USER", "somebody")
-    assert flash_uf2.drive_of() == tmp_path / "media/somebody/RPI-RP2"
+    assert flash_uf2.find_drive() == tmp_path / "media/somebody/RPI-RP2"
 
 
 def _below(root, path):

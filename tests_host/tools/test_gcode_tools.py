@@ -6,7 +6,7 @@ import threading
 import pytest
 
 from host_tools.cli import check, main as cli, settings, stream
-from host_tools.cli.log import spoken
+from host_tools.cli.log import find_language
 from host_tools.clients.grbl import RESET, GrblClient, LinkError, Refused, fields_of
 from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
@@ -89,19 +89,19 @@ def test_keys(board, job):
             client.command(line)
         panel = stream.Panel(client, [(1, b"")])
         client.command("G1X50F60")  # long enough that the pause comes amid it, on any fast PC
-        panel.key("p")
+        panel.press_key("p")
         board.until(board.standing)
         client.ask_status()
-        panel.cycle()
-        gone = panel.seconds()
-        assert "PAUSED: r resumes" in panel.text() and panel.seconds() == gone
-        assert "0 lines/s, queue 1%" in panel.text()
-        assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 1" in panel.text()
-        panel.key("r")
+        panel.poll_keys()
+        gone = panel.moving_s()
+        assert "PAUSED: r resumes" in panel.progress_text() and panel.moving_s() == gone
+        assert "0 lines/s, queue 1%" in panel.progress_text()
+        assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 1" in panel.progress_text()
+        panel.press_key("r")
         board.until(lambda: board.app.controller.state == "idle")
         client.command("G1X0")
         with pytest.raises(stream.Aborted):
-            panel.key("a")
+            panel.press_key("a")
         assert not board.app.controller.machine.alarm
 
 
@@ -116,13 +116,13 @@ def test_progress_is_that_of_the_motion(job, prefix):
             client.connect()
             client.command("$X")
             for number in client.stream(lines, True, None, True):
-                panel.done(number)
+                panel.count_line(number)
             running.until(lambda: running.world.steps > 0)
             client.real_time(b"!")
             running.until(running.standing)
             client.ask_status()
-            panel.cycle()
-            assert 4 <= panel._line < 9 and "100%" not in panel.text() and "–" not in panel.text()
+            panel.poll_keys()
+            assert 4 <= panel._line < 9 and "100%" not in panel.progress_text() and "–" not in panel.progress_text()
             client.halt()
     finally:
         running.close()
@@ -137,13 +137,13 @@ def test_where_the_queue_was_empty_is_told(board, capsys, monkeypatch):
         client._notice("[OPT:VNMZJ,96,512]")
         for done, free in ((1, 96), (10, 40), (20, 95), (30, 94), (35, 40), (40, 94), (50, 10)):
             while panel._done < done:
-                panel.done(panel._done + 1)
+                panel.count_line(panel._done + 1)
             client._notice("<Run|MPos:0,0,0|Bf:%d,512|Ln:%d|FS:1,0>" % (free, done))
             panel._asked = 0.0
             panel._asks = True
-            panel.cycle()
+            panel.poll_keys()
         assert panel._starved == [20, 40] and client.window == 512
-        panel.tell()
+        panel.print_rate()
     said = capsys.readouterr().out
     assert "lines a second" in said and "nearly empty 2 times, first at line 20" in said
 
@@ -293,7 +293,7 @@ def test_check_blocks_time():
     assert 590 <= job.track.fastest[0] <= 612
     assert job.pauses == [(3, "X20M0")]
     assert 240 <= job.track.accelerations()[:, 1].max() <= 270  # $120 is 250
-    assert any("line 3: X20M0" in line for line in check.summary(job))
+    assert any("line 3: X20M0" in line for line in check.summary_lines(job))
 
 
 def test_check_probes_nothing():
@@ -303,7 +303,7 @@ def test_check_probes_nothing():
     assert job.probes[:2] == [(2, "G38.2Z-2F300"), (4, "G38.4Z2")]
     assert [number for number, _, _ in job.errors] == [7]
     assert job.low[2] == -2 and job.high[0] == 1
-    assert any("probe   line 2: G38.2Z-2F300" in line for line in check.summary(job))
+    assert any("probe   line 2: G38.2Z-2F300" in line for line in check.summary_lines(job))
 
 
 def test_check_carries_out_jobs_only():
@@ -312,7 +312,7 @@ def test_check_carries_out_jobs_only():
     job.run(orders + [(7, b"$110=600"), (8, b"G0X2")])
     assert [number for number, _ in job.skipped] == [1, 2, 3, 4, 5, 6] and not job.errors
     assert job.high[0] == 2 and 590 <= job.track.fastest[0] <= 612
-    assert any("skipped line 1: $H" in line for line in check.summary(job))
+    assert any("skipped line 1: $H" in line for line in check.summary_lines(job))
 
 
 def test_settings_that_wait_for_each_other(board):
@@ -321,15 +321,15 @@ def test_settings_that_wait_for_each_other(board):
         client.connect()
         client.command("$X")
         for lines in (("$100=5000.000", "$110=100.000"), ("$100=100.000", "$110=6000.000"), ("$20=0", "$22=0")):
-            assert settings.restore(client, list(lines)) == list(lines)
-        settings.restore(client, ["$20=1", "$22=1"])
+            assert settings.restore_lines(client, list(lines)) == list(lines)
+        settings.restore_lines(client, ["$20=1", "$22=1"])
         assert {"$20=1", "$22=1"} <= set(client.command("$$"))
         with pytest.raises(Refused, match="error 12"):
-            settings.restore(client, ["$100=99999.000", "$111=900.000"])
+            settings.restore_lines(client, ["$100=99999.000", "$111=900.000"])
         assert "$111=900.000" in client.command("$$")
         client.command("$SLP")
         client.connect()
-        assert settings.restore(client, ["$N1=G54"]) == ["$N1=G54"]
+        assert settings.restore_lines(client, ["$N1=G54"]) == ["$N1=G54"]
 
 
 def test_settings_round_trip(board, tmp_path, capsys):
@@ -383,10 +383,10 @@ class OldFirmware:
 
 
 def test_masks_are_not_sent_to_a_firmware_that_reads_them_otherwise():
-    assert settings.meant(OldFirmware(), ["$23=0", "$110=1.000"], 1) == ["$23=0", "$110=1.000"]
-    assert settings.meant(OldFirmware(), ["$110=1.000"], 2) == ["$110=1.000"]
+    assert settings.convert_backup(OldFirmware(), ["$23=0", "$110=1.000"], 1) == ["$23=0", "$110=1.000"]
+    assert settings.convert_backup(OldFirmware(), ["$110=1.000"], 2) == ["$110=1.000"]
     with pytest.raises(Failure, match="older"):
-        settings.meant(OldFirmware(), ["$23=3"], 2)
+        settings.convert_backup(OldFirmware(), ["$23=3"], 2)
 
 
 def test_a_failed_homing_is_no_success_to_a_client(board):
@@ -456,4 +456,4 @@ class Chatty:
 @pytest.mark.parametrize("status, language", [(b"<Idle|MPos:0.000>", "grbl"), (b"<idle,0>", "pulses")])
 def test_what_a_board_says_by_itself_is_no_other_language(monkeypatch, before, status, language):
     monkeypatch.setattr("host_tools.clients.wire.open_port", lambda port, baud: Chatty(before + status))
-    assert spoken("/dev/none", 115_200) == language
+    assert find_language("/dev/none", 115_200) == language

@@ -8,7 +8,7 @@ import time
 import pytest
 
 from host_tools import interpreter
-from host_tools.cli.keys import Kit, parse
+from host_tools.cli.keys import Kit, parse_keys
 from host_tools.failure import Failure
 from test_board_command import Board, passo, rows
 
@@ -29,18 +29,18 @@ class FakeSerial:
 
 
 def test_words_to_bytes():
-    assert parse("A1 c B 127 2s GH 500ms j") == [b"A\x01", b"C", b"B\x7f", 2.0, b"G", b"H", 0.5, b"J"]
+    assert parse_keys("A1 c B 127 2s GH 500ms j") == [b"A\x01", b"C", b"B\x7f", 2.0, b"G", b"H", 0.5, b"J"]
     for words, text in (("A0", "1 (fastest) … 127"), ("B128", "B 128"), ("A", "'A' is no key"), ("K", "'K' is no key")):
         with pytest.raises(Failure) as failure:
-            parse(words)
+            parse_keys(words)
         assert text in str(failure.value)
 
 
 def test_the_state_is_what_was_told():
     kit = Kit(FakeSerial())
-    kit.play(parse("A5 I H F"))
+    kit.press_all(parse_keys("A5 I H F"))
     assert str(kit) == "motor 1: clockwise, 50.0 steps/s (speed 5)   motor 2: off"
-    kit.play(parse("D"))
+    kit.press_all(parse_keys("D"))
     assert str(kit).endswith("motor 2: anticlockwise, 250.0 steps/s (speed 1)")
     assert kit._serial.sent == b"A\x05IHFD"
 

@@ -37,7 +37,7 @@ HANDED_ON = {
     "language.py": ("_", "speak", "error_text", "reword", "count_text"), "failure.py": ("message", "reason"), "sim/job.py": ("_failure_of",),
     "programs/compensation.py": ("_misfit",), "programs/file_kinds.py": ("refuse_others",), "programs/made_by.py": ("advice_for",), "programs/program_errors.py": ("message",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
-    "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
+    "cli/watch.py": ("as_panel",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
     "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
     "prove/proof.py": ("parts", "_part", "judge"), "prove/facts.py": ("memory", "watchdog"), "prove/report.py": ("table",),
     "cli/experiments.py": ("experiments",), "experiments/report.py": ("_section", "_sources", "printed"), "experiments/authors.py": ("text",),
@@ -248,7 +248,7 @@ def test_what_is_printed_goes_through_the_catalogue():
         if not path.startswith(("cli/", "programs/", "drawings/", "site/", "clients/", "panel/", "sim/", "emulator/")):
             continue
         for _, name, call in calls(tree):
-            if name not in ("print", "echo", "status", "Table", "add_column", "prompt", "tell", "agreed", "set_title", "set_xlabel", "set_ylabel"):
+            if name not in ("print", "echo", "status", "Table", "add_column", "prompt", "tell", "print_progress", "operator_agrees", "set_title", "set_xlabel", "set_ylabel"):
                 continue
             for argument in call.args:
                 if isinstance(argument, ast.Constant) and isinstance(argument.value, str):

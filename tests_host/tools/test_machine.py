@@ -29,7 +29,7 @@ def small(tmp_path, monkeypatch):
         put(firmware, name, "x = 1\n")
     put_drives(firmware)
     monkeypatch.setattr(machine, "build_tree", partial(machine.build_tree, firmware=firmware))
-    monkeypatch.setattr(machine, "_at_rest", lambda port: None)
+    monkeypatch.setattr(machine, "_check_at_rest", lambda port: None)
     return firmware
 
 
@@ -150,7 +150,7 @@ def test_a_file_that_cannot_be_written_stays(tmp_path, monkeypatch):
 
 def test_with_passos_uf2_only_board_files_are_stored(folder, board, monkeypatch):  # noqa: F811
     """Of machines that its chip's UF2 serves; nothing is built."""
-    monkeypatch.setattr(machine, "_at_rest", lambda port: None)
+    monkeypatch.setattr(machine, "_check_at_rest", lambda port: None)
     monkeypatch.setattr(machine, "build_tree", None)
     port, files = board
     where = ("--port", port)
@@ -238,11 +238,11 @@ def of_two_machines(folder):
     for name in "xy":
         modules = ""
         for path in ("main.py", "passo/app.mpy", "passo/a.mpy"):
-            digest = machine._digest(path, name.encode())
+            digest = machine._file_digest(path, name.encode())
             modules += f"{path} {digest}\n"
             put(folder, path if name == "x" else f"machines/files/{digest}", name)
         put(folder, "passo/same.mpy", "same")
-        modules += f"passo/same.mpy {machine._digest('passo/same.mpy', b'same')}\n"
+        modules += f"passo/same.mpy {machine._file_digest('passo/same.mpy', b'same')}\n"
         put(folder, f"machines/{name}/modules.txt", modules)
         put(folder, f"machines/{name}/board.py", f'BOARD = {{"chip": "{name}"}}')
     put(folder, "board.py", 'BOARD = {"chip": "x"}')
@@ -296,7 +296,7 @@ def test_no_cut_of_the_power_loses_what_was_before(tmp_path):
 def test_what_a_board_asks_for(tmp_path):
     board = of_two_machines(tmp_path)
     known = (tmp_path / "machines/y/modules.txt").read_text()
-    new = machine._digest("passo/a.mpy", b"new")
+    new = machine._file_digest("passo/a.mpy", b"new")
     assert board.run(f"want({known!r})") == [] and board.run(f"want({f'passo/a.mpy {new}'!r})") == [f"wants {new}"]
     assert [line for line in board.run("tell()") if line.startswith("machine")] == ["machine x: ready", "machine y: ready"]
     put(tmp_path, "machines/files/0123456789abcdef", "of nobody")
@@ -316,17 +316,17 @@ def test_a_moving_machine_stays_as_it_is():
             client.command("$X")
             client.command("G1X200F600")
         with pytest.raises(Failure, match="not at rest: Run"):
-            machine._at_rest(running.line.name)
+            machine._check_at_rest(running.line.name)
 
 
 def test_what_becomes_another_machine_and_what_fails(folder, board, small):  # noqa: F811
     port, files = board
     put(files, "board.py", 'BOARD = {"chip": "rp2040", "name": "x"}')
     with pytest.raises(Failure, match="is an rp2040, and mks_dlc32 is for an esp32"):
-        machine.become("mks_dlc32", port)
+        machine.become_machine("mks_dlc32", port)
     assert wait_for(files / ".reset") and '"name": "x"' in (files / "board.py").read_text(), "it starts as what it was"
     (files / ".reset").unlink()
-    machine.become("lpt_router", port)
+    machine.become_machine("lpt_router", port)
     assert wait_for(files / ".reset") and '"name": "lpt_router"' in (files / "board.py").read_text()
     assert (files / "machines/chosen").read_text() == "lpt_router\nbefore" and not list(folder.glob("build"))
 
@@ -334,7 +334,7 @@ def test_what_becomes_another_machine_and_what_fails(folder, board, small):  # n
 def test_a_pc_without_mpremote(folder, monkeypatch):  # noqa: F811
     monkeypatch.setattr(flash, "find_spec", lambda name: None)
     with pytest.raises(Failure, match="pip install mpremote"):
-        machine.become("lpt_router", "/dev/null")
+        machine.become_machine("lpt_router", "/dev/null")
 
 
 MOVING = {
@@ -349,10 +349,10 @@ MOVING = {
 def test_a_machine_that_moves_is_not_stopped_for_another(name):
     """Whatever language it speaks: its board is not asked for its prompt, which would stop it."""
     with VirtualBoard("--board", name) as running:
-        machine._at_rest(running.port)
+        machine._check_at_rest(running.port)
         with open(os.open(running.port, os.O_WRONLY | os.O_NOCTTY), "wb", buffering=0) as line:
             line.write(MOVING[name])
         time.sleep(1)
         with pytest.raises(Failure, match="is not at rest: (?i:run|home)"):
-            machine._at_rest(running.port)
+            machine._check_at_rest(running.port)
         assert running.end()[0] == 0

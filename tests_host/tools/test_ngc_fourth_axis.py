@@ -6,7 +6,7 @@ import pytest
 import rs274
 from host_tools import boards
 from host_tools.cli.check import _check_file
-from host_tools.cli.compile import _place
+from host_tools.cli.compile import _parse_start
 from host_tools.drawings import gcode_file
 from host_tools.failure import Failure
 from host_tools.programs import compiler
@@ -79,11 +79,11 @@ def test_where_a_stands_is_asked_for_and_told():
         with pytest.raises(ProgramError) as refusal:
             compiled(text, ZERO[:3])
         assert refusal.value.number == 320 and ": A" in str(refusal.value)
-    assert compiled("g91 g0 a1", _place("0,0,5,30")).codes == ["G0 A31"]
-    assert _place("0,0,5") == (0, 0, 5)
+    assert compiled("g91 g0 a1", _parse_start("0,0,5,30")).codes == ["G0 A31"]
+    assert _parse_start("0,0,5") == (0, 0, 5)
     for text in ("1,2", "1,2,3,4,5", "1,2,3,a"):
         with pytest.raises(Failure, match="three numbers"):
-            _place(text)
+            _parse_start(text)
     assert compiled("g0 a1\ng43 h1\ng91 a1", ()).codes == ["G0 A1", "G43.1 Z40", "G0 A2"]
     assert compiled("g93 g1 x0 a90 f4", ()).codes == ["G1 G93 X0 A90 F4", "G94"]
 

@@ -54,7 +54,7 @@ def test_the_browser_is_given_no_key(monkeypatch, tmp_path):
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    panel._open("http://127.0.0.1:8080/#key=ABCD")
+    panel._open_browser("http://127.0.0.1:8080/#key=ABCD")
     assert len(opened) == 1 and "ABCD" not in opened[0]
     (folder,) = tmp_path.iterdir()
     assert "ABCD" in (folder / "page.html").read_text() and folder.stat().st_mode & 0o077 == 0

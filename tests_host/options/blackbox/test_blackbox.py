@@ -6,7 +6,7 @@ import pytest
 from black_boxes import CAUSES, COMBINED, Doomed, amid, parked, pieces
 
 from host_tools import boards
-from host_tools.cli.blackbox import lines
+from host_tools.cli.blackbox import report_lines
 from host_tools.failure import Failure
 from host_tools.programs.blackbox import HALTED, LOGGED, Box, pack, unpack
 from host_tools.programs.timeline import clock, draw, lines_of
@@ -139,7 +139,7 @@ def test_nothing_is_written_while_it_moves():
 def test_what_people_read(tmp_path):
     files, _ = CAUSES["door_then_reset"]()
     box, replay = replayed(files)
-    text = "\n".join([*lines_of(box), *lines(box, replay)])
+    text = "\n".join([*lines_of(box), *report_lines(box, replay)])
     for wanted in ("door on", "door off", "hold", "reset, Ctrl-X", "stood at X", "G1X", "> $SLP", "the same way"):
         assert wanted in text, wanted
     draw(tmp_path / "timeline.png", box, replay)

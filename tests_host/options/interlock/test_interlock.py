@@ -10,7 +10,7 @@ import pytest
 from mill_equations import EQUATIONS, allowed
 
 from host_tools import boards
-from host_tools.cli.interlock import Row, Table, draw, truth_table
+from host_tools.cli.interlock import Row, Table, draw_table, truth_table
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 from host_tools.sim.machine import VirtualMachine
@@ -159,7 +159,7 @@ def with_table(name, section):
 def test_a_documented_table_keeps_its_rules(name, section, rules):
     """Every combination of all inputs: a gated step or output is allowed exactly if its rule, in Python's words, is true."""
     table = Table(with_table(name, section))
-    gated = table.gated()
+    gated = table.rows_of_gates()
     assert {each for names, _ in rules for each in names.split("` `")} == set(gated), "a rule for each"
     for names, rule in rules:
         meaning = compile(rule, "rule", "eval")
@@ -321,10 +321,10 @@ def test_products_that_another_covers_are_left_out():
 
 
 def test_truth_table_and_picture(tmp_path):
-    lines = truth_table(MILL.gated()["tool"])
+    lines = truth_table(MILL.rows_of_gates()["tool"])
     assert lines == ["tool = !stop", "    stop  tool", "       0     1", "       1     0"]
     assert len(truth_table(MILL.rows["hx"])) == 2 + 2**9
-    draw(MILL, tmp_path / "mill.png")
+    draw_table(MILL, tmp_path / "mill.png")
     assert (tmp_path / "mill.png").stat().st_size > 5000
     with pytest.raises(Failure, match="has no interlock"):
         Table(boards.load("router_3axis"))

@@ -81,7 +81,7 @@ def test_packets_of_a_job_draw_and_do_nothing_else(tmp_path, name):
 def told_job(port):
     with GrblClient(port) as client:
         client.wait_idle()
-        return status._job(client, client.ask_status())
+        return status._job_row(client, client.ask_status())
 
 
 def test_what_status_says_of_a_stored_job(tmp_path, part, monkeypatch):
@@ -143,7 +143,7 @@ def test_an_upload_that_is_cut_off_leaves_the_job_of_that_name(board, part, monk
     jobs.store(part, "PART", "grbl", port=port)
     long = part.with_name("long.gcode")
     long.write_bytes(b"G21 G90\n" + b"".join(b"G1 X%d F6000\n" % (number * 7919 % 50) for number in range(900)))
-    with jobs._connected(port, 115200, "grbl") as client:
+    with jobs._connect_client(port, 115200, "grbl") as client:
         data = stored_job.gcode_job(long)
         client.command(f"$FS=PART,grbl,{len(data)},{stored_job.crc(data):08x},{len(stored_job.pack(data))}")
         client.command("$F:AAAA")
@@ -191,7 +191,7 @@ def test_while_a_job_runs(tmp_path, part):
     try:
         part.write_bytes(b"G91\nG1 X2 F60\nG1 X-2\n")
         jobs.store(part, "PART", "grbl", check=False, port=port)
-        with jobs._connected(port, 115200, "grbl") as client:
+        with jobs._connect_client(port, 115200, "grbl") as client:
             client.command("$X")
         jobs.run("PART", False, False, port, 115200)
         for what in (lambda: jobs.delete("part", port, 115200), lambda: jobs.list_(port, 115200), lambda: jobs.run("PART", False, True, port, 115200)):

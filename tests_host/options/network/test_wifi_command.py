@@ -29,7 +29,7 @@ def board(tmp_path, monkeypatch):
             path.unlink(missing_ok=True)
         return "", 0
 
-    monkeypatch.setattr(wifi, "_mpremote", mpremote)
+    monkeypatch.setattr(wifi, "_run_mpremote", mpremote)
     return tmp_path
 
 
