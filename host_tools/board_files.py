@@ -1,7 +1,7 @@
 """Makes, changes, takes back and removes a user's own board files, for `passo machine` and for the panel's page.
 
     create(Path("mine.py"), "lpt_router", {"axes.z": None})
-    change(Path("mine.py"), {"step_program.interval_us": 250})      # keeps the text before it in mine.py.old
+    change_values(Path("mine.py"), {"step_program.interval_us": 250})      # keeps the text before it in mine.py.old
 
 The firmware's check looks at each new text. If it refuses, Failure is raised with its sentence, and no file is written.
 """
@@ -34,14 +34,14 @@ def create(file, like, values):
         text = board_edit.set_values(text, {"name": file.stem})
     else:
         text = f'"""{file.stem}: like {like}, but for what stands here."""\n\nBOARD = {{\n    "name": "{file.stem}",\n    "like": "{like}",\n}}\n'
-    write_whole(file, edited(file, text, values).encode())
+    write_whole(file, edit_text(file, text, values).encode())
 
 
-def change(file, values):
+def change_values(file, values):
     """Change values {path: value} of a board file. Raises Failure."""
     check_own(file)
     text = boards.read(file)
-    replace(file, text, edited(file, text, values))
+    replace_file(file, text, edit_text(file, text, values))
 
 
 def go_back(file):
@@ -50,25 +50,25 @@ def go_back(file):
     if not old.is_file():
         raise Failure("{} has not been changed: there is no {}", file.name, old.name)
     text = boards.read(old)
-    boards.check_board(boards.table(text, old), old)
-    replace(file, boards.read(file), text)
+    boards.check_board(boards.parse_table(text, old), old)
+    replace_file(file, boards.read(file), text)
 
 
-def remove(file):
+def remove_file(file):
     """Remove a board file; its text stays in FILE.old. Raises Failure."""
     check_own(file)
     os.replace(file, old_of(file))
 
 
-def edited(file, text, values):
+def edit_text(file, text, values):
     """The text of a board file with values {path: value} changed, which the firmware takes. Raises Failure."""
-    boards.table(text, file)
+    boards.parse_table(text, file)
     text = board_edit.set_values(text, values)
-    boards.check_board(boards.table(text, file), file)
+    boards.check_board(boards.parse_table(text, file), file)
     return text
 
 
-def replace(file, before, text):
+def replace_file(file, before, text):
     """Write a board file; FILE.old gets the text `before`."""
     write_whole(old_of(file), before.encode())
     write_whole(file, text.encode())
@@ -86,7 +86,7 @@ def check_own(file):
         raise Failure("{} is no board file here: passo machine new NAME --like BOARD writes one", file)
 
 
-def choice(folder):
+def available_files(folder):
     """{name: board file, as boards.load() takes it} of Passo's own, and of those in a folder, whose names end in .py."""
     own = sorted(folder.glob("*.py")) if folder.is_dir() else []
     return {name: name for name in boards.names()} | {path.name: str(path) for path in own}

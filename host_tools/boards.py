@@ -4,7 +4,7 @@
     board = load("~/mine/router.py")        # any file with BOARD = {...}
     data = board_py("router_4axis")         # the board's board.py: the file, or the whole of one that is like another
 
-A file with `"like": "router_3axis"` has only its differences from that file of boards/: see merge(). Boards, builds and everything behind
+A file with `"like": "router_3axis"` has only its differences from that file of boards/: see merge_changes(). Boards, builds and everything behind
 load() get the whole.
 
 A board file is data, though it is written in Python: it is read here, and nowhere else on a PC, and never executed.
@@ -51,7 +51,7 @@ def path(name):
 def load(name):
     """The BOARD dict of a board given by name or path, as it stands there. Raises Failure if the file is wrong."""
     found = path(name)
-    return check_board(table(read(found), found), name)
+    return check_board(parse_table(read(found), found), name)
 
 
 def check_board(board, name):
@@ -87,7 +87,7 @@ def board_py(name):
     if LIKE not in own:
         return found.read_bytes()
     head = f"# The whole of {found.name}, which is like {own[LIKE]}: change that file, not this one.\n"
-    return (head + text_of(resolve(own, found))).encode()
+    return (head + text_of(merge_into_base(own, found))).encode()
 
 
 def settings_of(board):
@@ -107,7 +107,7 @@ def text_of(board):
     return f"BOARD = {text_of_value(board, 0)}\n"
 
 
-def like(base):
+def names_like(base):
     """Names of the project's boards that say "like": `base`."""
     return [name for name in names() if own_table(read(path(name)), path(name)).get(LIKE) == base]
 
@@ -118,15 +118,15 @@ def read(found):
         with tokenize.open(found) as file:
             return file.read()
     except (SyntaxError, ValueError, OSError) as error:
-        raise Failure("board file {} cannot be read: {}", found, _why(error)) from error
+        raise Failure("board file {} cannot be read: {}", found, _why_no_python(error)) from error
 
 
-def table(text, found):
+def parse_table(text, found):
     """The BOARD dict of a board file's text, whole; `found`: where it stands. Raises Failure, with its line, if a statement is more than data."""
-    return resolve(own_table(text, found), found)
+    return merge_into_base(own_table(text, found), found)
 
 
-def resolve(board, found):
+def merge_into_base(board, found):
     """`board` merged into the board of boards/ that it is like, or as it is. Raises Failure."""
     if LIKE not in board:
         return board
@@ -141,12 +141,12 @@ def resolve(board, found):
     if LIKE in under:
         raise Failure("board file {}: like: {} is itself like {}; say what differs from that one", found, base, under[LIKE])
     try:
-        return merge(under, {key: value for key, value in board.items() if key != LIKE})
+        return merge_changes(under, {key: value for key, value in board.items() if key != LIKE})
     except Failure as failure:
         raise Failure("board file {}, which is like {}: {}", found, base, failure) from None
 
 
-def merge(base, changes, where=""):
+def merge_changes(base, changes, where=""):
     """`base` with `changes`; both stay as they are. None removes a key. A dict is merged key by key; a list of things that have names, such
     as axes or links, name by name: known ones are changed where they stand, new ones go to the end. A dict in the place of such a list is
     {name: changes}, so that None removes one. Any other value replaces the old one. Raises Failure."""
@@ -159,7 +159,7 @@ def merge(base, changes, where=""):
         elif _has_names(before) and (isinstance(change, dict) or _has_names(change)):
             result[key] = _merge_list(before, change, at)
         elif isinstance(change, dict):
-            result[key] = merge(before if isinstance(before, dict) else {}, change, at + ".")
+            result[key] = merge_changes(before if isinstance(before, dict) else {}, change, at + ".")
         else:
             result[key] = copy.deepcopy(change)
     return {key: result[key] for key in [*base, *changes] if key in result}
@@ -173,7 +173,7 @@ def _merge_list(before, change, at):
         change = {item["name"]: item for item in change}
     named = {item["name"]: item for item in before}
     changes = {name: {"name": name, **item} if isinstance(item, dict) else item for name, item in change.items()}
-    return list(merge(named, changes, at + ".").values())
+    return list(merge_changes(named, changes, at + ".").values())
 
 
 def _has_names(value):
@@ -182,22 +182,22 @@ def _has_names(value):
 
 def text_of_value(value, indent):
     """The text of a value behind `indent` columns: a value that does not fit on a line of 120 characters has a line an item."""
-    text, inner = _line(value), " " * (indent + 4)
+    text, inner = _value_text(value), " " * (indent + 4)
     if len(text) + indent <= 120 and indent or not value or not isinstance(value, (dict, list)):
         return text
     if isinstance(value, dict):
-        items = "".join(f"{inner}{_line(key)}: {text_of_value(item, indent + 4)},\n" for key, item in value.items())
+        items = "".join(f"{inner}{_value_text(key)}: {text_of_value(item, indent + 4)},\n" for key, item in value.items())
         return "{\n" + items + " " * indent + "}"
     return "[\n" + "".join(f"{inner}{text_of_value(item, indent + 4)},\n" for item in value) + " " * indent + "]"
 
 
-def _line(value):
+def _value_text(value):
     if isinstance(value, str):
         return json.dumps(value, ensure_ascii=False)
     if isinstance(value, dict):
-        return "{" + ", ".join(f"{_line(key)}: {_line(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{_value_text(key)}: {_value_text(item)}" for key, item in value.items()) + "}"
     if isinstance(value, list):
-        return "[" + ", ".join(map(_line, value)) + "]"
+        return "[" + ", ".join(map(_value_text, value)) + "]"
     return repr(value)
 
 
@@ -207,13 +207,13 @@ def own_table(text, found):
         with warnings.catch_warnings(action="ignore"):  # a backslash that means nothing, in a comment of several lines
             statements = ast.parse(text).body
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise Failure("board file {} cannot be read: {}", found, _why(error)) from error
+        raise Failure("board file {} cannot be read: {}", found, _why_no_python(error)) from error
     board = None
     for statement in statements:
         if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
             continue  # the file's docstring
         try:
-            board = _value(statement)
+            board = _board_value(statement)
         except (ValueError, TypeError, RecursionError, MemoryError):
             line = _first_line_of_code(statement)
             raise Failure("board file {}, line {}: this is code; a board file holds BOARD = {{...}} of plain values, and comments", found, line) from None
@@ -222,7 +222,7 @@ def own_table(text, found):
     return board
 
 
-def _value(statement):
+def _board_value(statement):
     """The value of `BOARD = …`. Raises ValueError or another error if it is another statement, or more than plain values."""
     if not _assigns_board(statement):
         raise ValueError
@@ -244,7 +244,7 @@ def _first_line_of_code(statement):
     return statement.lineno
 
 
-def _why(error):
+def _why_no_python(error):
     """Why a text is no Python, in the interpreter's words and with the line."""
     if isinstance(error, SyntaxError) and error.lineno:
         return f"{error.msg} ({line_text(error.lineno)})"

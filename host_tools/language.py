@@ -1,6 +1,6 @@
 """Translates the texts of `passo`, by gettext: the English text is the key.
 
-    choose("pt")
+    choose_language("pt")
     error_text(18)                              # "a máquina está ocupada: …"
     _("{} files in {}", 12, out)                # fields as in str.format(), filled in behind the look-up
     raise Failure("no file {}", path)           # likewise (failure.py), looked up when it is shown
@@ -42,17 +42,17 @@ class Catalogue(gettext.NullTranslations):
 
 
 @lru_cache(maxsize=None)
-def catalogue(language):
+def load_catalogue(language):
     """The words of one of LANGUAGES."""
     if language == "en":
         return gettext.NullTranslations()
     own = (HOST_TOOLS / f"{language}{part}.json" for part in ("", "_boards"))
     from host_tools import options  # here: only who wants its words waits for them
 
-    return Catalogue(options.portuguese(), FIRMWARE / "passo" / "web" / "page" / f"{language}.json", *own)
+    return Catalogue(options.portuguese_texts(), FIRMWARE / "passo" / "web" / "page" / f"{language}.json", *own)
 
 
-def choose(language):
+def choose_language(language):
     """Speak one of LANGUAGES from now on; None: as the environment says."""
     global _chosen
     _chosen = language
@@ -73,7 +73,7 @@ def current_language():
 
 
 @contextmanager
-def speaking(language):
+def in_language(language):
     """Speak one of LANGUAGES in this thread for as long as it lasts: to a page, whatever the terminal's language is."""
     before = _asked.set(language)
     try:
@@ -112,15 +112,15 @@ def count_text(count, noun):
 
 def _(text, *values, **named):
     """`text` in the language chosen, with its fields."""
-    return fill_in(catalogue(current_language()).gettext(text), *values, **named)
+    return fill_in(load_catalogue(current_language()).gettext(text), *values, **named)
 
 
-def reword(text, sentences):
+def reword_text(text, sentences):
     """`text` that is one of `sentences` with its fields filled in, in the language chosen; any other as it is. Fields are reworded too."""
     for sentence in sentences:
         found = re.fullmatch(re.escape(sentence).replace(r"\{\}", "(.*?)"), text, re.DOTALL)
         if found:
-            return _(sentence, *(reword(each, sentences) for each in found.groups()))
+            return _(sentence, *(reword_text(each, sentences) for each in found.groups()))
     return text
 
 
@@ -130,7 +130,7 @@ def in_languages(text):
     empty."""
     if not text:
         return ""
-    words = catalogue("pt").words
+    words = load_catalogue("pt").words
     if text in words:
         return {"en": text, "pt": words[text]}
     for english, portuguese in words.items():
@@ -140,7 +140,7 @@ def in_languages(text):
         found = next(filter(None, (pattern.fullmatch(text) for pattern in patterns)), None)
         if found:
             fields = [in_languages(each) for each in found.groups()]
-            return {language: _refill(form, [field[language] for field in fields]) for language, form in zip(LANGUAGES, pair)}
+            return {language: _fill_fields(form, [field[language] for field in fields]) for language, form in zip(LANGUAGES, pair)}
     return {"en": text, "pt": text}
 
 
@@ -151,31 +151,31 @@ _FIELD = re.compile(r"\{[^{}]*\}")
 def _with_fields():
     """[((English, Portuguese), (pattern of each))] of texts with fields: those with most words of their own first."""
 
-    def pattern(text):
+    def text_pattern(text):
         return re.compile("(.*?)".join(map(re.escape, _FIELD.split(text))), re.DOTALL)
 
-    words = [pair for pair in catalogue("pt").words.items() if _FIELD.search(pair[0]) and _FIELD.findall(pair[0]) == _FIELD.findall(pair[1])]
+    words = [pair for pair in load_catalogue("pt").words.items() if _FIELD.search(pair[0]) and _FIELD.findall(pair[0]) == _FIELD.findall(pair[1])]
     words.sort(key=lambda pair: len(_FIELD.sub("", pair[0])), reverse=True)
-    return [(pair, tuple(map(pattern, pair))) for pair in words]
+    return [(pair, tuple(map(text_pattern, pair))) for pair in words]
 
 
-def _refill(form, fields):
+def _fill_fields(form, fields):
     return "".join(part + field for part, field in zip(_FIELD.split(form), [*fields, ""]))
 
 
 def board_file_error(text):
     """The firmware's text about a wrong board file, in the current language."""
-    return reword(text, _sentences(current_language()))
+    return reword_text(text, _board_file_sentences(current_language()))
 
 
 @lru_cache(maxsize=None)
-def _sentences(language):
+def _board_file_sentences(language):
     """Sentences about board files and options, with `{}` for the firmware's values: those with most words of their own first."""
     if language == "en":
         return []
     from host_tools import options
 
-    known = Catalogue(options.portuguese(), HOST_TOOLS / f"{language}_boards.json").words
+    known = Catalogue(options.portuguese_texts(), HOST_TOOLS / f"{language}_boards.json").words
     return sorted(known, key=lambda sentence: len(sentence.replace("{}", "")), reverse=True)
 
 
@@ -184,7 +184,7 @@ def line_text(number):
     return _("line {}", number)
 
 
-def pieces(help_):
+def help_pieces(help_):
     """The paragraphs and examples of a help as (what stands before, a text of the catalogue, what follows). Of an example, a line that is
     indented, the text is the comment behind it."""
     *parts, last = re.split(r"(\n\n|\n(?=    ))", help_ or "")
@@ -198,16 +198,16 @@ def pieces(help_):
             yield example[1] + example[2] + " " * bool(example[3]), example[3], end
 
 
-def speak(command):
+def translate_help(command):
     """Put the help of a command and its subcommands, and of their options, into the language chosen."""
     for each in [command, *command.params]:
         english = each.english = getattr(each, "english", getattr(each, "help", None))
-        if english and catalogue(current_language()) is not catalogue("en"):
-            each.help = "".join(before + _(text) + after for before, text, after in pieces(english))
+        if english and load_catalogue(current_language()) is not load_catalogue("en"):
+            each.help = "".join(before + _(text) + after for before, text, after in help_pieces(english))
         else:
             each.help = english
     for other in getattr(command, "commands", {}).values():
-        speak(other)
+        translate_help(other)
 
 
 def error_text(number):

@@ -1,7 +1,7 @@
 """Texts of options for people: `words.py` in their folders, which no board has.
 
-    settings()      # {58: ("parking: target, machine coordinate", "mm", -2000, 2000), …}
-    status()        # {"Vac": "vacuum cleaner", …}
+    setting_rows()      # {58: ("parking: target, machine coordinate", "mm", -2000, 2000), …}
+    status_names()      # {"Vac": "vacuum cleaner", …}
 
 A words.py may have SECTIONS and MEANINGS of keys for docs/reference/board-file.md; SETTINGS by number, AXIS_SETTINGS by the number of the first axis, and PAGE, where
 docs say more of them; STATUS, the words that it adds to status reports, each with a name for people; PORTUGUESE of all of these but SECTIONS and
@@ -18,30 +18,30 @@ _FOLDER = Path(passo.options.__file__).parent
 
 
 @lru_cache(maxsize=1)
-def words():
+def words_of_options():
     """{option: its words.py} of the options that have one."""
     return {path.parent.name: import_module(f"passo.options.{path.parent.name}.words") for path in sorted(_FOLDER.glob("*/words.py"))}
 
 
-def _all(name):
-    return {key: value for own in words().values() for key, value in getattr(own, name, {}).items()}
+def _merge_tables(name):
+    return {key: value for own in words_of_options().values() for key, value in getattr(own, name, {}).items()}
 
 
-def settings():
+def setting_rows():
     """{number: (name, unit, least, most)} of the settings that options add."""
-    return _all("SETTINGS")
+    return _merge_tables("SETTINGS")
 
 
 def axis_settings():
     """The same of those that each axis has, by the number of the first one's."""
-    return _all("AXIS_SETTINGS")
+    return _merge_tables("AXIS_SETTINGS")
 
 
-def status():
+def status_names():
     """{word of a status report: its name}."""
-    return _all("STATUS")
+    return _merge_tables("STATUS")
 
 
-def portuguese():
+def portuguese_texts():
     """{text: the same in Portuguese}."""
-    return _all("PORTUGUESE")
+    return _merge_tables("PORTUGUESE")

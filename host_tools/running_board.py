@@ -1,7 +1,7 @@
 """A board file with the steps/mm and travel that its running board has set.
 
     board = as_set(board, {100: "49.218", 130: "200.000"})
-    board, told = running(board, "plotter", "/dev/ttyUSB0", 57600)      # asks the board; `told`: a line for people
+    board, told = as_running(board, "plotter", "/dev/ttyUSB0", 57600)   # asks the board; `told`: a line for people
     board, told = by_client(board, client)                              # the same of one that is connected
 
 Every command of the PC that turns mm into steps asks here, so that all count alike.
@@ -28,19 +28,19 @@ def as_set(board, settings):
     return {**board, "axes": axes, **({"spindle": spindle} if spindle else {})}
 
 
-def running(board, language, port, baud=None):
+def as_running(board, language, port, baud=None):
     """(the board file as the board at `port` has it, a line that says whose steps/mm count). A board that does not tell its settings, such as a
     document's own, or a computer without a port, `port` None, has the file's."""
     if port is None:
-        return board, _("steps/mm {}: the board file's", _text(board))
+        return board, _("steps/mm {}: the board file's", _scale_text(board))
     from host_tools.clients import settings
 
     try:
         with settings.connect(language, port, baud) as asked:
-            found = _values(asked, board)
+            found = _ask_settings(asked, board)
     except (Failure, IndexError, ValueError):
         found = None
-    return _compared(board, found)
+    return _compare_scales(board, found)
 
 
 def by_client(board, client):
@@ -48,29 +48,29 @@ def by_client(board, client):
     from host_tools.clients.settings import Asked
 
     try:
-        found = _values(Asked(client), board)
+        found = _ask_settings(Asked(client), board)
     except (Failure, IndexError, ValueError):
         found = None
-    return _compared(board, found)
+    return _compare_scales(board, found)
 
 
-def _values(asked, board):
+def _ask_settings(asked, board):
     """{number: value} of its steps/mm and travel."""
     return {first + axis: asked.get(first + axis) for axis in range(len(board["axes"])) for first in (STEPS, TRAVEL)}
 
 
-def _compared(board, found):
+def _compare_scales(board, found):
     if found is None:
-        return board, _("steps/mm {}: the board file's, for the board tells no settings", _text(board))
+        return board, _("steps/mm {}: the board file's, for the board tells no settings", _scale_text(board))
     here = as_set(board, found)
-    if _scales(here) == _scales(board):
-        return here, _("steps/mm {}: the board's, as in the board file", _text(here))
-    return here, _("steps/mm {}: the board's own; the board file says {}", _text(here), _text(board))
+    if _scales_of(here) == _scales_of(board):
+        return here, _("steps/mm {}: the board's, as in the board file", _scale_text(here))
+    return here, _("steps/mm {}: the board's own; the board file says {}", _scale_text(here), _scale_text(board))
 
 
-def _scales(board):
+def _scales_of(board):
     return [axis["steps_per_m"] for axis in board["axes"]]
 
 
-def _text(board):
+def _scale_text(board):
     return ", ".join(f"{axis['name'].upper()} {axis['steps_per_m'] / 1000:.3f}" for axis in board["axes"])

@@ -1,6 +1,6 @@
 """Outputs of a board file that nothing switches: no command of its languages, no feature of the firmware.
 
-    for text in cautions(board): …          # a line each, with the names that it may have
+    for text in caution_lines(board): …          # a line each, with the names that it may have
 
 A plain fault of a board file that is in use: `passo` warns of it, and the board is built and starts as before.
 """
@@ -32,19 +32,19 @@ def _is_switched(item, gcode, clamped):
     return gcode and (name in _OF_GCODE | _NUMBERED or name == "vacuum" and not clamped)
 
 
-def cautions(board):
+def caution_lines(board):
     """A sentence of each output that nothing switches."""
     free = outputs_without_switch(board)
-    return [_caution(board, name) for name in free]
+    return [_caution_text(board, name) for name in free]
 
 
 def print_cautions(board):
     """To the terminal, beside what a command prints for programs."""
-    for text in cautions(board):
+    for text in caution_lines(board):
         print(text, file=sys.stderr)
 
 
-def _caution(board, name):
+def _caution_text(board, name):
     if not any(link["protocol"] == "grbl" for link in board["links"]):
         return _("caution: nothing switches the output {}: without a link that speaks grbl an output is called enable, or has a role", name)
     if name == "vacuum":

@@ -40,7 +40,7 @@ class _Worker:
         interpreter.isolate()  # the other process begins by looking for Python's own modules
         context = multiprocessing.get_context("spawn")
         self.pipe, theirs = context.Pipe()
-        self._process = context.Process(target=_serve, args=(work, theirs), daemon=True)
+        self._process = context.Process(target=_serve_items, args=(work, theirs), daemon=True)
         self._process.start()
         theirs.close()
 
@@ -50,7 +50,7 @@ class _Worker:
         self.pipe.close()
 
 
-def _serve(work, pipe):
+def _serve_items(work, pipe):
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent process ends it
     while True:
         try:
@@ -61,13 +61,13 @@ def _serve(work, pipe):
             pipe.send((None, error))
 
 
-def done(work, items, count, cluster):
+def run_items(work, items, count, cluster):
     """Yields (item, result) by the workers of a Dask cluster, if there is an address; else by `count` processes."""
     return on_cluster(work, items, cluster) if cluster else in_processes(work, items, count)
 
 
 @contextlib.contextmanager
-def table(path, columns):
+def open_table(path, columns):
     """write(cells) of a .csv file, which is there once it is whole; of no file if `path` is None. Raises Failure."""
     if path is None:
         yield lambda cells: None
@@ -140,14 +140,14 @@ def on_cluster(work, items, address):
         found = distributed.as_completed(loop=client.loop)
         asked = {}  # key of a task: its items
 
-        def ask(some):
+        def submit_items(some):
             if some:
-                future = client.submit(_several, work, some, pure=False)
+                future = client.submit(_run_several, work, some, pure=False)
                 asked[future.key] = some
                 found.add(future)
 
         for _number in range(_AHEAD * sum(client.nthreads().values())):
-            ask(list(itertools.islice(items, 1)))
+            submit_items(list(itertools.islice(items, 1)))
         for future in found:
             some = asked.pop(future.key)
             try:
@@ -155,16 +155,16 @@ def on_cluster(work, items, address):
             except distributed.KilledWorker:
                 if len(some) > 1:  # one of them may have killed it
                     for item in some:
-                        ask([item])
+                        submit_items([item])
                     continue
                 results, seconds = [DIED], _TASK_S
             yield from zip(some, results, strict=True)
             future.release()
             together = int(_TASK_S * len(some) / max(seconds, 1e-6))
-            ask(list(itertools.islice(items, min(max(together, 1), _MOST_TOGETHER))))
+            submit_items(list(itertools.islice(items, min(max(together, 1), _MOST_TOGETHER))))
 
 
-def _several(work, items):
+def _run_several(work, items):
     """([work(item) of each item], the seconds they took): a task of a cluster."""
     begun = time.monotonic()
     return [work(item) for item in items], time.monotonic() - begun

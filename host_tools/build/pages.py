@@ -101,8 +101,8 @@ def texts_of(board):
 
 def page_words():
     """The page's catalogue, with the words of options' settings."""
-    of_settings = {name for name, *_ in (*options.settings().values(), *options.axis_settings().values())}
-    return json.loads((PAGES / "pt.json").read_text(encoding="utf-8")) | {text: said for text, said in options.portuguese().items() if text in of_settings}
+    of_settings = {name for name, *_ in (*options.setting_rows().values(), *options.axis_settings().values())}
+    return json.loads((PAGES / "pt.json").read_text(encoding="utf-8")) | {text: said for text, said in options.portuguese_texts().items() if text in of_settings}
 
 
 def _words(board, modules, page):

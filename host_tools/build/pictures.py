@@ -36,10 +36,10 @@ def drawings():
     found = {}
     try:
         for spoken, folder in FOLDERS.items():
-            language.choose(spoken)
+            language.choose_language(spoken)
             found.update({folder / f"{name}.svg": drawing(check(boards.load(name))) for name in BOARDS})
     finally:
-        language.choose(None)
+        language.choose_language(None)
     return found
 
 

@@ -71,7 +71,7 @@ def words():
     from host_tools.build.board_keys import MEANINGS, SECTIONS
 
     sections, meanings = dict(SECTIONS), dict(MEANINGS)
-    for own in options.words().values():
+    for own in options.words_of_options().values():
         sections.update(getattr(own, "SECTIONS", {}))
         meanings.update(getattr(own, "MEANINGS", {}))
     return sections, meanings
@@ -263,7 +263,7 @@ def settings():
     for number, languages in ((150, "plotter, torch"), (151, "plotter, torch"), (170, "torch"), (171, "torch"), (180, "plotter"), (181, "pulses"), (182, "pulses")):
         name, unit, least, most = rule(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} (language {languages}) | {unit} | {least:g} … {most:.10g} | – |")
-    for option, own in options.words().items():
+    for option, own in options.words_of_options().items():
         numbers = [*getattr(own, "SETTINGS", {}), *(first + axis for first in getattr(own, "AXIS_SETTINGS", {}) for axis in range(len(board["axes"])))]
         for number in numbers:
             name, unit, least, most = rule(number, len(board["axes"]))

@@ -69,7 +69,7 @@ def check_item(item):
     from host_tools.programs import compiler
     from host_tools.sim.job import VirtualJob
 
-    language.choose(item.lang)
+    language.choose_language(item.lang)
     with contextlib.ExitStack() as stack:
         file, tools, board = (each and stack.enter_context(each.local_path()) for each in (item.program, item.tools, _file_of_board(item.board)))
         try:
@@ -109,10 +109,10 @@ def check_folder(folder, board, place, dialect, tools, out, count, cluster):
     table = tools and Sent.from_path(tools, travels)
     items = (Item(Sent.from_path(path, travels), board, table, dialect, place, language.current_language()) for path in files)
     begun = time.monotonic()
-    found = workers.done(check_item, items, min(count or os.cpu_count() or 1, len(files)), cluster)
+    found = workers.run_items(check_item, items, min(count or os.cpu_count() or 1, len(files)), cluster)
     width = min(max(len(_relative_name(folder, path)) for path in files), 60)
     faults = 0
-    with workers.table(out, _COLUMNS) as write:
+    with workers.open_table(out, _COLUMNS) as write:
         for path, row in _in_order([str(path) for path in files], found):
             name = _relative_name(folder, path)
             faults += bool(row.fault)

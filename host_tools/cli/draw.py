@@ -84,11 +84,11 @@ draw.__annotations__ = Said.__annotations__
 def machine_as_running(machine, said):
     """(the board file with the steps/mm of the board that is to draw, a line that says whose they are)"""
     from host_tools.cli import draw_run, ports
-    from host_tools.running_board import running
+    from host_tools.running_board import as_running
 
     sends = not said.dry_run and not said.out
     port = said.port or (ports.only_port() if sends else None)
-    return running(machine, "plotter", port, said.baud or draw_run.BAUD)
+    return as_running(machine, "plotter", port, said.baud or draw_run.BAUD)
 
 
 def options_of(said):

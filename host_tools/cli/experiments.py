@@ -32,15 +32,15 @@ def experiments(
         passo experiments --on /dev/ttyACM0 --lang pt
     """
     from host_tools.cli.flash import check_port
-    from host_tools.experiments.experiments import EXPERIMENTS, checked
+    from host_tools.experiments.experiments import EXPERIMENTS, check_names
     from host_tools.experiments.places import EMULATED, VIRTUAL, place_of
     from host_tools.experiments.report import write
 
     if lang is not None:
         if lang not in language.LANGUAGES:
             raise Failure("--lang is en or pt, not {!r}", lang)
-        language.choose(lang)
-    chosen = checked(names or [])
+        language.choose_language(lang)
+    chosen = check_names(names or [])
     if list_:
         for name, each in EXPERIMENTS.items():
             print(f"{name:<8}  {_(each.title)} ({', '.join(each.kinds)})")

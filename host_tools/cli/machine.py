@@ -244,11 +244,11 @@ def set_(
 
     board_files.check_own(file)
     text = boards.read(file)
-    changed = board_files.edited(file, text, _parse_pairs(pairs))
+    changed = board_files.edit_text(file, text, _parse_pairs(pairs))
     if port is not None:
         board_files.check_name(file.stem)
         _check_at_rest(port)
-    board_files.replace(file, text, changed)
+    board_files.replace_file(file, text, changed)
     _print_written(file)
     if port is not None:
         become_machine(str(file), port)
@@ -259,7 +259,7 @@ def _parse_pairs(pairs):
     """{path: value} of KEY=VALUE. Raises Failure."""
     from host_tools import board_edit
 
-    return dict(board_edit.parse(pair) for pair in pairs)
+    return dict(board_edit.parse_pair(pair) for pair in pairs)
 
 
 def _print_written(file):

@@ -59,8 +59,8 @@ def _choose_language(context: typer.Context, lang: Optional[str]):
     """Before all other options: --help behind it speaks that language."""
     if lang is not None and lang not in language.LANGUAGES:
         raise Failure("--lang is en or pt, not {!r}", lang)
-    language.choose(lang)
-    language.speak(context.command)
+    language.choose_language(lang)
+    language.translate_help(context.command)
 
 
 def _passo_options(
@@ -158,7 +158,7 @@ def main():
     interpreter.isolate()
     try:
         command = typer.main.get_command(create_app(verbs_to_import(sys.argv[1:])))
-        language.speak(command)
+        language.translate_help(command)
         speak_by_itself(command)
         help_with_first_steps(command)
         command()

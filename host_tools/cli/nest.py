@@ -66,7 +66,7 @@ def nest(
 
     from host_tools.cli.draw import machine_of
     from host_tools.drawings.drawing import Options, shapes
-    from host_tools.workers import DIED, done, table
+    from host_tools.workers import DIED, run_items, open_table
 
     if workers and dask:
         raise Failure("--workers are of this PC, --dask of a cluster: give one of them")
@@ -77,8 +77,8 @@ def nest(
     found, (width, height) = shapes(file, machine_of(board, True)[0], Options(gap=gap, turn=turn, scale=scale, margin=margin, place=place))
     sent = tuple(shapely.to_wkb(found))
     items = (Try(order, sent, width, height, gap, turn) for order in range(tries))
-    with table(out, _COLUMNS) as write:
-        rows = sorted((item.order, result) for item, result in done(nest_try, items, min(workers or os.cpu_count() or 1, tries), dask))
+    with open_table(out, _COLUMNS) as write:
+        rows = sorted((item.order, result) for item, result in run_items(nest_try, items, min(workers or os.cpu_count() or 1, tries), dask))
         for order, result in rows:
             write((order, f"{result[0]:.3f}", f"{100 * result[1]:.1f}", "") if result not in (DIED, None) else (order, "", "", result or _("no room")))
     made = sorted((round(result[0], 3), order, 100 * result[1]) for order, result in rows if result not in (DIED, None))

@@ -202,7 +202,7 @@ def _machines_speaking(boards, first, own, speaking):
     from host_tools import board_files
 
     found = {first: first}
-    for name, file in board_files.choice(own).items():
+    for name, file in board_files.available_files(own).items():
         try:
             if _language_of(boards.load(file)) in speaking:
                 found.setdefault(name, file)

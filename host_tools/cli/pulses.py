@@ -255,10 +255,10 @@ def jog(
     """
     from host_tools import boards
     from host_tools.cli import ports
-    from host_tools.running_board import running
+    from host_tools.running_board import as_running
 
     port = port or ports.only_port()
-    config, whose = running(boards.load(board), "pulses", None if steps else port, baud)
+    config, whose = as_running(boards.load(board), "pulses", None if steps else port, baud)
     axes = {axis["name"]: axis["steps_per_m"] / 1000 for axis in config["axes"]}
     if len(words) % 2:
         raise Failure("an axis and a number are wanted, as in x 10 y -5, not {}", " ".join(words))

@@ -21,10 +21,10 @@ GCODE = (".gcode", ".nc", ".ngc", ".tap", ".g")
 
 def _running_board(name, port, baud):
     """_load_board() with the steps/mm of the board at `port`; says whose they are, beside what the command prints."""
-    from host_tools.running_board import running
+    from host_tools.running_board import as_running
 
     config, axes = _load_board(name)
-    config, whose = running(config, "pulses", port, baud)
+    config, whose = as_running(config, "pulses", port, baud)
     print(whose, file=sys.stderr)
     return config, axes
 

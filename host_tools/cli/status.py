@@ -94,7 +94,7 @@ def grbl_rows(fields, encoders, log):
     from host_tools import options
     from host_tools.clients.grbl_wire import FIELDS
 
-    names = {**_MORE, **options.status()}
+    names = {**_MORE, **options.status_names()}
     rows = [(N_("state"), _state_text(fields, log))]
     offset = _parse_numbers(fields.get("WCO", ""))
     for name, key, other, sign in ((N_("machine"), "MPos", "WPos", 1), (N_("work"), "WPos", "MPos", -1)):

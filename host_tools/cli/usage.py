@@ -5,7 +5,7 @@
 
 import typer
 
-from host_tools.language import N_, _, reword
+from host_tools.language import N_, _, reword_text
 
 FRAMES = {
     "ARGUMENTS_PANEL_TITLE": N_("Arguments"), "OPTIONS_PANEL_TITLE": N_("Options"), "COMMANDS_PANEL_TITLE": N_("Commands"),
@@ -41,7 +41,7 @@ def _reword_refusals(plain):
         try:
             return plain(*arguments, **named)
         except refusal as error:
-            text = reword(error.format_message(), SENTENCES)
+            text = reword_text(error.format_message(), SENTENCES)
             error.format_message = lambda: text
             raise
 

@@ -44,7 +44,7 @@ NAMES = {
     182: ("pulses: speed of moves by hand, and until a program says one", "mm/min", 1, 900_000),
     140: ("speed up to which there is no ramp", "mm/min", *_ANY_OR_0),
     141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
-    **options.settings(),
+    **options.setting_rows(),
 }
 AXIS_NAMES = {
     100: ("steps per millimetre", "steps/mm", 0.001, 100_000),

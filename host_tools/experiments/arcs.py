@@ -6,8 +6,8 @@ from math import atan2, cos, degrees, hypot, pi, sin
 
 from host_tools.experiments import charts
 from host_tools.experiments.authors import without_figure
-from host_tools.experiments.grbl_talk import ask, wait_up
-from host_tools.experiments.places import BOARD, VIRTUAL, program
+from host_tools.experiments.grbl_talk import ask_line, wait_up
+from host_tools.experiments.places import BOARD, VIRTUAL, program_text
 from host_tools.experiments.row import Outcome
 from host_tools.language import _
 from passo.motion.cordic import TURN
@@ -39,7 +39,7 @@ class Arc:
         """Distance of each position from the circle, signed: outside is positive."""
         return [hypot(x, y) - self.radius for x, y in self.points]
 
-    def angles(self):
+    def angles_deg(self):
         """Degrees swept at each position."""
         swept = [0.0]
         for (x0, y0), (x1, y1) in zip(self.points, self.points[1:]):
@@ -60,8 +60,8 @@ def end_errors(place, ends):
 
         found = [(*document_end(radius, angle * 360 / TURN), *firmware_end(radius, angle)) for radius, angle in ends]
     else:
-        chip = place.chip("mill_2004")
-        chip.exec(program("board_cordic.py"))
+        chip = place.start_chip("mill_2004")
+        chip.exec(program_text("board_cordic.py"))
         found = []
         for at in range(0, len(ends), 50):
             part = [(radius, angle, round(angle * 360 / TURN, 6)) for radius, angle in ends[at : at + 50]]
@@ -74,20 +74,20 @@ def end_errors(place, ends):
 
 def walk(place):
     """The ARCS as the motors of a mill make them: a list of Arc."""
-    machine = place.machine("mill_2004", start=START)
+    machine = place.create_machine("mill_2004", start=START)
     try:
         wait_up(machine)
         for line in (b"$X\n", b"G91G21G17\n"):
-            ask(machine, line)
-        return [_walked(machine, radius, sweep) for radius, sweep in ARCS]
+            ask_line(machine, line)
+        return [_walk_arc(machine, radius, sweep) for radius, sweep in ARCS]
     finally:
         machine.close()
 
 
-def _walked(machine, radius_mm, sweep):
+def _walk_arc(machine, radius_mm, sweep):
     before = len(machine.trace.rows())
     code = "G3" if sweep > 0 else "G2"
-    ask(machine, f"{code} I{-radius_mm} J0 H{abs(sweep)} F{FEED}\n".encode())
+    ask_line(machine, f"{code} I{-radius_mm} J0 H{abs(sweep)} F{FEED}\n".encode())
     machine.settle()
     rows = machine.trace.rows()[before - 1 :]
     radius = radius_mm * STEPS_MM
@@ -100,25 +100,25 @@ def run(place):
     document, firmware = end_errors(place, ends)
     outcome = Outcome(_("{} random arcs of up to {} steps' radius and a quarter of a turn; the true end by sine and cosine of 64 bits", ENDS, LARGEST))
     tells = without_figure("section 2.7.3")
-    outcome.add(_("end by the document's 15 steps in floating point, off at most"), tells, max(document), _("steps"))
-    outcome.add(_("end by the firmware's integer CORDIC, off at most"), tells, max(firmware), _("steps"))
+    outcome.add_row(_("end by the document's 15 steps in floating point, off at most"), tells, max(document), _("steps"))
+    outcome.add_row(_("end by the firmware's integer CORDIC, off at most"), tells, max(firmware), _("steps"))
     shown = {_("15 steps, floating point"): document, _("firmware, integers"): firmware}
     dots = {label: [(radius, off) for (radius, _angle), off in zip(ends, each)] for label, each in shown.items()}
-    outcome.pictures.append((_("Distance from the true end, steps"), charts.dots(dots, _("radius, steps"), _("steps"))))
+    outcome.pictures.append((_("Distance from the true end, steps"), charts.draw_dots(dots, _("radius, steps"), _("steps"))))
     if place.kind != BOARD:
-        _path(outcome, walk(place))
+        _add_path(outcome, walk(place))
     return outcome
 
 
-def _path(outcome, arcs):
+def _add_path(outcome, arcs):
     outcome.how += "; " + _("then {} arcs of a mill, every step on its pins", len(arcs))
     circle = without_figure("section 2.7.2")
     for arc in arcs:
         named = _("R {} mm, {}°", round(arc.radius / STEPS_MM), arc.sweep_deg)
-        outcome.add(_("{}: off the circle at most", named), circle, max(map(abs, arc.off_circle())), _("steps"))
-        outcome.add(_("{}: end off the true one", named), without_figure("section 2.7.3"), arc.end_error(), _("steps"))
+        outcome.add_row(_("{}: off the circle at most", named), circle, max(map(abs, arc.off_circle())), _("steps"))
+        outcome.add_row(_("{}: end off the true one", named), without_figure("section 2.7.3"), arc.end_error(), _("steps"))
     groups = {}
     for arc in arcs:
         every = max(1, len(arc.points) // MOST_DOTS)
-        groups[_("R {} mm, {}°", round(arc.radius / STEPS_MM), arc.sweep_deg)] = list(zip(arc.angles(), arc.off_circle()))[::every]
-    outcome.pictures.append((_("Distance from the circle on the way, steps"), charts.dots(groups, _("degrees"), _("steps"))))
+        groups[_("R {} mm, {}°", round(arc.radius / STEPS_MM), arc.sweep_deg)] = list(zip(arc.angles_deg(), arc.off_circle()))[::every]
+    outcome.pictures.append((_("Distance from the circle on the way, steps"), charts.draw_dots(groups, _("degrees"), _("steps"))))

@@ -1,8 +1,8 @@
 """The figures that the documents print, from authors.json: each with its document, page, and table, figure or section.
 
-    author("square better").value       # 3.96, in author("square better").unit
-    author("square better").where()     # 'plotter 2014, p. 76, table 8'
-    place("section 2.7.3")              # the same without a figure: the document tells the test, and no number
+    author("square better").value           # 3.96, in author("square better").unit
+    author("square better").place.text()    # 'plotter 2014, p. 76, table 8'
+    document_place("section 2.7.3")         # the same without a figure: the document tells the test, and no number
 """
 
 import json
@@ -27,7 +27,7 @@ class Place:
         """“plotter 2014, p. 76, table 8”."""
         kind, _space, number = self.name.rpartition(" ")
         part = _(PARTS[kind], number) if kind in PARTS else _(self.name)
-        document = data()["documents"][self.document]
+        document = read_data()["documents"][self.document]
         year = f" {document['year']}" if document["year"] else ""
         page = _(", p. {}", self.page) if self.page else ""
         return f"{_(NAMES[self.document])}{year}{page}, {part}"
@@ -44,22 +44,22 @@ class Author:
 
 
 @lru_cache
-def data():
+def read_data():
     return json.loads((Path(__file__).parent / "authors.json").read_text(encoding="utf-8"))
 
 
-def place(name):
-    found = data()["places"][name]
+def document_place(name):
+    found = read_data()["places"][name]
     return Place(name, found["document"], found["page"])
 
 
 def author(name):
     """Raises KeyError for a figure that no document has."""
-    found = data()["figures"][name]
+    found = read_data()["figures"][name]
     value = found["value"] if "value" in found else float(found["printed"].replace(",", "."))
-    return Author(place(found["place"]), found["printed"], value, found["unit"])
+    return Author(document_place(found["place"]), found["printed"], value, found["unit"])
 
 
 def without_figure(name):
     """For a place at which a document tells a test and gives no figure."""
-    return Author(place(name))
+    return Author(document_place(name))

@@ -1,13 +1,13 @@
 """Runs on the board and on the PC: the bytes of the parallel port for a file's codes, as the firmware's status shows them.
 
-    image("[A(Q)]", config)     # [0x80, 0x86, 0x81, 0xF1, 0x80, 0x00]; `config`: the section step_program of a board file
+    port_image("[A(Q)]", config)     # [0x80, 0x86, 0x81, 0xF1, 0x80, 0x00]; `config`: the section step_program of a board file
 """
 
 from passo.protocols.pulses.codes import CODES
 from passo.protocols.pulses.report import port_byte
 
 
-def image(text, config):
+def port_image(text, config):
     shown = []
     drives = tool = 0
     for letter in text:

@@ -1,9 +1,9 @@
 """Runs on the board, under MicroPython on the PC, and under CPython: the two lines of 2014, timed, alone and at the motors' pace.
 
-    integer_line(0, 0, 5, -3, out)          # step masks of appendix C (Bresenham); bit 0 X, bit 1 Y; returns how many
-    float_line(0, 0, 5, -3, out)            # those of appendix G, which truncates, and ends one dominant step short
-    compute(float_line, points, out)        # (microseconds, steps) of an object
-    paced(float_line, points, out, 1000)    # microseconds with two waits of so many a step, as the drawing of 2014
+    integer_line(0, 0, 5, -3, out)              # step masks of appendix C (Bresenham); bit 0 X, bit 1 Y; returns how many
+    float_line(0, 0, 5, -3, out)                # those of appendix G, which truncates, and ends one dominant step short
+    time_lines(float_line, points, out)         # (microseconds, steps) of an object
+    time_paced(float_line, points, out, 1000)   # microseconds with two waits of so many a step, as the drawing of 2014
 
 Both lines write a mask a step to the same array.
 """
@@ -63,7 +63,7 @@ def float_steps(a0, b0, a1, b1, dominant, other, out):
     return at
 
 
-def compute(line, points, out):
+def time_lines(line, points, out):
     begun = ticks_us()
     steps = 0
     for at in range(1, len(points)):
@@ -73,7 +73,7 @@ def compute(line, points, out):
     return ticks_diff(ticks_us(), begun), steps
 
 
-def paced(line, points, out, half_us):
+def time_paced(line, points, out, half_us):
     """The processor computes, waits while the clock is low and while it is high, and computes again: no step is ahead of its time."""
     begun = ticks_us()
     for at in range(1, len(points)):

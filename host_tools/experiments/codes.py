@@ -7,7 +7,7 @@ import re
 
 from host_tools import boards
 from host_tools.experiments.authors import Author, author
-from host_tools.experiments.places import BOARD, VIRTUAL, program
+from host_tools.experiments.places import BOARD, VIRTUAL, program_text
 from host_tools.experiments.row import Outcome, Row
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -25,10 +25,10 @@ class Port:
     """A router of LPTControl: files played, status asked."""
 
     def __init__(self, place):
-        self.machine = place.machine("lpt_router")
+        self.machine = place.create_machine("lpt_router")
         self.machine.run_ms(100)
 
-    def say(self, *words):
+    def send_order(self, *words):
         machine = self.machine
         machine.take()
         machine.send(frame(*words))
@@ -37,13 +37,13 @@ class Port:
         if "error" in said:
             raise Failure("{!r} was answered by {!r}", words[0], said.strip())
 
-    def play(self, text):
-        self.say("load", len(text))
+    def play_codes(self, text):
+        self.send_order("load", len(text))
         self.machine.send(b"\n" + text.encode())
-        self.say("end")
-        self.say("run")
+        self.send_order("end")
+        self.send_order("run")
 
-    def status(self):
+    def ask_status(self):
         """Fields of its status."""
         machine = self.machine
         machine.send(frame("?"))
@@ -52,34 +52,34 @@ class Port:
         return status_from(re.findall(rb"<state.*?>", said)[-1].decode())
 
 
-def left_out(raw):
+def why_left_out(raw):
     """Why a board of this board file makes no bytes; "" if it does."""
     return "" if any(link["protocol"] == "pulses" for link in raw["links"]) else _("its firmware does not speak pulses")
 
 
-def shown_bytes(place):
+def port_bytes(place):
     """The port's byte at each code of FILE, as text in hexadecimal."""
     config = {key: boards.load("lpt_router")["step_program"][key] for key in ("port_bits", "port_invert")}
     if place.kind == VIRTUAL:
-        from host_tools.experiments.board_codes import image
+        from host_tools.experiments.board_codes import port_image
 
-        shown = image(FILE, config)
+        shown = port_image(FILE, config)
     else:
-        chip = place.chip("lpt_router")
-        chip.exec(program("board_codes.py"))
-        shown = map(int, chip.exec(f"print(*image({FILE!r}, {config!r}))").split())
+        chip = place.start_chip("lpt_router")
+        chip.exec(program_text("board_codes.py"))
+        shown = map(int, chip.exec(f"print(*port_image({FILE!r}, {config!r}))").split())
     return [f"{byte:02X}" for byte in shown]
 
 
-def shown_speeds(place):
+def read_speeds(place):
     """{code: mm/min that the status shows behind it}, for SPEEDS."""
     found = {}
     for code, _name in SPEEDS:
         port = Port(place)
         try:
-            port.play(f"[{code} AAAA]")
-            port.machine.run_until(lambda: port.status()["state"] == "idle", MOST_MS)
-            found[code] = float(port.status()["speed"])
+            port.play_codes(f"[{code} AAAA]")
+            port.machine.run_until(lambda: port.ask_status()["state"] == "idle", MOST_MS)
+            found[code] = float(port.ask_status()["speed"])
         finally:
             port.machine.close()
     return found
@@ -89,8 +89,8 @@ def period_us(place, code):
     """Microseconds from one step of a code to the next, at the default speed, by the motors: the first interval has the direction's set-up in it."""
     port = Port(place)
     try:
-        port.play(f"[{code * (PERIODS + 2)}]")
-        port.machine.run_until(lambda: port.status()["state"] == "idle", MOST_MS)
+        port.play_codes(f"[{code * (PERIODS + 2)}]")
+        port.machine.run_until(lambda: port.ask_status()["state"] == "idle", MOST_MS)
         rows = port.machine.trace.rows()[-PERIODS - 1 :]
         return (rows[-1][0] - rows[0][0]) / PERIODS
     finally:
@@ -99,15 +99,15 @@ def period_us(place, code):
 
 def run(place):
     printed = author("bytes of the port")
-    wanted, shown = printed.printed.split(), shown_bytes(place)
+    wanted, shown = printed.printed.split(), port_bytes(place)
     outcome = Outcome(_("the file of the document, code by code: the byte that the status shows of the port"))
     for code, byte, ours in zip(FILE, wanted, shown, strict=True):
         outcome.rows.append(Row(_("code {}", code), Author(printed.place, byte), None, "", ours, ours == byte))
     if place.kind != BOARD:
         outcome.how += "; " + _("speeds from the status, of a machine of 12.5 µm a step and 312 µs between pulses: the document does not give those of its own")
-        speeds = shown_speeds(place)
+        speeds = read_speeds(place)
         for code, name in SPEEDS:
-            outcome.add(_("speed behind {}", code), author(name), speeds[code], "mm/min")
+            outcome.add_row(_("speed behind {}", code), author(name), speeds[code], "mm/min")
         label = _("diagonal of a triangle with two sides of 10 cm, by the time that its steps take at the same speed")
-        outcome.add(label, author("diagonal"), SIDE_CM * period_us(place, DIAGONAL) / period_us(place, STRAIGHT), "cm")
+        outcome.add_row(label, author("diagonal"), SIDE_CM * period_us(place, DIAGONAL) / period_us(place, STRAIGHT), "cm")
     return outcome

@@ -9,41 +9,41 @@ from statistics import fmean
 from host_tools.experiments import charts
 from host_tools.experiments.authors import author
 from host_tools.experiments.lines import LONGEST, ON_THE_CHIP, WORDS, points_of
-from host_tools.experiments.places import BOARD, VIRTUAL, program
-from host_tools.experiments.row import Outcome, better
+from host_tools.experiments.places import BOARD, VIRTUAL, program_text
+from host_tools.experiments.row import Outcome, percent_better
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo.protocols.plotter.host import COMMANDS, packet
 
 SPEED = 1000  # of figure 48: a half period in microseconds
-PACED = "gc.collect()\nprint(paced(integer_line, {points!r}, OUT, {half_us}), paced(float_line, {points!r}, OUT, {half_us}))"
+PACED = "gc.collect()\nprint(time_paced(integer_line, {points!r}, OUT, {half_us}), time_paced(float_line, {points!r}, OUT, {half_us}))"
 LOG = [(False, 644, 314), (True, 644, 454), (True, 884, 454), (True, 884, 314), (True, 644, 314)]  # the square of figure 48
 MOST_MS = 120_000
 
 
 def run(place):
-    outcome = Outcome(_how(place))
+    outcome = Outcome(_how_text(place))
     paced = {} if place.kind == VIRTUAL else measure_paced(place)
-    drawn = {} if place.kind == BOARD else draw(place)
+    drawn = {} if place.kind == BOARD else draw_objects(place)
     for name in points_of():
         label = _(WORDS[name])
         if name in paced:
             integer_s, float_s = paced[name]
-            outcome.add(_("{}, integer line", label), author(f"{name} integer"), integer_s, "s")
-            outcome.add(_("{}, floating-point line", label), author(f"{name} float"), float_s, "s")
-            outcome.add(_("{}, integer line better by", label), author(f"{name} better"), better(float_s, integer_s), "%")
+            outcome.add_row(_("{}, integer line", label), author(f"{name} integer"), integer_s, "s")
+            outcome.add_row(_("{}, floating-point line", label), author(f"{name} float"), float_s, "s")
+            outcome.add_row(_("{}, integer line better by", label), author(f"{name} better"), percent_better(float_s, integer_s), "%")
         if name in drawn:
-            outcome.add(_("{}, drawn by Passo", label), author(f"{name} integer"), drawn[name], "s")
+            outcome.add_row(_("{}, drawn by Passo", label), author(f"{name} integer"), drawn[name], "s")
     if paced:
-        gain = better(fmean(row[1] for row in paced.values()), fmean(row[0] for row in paced.values()))
-        outcome.add(_("mean, integer line better by"), author("mean better"), gain, "%")
+        gain = percent_better(fmean(row[1] for row in paced.values()), fmean(row[0] for row in paced.values()))
+        outcome.add_row(_("mean, integer line better by"), author("mean better"), gain, "%")
     if drawn:
-        outcome.add(_("square of the log, first packet to DONE"), author("square of the log"), drawn["log"], "s")
-    _picture(outcome, paced, drawn)
+        outcome.add_row(_("square of the log, first packet to DONE"), author("square of the log"), drawn["log"], "s")
+    _add_picture(outcome, paced, drawn)
     return outcome
 
 
-def _how(place):
+def _how_text(place):
     chip = _("each line computes a step's pins and waits {} µs twice a step, without pins, in MicroPython on the chip", SPEED)
     passo = _("Passo draws the same objects from packets, from the first byte to DONE, the pen's solenoid included")
     sizes = _("the document shows its objects as pictures without sizes: these are of the same kinds and point counts, so compare percentages, not seconds")
@@ -52,8 +52,8 @@ def _how(place):
 
 def measure_paced(place):
     """{name: (seconds of the integer line, of the float line)}"""
-    chip = place.chip("plotter_2014")
-    chip.exec(program("board_lines.py"))
+    chip = place.start_chip("plotter_2014")
+    chip.exec(program_text("board_lines.py"))
     chip.exec(ON_THE_CHIP.format(longest=LONGEST))
     found = {}
     for name, points in points_of().items():
@@ -62,39 +62,39 @@ def measure_paced(place):
     return found
 
 
-def draw(place):
+def draw_objects(place):
     """{name: seconds from an object's first packet to DONE}; "log" is the square of figure 48. Each begins at 0;0."""
     from host_tools.drawings.objects import objects
 
-    machine = place.machine("plotter_2014", start=(60, 40), trace=None)
+    machine = place.create_machine("plotter_2014", start=(60, 40), trace=None)
     try:
-        _ask(machine, "REQUEST", b"k")
-        _ask(machine, "ORIGIN", b"o")
-        _ask(machine, "SPEED", b"s", SPEED)
-        return {name: _drawn_s(machine, points) for name, points in {"log": LOG, **objects()}.items()}
+        _send_packet(machine, "REQUEST", b"k")
+        _send_packet(machine, "ORIGIN", b"o")
+        _send_packet(machine, "SPEED", b"s", SPEED)
+        return {name: _draw_object(machine, points) for name, points in {"log": LOG, **objects()}.items()}
     finally:
         machine.close()
 
 
-def _drawn_s(machine, points):
+def _draw_object(machine, points):
     begun = machine.now_ms()
     for down, x, y in points:
-        _ask(machine, "LINE" if down else "MOVE", b"n", x, y)
-    _ask(machine, "END", b"d")
+        _send_packet(machine, "LINE" if down else "MOVE", b"n", x, y)
+    _send_packet(machine, "END", b"d")
     took_s = (machine.now_ms() - begun) / 1000
-    _ask(machine, "MOVE", b"n", 0, 0)
-    _ask(machine, "END", b"d")
+    _send_packet(machine, "MOVE", b"n", 0, 0)
+    _send_packet(machine, "END", b"d")
     return took_s
 
 
-def _ask(machine, command, answer, x=0, y=0):
+def _send_packet(machine, command, answer, x=0, y=0):
     """Raises TimeoutError without an answer, Failure for another one."""
     said = machine.ask(packet(COMMANDS[command], x, y), limit_ms=MOST_MS)
     if said != answer:
         raise Failure("{!r} was answered by {!r}", f"{command} {x} {y}", said)
 
 
-def _picture(outcome, paced, drawn):
+def _add_picture(outcome, paced, drawn):
     names = list(points_of())
     groups = {_("the document, integer"): [author(f"{name} integer").value for name in names]}
     if paced:
@@ -102,6 +102,6 @@ def _picture(outcome, paced, drawn):
         groups[_("floating point")] = [paced[name][1] for name in names]
     if drawn:
         groups[_("Passo")] = [drawn[name] for name in names]
-    outcome.pictures.append((_("Drawing an object, s"), charts.bars([_(WORDS[name]) for name in names], groups, "s")))
+    outcome.pictures.append((_("Drawing an object, s"), charts.draw_bars([_(WORDS[name]) for name in names], groups, "s")))
 
 

@@ -32,7 +32,7 @@ EXPERIMENTS = {
 }
 
 
-def checked(names):
+def check_names(names):
     """`names`, or all of them. Raises Failure for one that is not there."""
     for name in names:
         if name not in EXPERIMENTS:
@@ -47,14 +47,14 @@ def refusal(name, place):
         return _("it needs a machine that the PC can look into: --on virtual or emulated")
     if experiment.moves and not place.moves:
         return _("it moves pins: --moves allows that")
-    if place.kind == BOARD and hasattr(module(name), "left_out"):
-        return module(name).left_out(place.raw())
+    if place.kind == BOARD and hasattr(experiment_module(name), "why_left_out"):
+        return experiment_module(name).why_left_out(place.board_table())
     return ""
 
 
-def module(name):
+def experiment_module(name):
     return import_module(f"host_tools.experiments.{name}")
 
 
 def run(name, place):
-    return module(name).run(place)
+    return experiment_module(name).run(place)

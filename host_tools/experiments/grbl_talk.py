@@ -19,7 +19,7 @@ def wait_up(machine):
     machine.run_ms(60)
 
 
-def ask(machine, line):
+def ask_line(machine, line):
     """The machine's answer to a line, bytes. Raises Failure if it is not ok."""
     machine.take()
     machine.send(line)

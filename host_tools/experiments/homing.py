@@ -13,7 +13,7 @@ from host_tools import boards
 from host_tools.experiments import charts
 from host_tools.experiments.authors import ORIGIN, without_figure
 from host_tools.experiments.places import BOARD, EMULATED, VIRTUAL
-from host_tools.experiments.row import Outcome, figure
+from host_tools.experiments.row import Outcome, figure_text
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo.protocols.plotter.host import COMMANDS, packet
@@ -28,16 +28,16 @@ HOMED_S = 600
 ROW = re.compile(r"\[HOM:(\w+),(\d+),(\d+),([\d.]+)")
 
 
-def plotter():
+def plotter_board():
     """The plotter of 2014 with a short pull-off."""
     board = copy.deepcopy(boards.load("plotter_2014"))
     board["homing"]["pull_off_steps"] = PULL_OFF
     return board
 
 
-def home(place, runs):
+def home_repeatedly(place, runs):
     """[(x, y)] in steps where each homing ended, as the plant knows it: the first from FARTHEST, each from elsewhere."""
-    machine = place.machine(plotter(), start=(FARTHEST, FARTHEST), bounce_ms=BOUNCE_MS, trace=None, seed=SEED)
+    machine = place.create_machine(plotter_board(), start=(FARTHEST, FARTHEST), bounce_ms=BOUNCE_MS, trace=None, seed=SEED)
     chance = random.Random(SEED)
     found = []
     try:
@@ -54,7 +54,7 @@ def home(place, runs):
     return found
 
 
-def left_out(raw):
+def why_left_out(raw):
     """Why a board of this board file does not say how well it homes; "" if it does."""
     first = raw["links"][0]
     if first["protocol"] != "grbl" or first["port"] != "usb" or not raw.get("homing"):
@@ -66,7 +66,7 @@ def left_out(raw):
 
 def home_board(place, runs):
     """[(sensor, runs, range, standard deviation)] in steps, as the board itself counts them. Raises Failure."""
-    with place.client() as client:
+    with place.open_client() as client:
         client.connect()
         try:
             said = client.command(f"$HR={runs}", HOMED_S)
@@ -81,14 +81,14 @@ def run(place):
     if place.kind == BOARD:
         outcome = Outcome(_("$HR={}: the board's own sensors and counts", RUNS[BOARD]))
         for axis, count, wide, sigma in home_board(place, RUNS[BOARD]):
-            outcome.add(_("{}, {} times: range", axis, count), without_figure(ORIGIN), wide, _("steps"), _("standard deviation {}", figure(sigma)))
+            outcome.add_row(_("{}, {} times: range", axis, count), without_figure(ORIGIN), wide, _("steps"), _("standard deviation {}", figure_text(sigma)))
         return outcome
-    ends = home(place, RUNS[place.kind])
+    ends = home_repeatedly(place, RUNS[place.kind])
     outcome = Outcome(_("{} times, moved by hand in between, sensors that bounce for up to {} ms; where the carriage stands", len(ends), BOUNCE_MS))
     for axis, name in enumerate("XY"):
         each = [end[axis] for end in ends]
-        told = _("standard deviation {}", figure(pstdev(each)))
-        outcome.add(_("{}, {} times: range", name, len(each)), without_figure(ORIGIN), max(each) - min(each), _("steps"), told)
+        told = _("standard deviation {}", figure_text(pstdev(each)))
+        outcome.add_row(_("{}, {} times: range", name, len(each)), without_figure(ORIGIN), max(each) - min(each), _("steps"), told)
     groups = {name: [(at + 1, end[axis]) for at, end in enumerate(ends)] for axis, name in enumerate("XY")}
-    outcome.pictures.append((_("Where each homing ended, steps"), charts.dots(groups, _("which homing"), _("steps"))))
+    outcome.pictures.append((_("Where each homing ended, steps"), charts.draw_dots(groups, _("which homing"), _("steps"))))
     return outcome

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from host_tools import boards
 from host_tools.experiments.authors import without_figure
-from host_tools.experiments.grbl_talk import RESET, ask, wait_up, words_of
+from host_tools.experiments.grbl_talk import RESET, ask_line, wait_up, words_of
 from host_tools.experiments.row import Outcome
 from host_tools.language import _
 
@@ -24,7 +24,7 @@ class Pressed:
     reported: str  # while it was pressed
     after: str  # once it was released; "" if nothing
 
-    def right(self):
+    def is_right(self):
         return self.reported == self.expected and not self.after
 
 
@@ -34,44 +34,44 @@ class Outputs:
     def __init__(self, plant):
         self.seen = {}
         self._heard = plant.output
-        plant.output = self.output
+        plant.output = self.record_change
 
-    def output(self, tick, name, level):
+    def record_change(self, tick, name, level):
         self.seen.setdefault(name, []).append(level)
         self._heard(tick, name, level)
 
 
-def expected_of(board, name):
+def name_in_report(board, name):
     """How a report names an input: an end of an axis with its direction."""
     ends = {sensor: end for end, sensor in board["interlock"]["limits"].items()}
     return f"{name}({ends[name]})" if name in ends else name
 
 
-def press(place):
+def press_inputs(place):
     """(list of Pressed, {output: whether it went on and off})."""
     board = boards.load("mill_2004")
     names = [item["name"] for item in board["inputs"]]
     times = {name: FIRST_MS + EACH_MS * at for at, name in enumerate(names)}
     faults = {name: f"{'dead' if name in GOOD else 'pressed'}@{ms}-{ms + HELD_MS}" for name, ms in times.items()}
-    machine = place.machine("mill_2004", start=START, trace=None, faults=faults)
+    machine = place.create_machine("mill_2004", start=START, trace=None, faults=faults)
     try:
-        switched = switch(machine, board)
-        return [_pressed(machine, board, name, times[name]) for name in names], switched
+        switched = switch_outputs(machine, board)
+        return [_press_input(machine, board, name, times[name]) for name in names], switched
     finally:
         machine.close()
 
 
-def switch(machine, board):
+def switch_outputs(machine, board):
     """{output: whether it went on and off again at the commands that switch it}; "tool" is the spindle's."""
     wait_up(machine)
     outputs = Outputs(machine.plant)
-    ask(machine, b"$X\n")
+    ask_line(machine, b"$X\n")
     found = {}
     for name, (on, off) in SWITCHES.items():
-        ask(machine, on)
+        ask_line(machine, on)
         machine.run_ms(LOOK_MS)
         went_on = _is_on(machine, outputs, board, name)
-        ask(machine, off)
+        ask_line(machine, off)
         machine.run_ms(LOOK_MS)
         found[name] = went_on and not _is_on(machine, outputs, board, name)
     found["enable"] = machine.plant.enabled
@@ -85,7 +85,7 @@ def _is_on(machine, outputs, board, name):
     return outputs.seen.get(name, [1 - active])[-1] == active
 
 
-def _pressed(machine, board, name, begin_ms):
+def _press_input(machine, board, name, begin_ms):
     machine.run_until(lambda: machine.now_ms() >= begin_ms + LOOK_MS, 2 * FIRST_MS)
     reported = words_of(machine).get("Fb", "")
     machine.run_until(lambda: machine.now_ms() >= begin_ms + HELD_MS + LOOK_MS, 2 * FIRST_MS)
@@ -93,18 +93,18 @@ def _pressed(machine, board, name, begin_ms):
     if after["state"].startswith("Alarm"):
         machine.send(RESET)
         machine.run_ms(LOOK_MS)
-        ask(machine, b"$X\n")
-    return Pressed(name, expected_of(board, name), reported, after.get("Fb", ""))
+        ask_line(machine, b"$X\n")
+    return Pressed(name, name_in_report(board, name), reported, after.get("Fb", ""))
 
 
 def run(place):
-    pressed, switched = press(place)
+    pressed, switched = press_inputs(place)
     outcome = Outcome(_("each input pressed alone for {} ms and released; the name in the reports to `?`. Each output switched by its command, and its pin looked at", HELD_MS))
     tells = without_figure("section 2.7.3")
     for each in pressed:
         told = _("reported as {}, and still {} when released", each.reported, each.after) if each.after else _("reported as {}", each.reported or "–")
-        outcome.add(_("input {}", each.name), tells, None, "", told, each.right())
+        outcome.add_row(_("input {}", each.name), tells, None, "", told, each.is_right())
     for name, right in switched.items():
-        outcome.add(_("output {}", name), tells, None, "", _("on and off") if right and name != "enable" else _("on") if right else _("not seen"), right)
-    outcome.add(_("inputs named, of {}", len(pressed)), tells, sum(each.right() for each in pressed), "")
+        outcome.add_row(_("output {}", name), tells, None, "", _("on and off") if right and name != "enable" else _("on") if right else _("not seen"), right)
+    outcome.add_row(_("inputs named, of {}", len(pressed)), tells, sum(each.is_right() for each in pressed), "")
     return outcome

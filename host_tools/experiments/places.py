@@ -2,10 +2,10 @@
 
     with place_of("emulated") as place:
         place.kind                          # "virtual", "emulated" or "board"
-        place.machine("mill_2004")          # a machine with a plant: send, run_until, plant, trace; not of a board
-        place.chip("plotter_2014")          # a connection to its MicroPython (host_tools/prove/connection.py); not of "virtual"
+        place.create_machine("mill_2004")   # a machine with a plant: send, run_until, plant, trace; not of a board
+        place.start_chip("plotter_2014")    # a connection to its MicroPython (host_tools/prove/connection.py); not of "virtual"
 
-An emulated Pico is loaded once for each board file; `machine` makes one anew. A chip starts in the raw REPL with main.py not run, and its outputs are made
+An emulated Pico is loaded once for each board file; `create_machine` makes one anew. A chip starts in the raw REPL with main.py not run, and its outputs are made
 safe first. Raises Failure with the remedy if there is no UF2, no emulator or no board.
 """
 
@@ -41,7 +41,7 @@ class Virtual:
     def title(self):
         return _(TITLES[VIRTUAL])
 
-    def machine(self, board, **options):
+    def create_machine(self, board, **options):
         from host_tools.sim.machine import VirtualMachine
 
         return VirtualMachine(board, **options)
@@ -60,7 +60,7 @@ class Emulated(Virtual):
     def title(self):
         return _(TITLES[EMULATED])
 
-    def machine(self, board, **options):
+    def create_machine(self, board, **options):
         """Started, with its links open."""
         from host_tools.emulator.machine import EmulatedMachine
 
@@ -68,7 +68,7 @@ class Emulated(Virtual):
         machine.run_until(machine.listening, 12_000)
         return machine
 
-    def chip(self, board):
+    def start_chip(self, board):
         from host_tools.prove.connection import EmulatedBoard
 
         if board not in self._chips:
@@ -97,14 +97,14 @@ class OnPort:
     def title(self):
         return _(TITLES[BOARD], self._port)
 
-    def chip(self, _board):
+    def start_chip(self, _board):
         return start(self._board)
 
     def connection(self):
         """The board without a new start."""
         return self._board
 
-    def raw(self):
+    def board_table(self):
         """The table of the board's own board file. Raises Failure if it has none."""
         from host_tools.prove.connection import board_file_of
 
@@ -112,8 +112,8 @@ class OnPort:
             self._raw = board_file_of(self._board)
         return self._raw
 
-    def client(self):
-        """A client of G-code, of the board at its own work. No chip() from then on."""
+    def open_client(self):
+        """A client of G-code, of the board at its own work. No start_chip() from then on."""
         from host_tools.clients.grbl import GrblClient
 
         self._board.close()
@@ -130,7 +130,7 @@ def start(board):
     return board
 
 
-def program(name):
+def program_text(name):
     """The text of a program of host_tools/experiments or host_tools/prove for the board."""
     from pathlib import Path
 

@@ -19,10 +19,10 @@ ON_TIME_NS = 80  # one tick
 TIMER_LATE_US = 5  # an edge of the timer's interrupt
 
 
-def clean(place):
+def measure_clean_rates(place):
     """({kHz: whether clean} by PIO, three axes together; the same by the timer, one axis; {} if not looked at)"""
     if place.kind == BOARD:
-        return clean_on_board(place), {}
+        return measure_on_board(place), {}
     from host_tools.emulator.copies import on_a_copy
     from host_tools.emulator.rig import Rig, router
 
@@ -50,19 +50,19 @@ def _timer_is_clean(rig, khz):
     return run.late == 0 and late_us < min(TIMER_LATE_US, 1000 / khz)
 
 
-def left_out(raw):
+def why_left_out(raw):
     """Why the rates of a board of this board file are not measured; "" if they are."""
     if raw["drive"]["kind"] != "step_dir" or raw.get("player", "pio") == "timer":
         return _("its board file has coils or the timer player: rates are for STEP and DIR by PIO")
     return ""
 
 
-def clean_on_board(place):
+def measure_on_board(place):
     """The board's own pins, by its witness; the motors' current stays off."""
     from host_tools.prove.pins import FAST, FAST_STEPS, play_lines
     from host_tools.prove.proof import Proof
 
-    raw = place.raw()
+    raw = place.board_table()
     changes = {"axes": [dict(axis, **FAST) for axis in raw["axes"]], "drive": dict(raw["drive"], pulse_us=1)}
     proof, found = Proof(place.connection(), raw, True), {}
     for khz in PIO_KHZ:
@@ -74,7 +74,7 @@ def clean_on_board(place):
 
 def kit_rate(place):
     """Steps a second of the kit's first motor at its fastest speed, by its plant."""
-    machine = place.machine("two_motor_kit")
+    machine = place.create_machine("two_motor_kit")
     try:
         machine.run_ms(100 if place.kind == VIRTUAL else KIT_UP_MS)
         machine.send(b"A\x01C")
@@ -89,22 +89,22 @@ def run(place):
     outcome = Outcome("")
     if place.kind != BOARD:
         outcome.how = _("the kit's motor by its coils")
-        outcome.add(_("kit, speed 1"), author("pause of the kit"), kit_rate(place), _("steps/s"))
+        outcome.add_row(_("kit, speed 1"), author("pause of the kit"), kit_rate(place), _("steps/s"))
     if place.kind != VIRTUAL:
-        _fastest(place, outcome)
+        _add_fastest(place, outcome)
     return outcome
 
 
-def _fastest(place, outcome):
-    by_pio, by_timer = clean(place)
+def _add_fastest(place, outcome):
+    by_pio, by_timer = measure_clean_rates(place)
     how = _("steps at a constant rate; clean: every edge within {} ns of its word by PIO, within {} µs by the timer, no word late", ON_TIME_NS, TIMER_LATE_US)
     outcome.how = "; ".join(filter(None, (outcome.how, how)))
-    axes = len(place.raw()["axes"]) if place.kind == BOARD else AXES
+    axes = len(place.board_table()["axes"]) if place.kind == BOARD else AXES
     rows = ((_("PIO, {} axes together: highest clean rate", axes), by_pio), (_("timer's interrupt, one axis: highest clean rate"), by_timer))
     for label, found in rows:
         if found:
             tried = _("tried: {} kHz", ", ".join(map(str, found)))
-            outcome.add(label, author("pulses of the drawing"), max((khz for khz, right in found.items() if right), default=0), "kHz", tried)
+            outcome.add_row(label, author("pulses of the drawing"), max((khz for khz, right in found.items() if right), default=0), "kHz", tried)
     names = [_("document, figure 10"), "PIO", _("timer")]
     highest = [author("pulses of the drawing").value, *(max((khz for khz, right in found.items() if right), default=None) for found in (by_pio, by_timer))]
-    outcome.pictures.append((_("Highest clean rate, kHz"), charts.bars(names, {"kHz": highest}, "kHz")))
+    outcome.pictures.append((_("Highest clean rate, kHz"), charts.draw_bars(names, {"kHz": highest}, "kHz")))

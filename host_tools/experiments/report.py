@@ -7,9 +7,9 @@ import csv
 import time
 from html import escape
 
-from host_tools.experiments.authors import NAMES, data
+from host_tools.experiments.authors import NAMES, read_data
 from host_tools.experiments.experiments import EXPERIMENTS
-from host_tools.experiments.row import figure
+from host_tools.experiments.row import figure_text
 from host_tools.language import _, current_language
 from host_tools.resources import version
 
@@ -28,61 +28,61 @@ footer { margin-top: 9mm; border-top: 1px solid #ccc; padding-top: 2mm; font-siz
 """
 
 
-def printed(author):
+def author_text(author):
     """A document's figure as it prints it, and its value in the table's unit if it prints another one."""
     if not author.printed:
         return _("no figure")
     plain = author.printed.replace(",", "").replace(".", "").isdigit()
     if plain or author.value is None:
         return f"{author.printed} {_(author.unit) if author.unit else ''}".strip()
-    return author.printed if author.unit == "s" else _("{}: {} {}", author.printed, figure(author.value), _(author.unit))
+    return author.printed if author.unit == "s" else _("{}: {} {}", author.printed, figure_text(author.value), _(author.unit))
 
 
-def ours(row):
+def own_text(row):
     if row.ours is None:
         return row.told
-    return f"{figure(row.ours)} {row.unit}"
+    return f"{figure_text(row.ours)} {row.unit}"
 
 
-def page(done, place_title):
-    body = "".join(_section(name, outcome) for name, outcome in done)
+def page_html(done, place_title):
+    body = "".join(_section_html(name, outcome) for name, outcome in done)
     title = _("Experiments of five documents, repeated")
     about = _("Measured on: {}. Passo {}, {}.", place_title, version(), time.strftime("%Y-%m-%d"))
     who = "".join(f"<span>{escape(each)}</span>" for each in (_("Name"), _("Class"), _("Date")))
     return (
         f'<!doctype html><html lang="{current_language()}"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escape(title)}</title>'
-        f"<style>{STYLE}</style></head><body><h1>{escape(title)}</h1><p class=about>{escape(about)}</p><div class=who>{who}</div>{body}{_sources(done)}</body></html>\n"
+        f"<style>{STYLE}</style></head><body><h1>{escape(title)}</h1><p class=about>{escape(about)}</p><div class=who>{who}</div>{body}{_sources_html(done)}</body></html>\n"
     )
 
 
-def _section(name, outcome):
+def _section_html(name, outcome):
     head = f"<h2>{escape(_(EXPERIMENTS[name].title))}</h2>"
     if isinstance(outcome, str):
         return f"{head}<p class=how>{escape(_('Not measured: {}.', outcome))}</p>"
     names = "".join(f"<th{kind}>{escape(each)}</th>" for each, kind in ((_("what"), ""), (_("document"), " class=n"), (_("where in it"), ""), (_("measured"), " class=n")))
-    rows = "".join(_row(row) for row in outcome.rows)
+    rows = "".join(_row_html(row) for row in outcome.rows)
     shown = "".join(f"<figure><figcaption>{escape(caption)}</figcaption>{svg}</figure>" for caption, svg in outcome.pictures)
-    return f"{head}<p class=how>{escape(_sentence(outcome.how))}</p><table><thead><tr>{names}</tr></thead><tbody>{rows}</tbody></table>{shown}"
+    return f"{head}<p class=how>{escape(_as_sentence(outcome.how))}</p><table><thead><tr>{names}</tr></thead><tbody>{rows}</tbody></table>{shown}"
 
 
-def _row(row):
+def _row_html(row):
     note = f"<br><span class=note>{escape(row.told)}</span>" if row.told and row.ours is not None else ""
     mark = {None: "", True: " ✓", False: " ✗"}[row.agrees]
     wrong = " wrong" if row.agrees is False else ""
-    cells = f"<td class=n>{escape(printed(row.author))}</td><td class=at>{escape(row.author.place.text())}</td>"
-    return f'<tr><td>{escape(row.what)}{note}</td>{cells}<td class="n{wrong}">{escape(ours(row))}{mark}</td></tr>'
+    cells = f"<td class=n>{escape(author_text(row.author))}</td><td class=at>{escape(row.author.place.text())}</td>"
+    return f'<tr><td>{escape(row.what)}{note}</td>{cells}<td class="n{wrong}">{escape(own_text(row))}{mark}</td></tr>'
 
 
-def _sentence(text):
+def _as_sentence(text):
     return text[:1].upper() + text[1:] + "."
 
 
-def _sources(done):
+def _sources_html(done):
     used = dict.fromkeys(EXPERIMENTS[name].document for name, _outcome in done)
     used.update({row.author.place.document: None for _name, outcome in done if not isinstance(outcome, str) for row in outcome.rows})
     lines = []
     for key in used:
-        document = data()["documents"][key]
+        document = read_data()["documents"][key]
         named = ", ".join(str(each) for each in (document["author"], document["title"], document["year"]) if each)
         lines.append(f"<li>{escape(_(NAMES[key]))}: {escape(named)}</li>")
     return f"<footer>{escape(_('Documents'))}<ul>{''.join(lines)}</ul></footer>"
@@ -92,16 +92,16 @@ def write(folder, done, place_title):
     """report.html and table.csv into `folder`, which is made. Returns both paths."""
     folder.mkdir(parents=True, exist_ok=True)
     html, table = folder / "report.html", folder / "table.csv"
-    html.write_text(page(done, place_title), encoding="utf-8")
+    html.write_text(page_html(done, place_title), encoding="utf-8")
     with open(table, "w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
         for name, outcome in done:
-            writer.writerows(_fields(name, row, place_title) for row in ([] if isinstance(outcome, str) else outcome.rows))
+            writer.writerows(_csv_fields(name, row, place_title) for row in ([] if isinstance(outcome, str) else outcome.rows))
     return html, table
 
 
-def _fields(name, row, place_title):
+def _csv_fields(name, row, place_title):
     place, author = row.author.place, row.author
     own = [author.printed, author.value, author.unit, row.ours, row.unit, row.told, row.agrees, place_title]
     return [name, row.what, place.document, place.page or "", place.name, *("" if each is None else each for each in own)]

@@ -24,11 +24,11 @@ class Outcome:
     rows: list = field(default_factory=list)
     pictures: list = field(default_factory=list)  # (caption, SVG)
 
-    def add(self, *values, **named):
+    def add_row(self, *values, **named):
         self.rows.append(Row(*values, **named))
 
 
-def figure(value, digits=4):
+def figure_text(value, digits=4):
     """A number with `digits` digits, in the notation of the language; "" for None."""
     if value is None:
         return ""
@@ -39,6 +39,6 @@ def figure(value, digits=4):
     return text.replace(".", ",") if current_language() == "pt" else text
 
 
-def better(float_time, integer_time):
+def percent_better(float_time, integer_time):
     """Percent by which the integer line is better, as the document counts: float / integer − 1."""
     return 100 * (float_time / integer_time - 1)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from host_tools.experiments import charts
 from host_tools.experiments.authors import author
 from host_tools.experiments.places import VIRTUAL
-from host_tools.experiments.row import Outcome, figure
+from host_tools.experiments.row import Outcome, figure_text
 from host_tools.language import _
 from passo.protocols.torch import protocol as torch
 
@@ -29,51 +29,51 @@ class Stroke:
     mm_s: float  # from the first step to the last
 
 
-def draw(place):
+def draw_strokes(place):
     """The strokes there, as the plant's motors made them; each goes back."""
-    machine = place.machine("torch_manipulator")
+    machine = place.create_machine("torch_manipulator")
     try:
         machine.run_ms(CONNECT_MS if place.kind == VIRTUAL else UP_MS)
         machine.send(torch.frame("CONNECT"))
         machine.run_ms(CONNECT_MS)
-        return [_stroke(machine, axis, length, place.kind) for axis in STEPS_MM for length in LENGTHS_MM]
+        return [_draw_stroke(machine, axis, length, place.kind) for axis in STEPS_MM for length in LENGTHS_MM]
     finally:
         machine.close()
 
 
-def _stroke(machine, axis, length, kind):
+def _draw_stroke(machine, axis, length, kind):
     steps, rate = length * STEPS_MM[axis], MM_S * STEPS_MM[axis]
     column = 1 + "xy".index(axis)
     known = len(machine.trace.rows())
     before = machine.trace.rows()[-1][column]
     sent_ms = machine.now_ms()
-    _move(machine, axis, steps, rate, length)
+    _send_move(machine, axis, steps, rate, length)
     rows = [row for row in machine.trace.rows()[known:] if row[column] != before]
     wire_ms = 0 if kind == VIRTUAL else len(torch.move(0, 1, 0, 1)) * BYTE_MS
     wait_s = (rows[0][0] / 1000 - sent_ms - wire_ms) / 1000
     made = abs(rows[-1][column] - before) / STEPS_MM[axis]
-    _move(machine, axis, steps, -rate, length)
+    _send_move(machine, axis, steps, -rate, length)
     return Stroke(axis, length, made, wait_s, (len(rows) - 1) / STEPS_MM[axis] / (rows[-1][0] - rows[0][0]) * 1e6)
 
 
-def _move(machine, axis, steps, rate, length):
+def _send_move(machine, axis, steps, rate, length):
     x, y = ((steps, rate), (0, 1)) if axis == "x" else ((0, 1), (steps, rate))
     machine.send(torch.move(*x, *y))
     machine.run_ms(1000 * length / MM_S + CONNECT_MS)
 
 
 def run(place):
-    strokes = draw(place)
+    strokes = draw_strokes(place)
     outcome = Outcome(_("the motors' steps, counted and divided by the document's 48 and 83 steps/mm; on paper measure with a calliper, and give the lengths to passo calibrate"))
     for each in strokes:
-        told = _("at {} mm/min", figure(60 * each.mm_s))
-        outcome.add(_("{}, {} mm asked for", each.axis.upper(), each.length), author(f"{each.axis} {each.length}"), each.made, "mm", told)
+        told = _("at {} mm/min", figure_text(60 * each.mm_s))
+        outcome.add_row(_("{}, {} mm asked for", each.axis.upper(), each.length), author(f"{each.axis} {each.length}"), each.made, "mm", told)
     if place.kind != VIRTUAL:  # which computes in no time
-        outcome.add(_("from a move's last byte to its first step, at most"), author("click to motion"), max(each.wait_s for each in strokes), "s")
+        outcome.add_row(_("from a move's last byte to its first step, at most"), author("click to motion"), max(each.wait_s for each in strokes), "s")
     names = [f"{each.axis.upper()} {each.length} mm" for each in strokes]
     errors = {
         _("document"): [author(f"{each.axis} {each.length}").value - each.length for each in strokes],
         _("ours, steps counted"): [each.made - each.length for each in strokes],
     }
-    outcome.pictures.append((_("Length made less the length asked for, mm"), charts.bars(names, errors, "mm")))
+    outcome.pictures.append((_("Length made less the length asked for, mm"), charts.draw_bars(names, errors, "mm")))
     return outcome

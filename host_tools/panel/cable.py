@@ -29,7 +29,7 @@ class Cable:
         self.files = {self._present: present} if present else {}  # name: board file, as boards.load() takes it
         self.wrong = []  # what of the user's own cannot be used, and why
         chip = boards.load(present)["chip"] if present else None
-        for shown, file in board_files.choice(own).items():
+        for shown, file in board_files.available_files(own).items():
             try:
                 table = check(boards.load(file))
             except (Failure, BoardError) as error:

@@ -29,7 +29,7 @@ class Form:
     def __init__(self, text, found):
         """`text` of the board file `found`. Raises Failure."""
         own = boards.own_table(text, found)
-        self._board = boards.resolve(own, found)
+        self._board = boards.merge_into_base(own, found)
         base = own.get(boards.LIKE)
         self._base = boards.load(base) if base else {}
         self._fields = {}  # key: its field

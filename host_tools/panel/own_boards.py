@@ -11,7 +11,7 @@ from pathlib import Path
 
 from host_tools import board_files, boards
 from host_tools.failure import Failure
-from host_tools.language import LANGUAGES, speaking
+from host_tools.language import LANGUAGES, in_language
 from host_tools.panel.machine_form import Form
 from passo import errors
 from passo.protocols.page.orders import Wrong, text
@@ -36,7 +36,7 @@ class OwnBoards:
             do = {"get": self._get, "new": self._new, "set": self._set, "back": self._back, "remove": self._remove}.get(order["what"])
             if do is None or name not in self._files:
                 raise Wrong("what")
-            with speaking(order.get("language") if order.get("language") in LANGUAGES else None):
+            with in_language(order.get("language") if order.get("language") in LANGUAGES else None):
                 try:
                     return do(name, order) or self._get(name, order)
                 except Failure as failure:
@@ -83,7 +83,7 @@ class OwnBoards:
             if not isinstance(changes[key], bool):
                 text(changes, key, _LONGEST)
         file = self._own(name)
-        board_files.change(file, Form(boards.read(file), file).values(changes))
+        board_files.change_values(file, Form(boards.read(file), file).values(changes))
 
     def _back(self, name, order):
         board_files.go_back(self._own(name))
@@ -92,6 +92,6 @@ class OwnBoards:
         file = self._own(name)
         if name == self._present():
             raise Failure("machine {} is the chosen one: choose another first", name)
-        board_files.remove(file)
+        board_files.remove_file(file)
         del self._files[name]
         return {"t": "answer", "do": "board", "error": 0}

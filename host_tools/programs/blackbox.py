@@ -124,7 +124,7 @@ class Box:
 def board_of(text):
     """(table, the same checked) of a board file's text, which is data: nothing of it runs. Raises Failure."""
     try:
-        table = boards.table(text, "board.py")
+        table = boards.parse_table(text, "board.py")
         return table, check(table)
     except (Failure, BoardError) as error:
         raise Failure("the board file beside the black box: {}", error if isinstance(error, Failure) else reason(error)) from error

@@ -28,8 +28,8 @@ def place(uf2):  # noqa: F811
 
 def test_lines_on_the_chip(place, show):
     """The chip makes the same steps as the PC, and its software floats cost more than integers."""
-    times, mhz = lines.measure(place)
-    here = {name: row[1::2] for name, row in lines.measure(PC)[0].items()}
+    times, mhz = lines.measure_lines(place)
+    here = {name: row[1::2] for name, row in lines.measure_lines(PC)[0].items()}
     assert mhz in (125, 200), "as the chip starts, or as main.py has set it before it was interrupted"
     assert {name: row[1::2] for name, row in times.items()} == here
     assert all(float_us > integer_us for integer_us, _steps, float_us, _others in times.values())
@@ -38,7 +38,7 @@ def test_lines_on_the_chip(place, show):
 
 def test_drawing_at_the_motors_pace(place):
     """Pace and computing add up: two waits a step, and the time that the line needs by itself."""
-    computed = lines.measure(place)[0]
+    computed = lines.measure_lines(place)[0]
     for name, (integer_s, float_s) in drawing.measure_paced(place).items():
         points = [(0, 0), *lines.points_of()[name]]
         pace_s = 2 * drawing.SPEED / 1e6 * sum(max(abs(b[0] - a[0]), abs(b[1] - a[1])) for a, b in zip(points, points[1:]))
@@ -51,24 +51,24 @@ def test_the_chip_agrees_with_the_pc(place):
     document, firmware = arcs.end_errors(place, ends)
     assert firmware == arcs.end_errors(PC, ends)[1]
     assert max(document) < 48_000 * 2**-14 + 1.5, "floats of 32 bits"
-    assert codes.shown_bytes(place) == codes.shown_bytes(PC)
+    assert codes.port_bytes(place) == codes.port_bytes(PC)
 
 
 def test_inputs_and_outputs_of_the_mill(place):
-    pressed, switched = inputs.press(place)
-    assert all(each.right() for each in pressed) and all(switched.values()), (pressed, switched)
+    pressed, switched = inputs.press_inputs(place)
+    assert all(each.is_right() for each in pressed) and all(switched.values()), (pressed, switched)
 
 
 def test_strokes_and_their_wait(place, monkeypatch):
     monkeypatch.setattr(strokes, "LENGTHS_MM", (10,))
-    for each in strokes.draw(place):
+    for each in strokes.draw_strokes(place):
         assert each.made == 10 and 0 < each.wait_s < 0.02
 
 
 def test_rates(place, monkeypatch):
     monkeypatch.setattr(rates, "PIO_KHZ", (480,))
     monkeypatch.setattr(rates, "TIMER_KHZ", (10, 500))
-    by_pio, by_timer = rates.clean(place)
+    by_pio, by_timer = rates.measure_clean_rates(place)
     assert by_pio == {480: True} and by_timer == {10: True, 500: False}, "the timer's shortest word is 40 µs"
 
 

@@ -15,7 +15,7 @@ def rows():
     """{board: its line}."""
     from host_tools import boards
 
-    bases = {name: base for base in boards.names() for name in boards.like(base)}
+    bases = {name: base for base in boards.names() for name in boards.names_like(base)}
     found = {}
     for name in boards.names():
         digest = hashlib.sha256(boards.text_of(boards.load(name)).encode()).hexdigest()[:12]
@@ -47,8 +47,8 @@ def test_a_base_changes_those_that_are_like_it(tmp_path, monkeypatch):
     monkeypatch.setattr(boards, "BOARDS", tmp_path)
     router = tmp_path / "router_3axis.py"
     router.write_text(router.read_text(encoding="utf-8").replace('"pull_off_steps": 640', '"pull_off_steps": 650'), encoding="utf-8")
-    assert changes(before, rows()) == ["router_3axis", *boards.like("router_3axis")]
-    assert len(boards.like("router_3axis")) > 1
+    assert changes(before, rows()) == ["router_3axis", *boards.names_like("router_3axis")]
+    assert len(boards.names_like("router_3axis")) > 1
 
 
 if __name__ == "__main__":

@@ -35,7 +35,7 @@ def test_inputs_are_in_the_docs_and_have_their_feature():
 
 
 def test_words_of_a_status_have_names_for_people_or_are_shown_as_they_are():
-    words = {word for _, word in STATUS_WORDS} | set(options.status())
+    words = {word for _, word in STATUS_WORDS} | set(options.status_names())
     text = re.search(r"^const MORE = {(.*)}", (PAGE / "panel.js").read_text(encoding="utf-8"), re.MULTILINE).group(1)
     assert set(re.findall(r"(\w+): \"", text)) | set(status._MORE) | set(status._ELSEWHERE) <= words, "a name without its row"
 
@@ -44,4 +44,4 @@ def test_an_option_says_what_its_words_mean():
     """Those that its features append to STATUS_WORDS, as `WORD = (key in the report, word)`."""
     folder = ROOT / "firmware" / "passo" / "options"
     found = {word for path in folder.glob("*/control*.py") for word in re.findall(r'^_?WORD = \("\w+", "(\w+)"\)', path.read_text(encoding="utf-8"), re.MULTILINE)}
-    assert len(found) > 3 and found == set(options.status())
+    assert len(found) > 3 and found == set(options.status_names())

@@ -106,9 +106,9 @@ def run_lives(seed, count, processes, names, cluster, path):
 
     items = [(names[number % len(names)], seed * LIVES + number) for number in range(count)]
     begun = time.monotonic()
-    with workers.table(path, COLUMNS) as write:
+    with workers.open_table(path, COLUMNS) as write:
         rows = {}
-        for item, row in workers.done(soak.lived, items, processes, cluster):
+        for item, row in workers.run_items(soak.lived, items, processes, cluster):
             rows[item] = row if row != workers.DIED else (0, 0, 0, 0, 0.0, 0.0, f"its worker died {workers.TRIES} times")
             if rows[item][-1]:
                 print(*item, rows[item][-1], file=sys.stderr)

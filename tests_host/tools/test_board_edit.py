@@ -119,13 +119,13 @@ def test_what_is_not_there_is_added(text, path):
 
 @pytest.mark.parametrize("pair, value", [("a.b=250", 250), ("a= 'x'", "x"), ("a=grbl", "grbl"), ("a=[2, 5]", [2, 5]), ("a=None", None), ("a=", ""), ("a=0x1f", 31), ("a=x()", "x()")])
 def test_a_pair(pair, value):
-    assert board_edit.parse(pair)[1] == value
+    assert board_edit.parse_pair(pair)[1] == value
 
 
 @pytest.mark.parametrize("pair", ["a", "=3", "a..b=3", "a b=3", ".a=3", "a.=3"])
 def test_no_pair(pair):
     with pytest.raises(Failure, match="is not KEY=VALUE"):
-        board_edit.parse(pair)
+        board_edit.parse_pair(pair)
 
 
 @pytest.mark.parametrize("path, wrong", [("name.x", "name is a plain value, and has no x"), ("axes.q", "q: there is none"), ("axes.x.pins.first", "first: there is none")])

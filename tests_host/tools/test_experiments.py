@@ -25,7 +25,7 @@ from host_tools.experiments import arcs, authors, board_lines, charts, codes, dr
 from host_tools.experiments.board_cordic import document_end, firmware_end
 from host_tools.experiments.experiments import EXPERIMENTS, refusal
 from host_tools.experiments.places import BOARD, Virtual
-from host_tools.experiments.row import Outcome, Row, better
+from host_tools.experiments.row import Outcome, Row, percent_better
 from host_tools.failure import Failure
 from passo.motion.cordic import TURN
 from passo.motion.line import MAX_RUN, Line
@@ -39,7 +39,7 @@ VIRTUAL = Virtual()
 @pytest.fixture(autouse=True)
 def english():
     yield
-    language.choose(None)
+    language.choose_language(None)
 
 
 def passo(*words):
@@ -53,7 +53,7 @@ def passo(*words):
 
 
 def test_each_figure_has_its_place_and_is_the_number_that_is_printed():
-    for name, row in authors.data()["figures"].items():
+    for name, row in authors.read_data()["figures"].items():
         found = authors.author(name)
         assert found.place.document in authors.NAMES and found.place.text() and found.unit, name
         digits = re.sub(r"[^\d,.]", "", row["printed"])
@@ -64,7 +64,7 @@ def test_table_8_is_consistent():
     """Its percentages are float / integer − 1, and its last row the mean of the times."""
     integer, floating = ([authors.author(f"{name} {kind}").value for name in OBJECTS] for kind in ("integer", "float"))
     for name, a, b in zip(OBJECTS, integer, floating):
-        assert better(b, a) == pytest.approx(authors.author(f"{name} better").value, abs=0.01)
+        assert percent_better(b, a) == pytest.approx(authors.author(f"{name} better").value, abs=0.01)
     assert authors.author("mean integer").value == pytest.approx(fmean(integer), abs=2e-3)
     assert authors.author("mean float").value == pytest.approx(fmean(floating), abs=2e-3)
 
@@ -75,7 +75,7 @@ def test_the_figures_are_those_of_the_documents():
         pytest.skip("PASSO_DOCUMENTS names no folder")
     texts = [re.sub(r"[\\*$]", "", path.read_text(encoding="utf-8")) for path in sorted(Path(folder).glob("*.txt"))]
     assert texts
-    for name, row in authors.data()["figures"].items():
+    for name, row in authors.read_data()["figures"].items():
         words = row["printed"].split() if name == "bytes of the port" else [row["printed"].replace(" µs", "")]
         assert any(all(word in text for word in words) for text in texts), name
 
@@ -113,7 +113,7 @@ def test_the_float_line_truncates_and_ends_a_step_short(x1, y1, x2, y2):
 
 
 def test_both_lines_of_an_object_make_the_same_steps():
-    for name, (_int_us, integer, _float_us, floating) in lines.measure(VIRTUAL)[0].items():
+    for name, (_int_us, integer, _float_us, floating) in lines.measure_lines(VIRTUAL)[0].items():
         points = lines.points_of()[name]
         assert integer == floating == sum(max(abs(b[0] - a[0]), abs(b[1] - a[1])) for a, b in zip(points, points[1:]))
 
@@ -124,7 +124,7 @@ def test_both_lines_of_an_object_make_the_same_steps():
 def test_the_square_of_the_log_takes_the_pace_and_the_pen():
     """1404 steps of 2 × 1000 + 225 µs, and the pen down and up, 60 ms each; the packets and the loop take some milliseconds."""
     pace_s = sum(max(abs(b[1] - a[1]), abs(b[2] - a[2])) for a, b in zip([(0, 0, 0), *drawing.LOG], drawing.LOG)) * 2225e-6
-    took_s = drawing.draw(VIRTUAL)["log"]
+    took_s = drawing.draw_objects(VIRTUAL)["log"]
     assert pace_s + 0.12 <= took_s <= pace_s + 0.15
     assert pace_s == pytest.approx(authors.author("square of the log").value, abs=0.01)
 
@@ -161,15 +161,15 @@ def test_arcs_of_the_mill_stay_within_half_a_step_and_end_on_the_nearest():
     for arc in arcs.walk(VIRTUAL):
         assert max(map(abs, arc.off_circle())) <= 0.5 + 1e-9
         assert arc.end_error() <= 2**0.5 / 2 + 0.2
-        assert arc.angles()[-1] == pytest.approx(arc.sweep_deg, abs=0.5)
+        assert arc.angles_deg()[-1] == pytest.approx(arc.sweep_deg, abs=0.5)
 
 
 # --- inputs, codes, strokes, rates, homing
 
 
 def test_each_input_is_named_and_each_output_switches():
-    pressed, switched = inputs.press(VIRTUAL)
-    assert len(pressed) == 13 and all(each.right() for each in pressed), pressed
+    pressed, switched = inputs.press_inputs(VIRTUAL)
+    assert len(pressed) == 13 and all(each.is_right() for each in pressed), pressed
     assert set(switched) == {"vacuum", "flood", "mist", "tool", "enable"} and all(switched.values()), switched
 
 
@@ -193,7 +193,7 @@ def test_a_diagonal_is_as_fast_as_a_side():
 
 
 def test_strokes_are_as_long_as_asked_for():
-    for each in strokes.draw(VIRTUAL):
+    for each in strokes.draw_strokes(VIRTUAL):
         assert each.made == each.length and each.mm_s == pytest.approx(strokes.MM_S, rel=1e-3)
 
 
@@ -202,7 +202,7 @@ def test_the_kit_makes_250_steps_a_second():
 
 
 def test_homing_ends_on_the_same_step():
-    ends = homing.home(VIRTUAL, 4)
+    ends = homing.home_repeatedly(VIRTUAL, 4)
     assert len(ends) == 4 and set(ends) == {(0, 0)}
 
 
@@ -216,10 +216,10 @@ class OnRouter:
         board = boards.load("router_3axis")
         self._raw = {**board, "homing": {**board["homing"], **homing}}
 
-    def raw(self):
+    def board_table(self):
         return self._raw
 
-    def client(self):
+    def open_client(self):
         return self.clients(self._port, timeout_s=15)
 
 
@@ -227,7 +227,7 @@ def test_a_board_says_how_well_it_homes():
     with Running("fast", homing={**boards.load("router_3axis")["homing"], "latch": True}) as router:
         rows = homing.home_board(OnRouter(router.line.name, latch=True), 3)
     assert {row[0] for row in rows} == {"x", "y", "z"} and all(count == 3 and wide == 0 for _axis, count, wide, _sigma in rows)
-    assert not homing.left_out(OnRouter("", latch=True).raw()) and "latch" in homing.left_out(OnRouter("", latch=False).raw())
+    assert not homing.why_left_out(OnRouter("", latch=True).board_table()) and "latch" in homing.why_left_out(OnRouter("", latch=False).board_table())
 
 
 class Interrupted(GrblClient):
@@ -251,7 +251,7 @@ def test_homing_that_is_interrupted_ends(monkeypatch):
 
 
 def test_a_board_measures_what_its_board_file_can():
-    found = {name: {of.__name__.rpartition(".")[2] for of in (codes, rates, homing) if not of.left_out(boards.load(name))} for name in boards.names()}
+    found = {name: {of.__name__.rpartition(".")[2] for of in (codes, rates, homing) if not of.why_left_out(boards.load(name))} for name in boards.names()}
     assert found["lpt_router"] == {"codes", "rates"} and found["router_3axis"] == {"rates"}
     assert found["plotter_2014"] == found["two_motor_kit"] == set()
 
@@ -263,7 +263,7 @@ def outcome(*values):
     made = Outcome("some way of measuring")
     for at, value in enumerate(values):
         made.rows.append(Row(f"row <{at}>", authors.author("square better"), value, "%", agrees=value > 0))
-    made.pictures.append(("a picture", charts.bars(["a", "b"], {"one": [1, -2], "two": [None, 3]}, "s")))
+    made.pictures.append(("a picture", charts.draw_bars(["a", "b"], {"one": [1, -2], "two": [None, 3]}, "s")))
     return made
 
 
@@ -282,7 +282,7 @@ def test_the_report_is_one_page_with_all_figures(tmp_path):
 @given(st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=8))
 @settings(max_examples=examples(60), deadline=None)
 def test_a_picture_stays_inside_its_frame(values):
-    for svg in (charts.bars([str(at) for at in range(len(values))], {"a": values}, "s"), charts.dots({"a": list(enumerate(values))}, "x", "y")):
+    for svg in (charts.draw_bars([str(at) for at in range(len(values))], {"a": values}, "s"), charts.draw_dots({"a": list(enumerate(values))}, "x", "y")):
         assert "nan" not in svg and "inf" not in svg
         found = [float(y) for y in re.findall(r' c?y="(-?[\d.]+)"', svg)]
         assert all(-1 <= y <= charts.HEIGHT for y in found), svg

@@ -34,14 +34,14 @@ TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "RefusedLi
 # Functions that hand on a text of their caller's, or one of a table.
 HANDED_ON = {
     "shop/home_assistant.py": ("discovery",),
-    "language.py": ("_", "speak", "error_text", "reword", "count_text"), "failure.py": ("message", "reason"), "sim/job.py": ("_failure_of",),
+    "language.py": ("_", "translate_help", "error_text", "reword_text", "count_text"), "failure.py": ("message", "reason"), "sim/job.py": ("_failure_of",),
     "programs/compensation.py": ("_misfit",), "programs/file_kinds.py": ("refuse_others",), "programs/made_by.py": ("advice_for",), "programs/program_errors.py": ("message",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("as_panel",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
     "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
     "prove/proof.py": ("parts", "_part", "judge"), "prove/facts.py": ("memory", "watchdog"), "prove/report.py": ("table",),
-    "cli/experiments.py": ("experiments",), "experiments/report.py": ("_section", "_sources", "printed"), "experiments/authors.py": ("text",),
-    "experiments/drawing.py": ("run", "_picture"), "experiments/lines.py": ("run",), "experiments/places.py": ("title",),
+    "cli/experiments.py": ("experiments",), "experiments/report.py": ("_section_html", "_sources_html", "author_text"), "experiments/authors.py": ("text",),
+    "experiments/drawing.py": ("run", "_add_picture"), "experiments/lines.py": ("run",), "experiments/places.py": ("title",),
 }  # fmt: skip
 # Text printed for programs, and names, numbers or texts that came through the catalogue before.
 AS_IT_IS = ("port", "usb", "key", "page", "passo", "run")
@@ -58,9 +58,9 @@ NOT_SAID = {"armazen": "guardado", "foi salvo": "guardado", "sentiu falta": "acu
 
 @pytest.fixture
 def portuguese():
-    language.choose("pt")
+    language.choose_language("pt")
     yield
-    language.choose(None)
+    language.choose_language(None)
 
 
 def prose(text):
@@ -118,7 +118,7 @@ def commands():
 def helps():
     """The texts of all --help."""
     shown = [each.help for command in commands() for each in [command, *command.params] if getattr(each, "help", None)]
-    return {text for help_ in shown for _, text, _ in language.pieces(help_) if text}
+    return {text for help_ in shown for _, text, _ in language.help_pieces(help_) if text}
 
 
 def tables():
@@ -185,7 +185,7 @@ def test_what_is_wrong_with_board_files_has_its_words():
     raised |= {sentence(call.args[0]) for tree in [*trees, TREES["boards.py"]] for _, name, call in calls(tree) if name == "BoardError"}
     plant = [TREES["sim/plant.py"], TREES["sim/input_faults.py"]]  # the machine of a virtual board, with the errors of --start and --fault
     raised |= {sentence(call.args[0]) for tree in plant for _, name, call in calls(tree) if name == "ValueError" and call.args}
-    raised -= set(options.portuguese())
+    raised -= set(options.portuguese_texts())
     assert raised == set(BOARD_FILES), raised ^ set(BOARD_FILES)
     for text, words in BOARD_FILES.items():
         assert text.count("{}") == words.count("{}") and words.strip(), text
@@ -292,7 +292,7 @@ def test_errors_and_settings_in_portuguese(portuguese):
     from passo import error_texts, errors
 
     for number in sorted(error_texts.TEXTS):
-        assert language.error_text(number) == language.catalogue("pt").words.get(error_texts.text(number), error_texts.text(number))
+        assert language.error_text(number) == language.load_catalogue("pt").words.get(error_texts.text(number), error_texts.text(number))
     assert language.error_text(errors.BUSY) != error_texts.text(errors.BUSY)
     assert setting_names.describe("$110=500", 3)[0].startswith("x: ") and "highest" not in setting_names.describe("$110=500", 3)[0]
     assert setting_names.describe("$20=1", 3)[0] != setting_names.NAMES[20][0]
@@ -312,7 +312,7 @@ def test_a_failure_is_english_until_it_is_told(portuguese):
 
 def test_a_help_in_pieces():
     help_ = "What it\nis for.\n\nExample: passo x 1\n\nExamples:\n\n    passo x --y      # this one\n    passo z"
-    pieces = list(language.pieces(help_))
+    pieces = list(language.help_pieces(help_))
     assert [text for _, text, _ in pieces] == ["What it is for.", "Example:", "Examples:", "this one", ""]
     assert "".join(map("".join, pieces)) == help_.replace("What it\nis", "What it is")
 
@@ -332,7 +332,7 @@ def test_what_typer_says_of_a_wrong_command_line():
             english = type(refused.value).format_message(refused.value)
             assert refused.value.format_message() not in ("", english), f"{words}: {english}"
     finally:
-        language.choose(None)
+        language.choose_language(None)
 
 
 def test_what_another_program_has_said_in_all_languages():
@@ -342,14 +342,14 @@ def test_what_another_program_has_said_in_all_languages():
     said = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY))
     english = said.message()
     try:
-        language.choose("pt")
+        language.choose_language("pt")
         portuguese = Failure("{}: line {} would be refused: {}", "a.gcode", 2, language.error_text(errors.BUSY)).message()
         both = {"en": english, "pt": portuguese}
         assert english != portuguese
         assert language.in_languages(english) == language.in_languages(portuguese) == both
         busy = language.error_text(errors.BUSY)
     finally:
-        language.choose(None)
+        language.choose_language(None)
     assert language.in_languages(busy)["en"] == language.error_text(errors.BUSY)
     assert language.in_languages("of {} no text") == {"en": "of {} no text", "pt": "of {} no text"} and language.in_languages("") == ""
 

@@ -1,4 +1,4 @@
-"""Board files that are "like" another: merge() with random dicts, its refusals, and that boards, builds and verbs get the whole."""
+"""Board files that are "like" another: merge_changes() with random dicts, its refusals, and that boards, builds and verbs get the whole."""
 
 import ast
 import copy
@@ -84,15 +84,15 @@ def test_a_merge_makes_what_is_wanted_and_changes_neither(base, wanted):
         return
     changes = changes_of(base, wanted)
     before = copy.deepcopy((base, changes))
-    made = boards.merge(base, changes)
+    made = boards.merge_changes(base, changes)
     assert sorted_names(made) == sorted_names(wanted)
     assert (base, changes) == before
-    assert boards.merge(base, {}) == base
+    assert boards.merge_changes(base, {}) == base
 
 
 @given(tables, tables)
 def test_what_is_merged_shares_nothing_with_the_base(base, changes):
-    made = boards.merge(base, changes)
+    made = boards.merge_changes(base, changes)
     before = copy.deepcopy((base, changes))
     spoil(made)
     assert (base, changes) == before
@@ -108,9 +108,9 @@ def spoil(value):
 def test_names_stand_where_they_stood_and_new_ones_follow():
     base = {"links": [{"name": "pc", "port": "usb"}, {"name": "serial", "port": "uart0"}]}
     listed = [{"name": "page", "port": "page"}, {"name": "serial", "port": "uart1"}]
-    assert boards.merge(base, {"links": listed})["links"] == [base["links"][0], listed[1], listed[0]]
+    assert boards.merge_changes(base, {"links": listed})["links"] == [base["links"][0], listed[1], listed[0]]
     by_name = {"serial": None, "page": {"port": "page"}}
-    assert boards.merge(base, {"links": by_name})["links"] == [base["links"][0], {"name": "page", "port": "page"}]
+    assert boards.merge_changes(base, {"links": by_name})["links"] == [base["links"][0], {"name": "page", "port": "page"}]
 
 
 # --- files
@@ -180,7 +180,7 @@ def test_a_board_with_passos_uf2_gets_the_whole_file(mine, folder, board):  # no
 @pytest.mark.parametrize("name", boards.names())
 def test_what_a_board_gets_says_what_the_file_says(name):
     text = boards.board_py(name).decode()
-    assert boards.table(text, name) == boards.load(name) and '"like"' not in text
+    assert boards.parse_table(text, name) == boards.load(name) and '"like"' not in text
     assert ast.literal_eval(boards.text_of(boards.load(name)).removeprefix("BOARD = ")) == boards.load(name)
 
 

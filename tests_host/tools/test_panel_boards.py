@@ -29,7 +29,7 @@ class Desk:
         self.folder = folder / "own"
         self.present = "lpt_router"
         self.told = 0
-        self.files = board_files.choice(self.folder)
+        self.files = board_files.available_files(self.folder)
         self.own = OwnBoards(self.folder, self.files, lambda: self.present, self._tell)
 
     def _tell(self):
@@ -135,7 +135,7 @@ def test_what_is_shown_and_given_back_changes_nothing(name):
         form = Form(text, name)
         shown = {field["key"]: field["value"] for group in form.groups() for row in group["rows"] for field in row["fields"]}
         given = form.values({key: value if isinstance(value, bool) else str(value) for key, value in shown.items()})
-        before, after = (check(copy.deepcopy(boards.table(each, name))) for each in (text, board_edit.set_values(text, given)))
+        before, after = (check(copy.deepcopy(boards.parse_table(each, name))) for each in (text, board_edit.set_values(text, given)))
         before.pop("additions", None), after.pop("additions", None)
         assert before == after
 
@@ -152,7 +152,7 @@ def test_whatever_a_page_gives_the_file_stays_one(data):
         words = st.sampled_from(["-", "", "1", "15", "20", "80.5", "-3", "1e400", "nan", "x", "{", '"'])
         values = {key: data.draw(st.booleans() if kinds.get(key) == "box" else words) for key in keys}
         try:
-            text = board_files.edited("mine.py", text, form.values(values))
+            text = board_files.edit_text("mine.py", text, form.values(values))
         except Failure as failure:
             assert failure.message()
 

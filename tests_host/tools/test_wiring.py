@@ -27,9 +27,9 @@ THOUSANDTH = 0.001  # the font is measured at a size of 1000
 
 @pytest.fixture(params=("en", "pt"))
 def spoken(request):
-    language.choose(request.param)
+    language.choose_language(request.param)
     yield request.param
-    language.choose(None)
+    language.choose_language(None)
 
 
 def checked(name):
