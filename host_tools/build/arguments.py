@@ -18,7 +18,7 @@ def shorten_arguments(texts):
     for tree in trees.values():
         for node in ast.walk(tree):
             kept |= _names_to_keep(node)
-    return {path: _rename(text, trees[path], kept) if path.startswith("passo/") else text for path, text in texts.items()}
+    return {path: _rename_arguments(text, trees[path], kept) if path.startswith("passo/") else text for path, text in texts.items()}
 
 
 def _names_to_keep(node):
@@ -40,26 +40,26 @@ def _names_to_keep(node):
     return set()
 
 
-def _outermost(node):
+def _outermost_functions(node):
     """The functions that are in no other function."""
     for child in ast.iter_child_nodes(node):
         if isinstance(child, ast.FunctionDef):
             yield child
         elif not isinstance(child, ast.Lambda):
-            yield from _outermost(child)
+            yield from _outermost_functions(child)
 
 
-def _rename(text, tree, kept):
+def _rename_arguments(text, tree, kept):
     lines = [line.encode() for line in text.splitlines(keepends=True)]  # columns of `ast` are bytes
     edits = []
-    for function in _outermost(tree):
-        edits += _edits(function, kept)
+    for function in _outermost_functions(tree):
+        edits += _edits_of(function, kept)
     for line, start, end, name in sorted(edits, reverse=True):
         lines[line - 1] = lines[line - 1][:start] + name.encode() + lines[line - 1][end:]
     return b"".join(lines).decode()
 
 
-def _edits(function, kept):
+def _edits_of(function, kept):
     """(line, from, to, name) of each use of an argument in a function and in those inside it."""
     inside = [node for statement in function.body for node in ast.walk(statement)]
     own = function.args.posonlyargs + function.args.args

@@ -22,7 +22,7 @@ class _Module:
         self.tree = ast.parse(text)
         self.nodes = list(ast.walk(self.tree))
         classes = [node for node in self.nodes if isinstance(node, ast.ClassDef)]
-        self.methods = {each for node in classes for each in node.body if isinstance(each, ast.FunctionDef) and _private(each.name)}
+        self.methods = {each for node in classes for each in node.body if isinstance(each, ast.FunctionDef) and _is_private(each.name)}
 
 
 def shorten_attributes(texts):
@@ -30,7 +30,7 @@ def shorten_attributes(texts):
     modules = {path: _Module(text) for path, text in texts.items()}
     taken = ASKED_FOR.union(*(_names_that_stay(module) for module in modules.values()))
     short = _short_names(modules, {path: _of_self(module) - taken for path, module in modules.items()})
-    return {path: _rename(module, short[path], _globals(module, taken)) for path, module in modules.items()}
+    return {path: _rename_private(module, short[path], _short_globals(module, taken)) for path, module in modules.items()}
 
 
 def _short_names(modules, names):
@@ -52,13 +52,13 @@ def _short_names(modules, names):
     return {path: {name: f"_{numbers[path, name]}" for name in names[path]} for path in modules}
 
 
-def _private(name):
+def _is_private(name):
     return name.startswith("_") and not name.startswith("__") and name != "_" and not name[1:].isdigit()
 
 
 def _is_of_self(node):
     """Whether an expression is a private attribute of `self`."""
-    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self" and _private(node.attr)
+    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self" and _is_private(node.attr)
 
 
 def _of_self(module):
@@ -88,7 +88,7 @@ def _class_scope(node):
         yield from each.decorator_list + [each.args] if isinstance(each, ast.FunctionDef) else [each]
 
 
-def _globals(module, taken):
+def _short_globals(module, taken):
     """{name: short name} of a module's private functions, classes and variables."""
     own = set()
     for node in module.tree.body:
@@ -98,7 +98,7 @@ def _globals(module, taken):
             own |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
             own |= {each.asname for each in ast.walk(node) if isinstance(each, ast.alias) and each.asname}
     inner = {method.name for method in module.methods}
-    names = sorted(name for name in own if _private(name) and name not in taken and name not in inner)
+    names = sorted(name for name in own if _is_private(name) and name not in taken and name not in inner)
     return {name: f"_{_FIRST_OF_MODULE + number}" for number, name in enumerate(names)}
 
 
@@ -122,7 +122,7 @@ def _modules_that_share_objects(modules):
     return {path: set().union(*(line for line in lines.values() if path in line)) for path in modules}
 
 
-def _rename(module, attributes, own):
+def _rename_private(module, attributes, own):
     lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
     indices = []  # (line, column where the old name begins, old name, new name)
     for node in module.nodes:

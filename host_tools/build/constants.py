@@ -31,20 +31,20 @@ class _Module:
         self.name = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
         self.text = text
         try:
-            self.nodes, self.bound, self.constants, self.read, self.imports = _read(text)
+            self.nodes, self.bound, self.constants, self.read, self.imports = _read_module(text)
         except SyntaxError as error:
             raise Failure("{}:{}: {}", path, error.lineno, error.msg) from None
         self.numbers = {}  # {name: number}: the constants found, own and imported
         self.edits = []  # (first line, column, last line, column, new text)
         self.kept = set()  # names that others read from here at run time
 
-    def aliases(self):
+    def names_imported(self):
         """(local name, module, name in it) of all that is imported by name."""
         return [(alias.asname or alias.name, node.module, alias.name) for node in self.imports for alias in node.names]
 
 
 @lru_cache(maxsize=512)
-def _read(text):
+def _read_module(text):
     """(nodes, {name: how many times it is bound}, {name: (statement, expression)} of possible public constants, names read, imports) of a text.
     Cached: do not change them."""
     tree = ast.parse(text)
@@ -106,25 +106,25 @@ def _constants_of(node):
     return found
 
 
-def _evaluate(modules):
+def _evaluate_constants(modules):
     """Fill in `numbers`. A constant may be computed from others, and imported by way of other modules."""
     found = True
     while found:
         found = False
         for module in modules.values():
-            for name, source, original in module.aliases():
+            for name, source, original in module.names_imported():
                 number = modules[source].numbers.get(original) if source in modules else None
                 if number is not None and module.bound[name] == 1 and name not in module.numbers:
                     module.numbers[name] = number
                     found = True
             for name in module.constants.keys() - module.numbers.keys():
-                number = _number(module.constants[name][1], module.numbers)
+                number = _number_of(module.constants[name][1], module.numbers)
                 if number is not None and abs(number) < SMALL:
                     module.numbers[name] = number
                     found = True
 
 
-def _number(expression, numbers):
+def _number_of(expression, numbers):
     """The value of an expression of integers; None if it is none, or has unknown names."""
     parts = list(ast.walk(expression))
     if not all(isinstance(part, _ARITHMETIC) for part in parts):
@@ -136,10 +136,10 @@ def _number(expression, numbers):
     return eval(compile(ast.Expression(expression), "constant", "eval"), {"__builtins__": {}}, dict(numbers))
 
 
-def _fold(module, modules, keep_imports=False):
+def _fold_names(module, modules, keep_imports=False):
     """Replace names by numbers; note which names are still read from other modules."""
     known = {}  # local name: the module of the build that it stands for
-    for name, source, original in module.aliases():
+    for name, source, original in module.names_imported():
         full = f"{source}.{original}"
         if full in modules:
             known.setdefault(name, []).append(modules[full])
@@ -157,7 +157,7 @@ def _fold(module, modules, keep_imports=False):
         sources = known[node.value.id]
         number = sources[0].numbers.get(node.attr)
         if module.bound[node.value.id] == 1 and number is not None and isinstance(node.ctx, ast.Load):
-            _write(module, node, str(number) if number >= 0 else f"({number})")
+            _add_edit(module, node, str(number) if number >= 0 else f"({number})")
             continue
         read[node.value.id] = read.get(node.value.id, 0) + 1
         for source in sources:
@@ -167,17 +167,17 @@ def _fold(module, modules, keep_imports=False):
             continue
         number = module.numbers.get(node.id)
         if number is not None:
-            _write(module, node, str(number) if number >= 0 else f"({number})")
+            _add_edit(module, node, str(number) if number >= 0 else f"({number})")
             continue
         read[node.id] = read.get(node.id, 0) + 1
         for source in known.get(node.id, ()):
             source.kept.add("*")
     for node in () if keep_imports else module.imports:
         if node.module in modules or any(f"{node.module}.{alias.name}" in modules for alias in node.names):
-            _import(module, node, modules, read)
+            _trim_import(module, node, modules, read)
 
 
-def _import(module, node, modules, read):
+def _trim_import(module, node, modules, read):
     """Import only what is still used: no constants, no modules that gave constants only. An import whose names are never read is there to load its
     module, and stays."""
     wanted = []
@@ -194,14 +194,14 @@ def _import(module, node, modules, read):
         return
     names = [alias.name + (f" as {alias.asname}" if alias.asname else "") for alias in wanted]
     text = f"from {node.module} import {', '.join(names)}" if names else "pass"
-    _write(module, node, text + "\n" * (node.end_lineno - node.lineno))
+    _add_edit(module, node, text + "\n" * (node.end_lineno - node.lineno))
 
 
-def _write(module, node, text):
+def _add_edit(module, node, text):
     module.edits.append((node.lineno, node.col_offset, node.end_lineno, node.end_col_offset, text))
 
 
-def _drop(module):
+def _drop_unread(module):
     """Remove definitions that nobody reads by name."""
     if "*" in module.kept:
         return
@@ -214,7 +214,7 @@ def _drop(module):
             continue
         inside = range(node.lineno, node.end_lineno + 1)
         module.edits = [edit for edit in module.edits if edit[0] not in inside]
-        _write(module, node, "pass" + "\n" * (node.end_lineno - node.lineno))
+        _add_edit(module, node, "pass" + "\n" * (node.end_lineno - node.lineno))
 
 
 def _apply_edits(module):
@@ -225,21 +225,21 @@ def _apply_edits(module):
     return b"".join(lines).decode()
 
 
-def _modules(texts):
+def _load_modules(texts):
     """The modules of a build by name, with `numbers` filled in. Raises Failure if a text is not Python."""
     modules = {module.name: module for module in (_Module(path, text) for path, text in _write_out_stars(texts).items())}
-    _evaluate(modules)
+    _evaluate_constants(modules)
     return modules
 
 
 def fold_in_place(texts):
     """{path: text} with numbers instead of constants; definitions and imports stay, because tests read them."""
-    return _fold_in_place(_modules(texts))
+    return _fold_in_place(_load_modules(texts))
 
 
 def _fold_in_place(modules):
     for module in modules.values():
-        _fold(module, modules, keep_imports=True)
+        _fold_names(module, modules, keep_imports=True)
     made = {module.path: _apply_edits(module) for module in modules.values()}
     for module in modules.values():
         module.edits.clear()
@@ -250,28 +250,28 @@ def _fold_in_place(modules):
 def fold_constants(texts):
     """{path: text} of the modules of a build, with numbers for constants, and private attributes and arguments under
     short names. Raises Failure if a text is not Python."""
-    return short(whole(texts))
+    return shorten_names(fold_whole(texts))
 
 
-def short(texts):
+def shorten_names(texts):
     """{path: text} with short names for private attributes and arguments."""
     return shorten_arguments(shorten_attributes(texts))
 
 
-def forms(texts):
-    """(fold_in_place(texts), whole(texts)), which is less work than each by itself."""
-    modules = _modules(texts)
-    return _fold_in_place(modules), _whole(modules)
+def fold_both_ways(texts):
+    """(fold_in_place(texts), fold_whole(texts)), which is less work than each by itself."""
+    modules = _load_modules(texts)
+    return _fold_in_place(modules), _fold_modules(modules)
 
 
-def whole(texts):
+def fold_whole(texts):
     """The same with all names but those of constants as they are."""
-    return _whole(_modules(texts))
+    return _fold_modules(_load_modules(texts))
 
 
-def _whole(modules):
+def _fold_modules(modules):
     for module in modules.values():
-        _fold(module, modules)
+        _fold_names(module, modules)
     for module in modules.values():
-        _drop(module)
+        _drop_unread(module)
     return {module.path: _apply_edits(module) for module in modules.values()}

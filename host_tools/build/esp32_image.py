@@ -50,12 +50,12 @@ python -m esptool --chip esp32 write_flash -z 0x1000 build-{board}/firmware.bin
 passo flash --board plotter_esp32 --port /dev/ttyUSB0"""
 
 
-def manifest(tree):
+def manifest_text(tree):
     """The manifest that freezes a folder."""
     return MANIFEST.format(project=str(Path(__file__).parents[2]), tree=str(tree))
 
 
-def prepare(folder):
+def prepare_image(folder):
     """Write the definition; returns what to type."""
     folder = Path(folder).resolve()
     board = folder / BOARD
@@ -64,14 +64,14 @@ def prepare(folder):
     frozen_tree("esp32", tree)
     for name, text in _TEXTS.items():
         (board / name).write_text(text.replace("{folder}", str(board)))
-    (board / "manifest.py").write_text(manifest(tree) + _OTHERS)
+    (board / "manifest.py").write_text(manifest_text(tree) + _OTHERS)
     return _TYPED.format(folder=folder, board=BOARD, release=RELEASE)
 
 
 def main():
     if len(sys.argv) != 2:
         raise Failure("which folder? python -m host_tools.build.esp32_image build/esp32-image")
-    typed = prepare(sys.argv[1])
+    typed = prepare_image(sys.argv[1])
     print(_("build {} of Passo is prepared in {}; with ESP-IDF:", stamp("esp32"), sys.argv[1]))
     print(typed)
 

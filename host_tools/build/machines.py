@@ -21,7 +21,7 @@ OLD = "_old"
 FILES = FOLDER + "/files"
 
 
-def there(path):
+def exists(path):
     try:
         os.stat(path)
         return True
@@ -34,7 +34,7 @@ def text_of(path):
         return file.read()
 
 
-def digest(path, target=None):
+def file_digest(path, target=None):
     """16 hexadecimal digits of a file's bytes and of the path where it belongs, `target`; None: the file lies there."""
     found = hashlib.sha256((target or path).encode() + b"\0")
     with open(path, "rb") as file:
@@ -47,16 +47,16 @@ def digest(path, target=None):
 
 def names_chosen():
     """The names of the chosen machine and of the one before it; "" if there is none."""
-    path = [path for path in (FOLDER + "/chosen", FOLDER + "/new") if there(path)]
+    path = [path for path in (FOLDER + "/chosen", FOLDER + "/new") if exists(path)]
     return (text_of(path[0]).split("\n") + ["", ""])[:2] if path else ["", ""]
 
 
 def machine_names():
     """The names of the machines, in order."""
-    return sorted([name for name in os.listdir(FOLDER) if there(FOLDER + "/" + name + "/modules.txt")]) if there(FOLDER) else []
+    return sorted([name for name in os.listdir(FOLDER) if exists(FOLDER + "/" + name + "/modules.txt")]) if exists(FOLDER) else []
 
 
-def modules(name):
+def modules_of(name):
     """(path, digest) of a machine's files, one after another: a board has no memory for all of them."""
     with open(FOLDER + "/" + name + "/modules.txt") as file:
         for line in file:
@@ -70,65 +70,65 @@ def to_change(wanted):
     """(path, digest) of those files that are not in place."""
     for path, sum in wanted:
         if path not in in_place:
-            in_place[path] = digest(path) if there(path) else None
+            in_place[path] = file_digest(path) if exists(path) else None
         if in_place[path] != sum:
             yield path, sum
 
 
-def missing(wanted):
+def digests_missing(wanted):
     """Digests of those files that are nowhere on the board."""
-    return [sum for path, sum in to_change(wanted) if not there(FILES + "/" + sum)]
+    return [sum for path, sum in to_change(wanted) if not exists(FILES + "/" + sum)]
 
 
 def state_of(name):
     """A sentence about the fault of a machine; "" if it is whole."""
-    wrong = len(missing(modules(name)))
+    wrong = len(digests_missing(modules_of(name)))
     return "%d files of its firmware are missing or of another version: add it again" % wrong if wrong else ""
 
 
-def want(text):
+def print_missing(text):
     """Prints the digests of files in a modules.txt that are nowhere on the board. Changes nothing on the board."""
-    for sum in missing([line.split(" ") for line in text.split("\n") if line]):
+    for sum in digests_missing([line.split(" ") for line in text.split("\n") if line]):
         print("wants", sum)
 
 
-def tidy():
+def remove_unused():
     """Remove the files that no stored machine wants."""
-    wanted = set([sum for name in machine_names() for _, sum in modules(name)])
-    if there(FILES):
+    wanted = set([sum for name in machine_names() for _, sum in modules_of(name)])
+    if exists(FILES):
         for sum in os.listdir(FILES):
             if sum not in wanted:
                 os.remove(FILES + "/" + sum)
 
 
-def tell():
+def print_machines():
     names = {}
-    if there("board.py"):
+    if exists("board.py"):
         exec(text_of("board.py"), names)
         print("chip", names["BOARD"]["chip"])
-    print("chosen", running())
+    print("chosen", running_name())
     for name in machine_names():
         print("machine %s: %s" % (name, state_of(name) or "ready"))
 
 
-def move(source, target):
-    if there(source):
-        if there(target):
+def move_file(source, target):
+    if exists(source):
+        if exists(target):
             os.remove(target)
         os.rename(source, target)
 
 
-def running():
+def running_name():
     """The name of the machine whose board file is /board.py; "before" if that belongs to none."""
-    if there("board.py"):
-        board = digest("board.py")
+    if exists("board.py"):
+        board = file_digest("board.py")
         for name in machine_names():
-            if digest(FOLDER + "/" + name + "/board.py", "board.py") == board:
+            if file_digest(FOLDER + "/" + name + "/board.py", "board.py") == board:
                 return name
     return names_chosen()[0] or "before"
 
 
-def duplicate(source, target):
+def copy_file(source, target):
     with open(source, "rb") as file, open(target, "wb") as made:
         while True:
             part = file.read(512)
@@ -137,11 +137,11 @@ def duplicate(source, target):
             made.write(part)
 
 
-def note(name, last):
+def write_chosen(name, last):
     """Write the names of the chosen machine and of the one before it, by a new file that replaces the old one."""
     with open(FOLDER + "/new", "w") as made:
         made.write(name + "\n" + last)
-    move(FOLDER + "/new", FOLDER + "/chosen")
+    move_file(FOLDER + "/new", FOLDER + "/chosen")
 
 
 def make_folder(path):
@@ -149,15 +149,15 @@ def make_folder(path):
     parts = path.split("/")[:-1]
     for count in range(len(parts)):
         folder = "/".join(parts[: count + 1])
-        if not there(folder):
+        if not exists(folder):
             os.mkdir(folder)
 
 
-def put(path, sum):
+def swap_file(path, sum):
     """Move the file `sum` from FILES to its path, and the file that was there to FILES."""
     make_folder(path)
     if in_place[path]:
-        move(path, FILES + "/" + in_place[path])
+        move_file(path, FILES + "/" + in_place[path])
     os.rename(FILES + "/" + sum, path)
 
 
@@ -176,28 +176,28 @@ def keep_before():
     """Store what runs now, which is no machine that was added, as the machine `before`."""
     make_folder(FOLDER + "/before/modules.txt")
     with open(FOLDER + "/before/new", "w") as file:
-        for path in [path for path in ("main.py", "stamp.txt") if there(path)] + list(files_of("passo") if there("passo") else ()):
+        for path in [path for path in ("main.py", "stamp.txt") if exists(path)] + list(files_of("passo") if exists("passo") else ()):
             if path not in in_place:
-                in_place[path] = digest(path)
+                in_place[path] = file_digest(path)
             file.write("%s %s\n" % (path, in_place[path]))
-    duplicate("board.py", FOLDER + "/before/board.py")
-    move(FOLDER + "/before/new", FOLDER + "/before/modules.txt")
+    copy_file("board.py", FOLDER + "/before/board.py")
+    move_file(FOLDER + "/before/new", FOLDER + "/before/modules.txt")
 
 
-def retire(name, sum):
+def keep_old(name, sum):
     """Keep a machine as NAME_old, if a board file of another digest is about to take its place."""
     folder = FOLDER + "/" + name
-    if there(folder + "/modules.txt") and digest(folder + "/board.py", "board.py") != sum:
+    if exists(folder + "/modules.txt") and file_digest(folder + "/board.py", "board.py") != sum:
         make_folder(folder + OLD + "/board.py")
         for file in ("board.py", "modules.txt"):
-            duplicate(folder + "/" + file, folder + OLD + "/" + file)
+            copy_file(folder + "/" + file, folder + OLD + "/" + file)
 
 
-def remove(name):
+def remove_machine(name):
     """Forget a stored machine, and its settings."""
     if name not in machine_names():
         raise ValueError("there is no machine " + name)
-    if name == running():
+    if name == running_name():
         raise ValueError("machine " + name + " is the chosen one: choose another first")
     folder = FOLDER + "/" + name
     for file in ["modules.txt"] + [file for file in os.listdir(folder) if file != "modules.txt"]:
@@ -205,18 +205,18 @@ def remove(name):
     os.rmdir(folder)
 
 
-def back():
-    """Choose the machine that was chosen before the one that is. A `choose` amid which the power failed is gone on with instead."""
+def choose_last():
+    """Choose the machine that was chosen before the one that is. A choose_machine() amid which the power failed is gone on with instead."""
     name = names_chosen()[1]
-    if not there("board.py") and there("board.new"):
-        going = digest("board.new", "board.py")
-        name = [each for each in machine_names() if digest(FOLDER + "/" + each + "/board.py", "board.py") == going][0]
+    if not exists("board.py") and exists("board.new"):
+        going = file_digest("board.new", "board.py")
+        name = [each for each in machine_names() if file_digest(FOLDER + "/" + each + "/board.py", "board.py") == going][0]
     if not name:
         raise ValueError("no machine was chosen before this one")
-    choose(name)
+    choose_machine(name)
 
 
-def choose(name):
+def choose_machine(name):
     """The machine `name` from the next start on. Firmware and settings of the one before are kept. While files are moved there is no
     board.py, so that a board whose power fails amid it moves nothing; the same call then goes on."""
     if name not in machine_names():
@@ -224,27 +224,27 @@ def choose(name):
     wrong = state_of(name)
     if wrong:
         raise ValueError("machine " + name + ": " + wrong)
-    old = running()
+    old = running_name()
     now, last = names_chosen()
     if old != now:
-        note(old, last)
-    if old == "before" and there("board.py"):
+        write_chosen(old, last)
+    if old == "before" and exists("board.py"):
         keep_before()
-    duplicate(FOLDER + "/" + name + "/board.py", "board.new")
-    if there("board.py"):
+    copy_file(FOLDER + "/" + name + "/board.py", "board.new")
+    if exists("board.py"):
         os.remove("board.py")
-    for path, sum in to_change(modules(name)):
-        put(path, sum)
+    for path, sum in to_change(modules_of(name)):
+        swap_file(path, sum)
     if old != name:
         for file in SETTINGS:
             target = FOLDER + "/" + old + "/" + file
             make_folder(target)
-            if old == name + OLD and there(file):
-                duplicate(file, target)
+            if old == name + OLD and exists(file):
+                copy_file(file, target)
             else:
-                move(file, target)
-        note(name, old)
+                move_file(file, target)
+        write_chosen(name, old)
     for file in SETTINGS:
-        move(FOLDER + "/" + name + "/" + file, file)
-    move("board.new", "board.py")
+        move_file(FOLDER + "/" + name + "/" + file, file)
+    move_file("board.new", "board.py")
     print("chosen", name)

@@ -36,7 +36,7 @@ _HEAP_BLOCK = 16  # bytes, of MicroPython's heap
 _NONE = b"\1"  # an object without a length
 
 
-Module = namedtuple("Module", "functions end names texts")  # see functions()
+Module = namedtuple("Module", "functions end names texts")  # see functions_of()
 
 
 class Function:
@@ -55,7 +55,7 @@ class _Reader:
         self.data = data
         self.at = 0
 
-    def number(self):
+    def read_number(self):
         value = 0
         while True:
             byte = self.data[self.at]
@@ -64,77 +64,77 @@ class _Reader:
             if not byte & 0x80:
                 return value
 
-    def name(self):
-        length = self.number()
+    def skip_name(self):
+        length = self.read_number()
         if not length & 1:  # otherwise one of the interpreter's own
             self.at += (length >> 1) + 1
 
-    def object(self):
+    def read_object(self):
         """(its kind, how many bytes of text it has)"""
         kind = self.data[self.at]
         self.at += 1
         if kind in _CONSTANTS:
             return kind, 0
-        length = self.number()
+        length = self.read_number()
         if kind == _TUPLE:
             for _ in range(length):
-                self.object()
+                self.read_object()
         else:
             self.at += length + (kind in _TEXTS)  # they end with a zero
         return kind, length
 
-    def generator(self, at):
+    def is_generator(self, at):
         """1 if the prelude there is a generator's: bit 6 of its second byte, if there is one (MP_BC_PRELUDE_SIG_ENCODE)."""
         return self.data[at + 1] >> 6 & 1 if self.data[at] & 0x80 else 0
 
-    def function(self, found):
+    def read_function(self, found):
         begin = self.at
-        number = self.number()
+        number = self.read_number()
         function = Function(begin, self.at, number >> 3, (number & 3) + BYTECODE)
         found.append(function)
         self.at += function.length
-        self._native(function)
+        self._read_native(function)
         if number & 4:
-            function.children = self.number()
+            function.children = self.read_number()
             for _ in range(function.children):
-                self.function(found)
+                self.read_function(found)
 
-    def _native(self, function):
+    def _read_native(self, function):
         kind = function.kind
         if kind == BYTECODE:
-            function.generator = self.generator(function.offset)
+            function.generator = self.is_generator(function.offset)
             return
-        flags = self.number()  # NATIVE: where its prelude begins
+        flags = self.read_number()  # NATIVE: where its prelude begins
         if kind == NATIVE:
             function.prelude = flags
-            function.generator = self.generator(function.offset + flags)
+            function.generator = self.is_generator(function.offset + flags)
         elif kind == VIPER:
             if flags & _RELOCATED:
                 raise ValueError("native code that is relocated")
-            constants = self.number() if flags & _RODATA else 0
+            constants = self.read_number() if flags & _RODATA else 0
             if flags & _BSS:
-                self.number()
+                self.read_number()
             self.at += constants
 
 
-def functions(data):
+def functions_of(data):
     """The functions of an .mpy, outer ones first; its length; where its names end; its texts among its constants: (number, where it
     begins behind the names, length). Raises ValueError if it is not of version 6."""
     if data[:2] != b"M\x06":
         raise ValueError("no .mpy of version 6")
     reader = _Reader(data)
     reader.at = _HEADER_BYTES
-    names, objects = reader.number(), reader.number()
+    names, objects = reader.read_number(), reader.read_number()
     for _ in range(names):
-        reader.name()
+        reader.skip_name()
     behind_names = reader.at
     texts = []
     for number in range(objects):
-        kind, length = reader.object()
+        kind, length = reader.read_object()
         if kind in _TEXTS:
             texts.append((number, reader.at - length - 1 - behind_names, length))
     found = []
-    reader.function(found)
+    reader.read_function(found)
     return Module(found, reader.at, behind_names, texts)
 
 
@@ -148,7 +148,7 @@ def block_starts(size):
     return starts, pointers
 
 
-def padding(function, offset, native):
+def padding_before(function, offset, native):
     """How many bytes to move a function that would begin at `offset`."""
     moved = -offset % 4 if function.kind != BYTECODE and native else 0
     starts, pointers = block_starts(offset + moved + function.length + BLOCK_BYTES)
@@ -163,11 +163,11 @@ def padding(function, offset, native):
 def in_place(data, native=False):
     """The .mpy with its functions moved and a table of them appended. `native`: viper and native code run in place, too. Raises ValueError if the
     table cannot hold a function."""
-    found, end, names, texts = functions(data)
+    found, end, names, texts = functions_of(data)
     code = sum(function.length for function in found[1:])
     if found[0].kind != BYTECODE or len(data) <= INLINE_BYTES and code < _WORTH:
-        return _apart(data[:end], names) + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
-    head, count, first = _head(data, names, found[0].begin)
+        return _keep_apart(data[:end], names) + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
+    head, count, first = _longer_head(data, names, found[0].begin)
     out, copied, table = bytearray(head), found[0].begin, bytearray()
     small = max(0, INLINE_BYTES + 1 - len(data))
     for function in found:
@@ -177,50 +177,50 @@ def in_place(data, native=False):
         if not stays:
             out += b"\x80" * small  # so that the file has a block of its own
             small = 0
-            out += b"\x80" * padding(function, len(out) + before, native)
+            out += b"\x80" * padding_before(function, len(out) + before, native)
         out += data[function.begin : function.offset]
         copied = function.offset
         if len(out) >= 1 << 16 or function.children > 255:
             raise ValueError("more than 64 kB, or than 255 functions in one")
-        block, start = _location(len(out), function.length) if not stays else (_MEMORY, len(out))
+        block, start = _block_of(len(out), function.length) if not stays else (_MEMORY, len(out))
         table += struct.pack(_ROW, start, function.length, function.prelude, block, function.kind, function.children, function.generator)
     out += data[copied:end]
     behind = len(head) - (found[0].begin - names)
-    texts_at = [(number, *_location(behind + at, length + 1)) for number, at, length in texts if number < 256 and length]
+    texts_at = [(number, *_block_of(behind + at, length + 1)) for number, at, length in texts if number < 256 and length]
     texts_at = [struct.pack(_TEXT, start, block, number) for number, block, start in texts_at if block != _MEMORY]
-    call = _call(count - 1)
+    call = _call_bytes(count - 1)
     count = count if len(head) <= BLOCK_BYTES else 0
     table += b"".join(texts_at)
     return bytes(out + table + call + struct.pack(_END, len(head), count, first, len(call), len(found), len(texts_at), MARK))
 
 
-def _head(data, names, begin):
+def _longer_head(data, names, begin):
     """(what is before the functions, with one name more: _CALLED; how many there are; where they begin)"""
     reader = _Reader(data)
     reader.at = _HEADER_BYTES
-    count = reader.number() + 1
+    count = reader.read_number() + 1
     constants = reader.at
-    reader.number()
-    first = data[:_HEADER_BYTES] + _number(count) + data[constants : reader.at]
-    head = first + data[reader.at : names] + _number(2 * len(_CALLED)) + _CALLED + b"\0"
-    return _apart(head + data[names:begin], len(head)), count, len(first)
+    reader.read_number()
+    first = data[:_HEADER_BYTES] + _number_bytes(count) + data[constants : reader.at]
+    head = first + data[reader.at : names] + _number_bytes(2 * len(_CALLED)) + _CALLED + b"\0"
+    return _keep_apart(head + data[names:begin], len(head)), count, len(first)
 
 
-def _apart(data, names):
+def _keep_apart(data, names):
     """`data`, whose names end at offset `names`, with one object added if it has none and its names fill their piece of the heap.
     MicroPython puts the numbers of names, two bytes each in whole words, and behind them the objects into one piece, and keeps a pointer
     to where objects begin. If names fill the piece and there is no object, that points at the next piece, which is never collected then.
     Cost: 16 bytes."""
     reader = _Reader(data)
     reader.at = _HEADER_BYTES
-    count = reader.number()
+    count = reader.read_number()
     constants = reader.at
-    if reader.number() or (count + 1) // 2 * 4 % _HEAP_BLOCK:
+    if reader.read_number() or (count + 1) // 2 * 4 % _HEAP_BLOCK:
         return data
     return data[:constants] + b"\1" + data[constants + 1 : names] + _NONE + data[names:]
 
 
-def _number(value):
+def _number_bytes(value):
     """As .mpy files and bytecode have it."""
     out = bytes([value & 0x7F])
     while value := value >> 7:
@@ -228,13 +228,13 @@ def _number(value):
     return out
 
 
-def _call(name):
+def _call_bytes(name):
     """A function in bytecode that calls what has the name of a number, and then what that returns: `name()()`."""
-    code = b"\x00\x02\x00" + b"\x11" + _number(name) + b"\x34\x00\x34\x00\x59\x51\x63"
-    return _number(len(code) << 3) + code
+    code = b"\x00\x02\x00" + b"\x11" + _number_bytes(name) + b"\x34\x00\x34\x00\x59\x51\x63"
+    return _number_bytes(len(code) << 3) + code
 
 
-def _location(offset, length):
+def _block_of(offset, length):
     """The block in which code at an offset of the file lies, and where in it; _MEMORY and the offset if it crosses one."""
     starts, pointers = block_starts(offset)
     block = max(number for number, start in enumerate(starts) if start <= offset)

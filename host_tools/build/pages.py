@@ -1,7 +1,7 @@
 """Packs the files that a server on the board sends to browsers: compressed, in one file of the board's flash, with the tables that the page of a PC
 takes from the PC. The file's form: passo/web/files.py.
 
-    pack(board, Path("build/torch_pico_w/passo/web/page"))      # [(name, bytes before, bytes packed)]
+    pack_files(board, Path("build/torch_pico_w/passo/web/page"))      # [(name, bytes before, bytes packed)]
 """
 
 import gzip
@@ -44,7 +44,7 @@ def error_list():
     return {str(number): error_texts.text(number) for number in sorted(error_texts.TEXTS)}
 
 
-def bare(name, text):
+def strip_comments(name, text):
     """A script or a sheet of style without indentation, empty lines and comments: bytes of a file that no person reads."""
     if not name.endswith((".js", ".css")):
         return text
@@ -52,12 +52,12 @@ def bare(name, text):
     return b"\n".join(line for line in lines if line and not line.startswith(b"//")) + b"\n"
 
 
-def bundle(modules, *entries):
+def bundle_modules(modules, *entries):
     """The page's modules as one script, each in a function of its own: a file less is a request less, and 70 bytes of a board's heap.
     `modules`: {name: text}. Raises Failure if it cannot read a module."""
     done, under_way, made = set(), [], []
 
-    def add(name):
+    def add_module(name):
         if name in under_way:
             raise Failure("{} imports itself, by way of {}", name, ", ".join(under_way))
         if name in done:
@@ -65,7 +65,7 @@ def bundle(modules, *entries):
         under_way.append(name)
         wanted = _IMPORT.findall(modules[name])
         for _, other in wanted:
-            add(other)
+            add_module(other)
         under_way.pop()
         done.add(name)
         body = _IMPORT.sub("", modules[name])
@@ -78,7 +78,7 @@ def bundle(modules, *entries):
         made.append(f"const {_variable_of(name)} = (() => {{\n{takes}{body}{gives}}})();\n")
 
     for entry in entries:
-        add(entry)
+        add_module(entry)
     return "".join(made)
 
 
@@ -89,13 +89,13 @@ def _variable_of(name):
 
 def texts_of(board):
     """{name: bytes} of the files of a board, before they are packed: the page's modules are one script."""
-    texts = {name: bare(name, (PAGES / name).read_bytes()) for name in names_of(board)}
+    texts = {name: strip_comments(name, (PAGES / name).read_bytes()) for name in names_of(board)}
     if "index.html" in texts:
         modules = {name: text.decode() for name, text in texts.items() if name.endswith(".js")}
         alone = {name for link in board["links"] if link["port"] == "http" for name in OF_HTTP.get(link["protocol"], ())}
         texts = {name: text for name, text in texts.items() if name not in modules or name in alone}
-        texts["panel.js"] = bundle(modules, *[name for name in ENTRIES if name in modules]).encode()
-        texts["pt.json"] = _words(board, modules, texts["index.html"].decode()).encode()
+        texts["panel.js"] = bundle_modules(modules, *[name for name in ENTRIES if name in modules]).encode()
+        texts["pt.json"] = _catalogue_text(board, modules, texts["index.html"].decode()).encode()
     return texts
 
 
@@ -105,7 +105,7 @@ def page_words():
     return json.loads((PAGES / "pt.json").read_text(encoding="utf-8")) | {text: said for text, said in options.portuguese_texts().items() if text in of_settings}
 
 
-def _words(board, modules, page):
+def _catalogue_text(board, modules, page):
     """The catalogue without the words of scripts that the board has not."""
     gone = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.js") if path.name not in names_of(board))
     here = "".join(modules.values()) + page + json.dumps([error_list(), setting_names.rules(_AXES)])
@@ -113,7 +113,7 @@ def _words(board, modules, page):
     return "{\n" + ",\n".join(f"{json.dumps(text, ensure_ascii=False)}: {json.dumps(word, ensure_ascii=False)}" for text, word in kept.items()) + "\n}\n"
 
 
-def pack(board, out):
+def pack_files(board, out):
     """Write the files of a board to the folder `out`, if there are any. Returns rows (name, bytes before, bytes packed)."""
     texts = texts_of(board)
     if "index.html" in texts:

@@ -61,13 +61,13 @@ OPTIONS = "-O2 -fno-math-errno -std=gnu11 -fwrapv -fno-strict-aliasing -fPIC -sh
 SUFFIX = ".dll" if sys.platform == "win32" else ".so"
 
 
-def runtime():
+def runtime_text():
     """The C in front of kernels: pc.c, with the numbers of runtime.c."""
     numbers = RUNTIME.partition("// --- numbers")[2].partition("// --- objects")[0].partition("\n")[2]
     return PC.replace("/* numbers */\n", numbers)
 
 
-def compiler():
+def compiler_command():
     """The command of a C compiler for this PC, or None."""
     for name in ("cc", "gcc", "clang"):
         if shutil.which(name):
@@ -81,10 +81,10 @@ def firmware_texts():
     return {path.relative_to(FIRMWARE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
 
 
-def library(texts=None, taken=TAKEN):
+def compile_library(texts=None, taken=TAKEN):
     """Compile the kernels of `texts`, {path: text}, of which Python calls those in `taken`; default: the firmware's. Returns (path of the
     library, its table), or None if this computer has no compiler. Raises Failure if compiling fails."""
-    command = compiler()
+    command = compiler_command()
     if command is None:
         return None
     texts = texts or firmware_texts()
@@ -93,14 +93,14 @@ def library(texts=None, taken=TAKEN):
     kept = modules.CACHE / f"pc-{state.hexdigest()[:24]}{SUFFIX}"
     table = kept.with_suffix(".json")
     if not kept.is_file() or not table.is_file():
-        _make(texts, taken, command, kept, table)
+        _make_library(texts, taken, command, kept, table)
     return kept, json.loads(table.read_text(encoding="utf-8"))
 
 
-def _make(texts, taken, command, kept, table):
+def _make_library(texts, taken, command, kept, table):
     program = Program(fold_in_place(texts))
     unit = units.Unit(program, list(program.kernels.values()))
-    text = unit.pc_text(runtime())
+    text = unit.pc_text(runtime_text())
     rows = {
         each.kernel.full: [each.c_name, each.kernel.arguments, each.kernel.returns, each.needs_objects()]
         for each in unit.called if each.kernel.full in taken
@@ -123,7 +123,7 @@ def use_compiled():
     """Let the firmware call kernels in C from now on; call it before machines are made. Returns whether it does."""
     choice = os.environ.get(CHOICE)
     own = [Path(path).resolve() for path in importlib.util.find_spec("passo").submodule_search_locations] == [FIRMWARE / "passo"]
-    found = None if choice == "plain" or not own else library()  # a passo of elsewhere has kernels of its own
+    found = None if choice == "plain" or not own else compile_library()  # a passo of elsewhere has kernels of its own
     if found is None:
         if choice == "c":
             raise Failure("{}=c: there is no C compiler here", CHOICE)
@@ -132,7 +132,7 @@ def use_compiled():
     finder = Finder(kernels)
     sys.meta_path.insert(0, finder)
     for name in [name for name in sys.modules if finder.names_in(name)]:
-        _replace(sys.modules[name], finder.names_in(name), kernels)
+        _put_compiled(sys.modules[name], finder.names_in(name), kernels)
     return True
 
 
@@ -147,20 +147,20 @@ def _kernels_of(choice, module, names):
     plain, found = importlib.import_module(module), None
     if choice != "plain":
         taken = {f"{module}.{name}" for name in names}
-        found = library({module.replace(".", "/") + ".py": Path(plain.__file__).read_text(encoding="utf-8")}, taken)
+        found = compile_library({module.replace(".", "/") + ".py": Path(plain.__file__).read_text(encoding="utf-8")}, taken)
     if found is None and choice == "c":
         raise Failure("{}=c: there is no C compiler here", CHOICE)
     if found is None:
         return types.SimpleNamespace(compiled=False, **{name: getattr(plain, name) for name in names})
     made = Library(*found)
-    return types.SimpleNamespace(compiled=True, **{name: made.function(f"{module}.{name}", getattr(plain, name)) for name in names})
+    return types.SimpleNamespace(compiled=True, **{name: made.caller_of(f"{module}.{name}", getattr(plain, name)) for name in names})
 
 
-def _replace(module, names, library):
+def _put_compiled(module, names, library):
     """Put compiled kernels into a module of the firmware, and wherever else its own are imported by name."""
     for name in names:
         plain = getattr(module, name)
-        made = library.function(f"{module.__name__}.{name}", plain)
+        made = library.caller_of(f"{module.__name__}.{name}", plain)
         for each in [each for key, each in sys.modules.items() if key.partition(".")[0] == "passo"]:
             vars(each).update({key: made for key, value in vars(each).items() if value is plain})
 
@@ -191,7 +191,7 @@ class _Loader(importlib.abc.Loader):
 
     def exec_module(self, module):
         self._inner.exec_module(module)
-        _replace(module, self._names, self._library)
+        _put_compiled(module, self._names, self._library)
 
     def __getattr__(self, name):  # get_source and the like, for tracebacks
         return getattr(self._inner, name)
@@ -216,7 +216,7 @@ _CALLBACKS = (
 _KEPT = 256  # objects that are remembered
 
 
-def address(numbers):
+def address_of(numbers):
     """The address of the numbers of an array, a bytearray or bytes."""
     if type(numbers) is array.array:
         return numbers.buffer_info()[0]
@@ -239,7 +239,7 @@ class Library:
         self._nothing = Object(ctypes.addressof(self._scratch), None, 0)
         self._functions = [
             kind(function)
-            for kind, function in zip(_CALLBACKS, (self._attribute, self._call, self._address_of_object, self._array, self._to_int, self._numbers))
+            for kind, function in zip(_CALLBACKS, (self._get_attribute, self._call_object, self._address_of_object, self._array_at, self._to_int, self._numbers_address))
         ]
         self._context = (ctypes.c_void_p * len(_CALLBACKS))(*[ctypes.cast(each, ctypes.c_void_p).value for each in self._functions])
 
@@ -247,7 +247,7 @@ class Library:
         """Full names of kernels that are replaced, or that stand for something if they are given as arguments."""
         return self._kernels.keys() | self._usual.keys()
 
-    def function(self, full, plain):
+    def caller_of(self, full, plain):
         """The function that replaces a kernel in its module."""
         made = self._make_caller(full) if full in self._kernels else plain
         if full in self._usual:
@@ -266,7 +266,7 @@ class Library:
         given = ", ".join(["context"] * objects + [form.get(kind, "address({})").format(argument) for argument, kind in arguments])
         call = f"function({given})" if returns != "bool" else f"function({given}) != 0"
         body = f"    return {call}\n" if not objects else f"    result = {call}\n    end()\n    return result\n"
-        space = {"function": function, "address": address, "given": self._address_of_object, "context": self._context, "end": self._end}
+        space = {"function": function, "address": address_of, "given": self._address_of_object, "context": self._context, "end": self._end_call}
         exec(f"def {full.rpartition('.')[2]}({names}):\n{body}", space)
         return space[full.rpartition(".")[2]]
 
@@ -278,10 +278,10 @@ class Library:
         if found is None:
             found = self._known[id(value)] = value, Object(None, self._codes.get(id(value)), id(value))
         if isinstance(value, (array.array, bytearray)):
-            found[1].numbers = address(value)
+            found[1].numbers = address_of(value)
         return ctypes.addressof(found[1])
 
-    def _end(self):
+    def _end_call(self):
         """Behind a call: forget objects if they are many, and raise what a callback has raised."""
         if len(self._known) > _KEPT:
             self._known = {key: each for key, each in self._known.items() if key in self._codes}
@@ -289,7 +289,7 @@ class Library:
             raised, self._raised = self._raised, None
             raise raised
 
-    def _value(self, pointer):
+    def _object_at(self, pointer):
         return self._known[Object.from_address(pointer).number][0]
 
     def _note_failure(self, error):
@@ -297,33 +297,33 @@ class Library:
         self._raised = self._raised or error
         return ctypes.addressof(self._nothing)
 
-    def _attribute(self, pointer, name):
+    def _get_attribute(self, pointer, name):
         try:
-            return self._address_of_object(getattr(self._value(pointer), self._names[name]))
+            return self._address_of_object(getattr(self._object_at(pointer), self._names[name]))
         except Exception as error:
             return self._note_failure(error)
 
-    def _call(self, pointer, name, count, arguments):
+    def _call_object(self, pointer, name, count, arguments):
         try:
-            function = self._value(pointer) if name < 0 else getattr(self._value(pointer), self._names[name])
-            return self._address_of_object(function(*[self._value(arguments[number]) for number in range(count)]))
+            function = self._object_at(pointer) if name < 0 else getattr(self._object_at(pointer), self._names[name])
+            return self._address_of_object(function(*[self._object_at(arguments[number]) for number in range(count)]))
         except Exception as error:
             return self._note_failure(error)
 
-    def _array(self, pointer):
+    def _array_at(self, pointer):
         """The array of the call that lies there, for a function of Python."""
         found = [value for value, made in self._known.values() if made.numbers == pointer]
         return self._address_of_object(found[0]) if found else self._note_failure(ValueError("no array lies there"))
 
     def _to_int(self, pointer):
         try:
-            return self._value(pointer)
+            return self._object_at(pointer)
         except Exception as error:
             return self._note_failure(error) & 0
 
-    def _numbers(self, pointer):
+    def _numbers_address(self, pointer):
         try:
-            return address(self._value(pointer))
+            return address_of(self._object_at(pointer))
         except Exception as error:
             self._note_failure(error)
             return ctypes.addressof(self._scratch)

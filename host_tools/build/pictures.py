@@ -28,22 +28,22 @@ _HOMING_S, _RUNNING_S = 40, 12
 JOB = ROOT / "examples" / "plate.gcode"
 
 
-def drawings():
+def wiring_drawings():
     """{file: text} of all wiring drawings of the documents."""
-    from host_tools.wiring.drawing import drawing
+    from host_tools.wiring.drawing import wiring_svg
     from passo.config.boardfile import check
 
     found = {}
     try:
         for spoken, folder in FOLDERS.items():
             language.choose_language(spoken)
-            found.update({folder / f"{name}.svg": drawing(check(boards.load(name))) for name in BOARDS})
+            found.update({folder / f"{name}.svg": wiring_svg(check(boards.load(name))) for name in BOARDS})
     finally:
         language.choose_language(None)
     return found
 
 
-def page(file):
+def save_page_picture(file):
     """A picture of the page of a virtual router that has homed and is at a job."""
     with tempfile.TemporaryDirectory() as jobs:
         shutil.copy(JOB, jobs)
@@ -69,11 +69,11 @@ def _take_screenshot(address, file):
     try:
         browser.get(address)
         time.sleep(2)
-        _press(browser, "button", "Home")
+        _press_element(browser, "button", "Home")
         time.sleep(_HOMING_S)
-        _press(browser, "option", JOB.name)
+        _press_element(browser, "option", JOB.name)
         time.sleep(3)
-        _press(browser, "button", "Run")
+        _press_element(browser, "button", "Run")
         time.sleep(_RUNNING_S)
         picture = Image.open(io.BytesIO(browser.get_screenshot_as_png())).convert("RGB")
         picture.quantize(64).save(file, optimize=True)
@@ -81,7 +81,7 @@ def _take_screenshot(address, file):
         browser.quit()
 
 
-def _press(browser, kind, label):
+def _press_element(browser, kind, label):
     """Press the first element of that kind and name, as the page shows it in English."""
     for each in browser.find_elements("tag name", kind):
         if each.is_enabled() and (each.text.strip().startswith(label) or each.get_attribute("value") == label):
@@ -92,10 +92,10 @@ def _press(browser, kind, label):
 
 
 if __name__ == "__main__":
-    for _file, _text in drawings().items():
+    for _file, _text in wiring_drawings().items():
         _file.parent.mkdir(parents=True, exist_ok=True)
         _file.write_text(_text, encoding="utf-8")
         print(_file.relative_to(ROOT))
     if "--page" in sys.argv[1:]:
-        page(PAGE)
+        save_page_picture(PAGE)
         print(PAGE.relative_to(ROOT), PAGE.stat().st_size)

@@ -20,7 +20,7 @@ END = "<!-- end -->"
 EXAMPLE = "router_3axis"
 
 
-def text(name):
+def page_text(name):
     """The text that a page of PAGES should have. Raises Failure if a table cannot be made."""
     path = DOCS / name
     text = path.read_text(encoding="utf-8")
@@ -39,9 +39,9 @@ def board_keys():
     from passo.config import boardfile
 
     rows = []
-    sections, meanings = words()
+    sections, meanings = section_texts()
     for section, (title, intro) in sections.items():
-        rules, note = _section(boardfile, section)
+        rules, note = _section_rules(boardfile, section)
         rows += ["", f"### {title}", "", intro + note, "", "| key | value | default | meaning |", "| --- | --- | --- | --- |"]
         for key, rule in rules.items():
             path = f"{section}.{key}" if section else key
@@ -50,7 +50,7 @@ def board_keys():
             meaning = meanings.pop(path, None)
             if meaning is None:
                 raise Failure("neither host_tools/build/board_keys.py nor an option's words.py says what {} means", path)
-            rows.append(f"| `{key}` | {_kind(rule)} | {_default(rule, boardfile.MUST)} | {meaning} |")
+            rows.append(f"| `{key}` | {_kind_text(rule)} | {_default_text(rule, boardfile.MUST)} | {meaning} |")
     if meanings:
         raise Failure("host_tools/build/board_keys.py, or an option's words.py, has keys that no board file has: {}", ", ".join(meanings))
     return rows[1:]
@@ -58,15 +58,15 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    own = {key: rule for manifest in manifests().values() for key, rule in manifest.RULES.items()}
+    own = {key: rule for manifest in load_manifests().values() for key, rule in manifest.RULES.items()}
     rules = {**boardfile._BOARD, **own}
-    for manifest in manifests().values():
+    for manifest in load_manifests().values():
         if hasattr(manifest, "extend"):
             manifest.extend(rules)
     return rules
 
 
-def words():
+def section_texts():
     """(SECTIONS, MEANINGS) of board_keys.py, and those of options behind them."""
     from host_tools.build.board_keys import MEANINGS, SECTIONS
 
@@ -77,22 +77,22 @@ def words():
     return sections, meanings
 
 
-def manifests():
+def load_manifests():
     """{key: manifest} of all options."""
     return {folder.name: import_module(f"passo.options.{folder.name}.manifest") for folder in sorted((FIRMWARE / tree.OPTIONS).iterdir()) if (folder / tree.MANIFEST).is_file()}
 
 
-def keys(rules, prefix=""):
+def key_paths(rules, prefix=""):
     """The dotted paths of all keys of a schema that have no section of their own."""
     for key, rule in rules.items():
         inner = rule[0] if isinstance(rule, list) else rule
         if isinstance(inner, dict):
-            yield from keys(inner, prefix + key + ".")
+            yield from key_paths(inner, prefix + key + ".")
         else:
             yield prefix + key
 
 
-def _section(boardfile, name):
+def _section_rules(boardfile, name):
     """(the rules of a section, what to say of its presence)."""
     rules = all_rules(boardfile)
     if not name:
@@ -104,7 +104,7 @@ def _section(boardfile, name):
     optional = " May be left out."
     if isinstance(rule, list):
         return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)
-    return rule, optional if name in (*boardfile._OPTIONAL, *manifests()) else " Needed."
+    return rule, optional if name in (*boardfile._OPTIONAL, *load_manifests()) else " Needed."
 
 
 def spi_pins(board):
@@ -118,17 +118,17 @@ def spi_pins(board):
         yield cs, "drivers CS of " + ", ".join(motor["axis"] for motor in config["motors"] if motor["cs"] == cs), ""
 
 
-def _number(value):
+def _number_text(value):
     return f"{value:,}".replace(",", " ")
 
 
-def _kind(rule):
+def _kind_text(rule):
     if isinstance(rule[0], str):
         return ", ".join(f'`"{choice}"`' for choice in rule)
     kind, _, least, most = rule
     if kind is bool:
         return "True or False"
-    bounds = f"{_number(least)} … {_number(most)}"
+    bounds = f"{_number_text(least)} … {_number_text(most)}"
     if kind is int:
         return bounds
     if least == most:
@@ -136,7 +136,7 @@ def _kind(rule):
     return {str: "text of {} characters", list: "list of {} numbers", dict: "dict of {} entries"}[kind].format(bounds)
 
 
-def _default(rule, must):
+def _default_text(rule, must):
     if isinstance(rule[0], str):
         return f'`"{rule[0]}"`'
     if rule[1] is must:
@@ -147,7 +147,7 @@ def _default(rule, must):
 # --- pins
 
 
-def pins():
+def pin_rows():
     """Of each board file the pins in their order, and for a Pico where they are on its edges; boards that are alike together."""
     from passo.config.boardfile import check
 
@@ -157,8 +157,8 @@ def pins():
     for name in boards.names():
         board = check(boards.load(name))
         esp32 = board["chip"].startswith("esp32")
-        uses = sorted(_pins(board))
-        picture = () if esp32 else _pico({pin: short for pin, short, _ in uses})
+        uses = sorted(_pins_in_use(board))
+        picture = () if esp32 else _pico_drawing({pin: short for pin, short, _ in uses})
         table = [f"| {_pin_name(pin, esp32, short)} | {short}{about} |" for pin, short, about in uses]
         found.setdefault((*picture, "| pin | goes to |", "| --- | --- |", *table), []).append(name)
     rows = []
@@ -174,7 +174,7 @@ def _pin_name(pin, esp32, short):
     return f"{'GPIO' if esp32 else 'GP'}{pin}"
 
 
-def _pins(board):
+def _pins_in_use(board):
     """(pin, what it is, more about that) of each pin in use."""
     from host_tools.wiring.parts import motor_pins
 
@@ -182,7 +182,7 @@ def _pins(board):
     for axis in board["axes"]:
         for pin, coil in zip(axis["pins"], coils):
             yield pin, f"motor {axis['name'].upper()} {coil.upper()}", ""
-    yield board["tool"]["pin"], "tool", _active(board["tool"])
+    yield board["tool"]["pin"], "tool", _active_text(board["tool"])
     if board.get("gantry"):
         for pin, coil in zip(board["gantry"]["pins"], coils):
             yield pin, f"motor {board['gantry']['axis'].upper()}2 {coil.upper()}", ""
@@ -195,7 +195,7 @@ def _pins(board):
         for item in board["registers"]["edges"]:
             yield item["pin"], f"edges of {item['inputs'].replace(' ', ', ')}", ""
         if board["registers"]["tool"] >= 0:
-            yield board["registers"]["tool"], "out tool", _active(board["tool"])
+            yield board["registers"]["tool"], "out tool", _active_text(board["tool"])
     if board.get("servo"):
         yield board["servo"]["pin"], "servo", ", 50 Hz"
     if board.get("drivers"):
@@ -212,9 +212,9 @@ def _pins(board):
         yield board["spindle"]["pin"], "tool PWM", f", {board['spindle']['pwm_hz']} Hz"
     for item in board["inputs"]:
         pull = "" if item["pin"] >= 100 else f", pull-{item['pull']}"
-        yield item["pin"], f"in {item['name']}", f"{_active(item)}{pull}{', halts' if item['halt'] else ''}"
+        yield item["pin"], f"in {item['name']}", f"{_active_text(item)}{pull}{', halts' if item['halt'] else ''}"
     for item in board["outputs"]:
-        yield item["pin"], f"out {item['name']}", _active(item)
+        yield item["pin"], f"out {item['name']}", _active_text(item)
     for link in board["links"]:
         if link["port"].startswith("uart"):
             uart = link["port"].upper()
@@ -227,7 +227,7 @@ _LEFT = "GP0 GP1 GND GP2 GP3 GP4 GP5 GND GP6 GP7 GP8 GP9 GND GP10 GP11 GP12 GP13
 _RIGHT = "VBUS VSYS GND 3V3_EN 3V3 VREF GP28 GND GP27 GP26 RUN GP22 GND GP21 GP20 GP19 GP18 GND GP17 GP16".split()
 
 
-def _pico(uses):
+def _pico_drawing(uses):
     """The lines of a drawing of a Pico. `uses`: {pin: text}."""
     labels = {f"GP{pin}": text for pin, text in uses.items()}
     width = max(len(text) for text in labels.values())
@@ -240,14 +240,14 @@ def _pico(uses):
     yield ""
 
 
-def _active(item):
+def _active_text(item):
     return f", active {'high' if item['active'] else 'low'}"
 
 
 # --- settings
 
 
-def settings():
+def setting_rows():
     """A row a setting, with its value on the example board; it has not those of rare keys."""
     from passo.config import boardfile, setting_numbers
 
@@ -274,7 +274,7 @@ def settings():
 # --- errors
 
 
-def errors():
+def error_rows():
     """A row a number; those of the compiler behind the firmware's."""
     from passo import error_texts as table
 
@@ -284,9 +284,9 @@ def errors():
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {text} |" for number, text in texts]]
 
 
-PAGES = {"board-file.md": board_keys, "pins.md": pins, "settings.md": settings, "errors.md": errors}
+PAGES = {"board-file.md": board_keys, "pins.md": pin_rows, "settings.md": setting_rows, "errors.md": error_rows}
 
 if __name__ == "__main__":
     for _name in PAGES:
-        (DOCS / _name).write_text(text(_name), encoding="utf-8")
+        (DOCS / _name).write_text(page_text(_name), encoding="utf-8")
         print(f"docs/reference/{_name}")

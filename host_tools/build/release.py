@@ -92,18 +92,18 @@ class Release:
 
     def prepare(self):
         run(*interpreter.python(), "-m", "venv", str(self._tools), environment=self._clean)
-        self._pip("--no-deps", "--require-hashes", "-r", "locks/release.txt")
-        self._pip("--no-deps", "--no-build-isolation", "-e", ".")
+        self._run_pip("--no-deps", "--require-hashes", "-r", "locks/release.txt")
+        self._run_pip("--no-deps", "--no-build-isolation", "-e", ".")
 
     def packages(self):
         """sdist and wheel, the wheel out of the sdist; the same bytes from another clone, in another folder."""
-        self._module("host_tools.build.ship")
+        self._run_module("host_tools.build.ship")
         shutil.copytree(self._clone / "host_tools" / "kernels" / "modules", self._again / "host_tools" / "kernels" / "modules")
         for folder in (self._clone, self._again):
             run(str(self._python), "-m", "build", "--no-isolation", "--outdir", "dist", folder=folder, environment=self._clean)
             for path in (folder / "dist").glob("*.tar.gz"):
-                level(path, self._commit_s)
-        first, second = ({path.name: digest(path) for path in sorted((folder / "dist").iterdir())} for folder in (self._clone, self._again))
+                normalise_tar(path, self._commit_s)
+        first, second = ({path.name: file_digest(path) for path in sorted((folder / "dist").iterdir())} for folder in (self._clone, self._again))
         if first != second or len(first) != 2:
             raise Failure("two builds differ: {} and {}", first, second)
         print(_("built twice, the same bytes: {}", ", ".join(first)))
@@ -112,7 +112,7 @@ class Release:
 
     def uf2s(self):
         for chip in os.environ.get("CHIPS", CHIPS).split():
-            self._module("host_tools.build.uf2", chip)
+            self._run_module("host_tools.build.uf2", chip)
             if chip in EMULATED and os.environ.get("ARGS") != "-":  # it says so where it has no Pico to be run on
                 run(str(python_of(self._clone / ".venv")), "-m", "pytest", "-q", EMULATED[chip], folder=self._clone,
                     environment={**self._user, "PASSO_UF2_FROZEN": str(self.assets)})  # fmt: skip
@@ -121,7 +121,7 @@ class Release:
         """A folder of files for each board that stock MicroPython has room for, with the package.json that mip takes."""
         for board in sorted(path.stem for path in (self._clone / "boards").glob("[a-z]*.py")):
             try:
-                self._module("host_tools.cli.main", "build", "--board", board)
+                self._run_module("host_tools.cli.main", "build", "--board", board)
             except Failure as failure:
                 if not _TOO_LARGE.search(str(failure)):  # it wants the UF2, or an ESP32's image
                     raise
@@ -131,7 +131,7 @@ class Release:
         write_zip(built, self.assets / f"passo-{version()}-mip.zip", self._commit_s)
 
     def site(self):
-        self._module("host_tools.cli.main", "site", "--out", "build/site")
+        self._run_module("host_tools.cli.main", "site", "--out", "build/site")
         write_zip([self._clone / "build" / "site"], self.assets / f"passo-{version()}-site.zip", self._commit_s)
 
     def bill(self):
@@ -156,7 +156,7 @@ class Release:
 
     def sums(self):
         shutil.copy(self._clone / "CHANGELOG.md", self.assets)
-        rows = [f"{digest(path)}  {path.name}\n" for path in sorted(self.assets.iterdir())]
+        rows = [f"{file_digest(path)}  {path.name}\n" for path in sorted(self.assets.iterdir())]
         (self.assets / "SHA256SUMS").write_text("".join(rows), encoding="ascii")
         print("".join(rows), end="")
 
@@ -174,10 +174,10 @@ class Release:
             run(str(python), "-m", "pip", "install", "--quiet", f"{wheel}[draw,emulate]", environment=self._clean)
             run(str(python), "-m", "host_tools.build.try_installed", *uf2, folder=self._out / "home", environment=self._clean)
 
-    def _pip(self, *words):
+    def _run_pip(self, *words):
         run(str(self._python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *words, folder=self._clone, environment=self._clean)
 
-    def _module(self, *words):
+    def _run_module(self, *words):
         run(str(self._python), "-m", *words, folder=self._clone, environment=self._clean)
 
 
@@ -201,7 +201,7 @@ def output_of(*command, folder):
     return subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, text=True, check=True).stdout.strip()
 
 
-def digest(path):
+def file_digest(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
@@ -215,7 +215,7 @@ def write_zip(folders, target, when_s):
             file.writestr(info, path.read_bytes())
 
 
-def level(path, when_s):
+def normalise_tar(path, when_s):
     """The same of a .tar.gz, whose members have the times, owners and modes of where it was made."""
     with tarfile.open(path) as file:
         members = [(info, file.extractfile(info).read()) for info in sorted(file.getmembers(), key=lambda info: info.name) if info.isfile()]

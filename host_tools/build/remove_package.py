@@ -5,11 +5,11 @@ import os
 FOLDER = 0x4000
 
 
-def remove(folder):
+def remove_folder(folder):
     for entry in list(os.ilistdir(folder)):
         path = folder + "/" + entry[0]
         if entry[1] == FOLDER:
-            remove(path)
+            remove_folder(path)
         else:
             os.remove(path)
     os.rmdir(folder)
@@ -20,4 +20,4 @@ for name in ("stamp.txt", "source.txt", "main.py"):
     if name in names:
         os.remove(name)
 if "passo" in names:
-    remove("passo")
+    remove_folder("passo")

@@ -35,7 +35,7 @@ def modules_of(names, chips=CHIPS):
     return found
 
 
-def ship(names, folder=modules.SHIPPED, chips=CHIPS):
+def ship_modules(names, folder=modules.SHIPPED, chips=CHIPS):
     """Compile the modules of these boards into a folder, and remove all others; returns {name of file: compiler}. Raises Failure
     if there is no compiler for one."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -53,7 +53,7 @@ def ship(names, folder=modules.SHIPPED, chips=CHIPS):
 
 if __name__ == "__main__":
     try:
-        made = ship(boards.names())
+        made = ship_modules(boards.names())
     except Failure as failure:
         sys.exit(str(failure))
     print(_("{} modules in {}, compiled by {}", len(made), modules.SHIPPED, ", ".join(sorted(set(made.values())))))

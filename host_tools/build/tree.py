@@ -28,7 +28,7 @@ from passo.config.boardfile import check
 
 from host_tools import boards
 from host_tools.build import mpy, pages
-from host_tools.build.constants import forms, fold_in_place, short
+from host_tools.build.constants import fold_both_ways, fold_in_place, shorten_names
 from host_tools.build.build_cache import load_or_make
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
@@ -332,12 +332,12 @@ def compile_module(source, target, march, shown_as):
 
 
 @lru_cache(maxsize=1024)
-def _module(text, march, shown_as):
+def _module_bytes(text, march, shown_as):
     """The bytes of a module that compile_module() makes; boards share most of them."""
-    return load_or_make((text, march, str(shown_as)), lambda: _compile(text, march, shown_as))
+    return load_or_make((text, march, str(shown_as)), lambda: _compile_text(text, march, shown_as))
 
 
-def _compile(text, march, shown_as):
+def _compile_text(text, march, shown_as):
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
         source.write_text(text, encoding="utf-8")
@@ -385,7 +385,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     for path in files:
         target = out / path.with_suffix(".mpy")
         # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
-        data = _module(texts[path.as_posix()], march, path.with_suffix(".mpy"))
+        data = _module_bytes(texts[path.as_posix()], march, path.with_suffix(".mpy"))
         if board["chip"] == IN_PLACE:
             try:
                 data = mpy.in_place(data, path.as_posix() in COLD)
@@ -399,7 +399,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
         rows.append((file_name, 0, (out / file_name).stat().st_size))
     for stale in (out / PAGES).glob("*"):
         stale.unlink()
-    rows += [((PAGES / file_name).as_posix(), before, packed) for file_name, before, packed in pages.pack(board, out / PAGES)]
+    rows += [((PAGES / file_name).as_posix(), before, packed) for file_name, before, packed in pages.pack_files(board, out / PAGES)]
     for data, file_name in [(main.read_bytes(), "main.py"), (board_file, "board.py")]:
         (out / file_name).write_bytes(data)
         rows.append((file_name, len(data), len(data)))
@@ -414,11 +414,11 @@ def _compile_sources(sources, board, march):
     """(texts of modules as they are compiled, kernels.Compiled) of a board's sources."""
     left = _viper_modules(board)
 
-    def make():
-        compiled = kernels.compile_kernels(*forms(sources), board, march, left)
-        return inline.inline_kernels(short(compiled.texts)), compiled._replace(texts={})
+    def make_texts():
+        compiled = kernels.compile_kernels(*fold_both_ways(sources), board, march, left)
+        return inline.inline_kernels(shorten_names(compiled.texts)), compiled._replace(texts={})
 
-    return load_or_make((sorted(sources.items()), kernels.accelerates(board), march, left, modules.origin(march)), make)
+    return load_or_make((sorted(sources.items()), kernels.accelerates(board), march, left, modules.origin(march)), make_texts)
 
 
 def _check_flash(board, out):

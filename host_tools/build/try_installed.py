@@ -31,36 +31,36 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         Path("part.svg").write_text(SVG, encoding="utf-8")
-        shown = passo("--version")
+        shown = run_passo("--version")
         if shown.strip() != f"passo {version()}":
             raise Failure("passo --version says {!r}", shown)
-        passo("flash", "--board", "router_3axis", "--dry-run")
-        passo("draw", "part.svg", "--dry-run")
+        run_passo("flash", "--board", "router_3axis", "--dry-run")
+        run_passo("draw", "part.svg", "--dry-run")
         if os.name == "nt":
             print(_("left out on Windows: passo board, passo panel --demo"))
         else:
             with Started("port: ", "board", "--link", "port", "--time", "fast"):
-                passo("draw", "part.svg", "--port", "port")
+                run_passo("draw", "part.svg", "--port", "port")
             with Started(r"http://127\.0\.0\.1:\d+/", "panel", "--demo", "--http", "0") as panel:
                 page = urllib.request.urlopen(panel.found, timeout=WAIT_S).read().decode()
                 if "<title>Passo" not in page:
                     raise Failure("the panel's page is {!r}", page[:200])
         if uf2:
-            print(passo("prove", "--emulated", "router_3axis", "--uf2", str(uf2), wait_s=PROVE_S))
+            print(run_passo("prove", "--emulated", "router_3axis", "--uf2", str(uf2), wait_s=PROVE_S))
         else:
             print(_("left out, because no UF2 was named: passo prove"))
         os.chdir(Path(__file__).parent)  # Windows removes no folder that a program is in
     print(_("tried: Passo {} in Python {} on {}", version(), ".".join(map(str, sys.version_info[:3])), sys.platform))
 
 
-def command(*words):
+def passo_command(*words):
     return [*interpreter.passo(), *words]
 
 
-def passo(*words, wait_s=WAIT_S):
+def run_passo(*words, wait_s=WAIT_S):
     """The output of a command. Raises Failure if it fails."""
     print("$ passo", *words, flush=True)
-    done = subprocess.run(command(*words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, timeout=wait_s)
+    done = subprocess.run(passo_command(*words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True, timeout=wait_s)
     if done.returncode:
         raise Failure("passo {} ended with {}: {}", " ".join(words), done.returncode, done.stdout)
     return done.stdout
@@ -74,7 +74,7 @@ class Started:
         self._wanted, self._words, self.found = wanted, words, ""
 
     def __enter__(self):
-        self._process = subprocess.Popen(command(*self._words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True)
+        self._process = subprocess.Popen(passo_command(*self._words), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True)
         late = threading.Timer(WAIT_S, self._process.kill)
         late.start()
         heard = []

@@ -141,14 +141,14 @@ def write_board(chip, folder, source):
 
 
 def arrange_linker_script(script):
-    """The linker's script with the sections of hot() side by side, for the flash cache: 37 % fewer misses in a stream of lines."""
-    for before, after in (_IN_MEMORY, ("        *(EXCLUDE_FILE(", "".join(f"        *({name})\n" for name in hot()) + "        *(EXCLUDE_FILE(")):
+    """The linker's script with the sections of hot_sections() side by side, for the flash cache: 37 % fewer misses in a stream of lines."""
+    for before, after in (_IN_MEMORY, ("        *(EXCLUDE_FILE(", "".join(f"        *({name})\n" for name in hot_sections()) + "        *(EXCLUDE_FILE(")):
         assert before in script
         script = script.replace(before, after, 1)
     return script
 
 
-def hot():
+def hot_sections():
     """Names of sections: bench/hot.py measures them."""
     return _HOT.read_text().split()
 

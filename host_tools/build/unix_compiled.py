@@ -32,7 +32,7 @@ def firmware_for(command, script):
     said = subprocess.run(
         [*command, "-c", _LOADED], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=interpreter.environment(source), cwd=source
     ).stdout
-    if not loads(said, told):
+    if not can_load(said, told):
         return source, (str(script),)
     files = {path.relative_to(source): path for path in source.rglob("*.py")} | {Path(script.name): script}
     state = hashlib.sha256(repr((source.name, script.read_bytes(), told, Path(__file__).read_bytes())).encode()).hexdigest()[:16]
@@ -50,7 +50,7 @@ def firmware_for(command, script):
     return out, ("-m", script.stem)
 
 
-def loads(said, told):
+def can_load(said, told):
     """True if a MicroPython whose `sys.implementation._mpy` is `said` loads x64 code of the mpy-cross that says `told` of itself."""
     number = int(said) if said.strip().isdigit() else 0
     made = re.search(r"mpy v(\d+)\.(\d+)", told)

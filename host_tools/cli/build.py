@@ -43,9 +43,9 @@ def check_board(name):
 
 def print_budget(name):
     """Print how much of its chip a board file uses. Raises Failure if the board file is wrong."""
-    from host_tools.build.budget import budget
+    from host_tools.build.budget import budget_rows
 
-    rows = budget(check_board(name))
+    rows = budget_rows(check_board(name))
     width = max(len(title) for title, _ in rows)
     for title, text in rows:
         print(f"{title:<{width}}  {text}")

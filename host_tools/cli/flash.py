@@ -16,7 +16,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import boards
-from host_tools.build.budget import check_module, memory
+from host_tools.build.budget import check_module, memory_text
 from host_tools.build.frozen import stamp
 from host_tools.build.tree import STAMP, build_tree, default_out
 from host_tools.cli import flash_uf2
@@ -154,7 +154,7 @@ def flash(
     rows = build_tree(board, out)
     print(_("{}: {} files, {:,} bytes in {} (passo build lists them)", board, len(rows), sum(row[2] for row in rows), out))
     if config["chip"].startswith("esp32"):
-        print(memory(config))
+        print(memory_text(config))
     asking, copying = flash_commands(port or "PORT", out, drivers_of(boards.load(board)), source)
     if dry_run:
         print(shlex.join(asking))

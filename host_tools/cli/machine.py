@@ -68,7 +68,7 @@ def list_(port: Port):
 
     Example: passo machine list --port /dev/ttyACM0
     """
-    lines = _call_board(port, "tell()", "+", "reset")
+    lines = _call_board(port, "print_machines()", "+", "reset")
     now = next((line[7:] for line in lines if line.startswith("chosen ")), "")
     found = [line[8:].split(": ", 1) for line in lines if line.startswith("machine ")]
     for name, state in found:
@@ -86,7 +86,7 @@ def add(
 
     Example: passo machine add boards/mine.py --port /dev/ttyACM0
     """
-    told = store_machine(board, port, "tell()")
+    told = store_machine(board, port, "print_machines()")
     name = Path(board).stem
     print(_("{0} is stored: passo machine choose {0}", name))
     for line in told:
@@ -102,7 +102,7 @@ def store_machine(board, port, call, out=None):
     name = Path(board).stem
     board_files.check_name(name)
     chip = boards.load(board).get("chip")
-    told = _call_board(port, "tell()")
+    told = _call_board(port, "print_machines()")
     there = next((line[5:] for line in told if line.startswith("chip ")), None)
     if there is None:
         raise Failure("there is no machine on this board yet: passo flash first")
@@ -111,7 +111,7 @@ def store_machine(board, port, call, out=None):
     files = _build_firmware(board, port, out or default_out(board))
     text = "".join(f"{path} {digest}\n" for path, digest in files)
     data = boards.board_py(board)
-    wanted = {line.split()[1] for line in _call_board(port, f"retire({name!r}, {_file_digest('board.py', data)!r})\nwant({text!r})") if line.startswith("wants ")}
+    wanted = {line.split()[1] for line in _call_board(port, f"keep_old({name!r}, {_file_digest('board.py', data)!r})\nprint_missing({text!r})") if line.startswith("wants ")}
     with tempfile.TemporaryDirectory() as folder:
         machines = Path(folder) / "machines"
         (machines / "files").mkdir(parents=True)
@@ -125,7 +125,7 @@ def store_machine(board, port, call, out=None):
         (stored / "board.py").write_bytes(data)
         (stored / "modules.txt").write_text(text, encoding="ascii")
         copy_files([*_mpremote_command(port), "cp", "-r", str(machines), ":"], port)
-    return _call_board(port, "tidy()\n" + call, "+", "reset")
+    return _call_board(port, "remove_unused()\n" + call, "+", "reset")
 
 
 def _build_firmware(board, port, out):
@@ -153,7 +153,7 @@ def become_machine(board, port):
     stand, and nobody use its port. Takes some ten seconds, a minute if much has to be copied. Raises Failure."""
     try:
         with tempfile.TemporaryDirectory() as folder:
-            store_machine(board, port, f"choose({Path(board).stem!r})", Path(folder))
+            store_machine(board, port, f"choose_machine({Path(board).stem!r})", Path(folder))
     except Failure:
         with contextlib.suppress(subprocess.SubprocessError):
             subprocess.run([*_mpremote_command(port), "reset"], capture_output=True, timeout=PROBE_TIMEOUT_S)
@@ -173,7 +173,7 @@ def choose(
     """
     _check_stored_name(name)
     _check_at_rest(port)
-    _call_board(port, f"choose({name!r})", "+", "reset")
+    _call_board(port, f"choose_machine({name!r})", "+", "reset")
     print(_("{} is chosen, and the board starts with it", name))
 
 
@@ -186,7 +186,7 @@ def back(port: Port):
     Example: passo machine back --port /dev/ttyACM0
     """
     _check_at_rest(port)
-    lines = _call_board(port, "back()", "+", "reset")
+    lines = _call_board(port, "choose_last()", "+", "reset")
     print(_("{} is chosen, and the board starts with it", next(line[7:] for line in lines if line.startswith("chosen "))))
 
 
@@ -201,7 +201,7 @@ def remove(
     """
     _check_stored_name(name)
     _check_at_rest(port)
-    _call_board(port, f"remove({name!r})\ntidy()", "+", "reset")
+    _call_board(port, f"remove_machine({name!r})\nremove_unused()", "+", "reset")
     print(_("{} is removed", name))
 
 

@@ -29,7 +29,7 @@ def site(
     from host_tools.site import builder
 
     with Console(stderr=True).status(_("MicroPython from npm, the firmware, the page")):
-        size = builder.build(out, builder.package())
+        size = builder.build(out, builder.load_package())
     print(_("site: {}, {} files, {:.1f} MB", out, len(list(out.iterdir())), size / 1e6))
     if serve is not None:
         _serve_folder(out, serve)

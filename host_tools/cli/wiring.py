@@ -39,11 +39,11 @@ def wiring(
         return
     if out is None:
         return _print_table(checked)
-    from host_tools.wiring.drawing import drawing
+    from host_tools.wiring.drawing import wiring_svg
 
     if out.suffix.lower() != ".svg":
         raise Failure("the drawing is an SVG file: --out {}.svg, not {}", out.stem, out)
-    out.write_text(drawing(checked), encoding="utf-8")
+    out.write_text(wiring_svg(checked), encoding="utf-8")
     print(out)
 
 
@@ -51,11 +51,11 @@ def _print_table(board):
     from rich.console import Console
     from rich.table import Table
 
-    from host_tools.wiring.table import rows
+    from host_tools.wiring.table import wiring_rows
 
     table = Table(box=None, pad_edge=False, title=_("Wiring of {}", board["name"]), title_justify="left")
     for title in (_("pin"), _("position"), _("goes to"), _("terminal"), _("notes")):
         table.add_column(title)
-    for row in rows(board):
+    for row in wiring_rows(board):
         table.add_row(*row)
     Console().print(table, markup=False)

@@ -1,6 +1,6 @@
 """The kernels of one board's build: which go together into a module, and the texts without them.
 
-    made = compile_kernels(*forms(texts), board, march)      # forms() of build/constants.py: private names are still whole
+    made = compile_kernels(*fold_both_ways(texts), board, march)     # fold_both_ways() of build/constants.py: private names are still whole
     made.texts, made.modules, made.by       # {path: text}; {path of .mpy: bytes}; names of the compilers, [] is viper
     made.pointers                           # words of machine code that the collector takes for pointers
 """

@@ -220,7 +220,7 @@ class Server:
         if name in offline.NAMES and not self._as_they_are:
             if not self._offline:
                 served = {each: self._data(each) for each in self._files}
-                self._offline = offline.files({**served, "errors.json": json.dumps(error_list()).encode()}, "network")
+                self._offline = offline.make_files({**served, "errors.json": json.dumps(error_list()).encode()}, "network")
             return self._offline[name]
         path = self._files.get(name)
         if path is None:
@@ -229,7 +229,7 @@ class Server:
             return json.dumps(page_words(), ensure_ascii=False).encode()
         with open(path, "rb") as file:
             data = file.read()
-        return offline.page(data.decode()).encode() if name == "index.html" and not self._as_they_are else data
+        return offline.add_to_page(data.decode()).encode() if name == "index.html" and not self._as_they_are else data
 
     # --- a page
 

@@ -27,7 +27,7 @@ class LoopbackRadio:
         self.key = key
         self._files = tempfile.TemporaryDirectory()  # lives as long as this
         self.folder = self._files.name + "/"
-        pages.pack(board, Path(self.folder))
+        pages.pack_files(board, Path(self.folder))
         self._sockets = {}
         for kind, port in ports.items():
             try:

@@ -1,6 +1,6 @@
 """The static site: the page, MicroPython as WebAssembly, the firmware and its virtual machine as texts. Any plain file server serves it.
 
-    build(Path("build/site"), package())
+    build(Path("build/site"), load_package())
 
 MicroPython comes from npm, a version of one checksum, and stays in ~/.cache/passo. The firmware is what MicroPython on a PC runs
 (tree.py: constants of other modules as numbers), without the marks of machine code: WebAssembly has none, and its plain text makes
@@ -44,13 +44,13 @@ _MACHINE_CODE = re.compile(r"(?m)^[ ]*@micropython\.(viper|native)$|\bptr(8|32)(
 _MOST_AXES = 4
 
 
-def package(cache=None):
+def load_package(cache=None):
     """{name: bytes} of MicroPython's two files. Raises Failure."""
-    return MICROPYTHON.files("micropython.mjs", "micropython.wasm", cache=cache)
+    return MICROPYTHON.read_files("micropython.mjs", "micropython.wasm", cache=cache)
 
 
 @lru_cache(maxsize=1)
-def texts():
+def tab_texts():
     """{path: text} of all that Python imports in the tab. Not to be changed."""
     found = {path.as_posix(): FIRMWARE / path for path in module_files() if not path.as_posix().startswith(_LEFT_OUT)}
     found |= {name: HOST_TOOLS.parent / name for name in TAB}
@@ -60,7 +60,7 @@ def texts():
     return {name: _MACHINE_CODE.sub("", text) for name, text in read.items()}
 
 
-def relief():
+def relief_gcode():
     """A surface of waves in scan lines of short moves in three axes, 60 × 40 mm, in machine coordinates of the router."""
     lines = ["(Waves: 60 x 40 mm, a surface in scan lines)", "G21 G90 G94 F2400", "G0 Z-10", "G0 X60 Y50", "M3 S12000"]
     for row in range(41):
@@ -72,7 +72,7 @@ def relief():
     return "\n".join([*lines, "G0 Z-10", "M5", "G0 X0 Y0", "M2"]) + "\n"
 
 
-def rosette():
+def rosette_gcode():
     """Arcs and lines, flat."""
     lines = ["(A rosette of arcs)", "G21 G90 G94 F2400", "G0 Z-10", "M3 S12000"]
     for petal in range(12):
@@ -83,10 +83,10 @@ def rosette():
     return "\n".join([*lines, "G0 Z-10", "M5", "G0 X0 Y0", "M2"]) + "\n"
 
 
-def jobs():
+def demo_jobs():
     """{board: {name: text}} that the tab's machines begin with."""
     return {
-        "router_3axis": {"relief.gcode": relief(), "rosette.gcode": rosette()},
+        "router_3axis": {"relief.gcode": relief_gcode(), "rosette.gcode": rosette_gcode()},
         "plotter_2014": {f"{name}.txt": packet_words(points) for name, points in objects().items()},
     }
 
@@ -94,7 +94,7 @@ def jobs():
 _PATH = '<div class="pane" id="pane-path">\n'  # the part of the page that the machine of the tab is put into
 
 
-def page(text):
+def page_html(text):
     """index.html with the machine in it, and without a way out of its own site."""
     card = (OWN / "machine.html").read_text(encoding="utf-8")
     head = (OWN / "head.html").read_text(encoding="utf-8")
@@ -102,20 +102,20 @@ def page(text):
         if text.count(mark) != 1:
             raise Failure("{} has no {} to put the machine behind", PAGE / "index.html", mark.strip())
         text = text.replace(mark, made)
-    return offline.page(text)
+    return offline.add_to_page(text)
 
 
 def build(out, files):
-    """Write the site to the folder `out`, which is emptied first. `files`: package(). Returns the bytes written."""
+    """Write the site to the folder `out`, which is emptied first. `files`: load_package(). Returns the bytes written."""
     from host_tools.clients import setting_names
     from host_tools.build.pages import error_list, page_words
 
     if out.exists() and not (out / "firmware.json").is_file() and any(out.iterdir()):
         raise Failure("{} is not empty, and holds no site of Passo: name another folder", out)
-    firmware, machines = texts(), {"boards": jobs(), "rules": setting_names.rules(_MOST_AXES)}
+    firmware, machines = tab_texts(), {"boards": demo_jobs(), "rules": setting_names.rules(_MOST_AXES)}
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
-    _write(out, "firmware.json", firmware)  # first: by it a folder that was broken off is known
+    _write_json(out, "firmware.json", firmware)  # first: by it a folder that was broken off is known
     for name, data in files.items():
         (out / name).write_bytes(data)
     for path in PAGE.iterdir():
@@ -124,15 +124,15 @@ def build(out, files):
     for path in OWN.iterdir():
         if path.suffix in (".js", ".css"):
             shutil.copyfile(path, out / path.name)
-    (out / "index.html").write_text(page((PAGE / "index.html").read_text(encoding="utf-8")), encoding="utf-8")
-    _write(out, "pt.json", page_words() | json.loads((OWN / "pt.json").read_text(encoding="utf-8")))
-    _write(out, "site.json", machines)
-    _write(out, "errors.json", error_list())
+    (out / "index.html").write_text(page_html((PAGE / "index.html").read_text(encoding="utf-8")), encoding="utf-8")
+    _write_json(out, "pt.json", page_words() | json.loads((OWN / "pt.json").read_text(encoding="utf-8")))
+    _write_json(out, "site.json", machines)
+    _write_json(out, "errors.json", error_list())
     served = {path.name: path.read_bytes() for path in out.iterdir() if path.name not in offline.NAMES}
-    for name, data in offline.files(served, "cache").items():
+    for name, data in offline.make_files(served, "cache").items():
         (out / name).write_bytes(data)
     return sum(path.stat().st_size for path in out.iterdir())
 
 
-def _write(out, name, data):
+def _write_json(out, name, data):
     (out / name).write_text(json.dumps(data, ensure_ascii=False), encoding="utf-8")

@@ -1,6 +1,6 @@
 """Packages of npm's registry, one version of one checksum each, kept in ~/.cache/passo.
 
-    files = MICROPYTHON.files("micropython.mjs", "micropython.wasm")        # {name: bytes}
+    files = MICROPYTHON.read_files("micropython.mjs", "micropython.wasm")        # {name: bytes}
 """
 
 import base64
@@ -27,40 +27,40 @@ class Package:
     integrity: str  # SHA-512, base64
 
     @property
-    def _file(self):
+    def _file_name(self):
         return f"{self.name.rpartition('/')[2]}-{self.version}.tgz"
 
     def path_in(self, cache=None):
         """Path of its archive in the cache, a folder (None: ~/.cache/passo)."""
-        return (cache or Path("~/.cache/passo").expanduser()) / self._file
+        return (cache or Path("~/.cache/passo").expanduser()) / self._file_name
 
-    def files(self, *names, cache=None):
+    def read_files(self, *names, cache=None):
         """{name: bytes} of some of its files. Raises Failure: it cannot be fetched, or is not the one that is known."""
         kept = self.path_in(cache)
         if kept.is_file():
             data = kept.read_bytes()
         else:
-            data = self._fetch()
+            data = self._fetch_archive()
             kept.parent.mkdir(parents=True, exist_ok=True)
             fresh = kept.with_suffix(f".{os.getpid()}")
             fresh.write_bytes(data)
             os.replace(fresh, kept)
         try:
-            return self.extract(data, names)
+            return self.extract_files(data, names)
         except Failure:
             kept.unlink(missing_ok=True)
             raise
 
-    def _fetch(self):
+    def _fetch_archive(self):
         registry = os.environ.get("NPM_CONFIG_REGISTRY", "https://registry.npmjs.org").rstrip("/")
-        address = f"{registry}/{self.name}/-/{self._file}"
+        address = f"{registry}/{self.name}/-/{self._file_name}"
         try:
             with urllib.request.urlopen(address, timeout=_FETCH_S) as answer:
                 return answer.read(_MOST)
         except (OSError, urllib.error.URLError) as error:
             raise Failure("cannot fetch {}, {}: {}", self.what, address, error) from error
 
-    def extract(self, data, names):
+    def extract_files(self, data, names):
         """Files of an archive. Raises Failure if it is not the one that is known."""
         found = base64.b64encode(hashlib.sha512(data).digest()).decode()
         if found != self.integrity:

@@ -1,7 +1,7 @@
 """Makes the page installable, and loads it without its server: a manifest, and a service worker that keeps the files by their hash.
 
-    offline.files({"index.html": b"…", …}, first="cache")       # {name: bytes} to be served beside them
-    offline.page(text)                                          # index.html that names them
+    offline.make_files({"index.html": b"…", …}, first="cache")       # {name: bytes} to be served beside them
+    offline.add_to_page(text)                                           # index.html that names them
 
 `first`: "cache", a static site; "network", a server that may have been updated: the files kept serve while it does not answer. Browsers allow
 it at 127.0.0.1 and over HTTPS only; elsewhere the page is as without. New files make another service worker, which keeps those alone.
@@ -16,11 +16,11 @@ _HEAD = '<link rel="manifest" href="manifest.json">\n<script type="module" src="
 _MARK = "</title>\n"
 
 
-def page(text):
+def add_to_page(text):
     return text.replace(_MARK, _MARK + _HEAD, 1)
 
 
-def files(served, first):
+def make_files(served, first):
     """`served`: {name: bytes} of all that the page loads."""
     digest = hashlib.sha256()
     for name in sorted(served):

@@ -1,6 +1,6 @@
 """A wiring drawing as SVG, one sheet of A4.
 
-    text = drawing(check(boards.load("router_3axis")))
+    text = wiring_svg(check(boards.load("router_3axis")))
 
 Each wire is a path with `data-pin`, `data-part` and `data-terminal`; each pad of the module has `data-pad`. Texts are as wide as
 DejaVu Sans or Verdana at most, and made smaller where they would not fit.
@@ -9,9 +9,9 @@ DejaVu Sans or Verdana at most, and made smaller where they would not fit.
 from xml.sax.saxutils import escape, quoteattr
 
 from host_tools.language import _, current_language
-from host_tools.wiring.layout import PITCH, TOP, arrange
-from host_tools.wiring.parts import REGISTER_BIT, chips_of, common_enable, motors
-from host_tools.wiring.symbols import COLOURS, GROUNDED, LIGHTER, symbol
+from host_tools.wiring.layout import PITCH, TOP, arrange_sheet
+from host_tools.wiring.parts import REGISTER_BIT, chips_of, common_enable, motors_of
+from host_tools.wiring.symbols import COLOURS, GROUNDED, LIGHTER, symbol_of
 
 INK, PAPER, PALE, POWER = "#1a1a1a", "#ffffff", "#f3f5f8", "#c81010"
 # Widths in DejaVu Sans, in thousandths of the size; others are 640.
@@ -22,23 +22,23 @@ _WIDTH_OF = {letter: width for width, letters in _WIDTHS.items() for letter in l
 _BOLD = 1.12
 
 
-def drawing(board):
+def wiring_svg(board):
     """The SVG of a checked board file. Raises Failure if its parts find no room."""
-    sheet = arrange(board)
+    sheet = arrange_sheet(board)
     title = _("Wiring of {}", board["name"])
-    first, last = extent(sheet)
-    supply, bottom = _supply(sheet, last + 8)
+    first, last = extent_of(sheet)
+    supply, bottom = _supply_elements(sheet, last + 8)
     shift = TOP - 4 - first
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="210mm" height="{_n(bottom + shift)}mm" viewBox="0 0 210 {_n(bottom + shift)}"'
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="210mm" height="{_number_text(bottom + shift)}mm" viewBox="0 0 210 {_number_text(bottom + shift)}"'
         f' role="img" lang="{current_language()}" font-family="DejaVu Sans, Verdana, sans-serif" fill="{INK}">',
         f"<title>{escape(title)}</title>",
-        f'<rect width="210" height="{_n(bottom + shift)}" fill="{PAPER}"/>',
-        *_heading(sheet, title),
-        f'<g transform="translate(0 {_n(shift)})">',
-        *_module(sheet),
-        *[line for wire in sheet.wires for line in _wire(wire)],
-        *[line for placed in sheet.parts for line in _part(sheet, placed)],
+        f'<rect width="210" height="{_number_text(bottom + shift)}" fill="{PAPER}"/>',
+        *_heading_elements(sheet, title),
+        f'<g transform="translate(0 {_number_text(shift)})">',
+        *_module_elements(sheet),
+        *[line for wire in sheet.wires for line in _wire_elements(wire)],
+        *[line for placed in sheet.parts for line in _part_elements(sheet, placed)],
         *supply,
         "</g>",
         "</svg>",
@@ -46,7 +46,7 @@ def drawing(board):
     return "\n".join(lines) + "\n"
 
 
-def extent(sheet):
+def extent_of(sheet):
     """(top, bottom) of module, parts and wires."""
     rows = max(len(sheet.module.left), len(sheet.module.right)) + len(sheet.module.loose)
     ys = [y for wire in sheet.wires for way in wire.ways for _x, y in way]
@@ -57,67 +57,67 @@ def extent(sheet):
 # --- texts
 
 
-def width(text, size, bold=False):
+def text_width(text, size, bold=False):
     """An upper bound of a text's width in mm."""
     return sum(_WIDTH_OF.get(letter, 640) for letter in text) * size / 1000 * (_BOLD if bold else 1)
 
 
-def _text(x, y, text, size=2.5, anchor="start", bold=False, fill=None, most=None):
+def _text_element(x, y, text, size=2.5, anchor="start", bold=False, fill=None, most=None):
     """A text whose baseline is at y; `most`: the width it has to keep to."""
     if most is not None and text:
-        size = min(size, round(size * most / width(text, size, bold), 2))
+        size = min(size, round(size * most / text_width(text, size, bold), 2))
     more = (f' text-anchor="{anchor}"' if anchor != "start" else "") + (' font-weight="bold"' if bold else "")
     more += f' fill="{fill}"' if fill else ""
-    return f'<text x="{_n(x)}" y="{_n(y)}" font-size="{_n(size)}"{more}>{escape(text)}</text>'
+    return f'<text x="{_number_text(x)}" y="{_number_text(y)}" font-size="{_number_text(size)}"{more}>{escape(text)}</text>'
 
 
-def _n(number):
+def _number_text(number):
     return f"{number:.2f}".rstrip("0").rstrip(".")
 
 
-def _box(left, top, right, bottom, stroke, fill=PAPER, radius=1.0, wide=0.35):
-    size = f'width="{_n(right - left)}" height="{_n(bottom - top)}"'
-    return f'<rect x="{_n(left)}" y="{_n(top)}" {size} rx="{_n(radius)}" fill="{fill}" stroke="{stroke}" stroke-width="{_n(wide)}"/>'
+def _box_element(left, top, right, bottom, stroke, fill=PAPER, radius=1.0, wide=0.35):
+    size = f'width="{_number_text(right - left)}" height="{_number_text(bottom - top)}"'
+    return f'<rect x="{_number_text(left)}" y="{_number_text(top)}" {size} rx="{_number_text(radius)}" fill="{fill}" stroke="{stroke}" stroke-width="{_number_text(wide)}"/>'
 
 
 # --- the sheet's pieces
 
 
-def _heading(sheet, title):
+def _heading_elements(sheet, title):
     legend = [
         ("driver", _("motors")), ("switch", _("switches, sensors")), ("stop", _("emergency stop")), ("contact", _("tool")),
         ("relay", _("relays, lamps")), ("encoder", _("encoders")), ("serial", _("serial lines")), ("registers", _("registers")),
     ]  # fmt: skip
     kinds = {COLOURS[placed.part.kind] for placed in sheet.parts}
     shown = [(kind, text) for kind, text in legend if COLOURS[kind] in kinds or kind == "stop"]
-    lines = [_text(6, 13, title, 5, bold=True)]
-    lines.append(_text(6, 19, _("{}. All pins take 3.3 V at most. Seen from above, USB at the top.", sheet.module.title), 2.7, most=198))
+    lines = [_text_element(6, 13, title, 5, bold=True)]
+    lines.append(_text_element(6, 19, _("{}. All pins take 3.3 V at most. Seen from above, USB at the top.", sheet.module.title), 2.7, most=198))
     x = 6.0
     for kind, text in shown:
-        lines.append(f'<path d="M{_n(x)} 25H{_n(x + 5)}" stroke="{COLOURS[kind]}" stroke-width="1"/>')
-        lines.append(_text(x + 6, 25.9, text, 2.4))
-        x += 9 + width(text, 2.4)
+        lines.append(f'<path d="M{_number_text(x)} 25H{_number_text(x + 5)}" stroke="{COLOURS[kind]}" stroke-width="1"/>')
+        lines.append(_text_element(x + 6, 25.9, text, 2.4))
+        x += 9 + text_width(text, 2.4)
     return lines
 
 
-def _module(sheet):
+def _module_elements(sheet):
     module, (left, right) = sheet.module, sheet.columns["module"]
     rows = max(len(module.left), len(module.right))
     top, bottom = sheet.top - 3.4, sheet.top + (rows - 1) * PITCH + 3.4
     middle = (left + right) / 2
-    lines = [_box(left, top, right, bottom, INK, PALE, 2, 0.5)]
+    lines = [_box_element(left, top, right, bottom, INK, PALE, 2, 0.5)]
     if module.title.startswith(("Rasp", "ESP32 Dev")):
-        lines.append(_box(middle - 4.5, top - 2.2, middle + 4.5, top + 1.6, INK, PAPER, 0.6))
-        lines.append(_text(middle, top + 0.5, "USB", 2.2, "middle"))
+        lines.append(_box_element(middle - 4.5, top - 2.2, middle + 4.5, top + 1.6, INK, PAPER, 0.6))
+        lines.append(_text_element(middle, top + 0.5, "USB", 2.2, "middle"))
     room = (right - left) / 2 - 2.5
     for side, x, direction in ((module.left, left, 1), (module.right, right, -1)):
         numbers = module.numbers[0 if direction > 0 else 1] if module.numbers else [""] * len(side)
         for row, (number, (label, pin)) in enumerate(zip(numbers, side)):
             y = sheet.top + row * PITCH
-            lines += _pad(x, y, direction, label, pin, number, room, pin in _pins_of(sheet))
+            lines += _pad_elements(x, y, direction, label, pin, number, room, pin in _pins_of(sheet))
     for row, pin in enumerate(module.loose):
         y = sheet.top + (rows + row) * PITCH
-        lines += _pad(left, y, 1, _("{}: on the module only", module.label(pin)), pin, "", right - left - 2.5, True)
+        lines += _pad_elements(left, y, 1, _("{}: on the module only", module.label(pin)), pin, "", right - left - 2.5, True)
     return lines
 
 
@@ -125,7 +125,7 @@ def _pins_of(sheet):
     return {wire.pin for wire in sheet.wires}
 
 
-def _pad(x, y, direction, label, pin, number, room, used):
+def _pad_elements(x, y, direction, label, pin, number, room, used):
     colour = INK if used else "#9aa3ad"
     fill = {"GND": INK, "3V3": POWER, "VBUS": POWER, "VSYS": POWER, "5V": POWER}.get(label, colour if used else PAPER)
     data = f' data-pad="{pin}"' if pin is not None else ""
@@ -133,42 +133,42 @@ def _pad(x, y, direction, label, pin, number, room, used):
     name = label if number == "" else f"{number} {label}" if direction > 0 else f"{label} {number}"
     tone = fill if label in ("3V3", "VBUS", "VSYS", "5V") else INK if used or label == "GND" else "#5c6670"
     return [
-        f'<circle cx="{_n(x)}" cy="{_n(y)}" r="0.9" fill="{fill}" stroke="{colour}" stroke-width="0.3"{data}/>',
-        _text(x + 1.8 * direction, y + 0.9, name, 2.4, anchor, bold=used, fill=tone, most=room),
+        f'<circle cx="{_number_text(x)}" cy="{_number_text(y)}" r="0.9" fill="{fill}" stroke="{colour}" stroke-width="0.3"{data}/>',
+        _text_element(x + 1.8 * direction, y + 0.9, name, 2.4, anchor, bold=used, fill=tone, most=room),
     ]
 
 
-def _wire(wire):
+def _wire_elements(wire):
     part, terminal = wire.ends[0][0].part, wire.ends[0][1]
     colour = LIGHTER.get(part.kind, COLOURS[part.kind]) if part.terminals.index(terminal) % 2 else COLOURS[part.kind]
     pin = f"{wire.pin[0]} {wire.pin[1]}" if isinstance(wire.pin, tuple) else str(wire.pin)
     lines = []
     for (placed, terminal), way in zip(wire.ends, wire.ways):
-        path = "M" + "L".join(f"{_n(x)} {_n(y)}" for x, y in way)
+        path = "M" + "L".join(f"{_number_text(x)} {_number_text(y)}" for x, y in way)
         data = f'data-pin="{pin}" data-part={quoteattr(placed.part.name)} data-terminal={quoteattr(terminal.label)}'
         lines.append(f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="0.45" stroke-linejoin="round" {data}/>')
-    lines += [f'<circle cx="{_n(x)}" cy="{_n(y)}" r="0.7" fill="{colour}"/>' for x, y in wire.joints]
+    lines += [f'<circle cx="{_number_text(x)}" cy="{_number_text(y)}" r="0.7" fill="{colour}"/>' for x, y in wire.joints]
     return lines
 
 
-def _part(sheet, placed):
+def _part_elements(sheet, placed):
     if placed.part.name == "registers":
-        return _bank(sheet, placed)
+        return _bank_elements(sheet, placed)
     part, colour = placed.part, COLOURS[placed.part.kind]
     behind = isinstance(part.terminals[0].pin, tuple)
-    lines = [f"<g data-box={quoteattr(part.name)}>", _box(placed.left, placed.top, placed.right, placed.bottom, colour)]
+    lines = [f"<g data-box={quoteattr(part.name)}>", _box_element(placed.left, placed.top, placed.right, placed.bottom, colour)]
     inward = -1 if placed.inner == "right" else 1
-    labels = max((width(terminal.label, 2.4) for terminal, _x, _y in placed.points), default=0)
+    labels = max((text_width(terminal.label, 2.4) for terminal, _x, _y in placed.points), default=0)
     for terminal, x, y in placed.points:
-        lines.append(f'<circle cx="{_n(x)}" cy="{_n(y)}" r="0.7" fill="{colour}"/>')
+        lines.append(f'<circle cx="{_number_text(x)}" cy="{_number_text(y)}" r="0.7" fill="{colour}"/>')
         if terminal.label:
-            lines.append(_text(x + 1.6 * inward, y + 0.9, terminal.label, 2.4, "end" if inward < 0 else "start"))
-    lines += _words(placed, labels + 3.2 if labels else 2.2, behind)
+            lines.append(_text_element(x + 1.6 * inward, y + 0.9, terminal.label, 2.4, "end" if inward < 0 else "start"))
+    lines += _part_texts(placed, labels + 3.2 if labels else 2.2, behind)
     lines.append("</g>")
     return lines
 
 
-def _words(placed, margin, behind):
+def _part_texts(placed, margin, behind):
     """Title, notes and supply of a part, and its symbol on the side away from its terminals."""
     part, colour = placed.part, COLOURS[placed.part.kind]
     middle = (placed.top + placed.bottom) / 2
@@ -182,72 +182,72 @@ def _words(placed, margin, behind):
     notes = [] if tight else part.notes[: max(1, int((tall - 3) / 3.1))]
     rows = [(part.title, True)] + [(note, False) for note in notes]
     first = middle - 3.1 * (len(rows) - 1) / 2 + 0.9
-    lines = [_text(left, first + 3.1 * row, text, 2.4 if not bold else 2.5, bold=bold, fill=colour if bold else None, most=right - left)
+    lines = [_text_element(left, first + 3.1 * row, text, 2.4 if not bold else 2.5, bold=bold, fill=colour if bold else None, most=right - left)
              for row, (text, bold) in enumerate(rows)]  # fmt: skip
     if field:
         raised = 1.2 if part.supply and part.kind not in GROUNDED else 0
-        where = f"translate({_n(centre)} {_n(middle - raised)})" + (" scale(.8)" if raised and tall < 8 else "")
-        lines.append(f'<g transform="{where}" fill="none" stroke="{colour}" stroke-width="0.35">{symbol(part.kind, part.opens)}</g>')
+        where = f"translate({_number_text(centre)} {_number_text(middle - raised)})" + (" scale(.8)" if raised and tall < 8 else "")
+        lines.append(f'<g transform="{where}" fill="none" stroke="{colour}" stroke-width="0.35">{symbol_of(part.kind, part.opens)}</g>')
         if raised:
-            lines.append(_text(centre, placed.bottom - 0.9, " ".join(part.supply), 1.9, "middle", fill=POWER if "M+" in part.supply else None))
+            lines.append(_text_element(centre, placed.bottom - 0.9, " ".join(part.supply), 1.9, "middle", fill=POWER if "M+" in part.supply else None))
     return lines
 
 
-def _bank(sheet, placed):
+def _bank_elements(sheet, placed):
     """The box of all shift registers: lines from the module on one side, bits on the other."""
     chips, colour = chips_of(sheet.board), COLOURS["registers"]
-    lines = ['<g data-box="registers">', _box(placed.left, placed.top, placed.right, placed.bottom, colour)]
+    lines = ['<g data-box="registers">', _box_element(placed.left, placed.top, placed.right, placed.bottom, colour)]
     for terminal, x, y in placed.points:
-        lines += [f'<circle cx="{_n(x)}" cy="{_n(y)}" r="0.7" fill="{colour}"/>', _text(x + 1.6, y + 0.9, terminal.label, 2.2)]
+        lines += [f'<circle cx="{_number_text(x)}" cy="{_number_text(y)}" r="0.7" fill="{colour}"/>', _text_element(x + 1.6, y + 0.9, terminal.label, 2.2)]
     y = placed.top + PITCH / 2
     for way, name in (("in", "74HC165"), ("out", "74HC595")):
         for chip in range(chips[way]):
             title = name + (f" · {chip + 1}" if chips[way] > 1 else "")
-            lines.append(_text((placed.left + placed.right) / 2, y + 0.9, title, 2.4, "middle", True, colour, placed.right - placed.left - 2))
+            lines.append(_text_element((placed.left + placed.right) / 2, y + 0.9, title, 2.4, "middle", True, colour, placed.right - placed.left - 2))
             for bit in range(8):
                 number = REGISTER_BIT + 8 * chip + bit
-                lines += _bit(sheet, way, number, ("Q" if way == "out" else "") + "ABCDEFGH"[bit])
+                lines += _bit_elements(sheet, way, number, ("Q" if way == "out" else "") + "ABCDEFGH"[bit])
             y += 9 * PITCH
     return [*lines, "</g>"]
 
 
-def _bit(sheet, way, number, letter):
+def _bit_elements(sheet, way, number, letter):
     x, y = sheet.bits[way, number]
     used = any(wire.pin == (way, number) for wire in sheet.wires)
     colour = COLOURS["registers"] if used else "#9aa3ad"
     return [
-        f'<circle cx="{_n(x)}" cy="{_n(y)}" r="0.7" fill="{colour if used else PAPER}" stroke="{colour}" stroke-width="0.3" data-pad="{way} {number}"/>',
-        _text(x - 1.6, y + 0.9, f"{number} {letter}", 2.2, "end", fill=None if used else "#5c6670"),
+        f'<circle cx="{_number_text(x)}" cy="{_number_text(y)}" r="0.7" fill="{colour if used else PAPER}" stroke="{colour}" stroke-width="0.3" data-pad="{way} {number}"/>',
+        _text_element(x - 1.6, y + 0.9, f"{number} {letter}", 2.2, "end", fill=None if used else "#5c6670"),
     ]
 
 
 # --- supplies
 
 
-def _supply(sheet, top):
+def _supply_elements(sheet, top):
     """(lines, lower edge) of the way of the power, below the drawing: supply, emergency stop, and the parts behind it."""
     y = top + 8
     stop = next((item for item in sheet.board["inputs"] if item["halt"]), None)
-    lines = [_text(6, top, _("Power"), 3, bold=True)]
-    lines += [_box(6, y - 5, 40, y + 5, POWER), _text(23, y - 0.4, _("supply M+"), 2.5, "middle", True, POWER, 32)]
-    lines.append(_text(23, y + 3.2, _("by their data sheets"), 2.4, "middle", most=32))
-    lines.append(f'<path d="M40 {_n(y)}H48M82 {_n(y)}H94M91.6 {_n(y - 1.4)}L94 {_n(y)}L91.6 {_n(y + 1.4)}" fill="none" stroke="{POWER}" stroke-width="0.9"/>')
-    lines += [_box(48, y - 5, 82, y + 5, POWER), _text(65, y - 2, _("E-STOP, latching"), 2.5, "middle", True, POWER, 32)]
-    lines.append(f'<path d="M50 {_n(y + 2)}H61L69 {_n(y + 2.3)}M67 {_n(y + 2)}V{_n(y + 0.4)}M69 {_n(y + 2)}H80" fill="none" stroke="{POWER}" stroke-width="0.5"/>')
+    lines = [_text_element(6, top, _("Power"), 3, bold=True)]
+    lines += [_box_element(6, y - 5, 40, y + 5, POWER), _text_element(23, y - 0.4, _("supply M+"), 2.5, "middle", True, POWER, 32)]
+    lines.append(_text_element(23, y + 3.2, _("by their data sheets"), 2.4, "middle", most=32))
+    lines.append(f'<path d="M40 {_number_text(y)}H48M82 {_number_text(y)}H94M91.6 {_number_text(y - 1.4)}L94 {_number_text(y)}L91.6 {_number_text(y + 1.4)}" fill="none" stroke="{POWER}" stroke-width="0.9"/>')
+    lines += [_box_element(48, y - 5, 82, y + 5, POWER), _text_element(65, y - 2, _("E-STOP, latching"), 2.5, "middle", True, POWER, 32)]
+    lines.append(f'<path d="M50 {_number_text(y + 2)}H61L69 {_number_text(y + 2.3)}M67 {_number_text(y + 2)}V{_number_text(y + 0.4)}M69 {_number_text(y + 2)}H80" fill="none" stroke="{POWER}" stroke-width="0.5"/>')
     second = _("2nd contact: input {}", stop["name"]) if stop else _("no input: 2nd contact unused")
-    lines.append(_text(65, y + 8.4, second, 2.2, "middle", most=40))
+    lines.append(_text_element(65, y + 8.4, second, 2.2, "middle", most=40))
     fed = ", ".join(placed.part.title for placed in sheet.parts if "M+" in placed.part.supply)
-    rows = _wrap(_("M+ feeds: {}. A program cannot replace this switch.", fed), 2.5, 108)
-    lines += [_text(96, y - 3.2 + 3.4 * row, text, 2.5) for row, text in enumerate(rows)]
+    rows = _wrap_text(_("M+ feeds: {}. A program cannot replace this switch.", fed), 2.5, 108)
+    lines += [_text_element(96, y - 3.2 + 3.4 * row, text, 2.5) for row, text in enumerate(rows)]
     y += 14
-    for note in _notes(sheet):
-        for row in _wrap("• " + note, 2.4, 196):
-            lines.append(_text(6, y, row, 2.4))
+    for note in _power_notes(sheet):
+        for row in _wrap_text("• " + note, 2.4, 196):
+            lines.append(_text_element(6, y, row, 2.4))
             y += 3.5
     return lines, y + 3
 
 
-def _notes(sheet):
+def _power_notes(sheet):
     board = sheet.board
     yield _("The board has its 5 V from USB. 3V3 feeds sensors and pull-ups. All GND pins are one ground: supply, drivers and sensors join there.")
     yield _("Give each output that must not switch on at the start 10 kΩ: to GND if it is active high, to 3V3 if it is active low.")
@@ -256,17 +256,17 @@ def _notes(sheet):
         yield _("CLK: CLK of the 74HC165, SRCLK of the 74HC595. LATCH: SH/LD and RCLK. QH: that of the first 74HC165; SER: that of the first 74HC595.")
     elif chips["out"]:
         yield _("CLK: SRCLK of all registers. LATCH: RCLK. SER: that of the first; the next has QH' of the one before. OE: 10 kΩ to 3V3.")
-    if board["drive"]["kind"] == "step_dir" and common_enable(board) is None and len(motors(board)) > 1:
+    if board["drive"]["kind"] == "step_dir" and common_enable(board) is None and len(motors_of(board)) > 1:
         names = [item["name"] for item in board["outputs"]]
         yield _("EN of all drivers goes to the output enable.") if "enable" in names else _("EN of the drivers stays open, or as their manual says.")
 
 
-def _wrap(text, size, most):
+def _wrap_text(text, size, most):
     """The lines of a text that are `most` mm wide at most."""
     rows = [""]
     for word in text.split():
         longer = f"{rows[-1]} {word}".strip()
-        if width(longer, size) > most and rows[-1]:
+        if text_width(longer, size) > most and rows[-1]:
             rows.append(word)
         else:
             rows[-1] = longer

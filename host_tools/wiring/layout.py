@@ -1,6 +1,6 @@
 """Places the parts of a wiring drawing, and routes each wire. Units are mm on a sheet of A4, y downwards.
 
-    sheet = arrange(board)          # sheet.module, sheet.parts, sheet.bits, sheet.wires
+    sheet = arrange_sheet(board)          # sheet.module, sheet.parts, sheet.bits, sheet.wires
 
 Pins of the module lie on even multiples of HALF, terminals of parts on odd ones, crossings above and below the module between them, so
 that two wires never run along each other. Each wire has a vertical track of its own in the channel between parts and module; tracks
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from host_tools.failure import Failure
 from host_tools.wiring.modules import module_of
-from host_tools.wiring.parts import REGISTER_BIT, chips_of, parts
+from host_tools.wiring.parts import REGISTER_BIT, chips_of, parts_of
 
 PITCH = 4.4
 HALF = PITCH / 2
@@ -58,39 +58,39 @@ class Sheet:
     wires: list
 
 
-def arrange(board):
+def arrange_sheet(board):
     """The sheet of a checked board file. Raises Failure if its parts find no room on it."""
-    found = parts(board)
+    found = parts_of(board)
     registers = any(part.name == "registers" for part in found)
     columns = WITH_REGISTERS if registers else PLAIN
-    direct = [part for part in found if not _behind(part)]
+    direct = [part for part in found if not _is_behind_register(part)]
     used = {terminal.pin for part in direct for terminal in part.terminals}
     right = {terminal.pin for part in direct if part.name == "registers" for terminal in part.terminals}
     module = module_of(board, used, right)
     rows = max(len(module.left), len(module.right)) + len(module.loose)
-    top = _snap((TOP + BOTTOM - rows * PITCH) / 2)
-    pads = _pads(module, columns["module"], top)
-    placed = _columns(direct, pads, columns, registers, board)
+    top = _snap_to_pitch((TOP + BOTTOM - rows * PITCH) / 2)
+    pads = _pad_positions(module, columns["module"], top)
+    placed = _place_parts(direct, pads, columns, registers, board)
     bits = {}
     if registers:
         bank = next(each for each in placed if each.part.name == "registers")
-        bits = _bits(bank, chips_of(board))
-        placed += _place_beside_bits([part for part in found if _behind(part)], bits, columns["bits"])
+        bits = _bit_positions(bank, chips_of(board))
+        placed += _place_beside_bits([part for part in found if _is_behind_register(part)], bits, columns["bits"])
     wires = _route_wires(pads, placed, columns, top, top + rows * PITCH)
     wires += [Wire(pin, [(each, terminal)], [[bits[pin], (x, y)]], []) for each in placed for terminal, x, y in each.points
               if isinstance(pin := terminal.pin, tuple)]  # fmt: skip
     return Sheet(board, columns, module, top, pads, placed, bits, wires)
 
 
-def _behind(part):
+def _is_behind_register(part):
     return isinstance(part.terminals[0].pin, tuple)
 
 
-def _snap(y):
+def _snap_to_pitch(y):
     return TOP + round((y - TOP) / PITCH) * PITCH
 
 
-def _pads(module, edges, top):
+def _pad_positions(module, edges, top):
     """{pin: (x, y)} of the module's edges; pins that no edge has stand below, on the left."""
     pads = {}
     for x, side in zip(edges, (module.left, module.right)):
@@ -106,13 +106,13 @@ def _pads(module, edges, top):
 # --- parts
 
 
-def height(part):
+def slot_height(part):
     """Of a part's slot, the gap to the next included: a multiple of PITCH."""
     rows = max(len(part.terminals), (len(part.notes) + 2) // 2)
     return (rows + 1) * PITCH
 
 
-def _columns(direct, pads, columns, registers, board):
+def _place_parts(direct, pads, columns, registers, board):
     """Each part beside the pins that it has most of; with registers all stand left but these."""
     middle = sum(columns["module"]) / 2
     sides = {"left": [], "right": []}
@@ -122,25 +122,25 @@ def _columns(direct, pads, columns, registers, board):
         sides[("right" if part.name == "registers" else "left") if registers else beside].append(part)
     room = BOTTOM - TOP
     for full, other in (("left", "right"), ("right", "left")):
-        while not registers and sum(map(height, sides[full])) > room and sum(map(height, sides[other])) + height(sides[full][-1]) < room:
+        while not registers and sum(map(slot_height, sides[full])) > room and sum(map(slot_height, sides[other])) + slot_height(sides[full][-1]) < room:
             sides[other].append(sides[full].pop())
     placed = []
     for side, some in sides.items():
-        placed += _column(some, pads, columns[side], "right" if side == "left" else "left", chips_of(board))
+        placed += _place_column(some, pads, columns[side], "right" if side == "left" else "left", chips_of(board))
     return placed
 
 
-def _mean(part, pads):
+def _mean_y(part, pads):
     return sum(pads[terminal.pin][1] for terminal in part.terminals) / len(part.terminals)
 
 
-def _column(some, pads, edges, inner, chips):
+def _place_column(some, pads, edges, inner, chips):
     """The parts of a column: each as near to its pins as the others leave it."""
-    some = sorted(some, key=lambda part: (_mean(part, pads), part.name))
-    heights = [bank_rows(chips) * PITCH if part.name == "registers" else height(part) for part in some]
+    some = sorted(some, key=lambda part: (_mean_y(part, pads), part.name))
+    heights = [bank_rows(chips) * PITCH if part.name == "registers" else slot_height(part) for part in some]
     if sum(heights) > BOTTOM - TOP:
         raise Failure("{} parts do not fit on one side of the sheet; the table has them all", len(some))
-    tops = _spread([_mean(part, pads) - tall / 2 for part, tall in zip(some, heights)], heights)
+    tops = _spread_slots([_mean_y(part, pads) - tall / 2 for part, tall in zip(some, heights)], heights)
     placed = []
     for part, top, tall in zip(some, tops, heights):
         x = edges[1] if inner == "right" else edges[0]
@@ -150,12 +150,12 @@ def _column(some, pads, edges, inner, chips):
     return placed
 
 
-def _spread(wished, heights):
+def _spread_slots(wished, heights):
     """Tops of slots that do not overlap, near the wished ones: neighbours that would are moved as one block, by the mean."""
     blocks = []  # [members, sum of (wish - offset), height]
     for wish, tall in zip(wished, heights):
         blocks.append([1, wish, tall])
-        while len(blocks) > 1 and _start(blocks[-2]) + blocks[-2][2] > _start(blocks[-1]):
+        while len(blocks) > 1 and _block_start(blocks[-2]) + blocks[-2][2] > _block_start(blocks[-1]):
             members, total, tall_ = blocks.pop()
             before = blocks[-1]
             before[1] += total - members * before[2]
@@ -164,19 +164,19 @@ def _spread(wished, heights):
     tops, at = [], iter(heights)
     lowest = TOP
     for block in blocks:
-        y = max(lowest, min(_snap(_start(block)), _snap(BOTTOM - block[2])))
+        y = max(lowest, min(_snap_to_pitch(_block_start(block)), _snap_to_pitch(BOTTOM - block[2])))
         for _ in range(block[0]):
             tops.append(y)
             y += next(at)
         lowest = y
     over = max(0, round((lowest - BOTTOM) / PITCH + 0.49)) if tops else 0
     for index in reversed(range(len(tops) if over else 0)):
-        limit = (tops[index + 1] if index + 1 < len(tops) else _snap(BOTTOM)) - heights[index]
+        limit = (tops[index + 1] if index + 1 < len(tops) else _snap_to_pitch(BOTTOM)) - heights[index]
         tops[index] = min(tops[index], limit)
     return tops
 
 
-def _start(block):
+def _block_start(block):
     return block[1] / block[0]
 
 
@@ -188,7 +188,7 @@ def bank_rows(chips):
     return 9 * (chips["in"] + chips["out"]) + 1
 
 
-def _bits(bank, chips):
+def _bit_positions(bank, chips):
     """{pin: (x, y)} of the registers' bits, on the outer side of their box."""
     bits, row = {}, 0
     for way in ("in", "out"):
@@ -245,13 +245,13 @@ def _route_wires(pads, placed, columns, top, bottom):
             inner = ([y] if side == home else []) + ([bands[pin]] if pin in bands else [])
             channels[side][pin] = outer, inner
     tracks = {
-        "left": _tracks(channels["left"], columns["left"][1], columns["module"][0], False),
-        "right": _tracks(channels["right"], columns["module"][1], columns["right"][0], True),
+        "left": _assign_tracks(channels["left"], columns["left"][1], columns["module"][0], False),
+        "right": _assign_tracks(channels["right"], columns["module"][1], columns["right"][0], True),
     }
-    return [_wire(pin, nets[pin], pads[pin], bands.get(pin), tracks, middle) for pin in sorted(nets)]
+    return [_route_wire(pin, nets[pin], pads[pin], bands.get(pin), tracks, middle) for pin in sorted(nets)]
 
 
-def _wire(pin, ends, pad, band, tracks, middle):
+def _route_wire(pin, ends, pad, band, tracks, middle):
     home = "left" if pad[0] < middle else "right"
     ways, joints = [], []
     for number, (each, terminal, x, y) in enumerate(ends):
@@ -266,7 +266,7 @@ def _wire(pin, ends, pad, band, tracks, middle):
     return Wire(pin, [(each, terminal) for each, terminal, _, _ in ends], ways, joints)
 
 
-def _tracks(nets, low, high, mirrored):
+def _assign_tracks(nets, low, high, mirrored):
     """{pin: x} of the vertical tracks of a channel between x = low and high; the parts are at low, or at high if mirrored."""
     spans = {pin: (min(outer + inner), max(outer + inner)) for pin, (outer, inner) in nets.items()}
     order = sorted(nets, key=lambda pin: (spans[pin][0], str(pin)))
@@ -275,21 +275,21 @@ def _tracks(nets, low, high, mirrored):
         moved = False
         for index in range(len(order) - 1):
             one, two = order[index : index + 2]
-            if _crossings(nets, spans, two, one) < _crossings(nets, spans, one, two):
+            if _count_crossings(nets, spans, two, one) < _count_crossings(nets, spans, one, two):
                 order[index : index + 2] = two, one
                 moved = True
     levels = {}
     for pin in order:
-        levels[pin] = 1 + max((levels[other] for other in levels if _meet(spans[pin], spans[other])), default=0)
+        levels[pin] = 1 + max((levels[other] for other in levels if _spans_meet(spans[pin], spans[other])), default=0)
     step = (high - low) / (max(levels.values(), default=0) + 1)
     return {pin: (high - level * step if mirrored else low + level * step) for pin, level in levels.items()}
 
 
-def _meet(one, two):
+def _spans_meet(one, two):
     return one[0] < two[1] + HALF + 0.1 and two[0] < one[1] + HALF + 0.1
 
 
-def _crossings(nets, spans, near, far):
+def _count_crossings(nets, spans, near, far):
     """How often two wires cross, one on the track nearer to the parts: its ways to the module cross the far track, ways of the far
     wire to its parts cross the near one."""
     low, high = spans[far]

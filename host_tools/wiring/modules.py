@@ -47,23 +47,23 @@ def module_of(board, pins, right):
     chip = board["chip"]
     if chip in ("rp2040", "rp2350"):
         wireless = board.get("network") is not None or "pico_w" in board["name"]
-        edges = _edge(_PICO_LEFT, "GP"), _edge(_PICO_RIGHT, "GP")
+        edges = _edge_pads(_PICO_LEFT, "GP"), _edge_pads(_PICO_RIGHT, "GP")
         numbers = range(1, 21), range(40, 20, -1)
-        return _module(_CHIPS[chip] + (" W" if wireless else ""), "GP", *edges, pins, numbers)
+        return _make_module(_CHIPS[chip] + (" W" if wireless else ""), "GP", *edges, pins, numbers)
     if chip == "esp32" and board["name"] != MKS:
-        return _module(_CHIPS[chip], "GPIO", _edge(_DEVKIT_LEFT, "GPIO"), _edge(_DEVKIT_RIGHT, "GPIO"), pins)
+        return _make_module(_CHIPS[chip], "GPIO", _edge_pads(_DEVKIT_LEFT, "GPIO"), _edge_pads(_DEVKIT_RIGHT, "GPIO"), pins)
     title = "Makerbase MKS DLC32 V2" if board["name"] == MKS else chip.upper() + " " + _("board")
     known = sorted(pins - right)
     half = len(known) if right else (len(known) + 1) // 2
     left, right = ([(f"GPIO{pin}", pin) for pin in some] for some in (known[:half], sorted(right) or known[half:]))
-    return _module(title, "GPIO", [("3V3", None), *left], [("GND", None), *right], pins)
+    return _make_module(title, "GPIO", [("3V3", None), *left], [("GND", None), *right], pins)
 
 
-def _module(title, prefix, left, right, pins, numbers=None):
+def _make_module(title, prefix, left, right, pins, numbers=None):
     there = {pin for _, pin in left + right}
     return Module(title, prefix, left, right, sorted(pin for pin in pins if pin not in there), numbers)
 
 
-def _edge(names, prefix):
+def _edge_pads(names, prefix):
     """[(label, pin or None)] of an edge of the module; a name of digits is a pin."""
     return [(prefix + name, int(name)) if name.isdigit() else (name, None) for name in names]

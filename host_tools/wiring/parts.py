@@ -1,6 +1,6 @@
 """The parts that a board file names, and which pin goes to which of their terminals.
 
-    for part in parts(check(boards.load("router_3axis"))):
+    for part in parts_of(check(boards.load("router_3axis"))):
         print(part.title, [(terminal.label, terminal.pin) for terminal in part.terminals])
 
 A pin is a number of the chip, or a bit of a shift register: ("in", 100) of a 74HC165, ("out", 100) of a 74HC595. The output `enable`
@@ -40,9 +40,9 @@ class Part:
 _ONE_BELT = {"x": "A (X + Y)", "y": "B (X − Y)"}  # CoreXY: axes that each motor moves
 
 
-def parts(board):
+def parts_of(board):
     """All parts of a checked board file, motors first."""
-    found = [*_motors(board), *_tools(board), *_inputs(board), *_outputs(board), *_encoders(board), *_lines(board), *_registers(board)]
+    found = [*_motor_parts(board), *_tool_parts(board), *_input_parts(board), *_output_parts(board), *_encoder_parts(board), *_serial_parts(board), *_register_parts(board)]
     return found
 
 
@@ -51,17 +51,17 @@ def pin_of(number, way):
     return (way, number) if number >= REGISTER_BIT else number
 
 
-def motors(board):
+def motors_of(board):
     """(name, pins) of all motors, a gantry's second one too."""
     found = [(axis["name"], axis["pins"]) for axis in board["axes"]]
     gantry = board.get("gantry")
     return found + ([(gantry["axis"] + "2", gantry["pins"])] if gantry else [])
 
 
-def _motors(board):
+def _motor_parts(board):
     drive = board["drive"]
     enable = None if drive["kind"] != "step_dir" else common_enable(board)
-    for name, pins in motors(board):
+    for name, pins in motors_of(board):
         title = _ONE_BELT.get(name, name.upper()) if board.get("kinematics") == "corexy" else name.upper()
         if drive["kind"] == "step_dir":
             mark = "" if drive["step_active"] else "−"
@@ -88,15 +88,15 @@ def motor_pins(kind):
 def common_enable(board):
     """The pin that goes to EN of all drivers, if they and it are on the chip's own pins; None otherwise."""
     for item in board["outputs"]:
-        if item["name"] == "enable" and max(item["pin"], *(pin for _, pins in motors(board) for pin in pins)) < REGISTER_BIT:
+        if item["name"] == "enable" and max(item["pin"], *(pin for _, pins in motors_of(board) for pin in pins)) < REGISTER_BIT:
             return item["pin"]
     return None
 
 
-def _tools(board):
+def _tool_parts(board):
     pin, spindle = board["tool"]["pin"], board["spindle"]
     follower = board["registers"]["tool"] if board.get("registers") else -1
-    kind, title, notes = _tool(board)
+    kind, title, notes = _describe_tool(board)
     power = [Terminal("PWM", spindle["pin"])] if spindle["pwm"] else []
     level = _("active high") if board["tool"]["active"] else _("active low")
     if board.get("servo"):
@@ -113,7 +113,7 @@ def _tools(board):
         yield Part("tool", kind, title, terminals, [*notes, _("tool, {}", level)], ("M+", "GND"))
 
 
-def _tool(board):
+def _describe_tool(board):
     """(kind, title, notes) of the machine's tool."""
     languages = {link["protocol"] for link in board["links"]}
     if board["spindle"]["laser"]:
@@ -131,15 +131,15 @@ def _tool(board):
     return "contact", _("Spindle relay or inverter"), []
 
 
-def _inputs(board):
+def _input_parts(board):
     for item in board["inputs"]:
-        kind, title = _input(board, item)
+        kind, title = _describe_input(board, item)
         pin = pin_of(item["pin"], "in")
         supply = ("5V", "GND") if kind == "barrier" else ("GND",)
-        yield Part(f"in_{item['name']}", kind, f"{item['name']}: {title}", [Terminal("", pin)], [_contact(item, kind)], supply, bool(item["active"]))
+        yield Part(f"in_{item['name']}", kind, f"{item['name']}: {title}", [Terminal("", pin)], [_contact_text(item, kind)], supply, bool(item["active"]))
 
 
-def _input(board, item):
+def _describe_input(board, item):
     name = item["name"]
     homed = {sensor: axis for axis, sensor in (board["homing"] or {"sensors": {}})["sensors"].items()}
     ends = {sensor: end for end, sensor in (getattr(board.get("additions"), "limits", None) or {}).items()}
@@ -160,7 +160,7 @@ def _input(board, item):
     return "signal", _("active high") if item["active"] else _("active low")
 
 
-def _contact(item, kind):
+def _contact_text(item, kind):
     """How an input is wired, in a few words."""
     pull = {"up": _("pull-up inside"), "down": _("pull-down inside"), "none": _("pull-up outside")}[item["pull"]]
     if item["pin"] >= REGISTER_BIT:
@@ -180,7 +180,7 @@ _PURPOSES = {
 }  # fmt: skip
 
 
-def _outputs(board):
+def _output_parts(board):
     for item in board["outputs"]:
         name = item["name"]
         if name == "enable" and common_enable(board) is not None:
@@ -195,14 +195,14 @@ def _outputs(board):
         yield Part(f"out_{name}", kind, f"{name}: {purpose}", [Terminal("", pin_of(item["pin"], "out"))], [_("transistor and diode, {}", level)])
 
 
-def _encoders(board):
+def _encoder_parts(board):
     for item in board.get("encoders", ()):
         terminals = [Terminal(wire, pin) for wire, pin in zip("AB", item["pins"])]
         notes = [_("{} pulses a turn, 3.3 V", item["pulses"])]
         yield Part(f"encoder_{item['motor']}", "encoder", _("{} encoder", item["motor"].upper()), terminals, notes, ("3V3", "GND"))
 
 
-def _lines(board):
+def _serial_parts(board):
     """Serial lines, the inverter's too, and the memory card."""
     for link in board["links"]:
         if link["port"].startswith("uart"):
@@ -236,7 +236,7 @@ def _lines(board):
         yield Part("card", "serial", _("memory card"), terminals, [_("10 kΩ from DO to 3V3")], ("3V3", "GND"))
 
 
-def _registers(board):
+def _register_parts(board):
     """The bank of shift registers, and the diodes that join inputs behind them."""
     registers, shift = board.get("registers"), board.get("shift")
     if registers:
@@ -259,5 +259,5 @@ def chips_of(board):
         return {"in": board["registers"]["inputs"], "out": board["registers"]["outputs"]}
     if not board.get("shift"):
         return {"in": 0, "out": 0}
-    bits = [pin for _, pins in motors(board) for pin in pins] + [board["tool"]["pin"]] + [item["pin"] for item in board["outputs"]]
+    bits = [pin for _, pins in motors_of(board) for pin in pins] + [board["tool"]["pin"]] + [item["pin"] for item in board["outputs"]]
     return {"in": 0, "out": (max(bits) - REGISTER_BIT) // 8 + 1}

@@ -1,6 +1,6 @@
 """Symbols of parts, as SVG paths in a field of 9 × 6 mm, drawn from its middle: x from -4.5 to 4.5, y from -3 to 3.
 
-    symbol("switch", "open")     # what stands inside of <g transform="translate(x y)">
+    symbol_of("switch", "open")     # what stands inside of <g transform="translate(x y)">
 """
 
 _MOTOR = '<circle r="2.6" cx="1"/><path d="M-.1 1.2V-1.2L1 .4 2.1-1.2V1.2M-4.4-1.2H-1.2M-4.4 1.2H-1.2"/>'
@@ -41,6 +41,6 @@ LIGHTER = {"driver": "#2d86d9", "coils": "#2d86d9", "encoder": "#b04bd0"}
 GROUNDED = ("switch", "stop", "probe")
 
 
-def symbol(kind, opens):
+def symbol_of(kind, opens):
     """The symbol of a kind of part; `opens`: of a switch, that it opens when hit."""
     return SYMBOLS[f"switch {'opens' if opens else 'closes'}" if kind == "switch" else kind]

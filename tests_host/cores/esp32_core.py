@@ -22,9 +22,9 @@ from pathlib import Path
 from qemu import CORES, Core, packed
 
 from host_tools import boards
-from host_tools.build.frozen import beside, frozen_tree
+from host_tools.build.frozen import compile_beside, frozen_tree
 from host_tools.build.tree import build_tree, compile_module
-from host_tools.build.esp32_image import manifest as manifest_of
+from host_tools.build.esp32_image import manifest_text as manifest_of
 from host_tools.emulator.binary import CACHE, Unavailable
 from host_tools.resources import FIRMWARE
 from passo.config.boardfile import check
@@ -153,7 +153,7 @@ class Esp32:
         texts = {path: text for path, text in files.items() if isinstance(text, str)}
         others = {path: data for path, data in files.items() if path not in texts}
         made = {}
-        _of_viper(lambda: made.update(beside("esp32", texts, march=MARCH)))
+        _of_viper(lambda: made.update(compile_beside("esp32", texts, march=MARCH)))
         return self.core({**others, **made}, folder / "digest").run("import sys\nsys.path.insert(1, '.frozen')\n" + code)
 
     def core(self, files, folder):

@@ -12,7 +12,7 @@ from esp32_core import Esp32
 from host_tools.prove.gcode_jobs import all_jobs
 
 from host_tools import boards
-from host_tools.build.budget import ESP32_KB, needs
+from host_tools.build.budget import ESP32_KB, esp32_needs
 from host_tools.emulator.binary import Unavailable
 from passo.config.boardfile import check
 from test_digest import CHECKS, HEX_JOBS, golden_of_gcode, golden_of_hex, hex_job
@@ -78,14 +78,14 @@ def test_what_it_wants(core, name, tmp_path, show):
         f"{name} on an ESP32, {'frozen' if core.frozen else 'files'}",
         f"heap {counted.steady / 1000:.0f} kB, {counted.peak / 1000:.0f} at its peak; machine code {counted.code / 1000:.0f}; with drivers {wanted:.0f}",
     )
-    assert abs(wanted - needs(check(board))[core.frozen]) <= SLACK_KB
+    assert abs(wanted - esp32_needs(check(board))[core.frozen]) <= SLACK_KB
 
 
 @pytest.mark.parametrize("name", MACHINES)
 def test_it_starts_in_pieces_if_it_fits(core, name, tmp_path):
     """The radio's memory is taken before anything is imported, and so is the rest. A refused board does not start, or with less than LEAST left."""
     board = MACHINES[name]
-    fits = needs(check(board))[core.frozen] <= ESP32_KB["esp32"][core.frozen]
+    fits = esp32_needs(check(board))[core.frozen] <= ESP32_KB["esp32"][core.frozen]
     counted = core.started(board, tmp_path, PIECES, drivers(board))
     starts = counted.error is None and counted.left >= LEAST
     assert starts == fits, counted

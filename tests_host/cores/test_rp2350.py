@@ -10,7 +10,7 @@ from rp2350 import CYCLES_PER_US, Rp2350, emulator, image
 from test_digest import CHECKS, HEX_JOBS, golden_of_gcode, golden_of_hex, hex_job
 
 from host_tools import boards
-from host_tools.build.frozen import beside
+from host_tools.build.frozen import compile_beside
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.frozen import board_file
 from host_tools.prove.gcode_jobs import all_jobs
@@ -133,7 +133,7 @@ def test_stop(started, show):
 
 def digest_files(**files):
     named = {f"boards/{name}.py": boards.board_py(name) for name in boards.names()}
-    return {**beside("rp2350", {"digest.py": (CHECKS / "digest.py").read_text()}), "boards/__init__.py": b"", **named, **files}
+    return {**compile_beside("rp2350", {"digest.py": (CHECKS / "digest.py").read_text()}), "boards/__init__.py": b"", **named, **files}
 
 
 def prompt(chip):

@@ -8,7 +8,7 @@ from emulated import uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.build import mpy
-from host_tools.build.constants import forms, short
+from host_tools.build.constants import fold_both_ways, shorten_names
 from host_tools.build.tree import COLD, compile_module, select_modules
 from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
@@ -28,10 +28,10 @@ IN_FLASH = "from passo.ports.rp2 import flash_code\nflash_code.begin()\n"
 def compiled(sources, board="router_3axis"):
     """{path.mpy: bytes} of {path: source file}, compiled for the RP2040 as `passo build` does it."""
     texts = {path: source.read_text() for path, source in sources.items()}
-    made = kernels.compile_kernels(*forms(texts), boards.load(board), "armv6m", COLD)
+    made = kernels.compile_kernels(*fold_both_ways(texts), boards.load(board), "armv6m", COLD)
     files = {path: mpy.in_place(data) for path, data in made.modules.items()}
     with tempfile.TemporaryDirectory() as folder:
-        for path, text in inline_kernels(short(made.texts)).items():
+        for path, text in inline_kernels(shorten_names(made.texts)).items():
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))

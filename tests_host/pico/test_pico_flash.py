@@ -128,7 +128,7 @@ def test_with_journal_jobs_and_frames_it_starts(board, uf2, show):
 
 def rebuilt(board, module, old, new):
     """The firmware's files, one module of which was compiled with another number. A build renames, but keeps lines."""
-    compiled = tree._module
+    compiled = tree._module_bytes
     lines = (tree.FIRMWARE / module).read_text(encoding="utf-8").splitlines()
     (number,) = [number for number, line in enumerate(lines) if line.startswith(old)]
     before, after = old.partition(" = ")[2], new.partition(" = ")[2]
@@ -142,7 +142,7 @@ def rebuilt(board, module, old, new):
         return compiled("".join(changing), march, path)
 
     with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tree, "_module", changed)
+        patch.setattr(tree, "_module_bytes", changed)
         tree.build_tree(board, Path(folder))
         return folder_files(folder)
 

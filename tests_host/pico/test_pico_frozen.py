@@ -12,7 +12,7 @@ from test_pico_flash import safe_us
 from test_digest import CHECKS, HEX_JOBS, golden_of_gcode, golden_of_hex, hex_job
 
 from host_tools import boards
-from host_tools.build.frozen import beside, stamp
+from host_tools.build.frozen import compile_beside, stamp
 from host_tools.emulator import gcode
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.copies import on_a_copy
@@ -98,7 +98,7 @@ def test_every_machine_starts(frozen, board, show):
 def digest_files(**files):
     texts = {"digest.py": (CHECKS / "digest.py").read_text()}
     named = {f"boards/{name}.py": boards.board_py(name) for name in boards.names()}
-    return {**beside("rp2040", texts), "boards/__init__.py": b"", **named, **files}
+    return {**compile_beside("rp2040", texts), "boards/__init__.py": b"", **named, **files}
 
 
 def test_words_of_gcode(frozen, show):

@@ -15,7 +15,7 @@ from emulated import uf2  # noqa: F401
 from umqtt_here import UMQTT, needs_umqtt
 
 from host_tools import boards
-from host_tools.build.frozen import beside
+from host_tools.build.frozen import compile_beside
 from host_tools.build.pages import texts_of
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.frozen import find_frozen, frozen_machine
@@ -51,7 +51,7 @@ def frozen_w(uf2):  # noqa: F811
 
 def on_the_air(board, uf2, boot=_RADIO, more=None):
     """(machine, air) of a board file, by name or as a table, with this radio. `more`: {path: text} of other modules."""
-    files = {"boot.py": boot, **beside("rp2040_w", {RADIO.name: RADIO.read_text(), **(more or {})})}
+    files = {"boot.py": boot, **compile_beside("rp2040_w", {RADIO.name: RADIO.read_text(), **(more or {})})}
     machine = frozen_machine(board if isinstance(board, dict) else boards.load(board), uf2, files, trace=None).boot()
     machine.pico.console.expect(b"code in", 8_000_000)
     machine.run_ms(300)

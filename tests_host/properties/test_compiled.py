@@ -13,7 +13,7 @@ from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, MODULES, ROOT
 from host_tools import interpreter
 from host_tools.prove.gcode_jobs import MACHINES, all_jobs
 from host_tools.build import pc_kernels
-from host_tools.build.pc_kernels import Library, library, use_compiled
+from host_tools.build.pc_kernels import Library, compile_library, use_compiled
 from host_tools.build.tree import unix_tree
 from host_tools.drawings import order_viper
 from host_tools.drawings.objects import objects
@@ -23,7 +23,7 @@ from host_tools.kernels.program import Program
 
 pytestmark = [
     pytest.mark.unmeasured, pytest.mark.xdist_group("compiled"),
-    pytest.mark.skipif(pc_kernels.compiler() is None, reason="there is no C compiler for this PC"),
+    pytest.mark.skipif(pc_kernels.compiler_command() is None, reason="there is no C compiler for this PC"),
 ]  # fmt: skip
 COMPILED = CHECKS / "compiled.py"
 # Properties of kernels; the others are slow.
@@ -127,11 +127,11 @@ def tried(tmp_path, monkeypatch):
     program = Program({"passo/tried.py": TEXT})
     monkeypatch.setattr(pc_kernels, "TAKEN", {"passo.tried.kernel", "passo.tried.usual"})
     monkeypatch.setattr(pc_kernels, "Program", lambda texts: program)
-    pc_kernels._make({}, set(), pc_kernels.compiler(), tmp_path / "k.so", tmp_path / "k.json")
+    pc_kernels._make_library({}, set(), pc_kernels.compiler_command(), tmp_path / "k.so", tmp_path / "k.json")
     made = Library(tmp_path / "k.so", pc_kernels.json.loads((tmp_path / "k.json").read_text()))
     space = {"ptr32": lambda numbers: numbers}
     exec(TEXT.replace("@micropython.viper", "").replace("import micropython", ""), space)
-    functions = {name: made.function(f"passo.tried.{name}", space[name]) for name in ("usual", "kernel")}
+    functions = {name: made.caller_of(f"passo.tried.{name}", space[name]) for name in ("usual", "kernel")}
     return functions, space
 
 
@@ -173,7 +173,7 @@ def test_what_a_callback_raises_comes_out_of_the_call(tried):
 
 @pytest.mark.quick
 def test_without_a_compiler_kernels_stay_python(monkeypatch):
-    monkeypatch.setattr(pc_kernels, "compiler", lambda: None)
+    monkeypatch.setattr(pc_kernels, "compiler_command", lambda: None)
     monkeypatch.setattr(pc_kernels.sys, "meta_path", list(sys.meta_path))
     for choice, wanted in (("plain", False), ("", False)):
         monkeypatch.setenv(pc_kernels.CHOICE, choice)
@@ -184,7 +184,7 @@ def test_without_a_compiler_kernels_stay_python(monkeypatch):
     with pytest.raises(Failure, match="no C compiler"):
         use_compiled()
     use_compiled.cache_clear()
-    assert library() is None
+    assert compile_library() is None
 
 
 @pytest.mark.quick

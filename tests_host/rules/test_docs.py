@@ -143,13 +143,13 @@ def test_boards_exist(page):
 
 @pytest.mark.parametrize("name", reference.PAGES)
 def test_made_pages_are_current(name):
-    wanted = reference.text(name)
+    wanted = reference.page_text(name)
     assert (reference.DOCS / name).read_text(encoding="utf-8") == wanted, "write it anew: python -m host_tools.build.reference"
 
 
 def test_every_key_has_a_meaning():
-    _, meanings = reference.words()
-    assert set(reference.keys(reference.all_rules(boardfile))) == set(meanings)
+    _, meanings = reference.section_texts()
+    assert set(reference.key_paths(reference.all_rules(boardfile))) == set(meanings)
 
 
 def source():

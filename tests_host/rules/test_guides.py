@@ -183,7 +183,7 @@ def test_a_guide_goes_from_parts_to_motion(guide):
         assert "safety.md" in text and "€" in text and re.search(r"passo flash --board \w+", text)
 
 
-@pytest.mark.parametrize("file, wanted", [pytest.param(*each, id=name(each[0])) for each in pictures.drawings().items()])
+@pytest.mark.parametrize("file, wanted", [pytest.param(*each, id=name(each[0])) for each in pictures.wiring_drawings().items()])
 def test_a_drawing_is_that_of_its_board_file(file, wanted):
     assert file.read_text(encoding="utf-8") == wanted, "draw it anew: python -m host_tools.build.pictures"
 

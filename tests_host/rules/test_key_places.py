@@ -11,7 +11,7 @@ from host_tools import boards
 from host_tools.build import reference
 from host_tools.resources import ROOT
 
-KEYS = sorted(reference.keys(reference.all_rules(boardfile)))
+KEYS = sorted(reference.key_paths(reference.all_rules(boardfile)))
 # Another value than any shipped board has; a number is made larger.
 OTHER = {
     "homing.high_end": lambda value: "" if value else "x", "spindle.laser": lambda value: not value, "parking.at_end": lambda value: not value,

@@ -15,12 +15,12 @@ import pytest
 
 from host_tools import boards, interpreter
 from host_tools.build import tree
-from host_tools.build.reference import manifests
+from host_tools.build.reference import load_manifests
 from host_tools.resources import FIRMWARE, ROOT
 from passo.config.board_error import OF_INPUT, OF_OUTPUT, Additions, BoardError, asked_by_value
 from passo.config.boardfile import check
 
-OPTIONS = sorted(manifests())
+OPTIONS = sorted(load_manifests())
 _RUN = os.environ.get("PYTEST_XDIST_TESTRUNUID") or str(time.time())  # the same for all workers
 SEED = os.environ.get("PASSO_LOT") or str(zlib.crc32(_RUN.encode()) & 0xFFFF)
 LOT = random.Random(SEED).sample(OPTIONS, 2)
@@ -61,7 +61,7 @@ def whole(tmp_path_factory):
 
 def parts(option):
     """The option and those that share its files: they go together."""
-    return {option} | {other for other, manifest in manifests().items() if option in getattr(manifest, "SHARES", ())}
+    return {option} | {other for other, manifest in load_manifests().items() if option in getattr(manifest, "SHARES", ())}
 
 
 def spoken(board):

@@ -47,9 +47,9 @@ def board_keys():
     from passo.config import boardfile
 
     from host_tools import boards
-    from host_tools.build.reference import all_rules, keys
+    from host_tools.build.reference import all_rules, key_paths
 
-    return [f"board file {key}" for key in keys(all_rules(boardfile))] + [f"board file {boards.LIKE}"]
+    return [f"board file {key}" for key in key_paths(all_rules(boardfile))] + [f"board file {boards.LIKE}"]
 
 
 def codes():

@@ -6,7 +6,7 @@ import pytest
 
 from host_tools.sim.tab import Tab, start
 from host_tools.sim.tab_jobs import Jobs
-from host_tools.site.builder import BOARDS, jobs
+from host_tools.site.builder import BOARDS, demo_jobs
 from passo import errors
 
 JOB = "G21 G90 G94\nG0 X2 (over; there)\nG1 Y1.5 Z-1 F1200 ; down\n\n\nM2\n"
@@ -110,7 +110,7 @@ def test_stop_halts_at_once():
 
 @pytest.mark.parametrize("name, points", [("square.txt", [(200, 150), (200, 550), (600, 550), (600, 150)])])
 def test_a_plotter_draws_the_square_of_2014(name, points):
-    page = Page("plotter_2014", jobs()["plotter_2014"])
+    page = Page("plotter_2014", demo_jobs()["plotter_2014"])
     page.state("Idle")
     assert page.order(do="home") == 0
     page.state("Home")

@@ -5,7 +5,7 @@ import typer
 from typer.testing import CliRunner
 
 from host_tools import boards
-from host_tools.build.budget import PICO_PINS, budget, check_module, memory
+from host_tools.build.budget import PICO_PINS, budget_rows, check_module, memory_text
 from host_tools.cli.build import build, print_budget
 from host_tools.cli.flash import flash
 from host_tools.failure import Failure
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.quick
 
 
 def of(name, **changes):
-    return dict(budget(check({**boards.load(name), **changes})))
+    return dict(budget_rows(check({**boards.load(name), **changes})))
 
 
 def test_the_mill_fills_a_pico():
@@ -29,7 +29,7 @@ def test_the_mill_fills_a_pico():
 def test_an_esp32_without_psram_holds_no_machine_as_files():
     assert of("plotter_esp32")["memory"] == "180 kB wanted, 175 there without PSRAM" and of("router_esp32")["memory"] == "in the module's PSRAM"
     assert of("mks_dlc32")["memory"] == "381 kB wanted, 175 there without PSRAM"
-    assert "not counted" in memory({**check(boards.load("plotter_esp32")), "chip": "esp32s3"})
+    assert "not counted" in memory_text({**check(boards.load("plotter_esp32")), "chip": "esp32s3"})
     for name, kb in (("router_3axis", 172), ("router_tmc2209", 178), ("router_ballscrew", 182), ("corexy_plotter", 178)):
         assert of(name)["memory"] == f"some {kb} kB of 246 on stock MicroPython", name
     assert of("router_3axis")["memory"] == "some 172 kB of 246 on stock MicroPython" and "memory" not in of("mill_pico_2")
@@ -94,7 +94,7 @@ def test_the_commands_refuse_it(command, tmp_path):
 def test_what_is_free_is_claimed_by_nobody():
     for name in boards.names():
         board = check(boards.load(name))
-        rows = dict(budget(board))
+        rows = dict(budget_rows(board))
         used = {pin for pin, _ in claimed_pins(board)}
         spi = board.get("spi_drivers")
         if spi:

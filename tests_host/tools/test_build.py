@@ -316,7 +316,7 @@ def test_the_page_of_a_board_is_small(tmp_path):
     from passo.web.files import Folder
 
     board = {"network": {"host": "passo"}, "links": [{"port": "usb", "protocol": "grbl"}, {"port": "page", "protocol": "grbl"}]}
-    names = [name for name, _, _ in pages.pack(board, tmp_path)]
+    names = [name for name, _, _ in pages.pack_files(board, tmp_path)]
     files = Folder(f"{tmp_path}/")
     for name, wanted in pages.texts_of(board).items():
         _, _, path, start, size = files.find(b"/" + name.encode())

@@ -38,15 +38,15 @@ def test_a_failed_build_is_not_kept_nor_any_without_the_folder(folder, monkeypat
 
 def test_other_tools_make_it_anew(folder, monkeypatch):
     build_cache.load_or_make("a", lambda: 1)
-    monkeypatch.setattr(build_cache, "_makers", lambda: "others")
+    monkeypatch.setattr(build_cache, "_makers_digest", lambda: "others")
     assert build_cache.load_or_make("a", lambda: 2) == 2
 
 
 def test_a_kept_build_is_the_build(folder, tmp_path):
-    tree._module.cache_clear()  # of other tests' builds
+    tree._module_bytes.cache_clear()  # of other tests' builds
     tree.build_tree(BOARD, tmp_path / "made")
     count = len(list(folder.iterdir()))
-    tree._module.cache_clear()
+    tree._module_bytes.cache_clear()
     tree.build_tree(BOARD, tmp_path / "again")
     assert files(tmp_path / "made") == files(tmp_path / "again") and len(list(folder.iterdir())) == count > 50
 

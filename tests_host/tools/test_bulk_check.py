@@ -235,7 +235,7 @@ def test_the_firmware_starts_compiled_where_it_can_and_from_its_sources_elsewher
     found = []
     for can in (True, False):
         if not can:
-            monkeypatch.setattr(unix_compiled, "loads", lambda said, told: False)
+            monkeypatch.setattr(unix_compiled, "can_load", lambda said, told: False)
         unix_compiled.firmware_for.cache_clear()
         job = VirtualJob("router_3axis")
         job.run(enumerate([b"G21G90", b"G1X9Y4F1500", b"G2X5I-2F900", b"G1X99999"], 1))
@@ -251,11 +251,11 @@ def test_the_firmware_starts_compiled_where_it_can_and_from_its_sources_elsewher
 
 def test_which_compiled_code_a_micropython_loads():
     told = "MicroPython v1.29.0 on 2026-08-29; mpy-cross emitting mpy v6.3"
-    assert unix_compiled.loads("2822\n", told)
-    assert not unix_compiled.loads("2822", told.replace("6.3", "6.2"))
-    assert not unix_compiled.loads("2822", told.replace("6.3", "7.3"))
-    assert not unix_compiled.loads("774", told)  # another processor
-    assert not unix_compiled.loads("", told) and not unix_compiled.loads("0", told)
+    assert unix_compiled.can_load("2822\n", told)
+    assert not unix_compiled.can_load("2822", told.replace("6.3", "6.2"))
+    assert not unix_compiled.can_load("2822", told.replace("6.3", "7.3"))
+    assert not unix_compiled.can_load("774", told)  # another processor
+    assert not unix_compiled.can_load("", told) and not unix_compiled.can_load("0", told)
 
 
 def test_many_errors_are_counted_and_few_are_kept(monkeypatch):

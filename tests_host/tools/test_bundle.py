@@ -9,7 +9,7 @@ from test_page_syntax import parsed
 from test_panel_page import CHROMIUM, DRIVER, chromium
 
 from host_tools import boards
-from host_tools.build.pages import bundle, texts_of
+from host_tools.build.pages import bundle_modules, texts_of
 from host_tools.failure import Failure
 
 
@@ -22,7 +22,7 @@ def test_it_is_one_script(tmp_path):
 
 @pytest.mark.quick
 def test_names_are_each_modules_own():
-    made = bundle({"a.js": 'import "./c.js";\nimport { one, two as twice } from "./b.js";\nconst $ = 1;\nuse(one, twice, $);\n',
+    made = bundle_modules({"a.js": 'import "./c.js";\nimport { one, two as twice } from "./b.js";\nconst $ = 1;\nuse(one, twice, $);\n',
                    "b.js": 'import { three } from "./c.js";\nconst $ = 2;\nexport const one = $;\nexport function two() { return three; }\n',
                    "c.js": "export class three {}\n"}, "a.js")  # fmt: skip
     assert made.index("of_c") < made.index("of_b") < made.index("of_a")
@@ -33,7 +33,7 @@ def test_names_are_each_modules_own():
 @pytest.mark.parametrize("text", ('import * as b from "./b.js";\n', "export default 1;\n", "export let x = 1;\n", 'import { a } from "./a.js";\n'))
 def test_what_it_does_not_know_is_refused(text):
     with pytest.raises(Failure):
-        bundle({"a.js": text, "b.js": ""}, "a.js")
+        bundle_modules({"a.js": text, "b.js": ""}, "a.js")
 
 
 class Board(http.server.BaseHTTPRequestHandler):

@@ -100,7 +100,7 @@ def test_diffused_dots_are_as_dark_as_the_picture(darkness, way):
     assert abs(dots.mean() - darkness) < 0.04
 
 
-@pytest.mark.skipif(pc_kernels.compiler() is None, reason="there is no C compiler for this PC")
+@pytest.mark.skipif(pc_kernels.compiler_command() is None, reason="there is no C compiler for this PC")
 @pytest.mark.parametrize("way", (engraving._FLOYD, engraving._JARVIS))
 def test_dots_by_c_are_those_of_python(way, monkeypatch):
     """And a million of them take less than a second there: in Python seven."""

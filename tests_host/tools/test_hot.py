@@ -5,9 +5,9 @@ import ast
 import pytest
 
 from host_tools.bench.hot import hottest, sections
-from host_tools.build.frozen import CHIPS, MEMORY, modules
+from host_tools.build.frozen import CHIPS, MEMORY, modules_frozen
 from host_tools.build.tree import source_of
-from host_tools.build.uf2 import hot, arrange_linker_script
+from host_tools.build.uf2 import hot_sections, arrange_linker_script
 from host_tools.resources import FIRMWARE
 
 MAP = """
@@ -44,15 +44,15 @@ def test_the_dearest_byte_comes_first():
 def test_the_list_stands_before_all_other_code():
     rest = "        *(EXCLUDE_FILE(*libgcc.a: *gc.c.obj *vm.c.obj *parse.c.obj) .text*)\n"
     lines = arrange_linker_script("head\n" + rest + "tail\n").splitlines()
-    assert lines[0] == "head" and lines[-1] == "tail" and len(lines) == len(hot()) + 3
-    assert lines[1] == f"        *({hot()[0]})" and lines[-2].startswith("        *(EXCLUDE_FILE(")
-    assert len(set(hot())) == len(hot())
+    assert lines[0] == "head" and lines[-1] == "tail" and len(lines) == len(hot_sections()) + 3
+    assert lines[1] == f"        *({hot_sections()[0]})" and lines[-2].startswith("        *(EXCLUDE_FILE(")
+    assert len(set(hot_sections())) == len(hot_sections())
 
 
 def functions():
     """Names that frozen functions have in C, without what all begin with."""
     there = set()
-    for path in modules(CHIPS["rp2040"]):
+    for path in modules_frozen(CHIPS["rp2040"]):
         module = "_".join(path.with_suffix("").parts).removesuffix("___init__")
         for inner in ast.walk(ast.parse(source_of(path, FIRMWARE).read_text(encoding="utf-8"))):
             if isinstance(inner, ast.FunctionDef):
@@ -70,7 +70,7 @@ def test_what_lies_in_memory_is_of_this_firmware():
 @pytest.mark.quick
 def test_the_list_is_of_this_firmware():
     """Nine in ten of its functions are there; else `python -m host_tools.bench.hot` again."""
-    listed = {name.partition("fun_data_")[2] for name in hot() if "fun_data_passo_" in name}
+    listed = {name.partition("fun_data_")[2] for name in hot_sections() if "fun_data_passo_" in name}
     listed = {name for name in listed if "_slash_" not in name and not name.startswith("passo_kernels_")}
     gone = sorted(listed - functions())
     assert len(listed) > 100 and 10 * len(gone) < len(listed), gone

@@ -244,7 +244,7 @@ def test_what_interrupts_share_is_read_and_written_each_time():
 def test_a_module_needs_no_data_and_no_address(march):
     unit = unit_of(TEXT)
     made = module.module(unit.text(RUNTIME), unit.names, march)
-    functions, end, *_ = mpy.functions(made.data)
+    functions, end, *_ = mpy.functions_of(made.data)
     assert len(functions) == 1 and end == len(made.data) and functions[0].kind == mpy.VIPER
     assert not module.pointers(module.code_of(made.data, unit.names, march), march)
     assert module.module(unit.text(RUNTIME), unit.names, march) == made
@@ -346,7 +346,7 @@ def test_what_a_release_ships_is_taken_where_there_is_no_compiler(tmp_path, monk
 
     here = made()
     (tmp_path / "old.mpy").write_bytes(b"")
-    shipped = ship.ship(["two_motor_kit"], tmp_path, ("rp2040",))
+    shipped = ship.ship_modules(["two_motor_kit"], tmp_path, ("rp2040",))
     assert here.by == sorted(set(shipped.values())) and {path.name for path in tmp_path.glob("*.mpy")} == shipped.keys()
     assert sorted(here.modules.values()) == sorted(path.read_bytes() for path in tmp_path.glob("*.mpy"))
     monkeypatch.setattr(module, "compiler", lambda march: None)
@@ -354,7 +354,7 @@ def test_what_a_release_ships_is_taken_where_there_is_no_compiler(tmp_path, monk
     monkeypatch.setattr(module, "SHIPPED", tmp_path)
     assert made() == here._replace(by=["what came with Passo"])
     with pytest.raises(Failure, match="nothing here compiles kernels for armv6m"):
-        ship.ship(["two_motor_kit"], tmp_path, ("rp2040",))
+        ship.ship_modules(["two_motor_kit"], tmp_path, ("rp2040",))
 
 
 @pytest.mark.parametrize("chip", ship.CHIPS)

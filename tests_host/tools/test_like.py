@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from host_tools import boards
 from host_tools.build import tree
 from host_tools.build.frozen import stamp
-from host_tools.build.reference import pins
+from host_tools.build.reference import pin_rows
 from host_tools.cli.main import app
 from host_tools.failure import Failure
 from passo.config.boardfile import check
@@ -186,7 +186,7 @@ def test_what_a_board_gets_says_what_the_file_says(name):
 
 @pytest.mark.quick
 def test_the_list_of_pins_is_of_the_whole():
-    rows = pins()
+    rows = pin_rows()
     start = next(index for index, row in enumerate(rows) if row.startswith("### ") and "router_4axis" in row)
     table = rows[start + 1 : next((index for index in range(start + 1, len(rows)) if rows[index].startswith("### ")), len(rows))]
     assert any("repl" in row for row in table) and any("motor A STEP" in row for row in table)

@@ -36,7 +36,7 @@ def blocks_of(function, size):
 
 def test_every_byte_of_a_module_is_accounted_for(modules):
     for path, data in modules.items():
-        found = mpy.functions(data)
+        found = mpy.functions_of(data)
         assert found.end == len(data), path
 
 
@@ -63,7 +63,7 @@ def tables(data):
     """(how many objects a module has, whether the objects' place is in the piece of its names, two bytes each in whole words)"""
     reader = mpy._Reader(data)
     reader.at = 4
-    names, objects = reader.number(), reader.number()
+    names, objects = reader.read_number(), reader.read_number()
     return objects, objects > 0 or -(-names // 2) * 4 % 16 > 0
 
 
@@ -73,7 +73,7 @@ def test_no_module_points_behind_its_tables(modules):
     for path, data in modules.items():
         placed = mpy.in_place(data)
         assert tables(placed)[1], path
-        mpy.functions(placed)
+        mpy.functions_of(placed)
         met += tables(placed)[0] == 1 and tables(data)[0] == 0
     assert met > 3
 
@@ -83,7 +83,7 @@ def test_functions_are_the_same_and_lie_in_one_block(modules, native):
     moved = copied = 0
     for path, data in modules.items():
         placed = mpy.in_place(data, native)
-        before, after = mpy.functions(data).functions, mpy.functions(placed).functions
+        before, after = mpy.functions_of(data).functions, mpy.functions_of(placed).functions
         code = [data[f.offset : f.offset + f.length] for f in before]
         assert code == [placed[f.offset : f.offset + f.length] for f in after], path
         head, _, _, rows, *_ = known_of(placed)
@@ -110,7 +110,7 @@ def test_texts_are_where_they_are_said_to_be(modules):
         head, names, first, _, texts, call = known_of(placed)
         if not head:
             continue
-        found = mpy.functions(data)
+        found = mpy.functions_of(data)
         known = {number: data[found.names + at : found.names + at + length + 1] for number, at, length in found.texts}
         for place, block, number in texts:
             text = known[number]
@@ -120,14 +120,14 @@ def test_texts_are_where_they_are_said_to_be(modules):
         reader = mpy._Reader(placed)
         reader.at = first
         for _ in range(names):
-            reader.name()
+            reader.skip_name()
         assert not names or placed[: reader.at].endswith(b"\x0a_load\0"), path
     assert count > 100
 
 
 def test_small_modules_get_a_block_of_their_own(modules):
     for path, data in modules.items():
-        placed, found = mpy.in_place(data), mpy.functions(data).functions[1:]
+        placed, found = mpy.in_place(data), mpy.functions_of(data).functions[1:]
         assert len(placed) > mpy.INLINE_BYTES or sum(each.length for each in found) < 100 or not known_of(placed)[0], path
 
 
@@ -135,7 +135,7 @@ def test_small_modules_get_a_block_of_their_own(modules):
 def test_padding(offset, length, native):
     for kind in (mpy.BYTECODE, mpy.VIPER):
         function = mpy.Function(0, offset, length, kind)
-        moved = mpy.padding(function, offset, native)
+        moved = mpy.padding_before(function, offset, native)
         function.offset = offset + moved
         assert 0 <= moved < mpy.BLOCK_BYTES + 4
         assert len(blocks_of(function, 60_000)) == 1 or length > 4072

@@ -39,7 +39,7 @@ def parsed(files, tmp_path):
     if not NODE:
         pytest.skip("NO NODE: apt-get install nodejs, to check the page's syntax")
     try:
-        text = ACORN.files("dist/acorn.js")["dist/acorn.js"]
+        text = ACORN.read_files("dist/acorn.js")["dist/acorn.js"]
     except Failure as failure:
         if "cannot fetch" not in str(failure):
             raise

@@ -181,7 +181,7 @@ def driver():
 def axe():
     """The text of axe-core."""
     try:
-        return AXE.files("axe.min.js")["axe.min.js"].decode()
+        return AXE.read_files("axe.min.js")["axe.min.js"].decode()
     except Failure as failure:
         if "cannot fetch" not in str(failure):
             raise

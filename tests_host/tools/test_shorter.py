@@ -17,7 +17,7 @@ POINTS = st.builds(complex, st.integers(0, 100), st.integers(0, 100))
 OPEN = st.lists(POINTS, min_size=2, max_size=5).map(numpy.array)
 CLOSED = st.lists(POINTS, min_size=3, max_size=6).map(lambda places: numpy.array([*places, places[0]]))
 MANY = st.lists(st.one_of(OPEN, CLOSED), max_size=40)
-needs_compiler = pytest.mark.skipif(pc_kernels.compiler() is None, reason="there is no C compiler for this PC")
+needs_compiler = pytest.mark.skipif(pc_kernels.compiler_command() is None, reason="there is no C compiler for this PC")
 
 
 @pytest.fixture

@@ -30,7 +30,7 @@ TIMEOUT_S = 600
 def package():
     """MicroPython's files; the test skips where npm's registry cannot be reached and nothing is kept."""
     try:
-        return site.package()
+        return site.load_package()
     except Failure as failure:
         if "cannot fetch" not in str(failure):
             raise
@@ -39,7 +39,7 @@ def package():
 
 def order(jobs):
     """(what site_digests.js takes, {name: golden fields}) of jobs by name: those of test_digest.py."""
-    texts = dict(site.texts())
+    texts = dict(site.tab_texts())
     texts["digest.py"] = DIGEST.read_text(encoding="utf-8")
     texts |= {f"boards/{name}.py": boards.board_py(name).decode() for name in boards.names()}
     files, arguments, golden = {}, [], {}
@@ -134,13 +134,13 @@ def test_a_site_is_written_over_an_older_one(tmp_path):
 @pytest.mark.quick
 def test_another_package_is_refused():
     with pytest.raises(Failure, match="is not what it was"):
-        site.MICROPYTHON.extract(b"something else", ())
+        site.MICROPYTHON.extract_files(b"something else", ())
 
 
 def test_a_package_that_cannot_be_fetched_is_told(monkeypatch, tmp_path):
     monkeypatch.setenv("NPM_CONFIG_REGISTRY", "http://127.0.0.1:9")
     with pytest.raises(Failure, match="cannot fetch MicroPython for the browser, http://127.0.0.1:9/"):
-        site.package(tmp_path)
+        site.load_package(tmp_path)
     assert not list(tmp_path.iterdir())
 
 
@@ -148,7 +148,7 @@ def test_a_package_kept_broken_is_fetched_again(monkeypatch, tmp_path):
     kept = site.MICROPYTHON.path_in(tmp_path)
     kept.write_bytes(b"torn")
     with pytest.raises(Failure, match="is not what it was"):
-        site.package(tmp_path)
+        site.load_package(tmp_path)
     assert not kept.exists()
 
 

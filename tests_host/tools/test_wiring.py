@@ -15,8 +15,8 @@ from host_tools import boards, interpreter, language
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 from host_tools.wiring import table
-from host_tools.wiring.drawing import drawing
-from host_tools.wiring.parts import REGISTER_BIT, common_enable, motors, parts
+from host_tools.wiring.drawing import wiring_svg
+from host_tools.wiring.parts import REGISTER_BIT, common_enable, motors_of, parts_of
 from passo.config.boardfile import check, claimed_pins
 
 ImageFont = pytest.importorskip("PIL.ImageFont")
@@ -60,7 +60,7 @@ def expected(board):
     if board.get("registers") and board["registers"]["tool"] >= 0:
         found[f"out {board['registers']['tool']}"] = {"tool_out"}
     if common_enable(board) is not None:
-        found[str(common_enable(board))] = {f"motor_{name}" for name, _ in motors(board)}
+        found[str(common_enable(board))] = {f"motor_{name}" for name, _ in motors_of(board)}
     return found
 
 
@@ -175,7 +175,7 @@ def faults(text, board):
 @pytest.mark.parametrize("name", boards.names())
 def test_a_shipped_board_is_drawn(name, spoken):
     board = checked(name)
-    text = drawing(board)
+    text = wiring_svg(board)
     assert faults(text, board) == []
     assert f'lang="{spoken}"' in text
 
@@ -198,12 +198,12 @@ def test_any_pins_are_drawn(pins, name):
     if board.get("spindle", {}).get("pwm"):
         board["spindle"]["pin"] = next(free)
     whole = check(board)
-    assert faults(drawing(whole), whole) == []
+    assert faults(wiring_svg(whole), whole) == []
 
 
 def test_faults_are_found():
     board = checked("router_3axis")
-    text = drawing(board)
+    text = wiring_svg(board)
     one, two = re.findall(r'<text x="[\d.]+" y="[\d.]+"', text)[5:7]
     wire = re.search(r'<path d="M84 ([\d.]+)L.*?data-pin="2".*?>', text)
     for changed in (
@@ -219,14 +219,14 @@ def test_faults_are_found():
 @pytest.mark.parametrize("name", boards.names())
 def test_the_table_has_each_pin_once(name, spoken):
     board = checked(name)
-    rows = table.rows(board)
-    assert len(rows) == sum(map(len, expected(board).values())) == sum(len(part.terminals) for part in parts(board))
+    rows = table.wiring_rows(board)
+    assert len(rows) == sum(map(len, expected(board).values())) == sum(len(part.terminals) for part in parts_of(board))
     assert all(len(row) == 5 and row[0] and row[2] for row in rows)
     assert len({row[0] for row in rows}) == len(expected(board))
 
 
 def test_positions_are_those_of_the_pico():
-    rows = {row[0]: row[1] for row in table.rows(checked("router_3axis"))}
+    rows = {row[0]: row[1] for row in table.wiring_rows(checked("router_3axis"))}
     assert rows["GP0"] == "1" and rows["GP15"] == "20" and rows["GP16"] == "21" and rows["GP27"] == "32"
 
 
@@ -235,7 +235,7 @@ def test_a_sheet_too_small():
     whole = check(copy.deepcopy(board))
     whole["links"] = [{"name": f"l{number}", "port": "uart1", "tx": 4, "rx": 5, "baud": 9600, "protocol": "grbl"} for number in range(9)]
     with pytest.raises(Failure, match="parts do not fit"):
-        drawing(whole)
+        wiring_svg(whole)
 
 
 def passo(*words):
@@ -245,7 +245,7 @@ def passo(*words):
 def test_the_command(tmp_path):
     out = tmp_path / "router.svg"
     assert passo("wiring", "router_3axis", "--out", str(out)).stdout == f"{out}\n"
-    assert out.read_text(encoding="utf-8") == drawing(checked("router_3axis"))
+    assert out.read_text(encoding="utf-8") == wiring_svg(checked("router_3axis"))
     assert re.search(r"GP27\s+32\s+stop", passo("wiring", "router_3axis").stdout)
     wrong = passo("wiring", "router_3axis", "--out", "router.png")
     assert wrong.returncode == 1 and "SVG" in wrong.stderr

@@ -96,8 +96,8 @@ def test_the_words_are_those_of_the_documents():
 def test_a_page_is_small(tmp_path):
     """All that a board keeps of it, compressed."""
     from host_tools import boards
-    from host_tools.build.pages import pack
+    from host_tools.build.pages import pack_files
 
     for name in ("plotter_page", "router_pico_w"):
-        rows = pack(boards.load(name), tmp_path / name)
+        rows = pack_files(boards.load(name), tmp_path / name)
         assert "index.html" in [name for name, _, _ in rows] and sum(packed for _, _, packed in rows) < 100_000  # 6 kB are a sentence for each control, twice

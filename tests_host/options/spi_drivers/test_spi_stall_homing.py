@@ -17,7 +17,7 @@ from test_stall_homing import FULL, tried
 from host_tools import boards
 from host_tools.build import tree
 from host_tools.sim.tmc_spi import SpiDriver
-from host_tools.wiring.parts import parts
+from host_tools.wiring.parts import parts_of
 
 STALL = -2  # SG_RESULT is 0 half a full step behind the field, about
 WAYS = {"tmc5160": ("a CS each", (21, 22, 28)), "tmc2130": ("a chain", (21, 21, 21))}
@@ -291,7 +291,7 @@ def test_the_shipped_board_homes():
     machine = ready("router_tmc5160", stalls=2)
     machine.do("$H")
     assert all(abs(each) <= 2 * FULL for each in machine.plant.position[:2]) and machine.plant.position[2] == 0
-    titles = {part.name: part.title for part in parts(check(boards.load("router_tmc5160")))}
+    titles = {part.name: part.title for part in parts_of(check(boards.load("router_tmc5160")))}
     assert titles["in_limit_x"] == "limit_x: DIAG of the X driver" and titles["in_limit_z"] == "limit_z: limit Z"
 
 
