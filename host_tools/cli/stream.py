@@ -145,7 +145,7 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
                 "{}\nWork zero G54 lies at {} of the machine; the page, or G10 L20 P1 X0 Y0 Z0 with the tool there, sets it at the workpiece",
                 refused, zero[5:-1], number=refused.number,
             ) from None  # fmt: skip
-    panel.tell()
+    panel.print_rate()
     return panel.moving_s(), len(lines)
 
 
