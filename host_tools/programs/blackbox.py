@@ -18,7 +18,7 @@ from host_tools.failure import Failure, reason
 from passo.options.blackbox.config import (
     BOX_ADDED, BOX_AT, BOX_BASE, BOX_END, BOX_FIRST, BOX_HEAD,
     BOX_MAGIC_0, BOX_MAGIC_1, BOX_NUMBERS, BOX_ROW, BOX_ROWS, BOX_SAMPLED, BOX_SAMPLES, BOX_SNAPSHOT, BOX_SNAPSHOTS, BOX_TAKEN, BOX_TEXT,
-    NAME, OLD, head,
+    NAME, OLD, box_head,
 )  # fmt: skip
 from passo.config.boardfile import BoardError, check
 from passo.options.blackbox.control import ALARM, DROPPED, HALTED, HOMED, INPUTS, LOGGED, ORDER, SAMPLE, STATES, STOOD, WAITS
@@ -132,7 +132,7 @@ def board_of(text):
 
 def file_of(why, numbers, text):
     """The bytes of a file blackbox.bin, as a board of this computer writes them."""
-    return head(why) + numbers + text
+    return box_head(why) + numbers + text
 
 
 def pack(files):
