@@ -169,7 +169,7 @@ def _serve_page(port, file, agent, asked, stack):
 
 def _parse_machine_texts(option, texts, boards):
     """{machine: text} of an option that says something of machines. Raises Failure."""
-    from host_tools.shop.desk import LASER_CLASSES
+    from host_tools.shop.dispatcher import LASER_CLASSES
 
     found = dict(text.partition("=")[::2] for text in texts or ())
     for name, text in found.items():

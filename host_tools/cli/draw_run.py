@@ -13,7 +13,7 @@ from host_tools.clients.plotter import POLL_S
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
 from host_tools.language import _
-from host_tools.programs import drawn, job_record
+from host_tools.programs import drawing_progress, job_record
 
 
 BAUD = 57600
@@ -65,7 +65,7 @@ class Plotted:
         """Write its packets. Raises Failure."""
         if self._changes:
             raise Failure("a file of packets cannot wait for a pen's change: write one file for each layer, by --layer")
-        drawn.write_packets(path, self._objects, self._said.home, self._said.speed)
+        drawing_progress.write_packets(path, self._objects, self._said.home, self._said.speed)
         console.print(_("  {0}: to be stored by passo jobs store {0} --protocol plotter", path))
 
     def run(self, console, record, said):
@@ -73,7 +73,7 @@ class Plotted:
         if self._said.unlock:
             raise Failure("--unlock is for machines that speak grbl: a plotter seeks its origin, or draws from where it is by --no-home")
         way = Way(said.resume, said.home)
-        stored = drawn.numbers_of_stored(self._objects, said.speed)
+        stored = drawing_progress.numbers_of_stored(self._objects, said.speed)
         run(console, self._objects, self._machine, record, said.port, said.baud or BAUD, said.speed, way, said.log, said.timeout, stored, self._changes)
 
 
@@ -105,13 +105,13 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                 if spot:
                     console.print(_("  interrupted {}", spot))
                     job.begin(spot)
-                    drawn.announce(client, objects, spot)
+                    drawing_progress.announce(client, objects, spot)
                 if way.resume and changes:
                     pens = [part for number, part in changes.items() if number <= (spot.number if spot else record.object)]
                     if pens:
                         console.print(_("  pen {} draws on", pen_of(pens[-1])))
                 if not way.resume:
-                    drawn.announce(client, objects, drawn.Spot(0, 0))
+                    drawing_progress.announce(client, objects, drawing_progress.Spot(0, 0))
                 if spot and spot.done:
                     _lead_to_spot(client, objects, spot, way)
                 with _Progress(console, job, machine, speed) as progress:
@@ -189,14 +189,14 @@ def _find_spot(client, objects, record, way, numbers):
     except Refused as refused:
         if way.strict:
             raise Failure("the board has no journal (docs/use/jobs.md): {}; passo draw --continue needs none", refused) from None
-    if found and found.job in (drawn.number_of(objects), *numbers):
-        spot = drawn.spot_of(found, objects)
+    if found and found.job in (drawing_progress.number_of(objects), *numbers):
+        spot = drawing_progress.spot_of(found, objects)
         job_record.find_zero(found.known, way.home, way.unverified, lambda: None)
         return spot
     if way.strict:
         raise Failure("the board's journal is of another drawing, or it was drawn with other options: give them to passo draw --continue")
     record.resume()
-    return drawn.spot_at(objects, record.object, record.drawn) if found else None
+    return drawing_progress.spot_at(objects, record.object, record.drawn) if found else None
 
 
 def _lead_to_spot(client, objects, spot, way):

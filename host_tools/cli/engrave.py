@@ -12,7 +12,7 @@ from host_tools.cli.draw import parse_corner
 from host_tools.cli.stream import make_ready, send
 from host_tools.failure import Failure
 from host_tools.language import _, count_text, line_text
-from host_tools.programs.begun import CARD
+from host_tools.programs.program_names import CARD
 
 DIALECTS = "plain", "cluster", "frames"
 EXAMPLES = """Engrave a picture with a laser: to its size, in rows of dots, as G-code that is sent or kept.

@@ -155,9 +155,9 @@ def _tell_end(file, number, behind):
 def _check_here(client, file):
     """Parse the file as the firmware would with the machine's settings. Raises Failure at the first line refused; nothing on the board changes."""
     from host_tools.programs import gcode_file
-    from host_tools.programs.made_by import advice_of
+    from host_tools.programs.program_makers import advice_of
     from host_tools.programs.replay import Replay
-    from host_tools.programs.replayed_machine import Machine
+    from host_tools.programs.replay_machine import Machine
 
     machine = Machine.of_answers(client.command("$$"), client.command("$#"), client.command("$I"))
     try:

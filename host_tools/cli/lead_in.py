@@ -15,9 +15,9 @@ _WAIT_S = 600  # that a way, a spindle or a dwell may take
 def announce_program(client, lines, name):
     """Tell a board with a journal which program begins, and remember its name."""
     from host_tools.clients.grbl import Refused
-    from host_tools.programs import begun
+    from host_tools.programs import program_names
 
-    number = begun.remember_program(lines, name)
+    number = program_names.remember_program(lines, name)
     try:
         client.command(f"$JR={number:08x}")
     except Refused as refused:
@@ -30,8 +30,8 @@ def prepare_start(client, lines, number, place=None, yes=False, end=None, sure=T
     Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
     `sure`: see staged().
     Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
-    from host_tools.programs.interrupted import plan_stages
-    from host_tools.programs.replayed_machine import Machine
+    from host_tools.programs.resume_line import plan_stages
+    from host_tools.programs.replay_machine import Machine
 
     stages, rest, dot = plan_stages(Machine.of_answers(client.command("$$"), client.command("$#"), client.command("$I")), lines, number, place, end, sure)
     if dot:

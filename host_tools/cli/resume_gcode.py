@@ -6,7 +6,7 @@ from host_tools.cli.lead_in import prepare_start
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
 from host_tools.language import _
-from host_tools.programs.interrupted import end_position, resume_point
+from host_tools.programs.resume_line import end_position, resume_point
 from host_tools.programs.job_record import find_zero
 from passo import errors
 

@@ -6,7 +6,7 @@ from host_tools.cli import draw
 from host_tools.cli.draw_run import Way, run
 from host_tools.drawings.sources import SUFFIXES
 from host_tools.failure import Failure
-from host_tools.programs import drawn, stored_job
+from host_tools.programs import drawing_progress, stored_job
 from host_tools.programs.journal import Journal
 
 _POINTS = 1000
@@ -18,10 +18,10 @@ def resume_drawing(file, port, baud, home, unverified, yes):
     record = None
     if file.suffix.lower() in SUFFIXES:
         objects, machine, record, speed = _load_drawing(file)
-        numbers = drawn.numbers_of_stored(objects, speed)
+        numbers = drawing_progress.numbers_of_stored(objects, speed)
     else:
         data = stored_job.plotter_job(file)
-        objects, speed = drawn.objects_of(data)
+        objects, speed = drawing_progress.objects_of(data)
         machine = draw.load_plotter(_BOARD)
         numbers = [stored_job.crc(data)]
     if not objects:

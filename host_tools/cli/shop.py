@@ -40,8 +40,8 @@ def shop(
         passo shop --broker shop.local --user shop --password-file mqtt.txt --ca ca.crt --host 0.0.0.0
     """
     from host_tools.clients.page_key import make_key
-    from host_tools.shop.book import Book
-    from host_tools.shop.desk import Desk
+    from host_tools.shop.job_table import JobTable
+    from host_tools.shop.dispatcher import Dispatcher
     from host_tools.shop.shop_server import Shop
 
     broker = make_broker(broker, user, password, ca)
@@ -49,16 +49,16 @@ def shop(
     secret = key_in(key)
     try:
         book.parent.mkdir(parents=True, exist_ok=True)
-        opened = Book(book)
+        opened = JobTable(book)
     except (OSError, _database_error()) as error:
         raise Failure("cannot use the book {}: {}", book, reason(error)) from error
     page_key = make_key(os.urandom)
-    desk = Desk(broker, secret, opened)
+    dispatcher = Dispatcher(broker, secret, opened)
     try:
-        served = Shop(desk, opened, page_key, host)
+        served = Shop(dispatcher, opened, page_key, host)
         asyncio.run(served.run(host, http, lambda number: _print_address(host, number, page_key, key)))
     finally:
-        desk.close()
+        dispatcher.close()
         opened.close()
 
 

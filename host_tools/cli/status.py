@@ -63,7 +63,7 @@ def _rows_of_grbl(port, baud):
 def _job_row(client, fields):
     """The row that tells which job has not been done to its end: where the board keeps a journal, and stands."""
     from host_tools.clients.refusal import Refused
-    from host_tools.programs import begun, stored_job
+    from host_tools.programs import program_names, stored_job
     from host_tools.programs.job_record import Record
 
     if fields["state"] not in ("Idle", "Alarm"):
@@ -75,7 +75,7 @@ def _job_row(client, fields):
         record = Record.of(client.command("$JR"))
         if not record.job or not record.line:
             return []
-        name, last = begun.find(record.job)
+        name, last = program_names.find(record.job)
         if not name and "F" in options:
             name = stored_job.name_by_crc(client.command("$F"), record.job)
     except Refused:
@@ -85,7 +85,7 @@ def _job_row(client, fields):
     name = name or _("a program that this PC has not begun ({})", f"{record.job:08x}")
     text = _("stopped after line {} of {}", record.line, name) if record.done else _("stopped amid line {} of {}", record.line, name)
     turns = _(", the spindle turns") if set("SC") & set(fields.get("A", "")) else _(", spindle off")
-    goes_on = _("; passo engrave --continue goes on with it") if begun.is_engraving(name) else _("; passo resume goes on with it")
+    goes_on = _("; passo engrave --continue goes on with it") if program_names.is_engraving(name) else _("; passo resume goes on with it")
     return [(N_("job"), text + turns + goes_on)]
 
 

@@ -6,8 +6,8 @@ It streams jobs, and lets a guest speak on the same wire.
 """
 
 from host_tools.clients.grbl_wire import FIELDS, GUEST, LOST, PAGE, RX_ROOM, Wire, dwell_ms, fields_of
-from host_tools.page.cabled import cabled
-from host_tools.page.guest import Guest
+from host_tools.page.cable_page import cabled
+from host_tools.page.guest_sender import GuestSender
 from host_tools.page.job import Job
 from host_tools.page.jobs import with_jobs
 from passo import commands, errors
@@ -29,7 +29,7 @@ class GrblMachine(_Cabled):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
         self.job = Job(self)
         _Cabled.__init__(self, tell, Wire(write, self._heard, self.answered), None)
-        self.guest = Guest(self, guest)
+        self.guest = GuestSender(self, guest)
         self._offset = None
         self._waits = b""  # the line that is answered next
         self._wait_ms = self._counted_ms = 0

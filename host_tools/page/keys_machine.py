@@ -7,8 +7,8 @@ The state shown is what follows from the keys that this page has sent.
 """
 
 from host_tools.clients.keys_wire import KeysWire
-from host_tools.page.asked_settings import with_settings
-from host_tools.page.cabled import cabled
+from host_tools.page.cable_settings import with_settings
+from host_tools.page.cable_page import cabled
 from passo.protocols.page.keys import KeysPage
 
 _Cabled = with_settings(cabled(KeysPage))

@@ -4,7 +4,7 @@ another machine. Tool on, run and resume from another computer want somebody at 
     api = PanelOrders(machine, store, teach, choose)
 """
 
-from host_tools.page.later import Later, is_refusal
+from host_tools.page.slow_order import SlowOrder, is_refusal
 from host_tools.page.set_up import SetUp
 from host_tools.page.presence import starts
 from host_tools.page.queue import Queue
@@ -65,10 +65,10 @@ class PanelOrders(Orders):
         """`remote`: it comes from another computer, and the board does not know that."""
         answer = self.begin(order, proven, remote)
         later = answer.get("error")
-        return self.finish(answer, later.work()) if isinstance(later, Later) else answer
+        return self.finish(answer, later.work()) if isinstance(later, SlowOrder) else answer
 
     def begin(self, order, proven, remote=False):
-        """The same, but for what takes a moment: then the answer's "error" is a Later, and finish() has the answer."""
+        """The same, but for what takes a moment: then the answer's "error" is a SlowOrder, and finish() has the answer."""
         known = isinstance(order, dict)
         if known and order.get("do") == "stop":
             self._stops += 1
@@ -110,7 +110,7 @@ class PanelOrders(Orders):
         """A board file of the user's own: `what` is get, new, set, back or remove."""
         if text(order, "what", 8) != "get" and self.machine.still():
             return self.machine.still()
-        return Later(lambda: self._own.order(order), self._own.finish)
+        return SlowOrder(lambda: self._own.order(order), self._own.finish)
 
     # --- jobs
 
@@ -135,7 +135,7 @@ class PanelOrders(Orders):
             answer.update(found)
             return answer
 
-        return self.machine.still() or Later(lambda: self.store.about(name, settings), told, slow=True)
+        return self.machine.still() or SlowOrder(lambda: self.store.about(name, settings), told, slow=True)
 
     def _job_part(self, order):
         """A piece of a job: the first has `at` 0, the last `last`."""
@@ -146,13 +146,13 @@ class PanelOrders(Orders):
             raise Wrong("text")
         if not order.get("last"):
             return self.store.add(name, at, piece, False)
-        return Later(lambda: self.store.add(name, at, piece, True), job=name, slow=True)  # a drawing becomes a job
+        return SlowOrder(lambda: self.store.add(name, at, piece, True), job=name, slow=True)  # a drawing becomes a job
 
     def _job_place(self, order):
         """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
         name = text(order, "name", 64)
         place = [number(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
-        return self.machine.still() or Later(lambda: self.store.place(name, place), job=name, slow=True)
+        return self.machine.still() or SlowOrder(lambda: self.store.place(name, place), job=name, slow=True)
 
     def _job_remove(self, order):
         return self.machine.still() or self.store.remove(text(order, "name", 64))
@@ -177,7 +177,7 @@ class PanelOrders(Orders):
             error = lines if is_refusal(lines) else errors.STOPPED if self._stops != stops else self.machine.refusal() or self.machine.still()
             return error or self.machine.run(name, lines, passes, bool(order.get("check")), bool(order.get("single")))
 
-        return Later(lambda: self.store.lines(name), begin, name)
+        return SlowOrder(lambda: self.store.lines(name), begin, name)
 
     # --- teach-in
 

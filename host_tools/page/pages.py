@@ -2,7 +2,7 @@
 
     pages = PanelPages(api, key, most)
     page = pages.enter(socket, pages.about(more), now_ms)
-    answer = pages.hear(page, text, now_ms)     # a dict; its "error" may be a Later, see finish(); None: it is to be closed
+    answer = pages.hear(page, text, now_ms)     # a dict; its "error" may be a SlowOrder, see finish(); None: it is to be closed
     pages.next_state(now_ms)                    # the message for all of them that are due
     page.pace.due(pages.version, now_ms)
 """

@@ -8,8 +8,8 @@ sent. Where the pen is, is known from that, and from the points drawn that STATU
 """
 
 from host_tools.clients.plotter_wire import PlotterWire
-from host_tools.page.asked_settings import with_settings
-from host_tools.page.cabled import cabled
+from host_tools.page.cable_settings import with_settings
+from host_tools.page.cable_page import cabled
 from host_tools.page.jobs import with_jobs
 from host_tools.page.plotter_job import PlotterJob
 from passo.protocols.page.plotter import PlotterPage

@@ -9,8 +9,8 @@ What the PC adds: jobs, and teach-in, which writes down what moves by hand have 
 from micropython import const
 
 from host_tools.clients.pulses_wire import PulsesWire
-from host_tools.page.asked_settings import with_settings
-from host_tools.page.cabled import cabled
+from host_tools.page.cable_settings import with_settings
+from host_tools.page.cable_page import cabled
 from host_tools.page.jobs import with_jobs
 from host_tools.page.pulses_job import PulsesJob
 from host_tools.page.pulses_teach import PulsesTeach

@@ -9,7 +9,7 @@ The next job begins by itself only if no tool has to be changed in between: its 
 Else, and in a language without tools, somebody says so: "run". One that fails or is ended stops the queue.
 """
 
-from host_tools.page.later import Later, is_refusal
+from host_tools.page.slow_order import SlowOrder, is_refusal
 from passo import errors
 from passo.protocols.page.orders import Wrong, number, text
 
@@ -39,7 +39,7 @@ class Queue:
             name = text(order, "name", 64)
             if len(jobs) >= _MOST:
                 return errors.JOB_SIZE
-            return Later(lambda: self._look(name), lambda found: self._add(name, found), name)
+            return SlowOrder(lambda: self._look(name), lambda found: self._add(name, found), name)
         elif what == "run":
             return self._asked()
         elif what == "clear":
@@ -73,7 +73,7 @@ class Queue:
         if not self._jobs:
             return errors.NO_SUCH_JOB
         name, stops = self._jobs[0], self._stops
-        return machine.refusal() or machine.still() or Later(
+        return machine.refusal() or machine.still() or SlowOrder(
             lambda: self._look(name), lambda found: errors.STOPPED if self._stops != stops else self._begin(name, found), name
         )
 

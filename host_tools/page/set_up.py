@@ -12,7 +12,7 @@ The map is kept as long as the panel runs. It runs under MicroPython too, in a b
 
 from host_tools.programs.height_map import MOST_POINTS, Grid, Unfollowed, level
 from host_tools.programs.surfacing import surface
-from host_tools.page.later import Later
+from host_tools.page.slow_order import SlowOrder
 from passo import errors
 from passo.protocols.page.orders import number, text
 
@@ -94,7 +94,7 @@ class SetUp:
         grid = self._grid
         if not grid or not grid.whole():
             return errors.NO_SUCH_JOB
-        return Later(lambda: self._levelled(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._kept("map", *made), name, True)
+        return SlowOrder(lambda: self._levelled(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._kept("map", *made), name, True)
 
     def _levelled(self, name, grid):
         """(name, text) of a second job, which follows `grid`; or why there is none."""

@@ -7,7 +7,7 @@
 
 A manual move of the page is straight, from rest to rest: so the positions where it rests are its path. Moves that go on in one line are
 one line of the program. `recognise(points, ways)` may do better: it gives the lines of G-code for a list of positions, with the positions
-seen on the way to each but the first. A PC's finds arcs (host_tools/panel/taught.py).
+seen on the way to each but the first. A PC's finds arcs (host_tools/panel/hand_path.py).
 """
 
 from passo import errors

@@ -6,8 +6,8 @@ The language does not answer orders. The board counts what it drops and keeps th
 """
 
 from host_tools.clients.torch_wire import TorchWire
-from host_tools.page.asked_settings import with_settings
-from host_tools.page.cabled import cabled
+from host_tools.page.cable_settings import with_settings
+from host_tools.page.cable_page import cabled
 from passo import errors
 from passo.protocols.page.torch import TorchPage
 

@@ -29,7 +29,7 @@ def gcode(lines, settings):
 
 def _refused(lines, answers):
     from host_tools.programs.replay import RefusedLine, Replay
-    from host_tools.programs.replayed_machine import Machine
+    from host_tools.programs.replay_machine import Machine
 
     if not any(row.startswith("$100=") for row in answers) or any(row.startswith("$103=") for row in answers):
         return None

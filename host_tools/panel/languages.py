@@ -5,7 +5,7 @@
 """
 
 from host_tools.clients import refusal, setting_names
-from host_tools.panel import drawn, job_facts, taught
+from host_tools.panel import drawing_jobs, job_facts, hand_path
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import gcode_lines
 from passo.config.boardfile import check
@@ -46,7 +46,7 @@ def _grbl(board, write, tell, guest):
     machine.cause = refusal.cause
     machine.can = (*machine.can, "place")
     teach = Teach(
-        lambda points, ways: taught.program(points, ways, [float(machine.settings[100 + axis]) for axis in range(len(points[0]))])
+        lambda points, ways: hand_path.program(points, ways, [float(machine.settings[100 + axis]) for axis in range(len(points[0]))])
     )
 
     def see(state):
@@ -58,7 +58,7 @@ def _grbl(board, write, tell, guest):
         machine.can = (*machine.can, "from")
 
     machine.watcher = see
-    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join, drawn.gcode_of(board, machine), job_facts.gcode)
+    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join, drawing_jobs.gcode_of(board, machine), job_facts.gcode)
 
 
 def _pulses(board, write, tell, about):
@@ -86,7 +86,7 @@ def _plotter(board, write, tell, about):
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
     machine = PlotterMachine(write, tell, board)
     machine.can = (*machine.can, "place")
-    return Spoken(machine, None, packet_lines, about, made=drawn.words_of(board, machine), facts=job_facts.packets_of(board))
+    return Spoken(machine, None, packet_lines, about, made=drawing_jobs.words_of(board, machine), facts=job_facts.packets_of(board))
 
 
 def _keys(board, write, tell, about):

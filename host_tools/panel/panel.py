@@ -10,7 +10,7 @@ from host_tools.clients import page_key
 from host_tools.failure import Failure
 from host_tools.panel import languages
 from host_tools.panel.own_boards import OwnBoards
-from host_tools.panel.proving import Proving
+from host_tools.panel.prove_process import ProveProcess
 from host_tools.page.orders import PanelOrders
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
@@ -56,7 +56,7 @@ class Panel:
         self._asked = False  # the pages show the guest's request
         self._change = change
         self._changing = None  # the task that has the port: a change of machine, or a proof
-        self._proving = Proving(proved, self._lend, self._tell) if proved else None
+        self._proving = ProveProcess(proved, self._lend, self._tell) if proved else None
         self._jobs = jobs
         self._machines = list(machines)
         self._files = own[1] if own else {}

@@ -15,13 +15,13 @@ begin tells none: the one that was interrupted before is still to be offered.
 """
 
 from host_tools.failure import Failure
-from host_tools.programs import begun, replay
-from host_tools.programs.interrupted import end_position, number_of, plan_stages, resume_point
+from host_tools.programs import program_names, replay
+from host_tools.programs.resume_line import end_position, number_of, plan_stages, resume_point
 from host_tools.programs.job_record import Record
-from host_tools.programs.replayed_machine import Machine
+from host_tools.programs.replay_machine import Machine
 from passo import errors
 from passo.protocols.page import orders
-from host_tools.page.stored import StoredJobs
+from host_tools.page.stored_jobs import StoredJobs
 from host_tools.clients.grbl_wire import LOST, PAGE
 
 _REST = ("Idle", "Alarm")
@@ -121,7 +121,7 @@ class RecoverableJobs(StoredJobs):
             record = Record.of(said)
         except Failure:
             return None
-        name, last = begun.find(record.job)
+        name, last = program_names.find(record.job)
         if not name or not record.line or record.done and record.line >= last or (name, record.line) == self._left:
             return None
         return {"name": name, "line": record.line, "known": record.known, "next": "", "absent": True}
@@ -287,7 +287,7 @@ class RecoverableJobs(StoredJobs):
 
     def _number(self, name, lines):
         """Of a job that is not among those looked through, a number by which it is not found: it is not offered, and no other is in its place."""
-        return next((begun.remember_program(text, name) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
+        return next((program_names.remember_program(text, name) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
 
     def _announced(self, error):
         self._announcing = False

@@ -19,7 +19,7 @@ from concurrent.futures import ThreadPoolExecutor
 from ipaddress import ip_address
 
 from host_tools.build.pages import error_list, page_words
-from host_tools.page.later import Later
+from host_tools.page.slow_order import SlowOrder
 from host_tools.page.pages import PanelPages
 from host_tools.site import offline
 from microdot import Microdot, Request, Response
@@ -195,7 +195,7 @@ class Server:
             self.pages.overtake(request.body)
             answer = self.api.begin({"do": "stop"}, False)
             later = answer["error"]
-            return self.api.finish(answer, await asyncio.to_thread(later.work)) if isinstance(later, Later) else answer
+            return self.api.finish(answer, await asyncio.to_thread(later.work)) if isinstance(later, SlowOrder) else answer
 
         @app.get("/errors.json")
         async def texts(request):
@@ -242,7 +242,7 @@ class Server:
         try:
             answer = page and page.hello
             while answer is not None:
-                if isinstance(answer.get("error"), Later):
+                if isinstance(answer.get("error"), SlowOrder):
                     task = asyncio.ensure_future(self._finish(page, answer))
                     self._late.add(task)
                     task.add_done_callback(self._late.discard)
@@ -262,7 +262,7 @@ class Server:
         return asyncio.get_running_loop().run_in_executor(self._worker, work)
 
     async def result_of(self, later):
-        """What the work of a Later gives. A slow one does not hold those of other jobs."""
+        """What the work of a SlowOrder gives. A slow one does not hold those of other jobs."""
         if not later.slow:
             waits = [future for name, future in self._making if later.waits_for(name)]
             if waits:

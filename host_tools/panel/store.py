@@ -12,10 +12,10 @@ from threading import Lock
 from host_tools.clients.grbl_wire import number_line
 from host_tools.clients.refusal import cause
 from host_tools.failure import Failure
-from host_tools.page.later import is_refusal
+from host_tools.page.slow_order import is_refusal
 from host_tools.panel import job_facts
 from host_tools.programs import gcode_file, stored_job
-from host_tools.programs.made_by import advice_of
+from host_tools.programs.program_makers import advice_of
 from host_tools.programs.program_lines import latin_bytes
 from host_tools.sim.tab_jobs import text_error
 from passo import errors

@@ -15,7 +15,7 @@ from host_tools.failure import Failure, reason
 from host_tools.language import _, count_text, line_text
 from host_tools.programs import file_kinds, gcode_file, tool_table
 from host_tools.programs.listing import Listing
-from host_tools.programs.made_by import advice_of
+from host_tools.programs.program_makers import advice_of
 from host_tools.programs.program_lines import WrongLetter, plain_text, raw_lines_of
 
 DIALECTS = ("num", "ngc")

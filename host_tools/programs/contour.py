@@ -4,7 +4,7 @@ The contour is the way of the tool's edge, from the end of the first motion to t
 A straight one ends square to the contour's start, a radius away: straight, or if that would cut into the contour, around its start. An
 arc ends beside its own end, along it; so does a straight one if neither is free. The way out is the first motion in X or Y behind G40, straight, as the way in.
 
-A path that cuts into an area that the contour leaves (kept.py) is refused; lead-ins, lead-outs and edges that lead beyond the part lie in
+A path that cuts into an area that the contour leaves (uncut_areas.py) is refused; lead-ins, lead-outs and edges that lead beyond the part lie in
 the air. A contour that encloses nothing has material behind each of its pieces. Its path is checked against the ten pieces before and
 behind, as controllers look ahead; a piece too near beyond these is a warning, because several passes of a pocket may overlap.
 """
@@ -174,12 +174,12 @@ class Contour:
 
     def _remainder_under(self, motion):
         """The areas that the pieces leave and the motion is not above."""
-        from host_tools.programs.kept import Kept  # which needs shapely
+        from host_tools.programs.uncut_areas import UncutAreas  # which needs shapely
 
         heights = [height for height in motion.heights if height is not None]
         level = min(heights) if len(heights) == 2 else None
         if level not in self._kept:
-            self._kept[level] = Kept([told.piece for told in self._told if not _above(motion, told)], self.side)
+            self._kept[level] = UncutAreas([told.piece for told in self._told if not _above(motion, told)], self.side)
         return self._kept[level]
 
     def leave(self, begin, place, rapid, feed, source):

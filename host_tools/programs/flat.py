@@ -10,7 +10,7 @@ import re
 from functools import partial
 
 from host_tools.failure import Failure
-from host_tools.programs.replayed_machine import NM, Board, Machine, Memory, commands_of
+from host_tools.programs.replay_machine import NM, Board, Machine, Memory, commands_of
 from passo.protocols.gcode.offsets import TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 

@@ -36,7 +36,7 @@ class Job:
         return (self.journal.object, self.journal.drawn) if self.journal else self._at
 
     def begin(self, spot):
-        """Go on at a Spot of drawn.py, where the pen is."""
+        """Go on at a Spot of drawing_progress.py, where the pen is."""
         self._at = spot.number, spot.drawn
         self._led = spot.done > 0
         if self.journal:

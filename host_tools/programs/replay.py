@@ -16,7 +16,7 @@ from dataclasses import replace
 from host_tools.clients.grbl import explain
 from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
-from host_tools.programs.replayed_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact
+from host_tools.programs.replay_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact
 from passo import commands, errors
 from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets

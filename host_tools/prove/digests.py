@@ -42,7 +42,7 @@ def jobs_of(language):
         return {name: lines for name, (board, lines) in all_jobs().items() if board.startswith("router_3axis") and name != "drilling"}
     if language == "plotter":
         from host_tools.drawings import objects
-        from host_tools.programs.drawn import packets_of
+        from host_tools.programs.drawing_progress import packets_of
         from passo.protocols.plotter.protocol import PACKET
 
         return {name: parts_of(packets_of([points]), PACKET) for name, points in objects.objects().items()}

@@ -21,7 +21,7 @@ from host_tools.language import _
 from host_tools.panel import languages
 from host_tools.panel.server import clock_ms
 from host_tools.shop.link import SHOP, complain_of_errors
-from host_tools.shop.telling import Telling
+from host_tools.shop.state_topics import StateTopics
 from passo import errors
 
 _ASK_MS = 200  # between two reports of a board
@@ -38,7 +38,7 @@ class _Board:
         self.name = name
         self._link = link
         self._lock = threading.RLock()
-        self.telling = Telling()
+        self.state_topics = StateTopics()
         self._port = make_port(lambda fd, opened: changed(self, fd, opened))
         self._machine = languages.create(language, board, self._port.write, self._hear).machine
         self._machine.ask_ms = max(self._machine.ask_ms, _ASK_MS)
@@ -62,7 +62,7 @@ class _Board:
             self._machine.stop()
             if self.work:
                 self.work.note_stop()
-            self.telling.count_stop()
+            self.state_topics.count_stop()
             return bool(self._machine.state["link"])
 
     def _yield(self, text):
@@ -79,12 +79,12 @@ class _Board:
         if event["t"] == "log":
             for number in event["log"]:
                 if number < errors.ALARM_LOCKED and number != errors.WORDS_LATE:
-                    self.telling.count_refusal(number)
+                    self.state_topics.count_refusal(number)
         elif event["t"] == "refused" and self.work:
             self.work.note_refusal(event["text"])
         elif event["t"] == "said" and event["text"].startswith(_LOGGED):
             late = _LATE.search(event["text"])
-            self.telling.late(int(late[1]) if late else 0)
+            self.state_topics.late(int(late[1]) if late else 0)
 
     @complain_of_errors
     def read(self):
@@ -104,7 +104,7 @@ class _Board:
     def page_row(self):
         """This machine's entry of the page at the machine, a dict."""
         with self._lock:
-            return {"name": self.name, **self.work.page_row(), **self.telling.told}
+            return {"name": self.name, **self.work.page_row(), **self.state_topics.told}
 
     def act(self, what):
         """See Work.act()."""
@@ -124,8 +124,8 @@ class _Board:
         if not shown["link"] and now_s - self._begun_s < _FIRST_S:
             return
         self._count(shown)
-        topics = self.telling.look(shown, now_s)
-        for event in self.telling.events(time.time()):
+        topics = self.state_topics.look(shown, now_s)
+        for event in self.state_topics.events(time.time()):
             self._link.log(event)
         if self.work:
             topics = {**topics, "work": self.work.message_for(self._shop)}
@@ -134,12 +134,12 @@ class _Board:
     def _count(self, shown):
         """Fill in the counters that no report has. Asks a board that speaks grbl behind each motion how often its steps were late; other languages
         report it."""
-        machine, telling = self._machine, self.telling
-        telling.scale = self._scale(machine)
-        telling.counters["retries"] = machine.retries + getattr(machine.wire, "retries", 0)
-        telling.counters["connections"] = max(self._link.connections - 1, 0)
+        machine, state_topics = self._machine, self.state_topics
+        state_topics.scale = self._scale(machine)
+        state_topics.counters["retries"] = machine.retries + getattr(machine.wire, "retries", 0)
+        state_topics.counters["connections"] = max(self._link.connections - 1, 0)
         if not self._grbl:
-            telling.late(machine.late)
+            state_topics.late(machine.late)
         elif not shown["link"] or not machine.stands():
             self._log_due = True
         elif self._logs and self._log_due and machine.options is not None and machine.settings and not machine.wire.of(0):
@@ -184,7 +184,7 @@ class Agent:
         added = _Board(name, language, board, make_port, link, self._watch_port, key, about or {})
         self._boards.append(added)
         if self._figures:
-            self._figures.watch(name, added.telling)
+            self._figures.watch(name, added.state_topics)
 
     def machines(self):
         """The entries of the page at the machine: [{"name", "how", "job", "text", "state", "alarm", "progress", "left"}] of the machines that take

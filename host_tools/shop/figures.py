@@ -1,7 +1,7 @@
 """Figures of an agent's machines for Prometheus: OpenMetrics over HTTP.
 
     figures = Figures()
-    figures.watch("plotter-3", telling)
+    figures.watch("plotter-3", state_topics)
     close = figures.serve("127.0.0.1", 9464)        # http://127.0.0.1:9464/metrics
     close()
 """
@@ -11,9 +11,9 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily
 from prometheus_client.registry import Collector
 
 from host_tools.failure import Failure, reason
-from host_tools.shop.telling import LOST
+from host_tools.shop.state_topics import LOST
 
-# Counters of a Telling: (figure, help, label or None, {label's value: counter}).
+# Counters of a StateTopics: (figure, help, label or None, {label's value: counter}).
 _COUNTERS = (
     ("passo_jobs", "Jobs that have ended.", "how", {"done": "jobs", "failed": "failed"}),
     ("passo_alarms", "Alarms.", None, {"": "alarms"}),
@@ -25,7 +25,7 @@ _COUNTERS = (
     ("passo_late_words", "Times that the board's steps were not computed in time, and the motion paused.", None, {"": "late"}),
     ("passo_retries", "Questions and packets that the board has not answered and that were said again; connections to the broker that were lost and begun anew.", "to", {"board": "retries", "broker": "connections"}),
 )
-# Gauges: (figure, help, topic of a Telling, factor).
+# Gauges: (figure, help, topic of a StateTopics, factor).
 _GAUGES = (
     ("passo_job_progress_ratio", "How much of the job is done.", "progress", 0.01),
     ("passo_job_left_seconds", "Time left of the job.", "left", 1.0),
@@ -37,30 +37,30 @@ class Figures(Collector):
     def __init__(self):
         self._machines = {}
 
-    def watch(self, name, telling):
-        self._machines[name] = telling
+    def watch(self, name, state_topics):
+        self._machines[name] = state_topics
 
     def collect(self):
-        machines = [(name, telling) for name, telling in self._machines.items() if telling.told]
+        machines = [(name, state_topics) for name, state_topics in self._machines.items() if state_topics.told]
         up = GaugeMetricFamily("passo_up", "1: the board answers.", labels=["machine"])
         state = GaugeMetricFamily("passo_state", "1 for the machine's state.", labels=["machine", "state"])
-        for name, telling in machines:
-            up.add_metric([name], float(telling.told["state"] != LOST))
-            state.add_metric([name, telling.told["state"]], 1.0)
+        for name, state_topics in machines:
+            up.add_metric([name], float(state_topics.told["state"] != LOST))
+            state.add_metric([name, state_topics.told["state"]], 1.0)
         yield up
         yield state
         for figure, text, topic, factor in _GAUGES:
             family = GaugeMetricFamily(figure, text, labels=["machine"])
-            for name, telling in machines:
-                value = {**telling.told, "full": telling.full}[topic]
+            for name, state_topics in machines:
+                value = {**state_topics.told, "full": state_topics.full}[topic]
                 if value not in ("", None):
                     family.add_metric([name], float(value) * factor)
             yield family
         for figure, text, label, values in _COUNTERS:
             counted = CounterMetricFamily(figure, text, labels=["machine", label] if label else ["machine"])
-            for name, telling in machines:
+            for name, state_topics in machines:
                 for value, counter in values.items():
-                    counted.add_metric([name, value] if label else [name], telling.counters[counter])
+                    counted.add_metric([name, value] if label else [name], state_topics.counters[counter])
             yield counted
 
     def serve(self, host, port):

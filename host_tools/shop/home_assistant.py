@@ -9,7 +9,7 @@ import json
 
 from host_tools.language import N_, _
 from host_tools.resources import version
-from host_tools.shop.telling import GONE
+from host_tools.shop.state_topics import GONE
 
 _OR_NONE = {"value_template": "{{ value or 'None' }}"}  # Home Assistant leaves a number as it was if "" comes, behind a job's end
 # (kind, object, name, what else)

@@ -37,7 +37,7 @@ from paho.mqtt.subscribeoptions import SubscribeOptions
 
 from host_tools.failure import Failure, reason
 from host_tools.language import _
-from host_tools.shop.telling import GONE
+from host_tools.shop.state_topics import GONE
 
 ROOT = "passo"
 STOP = "stop"  # passo/stop: all machines; passo/NAME/stop: that one. Any text

@@ -1,6 +1,6 @@
 """`passo shop`: one page of all machines, served as that of a panel is (host_tools/panel/server.py): orders are signed, STOP needs no key.
 
-    shop = Shop(desk, book, key, host)
+    shop = Shop(dispatcher, book, key, host)
     await shop.run("127.0.0.1", 8090, ready)
 """
 
@@ -12,13 +12,13 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 from host_tools.language import _, in_languages
-from host_tools.page.later import Later
+from host_tools.page.slow_order import SlowOrder
 from host_tools.page.pages import ServedPages
 from host_tools.panel.panel import FOLDER, names_of
 from host_tools.panel.server import PUSH_MS, Server, clock_ms, error_list
-from host_tools.shop import drop
-from host_tools.shop.book import OPEN, BookError
-from host_tools.shop.desk import LASER_CLASSES, is_reached
+from host_tools.shop import uploads
+from host_tools.shop.job_table import OPEN, JobTableError
+from host_tools.shop.dispatcher import LASER_CLASSES, is_reached
 from host_tools.shop.link import wrong_message
 from microdot import Response
 from passo import errors
@@ -45,7 +45,7 @@ class ShopPages(ServedPages):
         self._shop = shop
 
     def about(self, more):
-        return {"kinds": drop.kinds()}
+        return {"kinds": uploads.kinds()}
 
     def order(self, page, order, proven):
         return self._shop.begin(order, proven, page)
@@ -60,8 +60,8 @@ class ShopPages(ServedPages):
 
 
 class Shop:
-    def __init__(self, desk, book, key, host):
-        self.desk, self.book = desk, book
+    def __init__(self, dispatcher, book, key, host):
+        self.dispatcher, self.book = dispatcher, book
         self._orders = {"drop": self._drop, "withdraw": self._withdraw, "again": self._again, "end": self._end}
         self._coming = {}  # (page, name of the file): its text so far
         self._tasks = set()
@@ -81,7 +81,7 @@ class Shop:
             try:
                 job = book.job(job_id)
                 data = job and book.data(job.sha)
-            except BookError as error:
+            except JobTableError as error:
                 return reason(error), 503
             if job is None:
                 return "not here", 404
@@ -91,13 +91,13 @@ class Shop:
 
     def order(self, order, proven, page=None):
         answer = self.begin(order, proven, page)
-        return self.finish(answer, answer["error"].work()) if isinstance(answer["error"], Later) else answer
+        return self.finish(answer, answer["error"].work()) if isinstance(answer["error"], SlowOrder) else answer
 
     def begin(self, order, proven, page=None):
-        """The answer; its "error" is a Later for STOP, which waits for the broker's word: finish() has the answer then."""
+        """The answer; its "error" is a SlowOrder for STOP, which waits for the broker's word: finish() has the answer then."""
         do = order.get("do") if isinstance(order, dict) else None
         if do == "stop":
-            return {"t": "answer", "do": do, "error": Later(self.desk.stop_all)}
+            return {"t": "answer", "do": do, "error": SlowOrder(self.dispatcher.stop_all)}
         if not proven:
             return {"t": "answer", "do": str(do)[:20], "error": errors.NO_SESSION}
         try:
@@ -116,19 +116,19 @@ class Shop:
         name, piece = order["name"], order["text"]
         if not isinstance(name, str) or not isinstance(piece, str) or len(piece) > _PIECE:
             raise Wrong("text")
-        at = int(number(order, "at", 0, drop.MOST_BYTES))
+        at = int(number(order, "at", 0, uploads.MOST_BYTES))
         so_far = self._coming.get((page, name), "") if at else ""
         if len(so_far) != at:
             return errors.JOB_PIECE
         self._coming.pop((page, name), None)
-        if at + len(piece) > drop.MOST_BYTES:
+        if at + len(piece) > uploads.MOST_BYTES:
             return errors.JOB_SIZE
         self._coming[page, name] = so_far + piece
         if len(self._coming) > _PAGES:  # of pages that have gone: the one that has waited longest for its next piece
             del self._coming[next(iter(self._coming))]
         if order.get("last"):
             kind, copies = text(order, "kind", 40), int(number(order, "copies", 1, _MOST_COPIES))
-            if kind not in drop.kinds():
+            if kind not in uploads.kinds():
                 raise Wrong("kind")
             laser = order.get("laser", "")
             if laser not in ("", *LASER_CLASSES):
@@ -144,7 +144,7 @@ class Shop:
         why = ""
         try:
             async with self._checks:
-                made, data, facts = await asyncio.to_thread(drop.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
+                made, data, facts = await asyncio.to_thread(uploads.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
             await self._add(data, made, {**wants, **facts}, copies)
         except Failure as failure:
             why = failure.message()
@@ -152,14 +152,14 @@ class Shop:
             why = _("{}: it could not be queued: {}", name, reason(error) or type(error).__name__)
         self.server.pages.tell({"t": "dropped", "name": name, "text": in_languages(why), **({} if why else {"copies": copies})})
         if not why:
-            self.desk.look()
+            self.dispatcher.look()
 
     async def _add(self, data, name, wants, copies):
-        """Raises BookError if the book cannot be written for some seconds."""
+        """Raises JobTableError if the book cannot be written for some seconds."""
         for left in reversed(range(_TRIES)):
             try:
                 return await asyncio.to_thread(self.book.add, data, name, wants, copies)
-            except BookError:
+            except JobTableError:
                 if not left:
                     raise
             await asyncio.sleep(_AGAIN_S)
@@ -173,12 +173,12 @@ class Shop:
         if job is None:
             return errors.NO_SUCH_JOB
         self.book.add(self.book.data(job.sha), job.name, job.wants)
-        self.desk.look()
+        self.dispatcher.look()
         return 0
 
     def _end(self, order, page):
         """A job whose machine is not reached, because it has another name now, or is no more."""
-        return self.desk.end(text(order, "job", 8))
+        return self.dispatcher.end(text(order, "job", 8))
 
     # --- what is shown
 
@@ -187,17 +187,17 @@ class Shop:
         trouble = self.book.trouble
         machines = [
             {"name": name, **{key: told.get(key, "") for key in _TOLD}, **{key: in_languages(told.get(key, "")) for key in _SAID}}
-            for name, told in sorted(list(self.desk.machines.items())) if told.get("state") or told.get("how")
+            for name, told in sorted(list(self.dispatcher.machines.items())) if told.get("state") or told.get("how")
         ]  # fmt: skip
         return {
-            "machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.desk.up,
-            "adrift": self._adrift() if self.desk.up and time.monotonic() - self._begun_s > _HEARD_S else [],
+            "machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.dispatcher.up,
+            "adrift": self._adrift() if self.dispatcher.up and time.monotonic() - self._begun_s > _HEARD_S else [],
             "trouble": in_languages(_("The book of jobs cannot be written: {}. The shop tries again each second.", trouble) if trouble else ""),
         }  # fmt: skip
 
     def _adrift(self):
         """Numbers of jobs that no machine has any more: an order of the page may end them."""
-        return [job["id"] for job in self._jobs if job["state"] in OPEN and not is_reached(self.desk.machines.get(job["machine"]))]
+        return [job["id"] for job in self._jobs if job["state"] in OPEN and not is_reached(self.dispatcher.machines.get(job["machine"]))]
 
     def _look(self):
         """Read the book, if it has changed."""
@@ -206,7 +206,7 @@ class Shop:
             return
         try:
             seen, jobs, counts, used = book.changed, book.jobs(_SHOWN), book.counts(), book.times_of_materials()
-        except BookError:
+        except JobTableError:
             self._look_s = now_s + _READ_AGAIN_S
             return
         self._seen, self._counts, self._used = seen, counts, used
@@ -219,7 +219,7 @@ class Shop:
         try:
             await self.server.push(clock_ms())
         except Exception as error:  # a machine may send anything: keep STOP working
-            self.desk.complain(wrong_message(error))
+            self.dispatcher.complain(wrong_message(error))
 
     async def run(self, host, port, ready):
         loop = asyncio.get_running_loop()

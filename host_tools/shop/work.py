@@ -24,7 +24,7 @@ from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import Store
 from host_tools.programs import gcode_file
 from host_tools.programs.job_record import Record
-from host_tools.shop.book import DONE
+from host_tools.shop.job_table import DONE
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
 from passo import errors
 from passo.web.guard import nonce

@@ -16,7 +16,7 @@ import sys
 
 from host_tools.language import _
 from passo import errors
-from host_tools.page.guest import ALWAYS, QUESTIONS
+from host_tools.page.guest_sender import ALWAYS, QUESTIONS
 from host_tools.clients.page_key import in_groups, make_key, read_key
 from passo.web.session import same
 

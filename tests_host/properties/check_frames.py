@@ -5,7 +5,7 @@ from passo import errors
 from passo.protocols import HELLO_WIRE
 from passo.protocols.frames import codec
 from passo.protocols.frames.codec import ACK, AGAIN, CHECK, CLOSED, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, REPORT, TAKEN, URGENT, WELCOME
-from passo.protocols.frames.late import Late
+from passo.protocols.frames.strays import Strays
 from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl.lines import Lines
 from passo.protocols.grbl.protocol import Grbl
@@ -329,7 +329,7 @@ def check_noise_makes_no_line(seed):
         wire = left(random) if framed else Wire()
         wire.protocol = language = Language()
         if framed:
-            wire.line._late = Late(False, language.amid)
+            wire.line._strays = Strays(False, language.amid)
         sent = [b"G1X%d%dY%d" % (n, n, n) for n in range(random.between(3, 40))]
         text = b"\n".join(sent) + b"\n"
         for _ in range(random.between(1, 4)):

@@ -11,7 +11,7 @@ from binascii import crc32
 import pc_modules  # noqa: F401: before host_tools
 from check_jobs import stored_form
 from host_tools.page.orders import PanelOrders
-from host_tools.page.stored import StoredJobs
+from host_tools.page.stored_jobs import StoredJobs
 from host_tools.page.teach import Teach
 from host_tools.page.grbl_machine import GrblMachine
 from router import Machine

@@ -80,30 +80,30 @@ def agents(port, key, first, count):
 
 
 def measure(folder, count, each):
-    from host_tools.shop.book import Book
-    from host_tools.shop.desk import Desk
+    from host_tools.shop.job_table import JobTable
+    from host_tools.shop.dispatcher import Dispatcher
     from host_tools.shop.link import Broker
     from host_tools.clients import page_key
 
     port, key = free_port(), page_key.make_key(os.urandom)
     (folder / "mosquitto.conf").write_text(f"listener {port} 127.0.0.1\nallow_anonymous true\n")
     broker = subprocess.Popen([MOSQUITTO, "-c", folder / "mosquitto.conf"], stderr=subprocess.DEVNULL)
-    book = Book(folder / "shop.sqlite")
-    desk = Desk(Broker("127.0.0.1", port), key, book)
+    book = JobTable(folder / "shop.sqlite")
+    dispatcher = Dispatcher(Broker("127.0.0.1", port), key, book)
     programs = [
         subprocess.Popen([*interpreter.python(), __file__, "--agents", str(port), key, str(first), str(min(A_PROCESS, count - first))], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         for first in range(0, count, A_PROCESS)
     ]
     try:
         limit = time.monotonic() + 300
-        while sum(told.get("how") == "free" for told in list(desk.machines.values())) < count:
-            assert time.monotonic() < limit, len(desk.machines)
+        while sum(told.get("how") == "free" for told in list(dispatcher.machines.values())) < count:
+            assert time.monotonic() < limit, len(dispatcher.machines)
             time.sleep(0.2)
         own, theirs, begun = time.process_time(), usage(broker)[1], time.monotonic()
         for number in range(count * each):
             book.add(program(number % 1024), f"{number}", {"kind": "k"})
         added = time.process_time() - own
-        desk.look()
+        dispatcher.look()
         while book.counts().get("done", 0) < count * each:
             assert time.monotonic() < limit + 600, book.counts()
             time.sleep(0.2)
@@ -122,7 +122,7 @@ def measure(folder, count, each):
         for each_program in (*programs, broker):
             each_program.kill()
             each_program.wait()
-        desk.close()
+        dispatcher.close()
         book.close()
 
 

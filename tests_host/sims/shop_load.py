@@ -282,8 +282,8 @@ def free_port():
 
 class Load:
     def __init__(self, folder, machines, jobs, an_agent=AN_AGENT, seed=1, parted_s=30.0, mode="fast", make=program):
-        from host_tools.shop.book import Book
-        from host_tools.shop.desk import Desk
+        from host_tools.shop.job_table import JobTable
+        from host_tools.shop.dispatcher import Dispatcher
         from host_tools.shop.link import Broker
         from host_tools.clients import page_key
 
@@ -316,12 +316,12 @@ class Load:
             (folder / name).mkdir()
         for name in self.names:
             self.start_board(name)
-        self.book = Book(folder / "shop.sqlite")
+        self.book = JobTable(folder / "shop.sqlite")
         self.jobs = {}
         for number in range(jobs):
             data = make(number)
             self.jobs[self.book.add(data, f"{number}.gcode", {"kind": KIND})[0]] = number
-        self.desk = Desk(Broker("127.0.0.1", self.proxy.port), key, self.book)
+        self.dispatcher = Dispatcher(Broker("127.0.0.1", self.proxy.port), key, self.book)
         for at in range(len(self.groups)):
             self.start_agent(at)
 
@@ -438,7 +438,7 @@ class Load:
                 process.wait()
                 if process.stdout:
                     process.stdout.close()
-        self.desk.close()
+        self.dispatcher.close()
         self.proxy.close()
         self.book.close()
 

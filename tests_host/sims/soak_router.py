@@ -36,7 +36,7 @@ from host_tools.cli import resume
 from host_tools.clients.frames import FramedPort
 from host_tools.failure import Failure
 from host_tools.programs import stored_job
-from host_tools.programs.interrupted import number_of
+from host_tools.programs.resume_line import number_of
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages, PowerCut
 from noisy_wire import BAUD

@@ -13,7 +13,7 @@ from hypothesis import given, strategies
 from host_tools import interpreter
 from host_tools.sim.consent import Consent, GuestLine
 from panel_process import PanelProcess
-from host_tools.page.guest import ALWAYS, QUESTIONS
+from host_tools.page.guest_sender import ALWAYS, QUESTIONS
 from host_tools.clients.page_key import in_groups
 
 LIMIT_S = 60

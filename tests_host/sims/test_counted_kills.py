@@ -10,7 +10,7 @@ from counted_kills import EVERY_MS, Cycles, Job, beside, cut, kill, resumed, who
 from host_tools import boards
 from host_tools.cli import draw, draw_run, jobs, pulses
 from host_tools.failure import Failure
-from host_tools.programs import drawn
+from host_tools.programs import drawing_progress
 from host_tools.sim.pages import Pages
 from passo.protocols.plotter.host import COMMANDS, packet
 from virtual_wire import Killed, plugged
@@ -77,7 +77,7 @@ class Drawing(Job):
 
     def __init__(self, folder, way):
         self.file = folder / "map.packets"
-        self.file.write_bytes(drawn.packets_of(OBJECTS, True))
+        self.file.write_bytes(drawing_progress.packets_of(OBJECTS, True))
         self.name = f"drawing {way}"
         self.way = way
         self.alone = way == "job"

@@ -4,7 +4,7 @@ import pytest
 
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import Store, gcode_lines
-from host_tools.programs import begun
+from host_tools.programs import program_names
 from host_tools.sim.pages import Pages
 from panel_desk import Desk
 from passo import commands, errors
@@ -328,7 +328,7 @@ def test_a_line_that_cannot_be_begun_at_says_why(tmp_path, line, text):
 
 def test_a_job_of_another_folder_is_told_and_gone_on_with_once_its_file_is_here(tmp_path, monkeypatch):
     """As one that `passo stream` has begun: the page names it, ends it, forgets it, and goes on with it behind the file."""
-    monkeypatch.setattr(begun, "KEPT", tmp_path / "begun.json")
+    monkeypatch.setattr(program_names, "KEPT", tmp_path / "begun.json")
     made = ready(tmp_path)
     for what in ("forget", "drop", "begin"):
         made.machine.job = RecoverableJobs(made.machine, made.told.append, made.store)

@@ -16,7 +16,7 @@ import subprocess
 
 import numpy as np
 
-from host_tools.programs.replayed_machine import Board, Machine, Memory, commands_of
+from host_tools.programs.replay_machine import Board, Machine, Memory, commands_of
 from passo import commands
 from passo.protocols.gcode.offsets import Offsets
 from passo.protocols.gcode.parser import GCode

@@ -21,7 +21,7 @@ from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
 from host_tools.shop.home_assistant import discovery
 from host_tools.shop.signed import SHOP, sign
-from host_tools.shop.telling import GONE, LOST, TOPICS, Telling
+from host_tools.shop.state_topics import GONE, LOST, TOPICS, StateTopics
 
 MOSQUITTO = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
 needs_broker = pytest.mark.skipif(not MOSQUITTO, reason="there is no Mosquitto: apt-get install mosquitto")
@@ -210,17 +210,17 @@ def test_the_button_releases_once_and_only_if_it_was_seen_open():
 def test_steps_and_late_words_and_what_was_refused_are_counted():
     board, port, run = agent_of(Late)
     port.late = 5
-    counters = board.telling.counters
-    run(lambda: b"$LOG" in port.lines and board.telling._late == 5)
+    counters = board.state_topics.counters
+    run(lambda: b"$LOG" in port.lines and board.state_topics._late == 5)
     assert counters["late"] == 0, "those were before the agent"
     for state, at, late in ((b"Run", 10, 5), (b"Run", 40, 8), (b"Idle", 40, 8)):
         port.state, port.at, port.late = state, at, late
-        run(lambda at=at, state=state: board._machine.state["m"] == [at, 0] and board.telling.told["state"] == state.decode().lower())
+        run(lambda at=at, state=state: board._machine.state["m"] == [at, 0] and board.state_topics.told["state"] == state.decode().lower())
     run(lambda: counters["late"] == 3)
     assert counters["steps"] == 40 * 80 and counters["refused"] == 0
     asked = port.lines.count(b"$LOG")
     port.dead, port.late = True, 1
-    run(lambda: board.telling.told["state"] == "lost")
+    run(lambda: board.state_topics.told["state"] == "lost")
     port.restart()
     run(lambda: port.lines.count(b"$LOG") > asked and counters["late"] == 4)
     board._machine.say(b"G99")
@@ -234,10 +234,10 @@ def test_a_grbl_without_a_log_is_asked_once():
     run(lambda: b"G99" in port.lines)
     for state in (b"Run", b"Idle"):
         port.state = state
-        run(lambda state=state: board.telling.told["state"] == state.decode().lower())
+        run(lambda state=state: board.state_topics.told["state"] == state.decode().lower())
     told = len(port.lines)
     run(lambda: len(port.lines) > told + 5)
-    assert port.lines.count(b"G99") == 1 and board.telling.counters["late"] == 0
+    assert port.lines.count(b"G99") == 1 and board.state_topics.counters["late"] == 0
 
 
 def test_late_words_and_lost_packets_of_a_plotter():
@@ -284,7 +284,7 @@ def test_a_stop_waits_for_no_other_board_of_the_agent():
         assert busy.wait(LIMIT_S)
         links[1].stopped()
         assert b"\x18" in ports[1].lines and b"\x18" not in ports[0].lines
-        assert agent._boards[1].telling.counters["stops"] == 1
+        assert agent._boards[1].state_topics.counters["stops"] == 1
     finally:
         over.set()
         thread.join()
@@ -337,67 +337,67 @@ def test_a_report_with_a_wrong_byte_is_left_out():
 
 
 def test_all_topics_of_a_machine_at_rest():
-    told = Telling().look(shown(), 0)
+    told = StateTopics().look(shown(), 0)
     assert tuple(told) == TOPICS
     assert told["state"] == "idle" and told["place"] == "[1.0, 2.0]"
     assert told["job"] == told["progress"] == told["left"] == told["alarm"] == ""
 
 
 def test_a_job_from_its_beginning_to_its_end():
-    telling = Telling()
-    telling.look(shown(), 0)
-    told = telling.look(shown(state="Run", job=job("run", 1)), 10)
+    state_topics = StateTopics()
+    state_topics.look(shown(), 0)
+    told = state_topics.look(shown(state="Run", job=job("run", 1)), 10)
     assert (told["job"], told["progress"], told["left"]) == ("part.nc", "0", "")
-    told = telling.look(shown(state="Run", job=job("run", 50), m=[1.0, 1002.0]), 40)
+    told = state_topics.look(shown(state="Run", job=job("run", 50), m=[1.0, 1002.0]), 40)
     assert (told["progress"], told["left"]) == ("25", "90")
-    told = telling.look(shown(job=job("done", 200)), 130)
+    told = state_topics.look(shown(job=job("done", 200)), 130)
     assert told["job"] == told["progress"] == told["left"] == ""
     assert json.loads(told["counters"]) == {"jobs": 1, "failed": 0, "alarms": 0, "refused": 0, "stops": 0, "run_s": 40, "metres": 2.0, "steps": 0, "late": 0, "retries": 0, "connections": 0}
-    events = [event for event in telling.events(5) if event["what"] != "state"]
+    events = [event for event in state_topics.events(5) if event["what"] != "state"]
     assert events == [
         {"at": 5, "what": "begun", "job": "part.nc"},
         {"at": 5, "what": "done", "job": "part.nc", "seconds": 120},
     ]
-    assert telling.events(6) == []
+    assert state_topics.events(6) == []
 
 
 @pytest.mark.parametrize("end", [{"job": job("failed", 70)}, {"state": "Alarm", "alarm": 202}])
 def test_a_job_that_fails(end):
-    telling = Telling()
-    telling.look(shown(state="Run", job=job("run", 50)), 0)
-    counters = json.loads(telling.look(shown(**end), 1)["counters"])
+    state_topics = StateTopics()
+    state_topics.look(shown(state="Run", job=job("run", 50)), 0)
+    counters = json.loads(state_topics.look(shown(**end), 1)["counters"])
     assert (counters["jobs"], counters["failed"]) == (0, 1)
-    assert [event["what"] for event in telling.events(0)][-2:] in (["failed", "state"], ["begun", "failed"], ["alarm", "state"], ["failed", "alarm"])
+    assert [event["what"] for event in state_topics.events(0)][-2:] in (["failed", "state"], ["begun", "failed"], ["alarm", "state"], ["failed", "alarm"])
 
 
 def test_a_stored_job():
-    told = Telling().look(shown(state="Run", stored="40,PART.NC"), 0)
+    told = StateTopics().look(shown(state="Run", stored="40,PART.NC"), 0)
     assert (told["job"], told["progress"]) == ("PART.NC", "40")
 
 
 def test_an_alarm_in_words_once():
-    telling = Telling()
+    state_topics = StateTopics()
     for _again in range(3):
-        told = telling.look(shown(state="Alarm", alarm=202), 0)
+        told = state_topics.look(shown(state="Alarm", alarm=202), 0)
     assert told["alarm"] and json.loads(told["counters"])["alarms"] == 1
-    assert [event["number"] for event in telling.events(0) if event["what"] == "alarm"] == [202]
-    assert telling.look(shown(state="Alarm"), 0)["alarm"], "an alarm from before has no number"
+    assert [event["number"] for event in state_topics.events(0) if event["what"] == "alarm"] == [202]
+    assert state_topics.look(shown(state="Alarm"), 0)["alarm"], "an alarm from before has no number"
 
 
 def test_what_changes_with_each_report_is_told_once_a_second_in_motion_and_at_once_at_rest():
     for state in ("Run", "Jog", "Home"):
-        telling = Telling()
-        places = [telling.look(shown(state=state, w=[at / 10]), at / 5)["place"] for at in range(20)]
+        state_topics = StateTopics()
+        places = [state_topics.look(shown(state=state, w=[at / 10]), at / 5)["place"] for at in range(20)]
         assert len(set(places)) == 4, state
-    assert [json.loads(telling.look(shown(w=[at]), 10 + at / 5)["place"]) for at in range(5)] == [[at] for at in range(5)]
+    assert [json.loads(state_topics.look(shown(w=[at]), 10 + at / 5)["place"]) for at in range(5)] == [[at] for at in range(5)]
 
 
 def test_a_board_that_does_not_answer():
-    telling = Telling()
-    telling.look(shown(state="Run", m=[0.0, 0.0]), 0)
-    assert telling.look(shown(state="Run", link=False), 1)["state"] == LOST
-    assert telling.look(shown(m=[900.0, 0.0]), 9)["state"] == "idle"
-    assert [event["state"] for event in telling.events(0)] == ["run", LOST, "idle"]
+    state_topics = StateTopics()
+    state_topics.look(shown(state="Run", m=[0.0, 0.0]), 0)
+    assert state_topics.look(shown(state="Run", link=False), 1)["state"] == LOST
+    assert state_topics.look(shown(m=[900.0, 0.0]), 9)["state"] == "idle"
+    assert [event["state"] for event in state_topics.events(0)] == ["run", LOST, "idle"]
 
 
 # --- the options
@@ -606,23 +606,23 @@ DASHBOARD = json.loads((Path(__file__).parents[2] / "docs" / "use" / "grafana-pa
 
 
 def scraped():
-    """Return Prometheus' text of a Telling with a history."""
+    """Return Prometheus' text of a StateTopics with a history."""
     from prometheus_client import CollectorRegistry
     from prometheus_client.openmetrics.exposition import generate_latest
 
     from host_tools.shop.figures import Figures
 
-    telling = Telling()
-    telling.scale = [80, 80]
+    state_topics = StateTopics()
+    state_topics.scale = [80, 80]
     for count in (7, 9):
-        telling.late(count)
-    telling.counters["retries"] = 4
-    telling.look(shown(state="Run", job=job("run", 100), full=30), 0)
-    telling.look(shown(state="Run", job=job("run", 150), full=30, m=[1.0, 1002.0]), 60)
-    telling.count_refusal(2)
+        state_topics.late(count)
+    state_topics.counters["retries"] = 4
+    state_topics.look(shown(state="Run", job=job("run", 100), full=30), 0)
+    state_topics.look(shown(state="Run", job=job("run", 150), full=30, m=[1.0, 1002.0]), 60)
+    state_topics.count_refusal(2)
     figures = Figures()
-    figures.watch("a", telling)
-    figures.watch("not yet heard of", Telling())
+    figures.watch("a", state_topics)
+    figures.watch("not yet heard of", StateTopics())
     registry = CollectorRegistry()
     registry.register(figures)
     return generate_latest(registry).decode()

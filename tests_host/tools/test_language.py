@@ -35,7 +35,7 @@ TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "RefusedLi
 HANDED_ON = {
     "shop/home_assistant.py": ("discovery",),
     "language.py": ("_", "translate_help", "error_text", "reword_text", "count_text"), "failure.py": ("message", "reason"), "sim/job.py": ("_failure_of",),
-    "programs/compensation.py": ("_misfit",), "programs/file_kinds.py": ("refuse_others",), "programs/made_by.py": ("advice_for",), "programs/program_errors.py": ("message",), "programs/ngc/interpreter.py": ("_groups",),
+    "programs/compensation.py": ("_misfit",), "programs/file_kinds.py": ("refuse_others",), "programs/program_makers.py": ("advice_for",), "programs/program_errors.py": ("message",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("as_panel",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_count_text",),
     "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),

@@ -13,7 +13,7 @@ from test_panel_page import Browser, axe, driver, faults_found, pytestmark as of
 from host_tools import boards
 from host_tools.panel.board import Port
 from host_tools.panel.panel import Panel
-from host_tools.panel.proving import Proving
+from host_tools.panel.prove_process import ProveProcess
 from panel_process import PanelProcess
 from passo import errors
 
@@ -149,7 +149,7 @@ def test_a_board_on_a_port(tmp_path):
 def test_lines_for_programs(tmp_path):
     """The panel reads the process's lines; a line that is no JSON is a sentence."""
     told = []
-    proving = Proving(lambda: ["--port", str(tmp_path / "none")], lambda: 0, told.append)
+    proving = ProveProcess(lambda: ["--port", str(tmp_path / "none")], lambda: 0, told.append)
     assert proving.order({"what": "get"}) == {"t": "prove", "how": ""}
     assert proving.order({"what": "begin", "language": "pt", "pins": True}) == 0
     for line in ('{"header": "Passo on a board"}', '{"part": "link", "number": 3, "of": 8, "said": ""}',

@@ -7,7 +7,7 @@ import pytest
 from host_tools import boards
 from host_tools.drawings.packets import packet_lines
 from host_tools.panel import job_facts
-from host_tools.panel.drawn import gcode_of, words_of
+from host_tools.panel.drawing_jobs import gcode_of, words_of
 from host_tools.panel.store import Store, gcode_lines
 from passo import errors
 from passo.config.boardfile import check

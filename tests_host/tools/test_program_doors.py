@@ -14,12 +14,12 @@ from host_tools.cli import check, jobs, stream
 from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.failure import Failure
 from host_tools.page.job import Job
-from host_tools.panel.drawn import gcode_of
+from host_tools.panel.drawing_jobs import gcode_of
 from host_tools.panel.store import Store, gcode_lines
 from host_tools.programs import compiler, gcode_file, stored_job
 from host_tools.programs.program_lines import WrongLetter, program_lines, raw_lines_of
 from host_tools.resources import FIRMWARE
-from host_tools.shop import drop
+from host_tools.shop import uploads
 from host_tools.sim.tab_jobs import Jobs
 from passo import errors
 from passo.config.boardfile import check as checked
@@ -71,7 +71,7 @@ DOORS = {
     "stream": lambda path, store: stream.stream(path, "/nowhere", 115200, "count", False, False, None, 5.0),
     "stored": lambda path, store: stored_job.gcode_job(path),
     "folder": lambda path, store: gcode_lines(path),
-    "shop": lambda path, store: drop.job_of(path.name, path.read_bytes(), "corexy_plotter"),
+    "shop": lambda path, store: uploads.job_of(path.name, path.read_bytes(), "corexy_plotter"),
     "upload": lambda path, store: _told(store.put("a.nc", path.read_text(encoding="utf-8"))),
     "agent": lambda path, store: _agent(path),
 }
@@ -114,7 +114,7 @@ def test_letters_in_comments_cost_nothing(part, store, tmp_path):
     assert stored_job.gcode_job(part) == b"\nN2G21G91\nN3G1X1F600\nN4M2\n"
     assert store.put("a.nc", text) == 0 and store.lines("a.nc") == [(2, b"N2G21G91"), (3, b"N3G1X1F600"), (4, b"N4M2")]
     assert Jobs({"a.nc": text}, "grbl").lines("a.nc") == store.lines("a.nc")
-    assert drop.job_of("a.nc", text.encode(), "corexy_plotter")[1].decode() == text
+    assert uploads.job_of("a.nc", text.encode(), "corexy_plotter")[1].decode() == text
     assert Jobs({"a.nc": MINUS}, "grbl").lines("a.nc") == {"error": errors.JOB_LINE, "line": 3, "text": ""}
     for line in (b"G1X1\xe2\x88\x92", "$I=Fräse".encode()):
         with pytest.raises(Refused, match="only ASCII"):

@@ -4,7 +4,7 @@ import collections
 import pytest
 
 from host_tools.failure import Failure
-from host_tools.programs import gcode_file, interrupted, replay, replayed_machine
+from host_tools.programs import gcode_file, resume_line, replay, replay_machine
 from router import LASER, Machine, World, answers, home
 
 slow = pytest.mark.slow
@@ -66,7 +66,7 @@ def lines_of(text, tmp_path):
 
 
 def facts(machine):
-    return replayed_machine.Machine.of_answers(machine.ask("$$"), machine.ask("$#"))
+    return replay_machine.Machine.of_answers(machine.ask("$$"), machine.ask("$#"))
 
 
 def modes(machine):
@@ -232,12 +232,12 @@ def test_a_row_is_interrupted_a_second_time(tmp_path):
     lines = lines_of(b"G21G90\nM3S0\nG1X2F1200S0\nX3.6S10:20:30:40:50:60:70:80\nX5S0\nM2\n", tmp_path)
     machine = facts(ready(spindle=LASER))
     target, row = (round(mm * machine.steps_per_mm[0]) for mm in (2, 3.6))
-    _, _, dot = interrupted.plan_stages(machine, lines, 5, None, [(target + row) // 2, 0, 0])
+    _, _, dot = resume_line.plan_stages(machine, lines, 5, None, [(target + row) // 2, 0, 0])
     assert dot == (5, 8)
-    _, rest, dot = interrupted.plan_stages(machine, lines, 5, None, [row, 0, 0])
+    _, rest, dot = resume_line.plan_stages(machine, lines, 5, None, [row, 0, 0])
     assert dot is None and [number for number, _ in rest] == [5, 6]
     with pytest.raises(Failure, match="before line 5 the machine was at"):
-        interrupted.plan_stages(machine, lines, 5, None, [row + 100, 0, 0])
+        resume_line.plan_stages(machine, lines, 5, None, [row + 100, 0, 0])
 
 
 def test_what_cannot_be_replayed(tmp_path):

@@ -23,9 +23,9 @@ from host_tools.clients import page_key
 from host_tools.failure import Failure
 from host_tools.language import error_text
 from host_tools.panel.panel import FOLDER
-from host_tools.shop import drop
-from host_tools.shop.book import Book
-from host_tools.shop.desk import LASER_CLASSES, Desk, fits
+from host_tools.shop import uploads
+from host_tools.shop.job_table import JobTable
+from host_tools.shop.dispatcher import LASER_CLASSES, Dispatcher, fits
 from host_tools.shop.machines import MOST_STRANGERS
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
 from passo import errors
@@ -41,7 +41,7 @@ KEY = "ABCDEFGHJKLMNPQR"
 
 @pytest.fixture
 def book(tmp_path):
-    opened = Book(tmp_path / "shop.sqlite")
+    opened = JobTable(tmp_path / "shop.sqlite")
     yield opened
     opened.close()
 
@@ -59,7 +59,7 @@ def test_a_job_is_given_once_whatever_is_asked_for_again(book, tmp_path):
     book.follow(job, "begun", 3, "")
     with pytest.raises(sqlite3.IntegrityError):
         book._write("update jobs set machine = 'm2' where id = ?", one)
-    again = Book(tmp_path / "shop.sqlite")
+    again = JobTable(tmp_path / "shop.sqlite")
     assert again.open_of("m1").line == 3 and again.open_of("m1").begun
     again.end(again.open_of("m1"), "done", 9, "")
     assert again.open_of("m1") is None and again.counts() == {"done": 1, "given": 1}
@@ -125,23 +125,23 @@ def test_an_order_is_good_once_for_its_end_its_nonce_and_as_it_was():
 
 def test_a_file_that_a_board_refuses_is_told_by_its_line():
     with pytest.raises(Failure, match="a.gcode: line 2 would be refused"):
-        drop.job_of("a.gcode", b"G0 X10\nG99999\n", "corexy_plotter")
+        uploads.job_of("a.gcode", b"G0 X10\nG99999\n", "corexy_plotter")
 
 
 @pytest.mark.slow
 def test_a_file_is_checked_before_it_is_queued():
     svg = b'<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30"><path d="M5 5H25V20"/></svg>'
-    name, data, facts = drop.job_of("a.svg", svg, "corexy_plotter")
+    name, data, facts = uploads.job_of("a.svg", svg, "corexy_plotter")
     assert name == "a.svg.gcode" and b"M3" in data and facts["seconds"] > 1 and facts["area"][0] > 19
     for name, data, what in (
         ("a.gcode", b"G0 X10\nG99999\n", "line 2"), ("a.gcode", b"G0 X2000\n", "larger"), ("a.gcode", b"", "no line"), ("../a", b"G0X1", "name"),
         ("a.svg", b"<svg", None), ("a.gcode", b"\0\1", None),
     ):  # fmt: skip
         with pytest.raises(Failure, match=what):
-            drop.job_of(name, data, "corexy_plotter")
+            uploads.job_of(name, data, "corexy_plotter")
     with pytest.raises(Failure, match="journal"):
-        drop.job_of("a.gcode", b"G0X1", "plotter_2014")
-    assert "corexy_plotter" in drop.kinds()
+        uploads.job_of("a.gcode", b"G0X1", "plotter_2014")
+    assert "corexy_plotter" in uploads.kinds()
 
 
 # --- one machine, a real broker
@@ -164,8 +164,8 @@ class Bench(Shop):
         (folder / "m").mkdir()
         self.board = None
         self.start_board()
-        self.book = Book(folder / "shop.sqlite")
-        self.desk = Desk(Broker("127.0.0.1", self.port), self.key, self.book)
+        self.book = JobTable(folder / "shop.sqlite")
+        self.dispatcher = Dispatcher(Broker("127.0.0.1", self.port), self.key, self.book)
         self.page = ""
         self.agent_process = None
 
@@ -202,7 +202,7 @@ class Bench(Shop):
         return self.person.do("m", what, **headers)
 
     def how(self):
-        return self.desk.machines.get("m", {}).get("how")
+        return self.dispatcher.machines.get("m", {}).get("how")
 
     def release(self):
         self.until(lambda: self.machine().get("state") in ("idle", "alarm") and self.do("release").json()["text"] == "" or self.how() not in ("rest", None))
@@ -213,7 +213,7 @@ class Bench(Shop):
         return shop_load.read_numbers(shop_load.strokes(sorted((self.folder / "m").glob("trace-*.csv"))))
 
     def close(self):
-        self.desk.close()
+        self.dispatcher.close()
         self.book.close()
         super().close()
 
@@ -303,16 +303,16 @@ def test_a_file_that_another_has_put_on_the_broker_is_not_drawn(bench):
     bench.start_agent()
     right = shop_load.program(9)
     bench.book.add(right, "9.gcode", {"kind": shop_load.KIND})
-    put = bench.desk._put
+    put = bench.dispatcher._put
     topic = "passo/file/" + hashlib.sha256(right).hexdigest() + "/0"
-    bench.desk._put = lambda sha: bench.client.publish(topic, shop_load.program(10), 1, True).wait_for_publish(30)
+    bench.dispatcher._put = lambda sha: bench.client.publish(topic, shop_load.program(10), 1, True).wait_for_publish(30)
     bench.release()
     bench.until(lambda: bench.machine()["text"])
     time.sleep(1)
     told = bench.machine()
     assert told["how"] == "fetch" and "is not the one" in told["text"]["en"] and "não é o" in told["text"]["pt"]
-    assert bench.book.counts() == {"given": 1} and bench.desk.machines["m"]["text"] == told["text"]["en"]
-    bench.desk._put = put
+    assert bench.book.counts() == {"given": 1} and bench.dispatcher.machines["m"]["text"] == told["text"]["en"]
+    bench.dispatcher._put = put
     put(hashlib.sha256(right).hexdigest())
     bench.until(lambda: bench.book.counts().get("done") == 1)
     assert bench.drawn() == ([9], 0, [])
@@ -375,16 +375,16 @@ class Nothing:
 def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
     """The desk reads its release while the broker still says "gone", and gives it the job once the broker says that it is back."""
     broker = Nothing()
-    desk = Desk(broker, KEY, book)
+    dispatcher = Dispatcher(broker, KEY, book)
 
     def hear(topic, text):
-        desk._hear(None, None, SimpleNamespace(topic=f"passo/m/{topic}", payload=text.encode()))
+        dispatcher._hear(None, None, SimpleNamespace(topic=f"passo/m/{topic}", payload=text.encode()))
 
     body = {"how": "free", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k"}
     book.add(b"G0X1", "a", {"kind": "k"}, 2)
     for state in ("gone", "lost"):
         hear("state", state)
-        hear("work", sign(KEY, MACHINE, f"{desk._nonce} m", 1 + len(broker.published), body))
+        hear("work", sign(KEY, MACHINE, f"{dispatcher._nonce} m", 1 + len(broker.published), body))
         assert not book.open_of("m")
         hear("state", "idle")
         job = book.open_of("m")
@@ -398,21 +398,21 @@ def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
 def heard(book):
     """Return (desk, its broker, hear(machine, topic, text), told(machine, count, …)), which brings a machine's signed message."""
     broker = Nothing()
-    desk = Desk(broker, KEY, book)
+    dispatcher = Dispatcher(broker, KEY, book)
 
     def hear(name, topic, text):
-        desk._hear(None, None, SimpleNamespace(topic=f"passo/{name}/{topic}", payload=text.encode()))
+        dispatcher._hear(None, None, SimpleNamespace(topic=f"passo/{name}/{topic}", payload=text.encode()))
 
     def told(name, count, **fields):
         body = {"how": "rest", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k", **fields}
-        hear(name, "work", sign(KEY, MACHINE, f"{desk._nonce} {name}", count, body))
+        hear(name, "work", sign(KEY, MACHINE, f"{dispatcher._nonce} {name}", count, body))
 
-    yield desk, broker, hear, told
-    desk.close()
+    yield dispatcher, broker, hear, told
+    dispatcher.close()
 
 
 def test_strangers_names_are_bounded_and_take_no_room_of_machines(heard):
-    desk, broker, hear, told = heard
+    dispatcher, broker, hear, told = heard
     told("before", 1)
     for number in range(5000):
         hear(f"s{number}", "state", "idle")
@@ -420,38 +420,38 @@ def test_strangers_names_are_bounded_and_take_no_room_of_machines(heard):
     for name in ("", "x" * 41, "é", "a b", "-"):
         hear(name, "state", "idle")
         told(name, 1)
-    assert len(desk.machines) == 1 + MOST_STRANGERS
+    assert len(dispatcher.machines) == 1 + MOST_STRANGERS
     asked = len(broker.subscribed)
     hear("after", "state", "idle")
     told("after", 1)
-    assert desk.machines["after"]["how"] == "rest" and len(broker.subscribed) == asked + 1, "the broker tells its state again"
+    assert dispatcher.machines["after"]["how"] == "rest" and len(broker.subscribed) == asked + 1, "the broker tells its state again"
     hear("after", "state", "idle")
     hear("before", "alarm", "x" * 3000)
-    assert desk.machines["after"]["state"] == "idle" and "alarm" not in desk.machines["before"]
+    assert dispatcher.machines["after"]["state"] == "idle" and "alarm" not in dispatcher.machines["before"]
     for number in range(1000):
         told(f"own{number}", 1)
-    assert len(desk.machines) == 1002 + MOST_STRANGERS
+    assert len(dispatcher.machines) == 1002 + MOST_STRANGERS
 
 
 def test_a_clock_that_is_set_back_silences_no_machine(heard, book, monkeypatch):
-    desk, broker, hear, told = heard
-    monkeypatch.setattr("host_tools.shop.desk._RENEW_S", 0.01)
+    dispatcher, broker, hear, told = heard
+    monkeypatch.setattr("host_tools.shop.dispatcher._RENEW_S", 0.01)
     book.add(b"G0X1", "a", {"kind": "k"})
     for name in ("m", "other"):
         told(name, 10**9)
     told("m", 10**9)  # repeated, as a broker may
-    assert desk._renewing is None
-    before = desk._nonce
+    assert dispatcher._renewing is None
+    before = dispatcher._nonce
     for name in ("m", "other"):
         told(name, 5, how="free", nonce=name)
     limit = time.monotonic() + 20
-    while desk._nonce == before:
+    while dispatcher._nonce == before:
         assert time.monotonic() < limit
         time.sleep(0.01)
-    assert ("passo/shop", desk._nonce) in broker.published and not book.open_of("m")
+    assert ("passo/shop", dispatcher._nonce) in broker.published and not book.open_of("m")
     told("other", 6)
     told("m", 6, how="free", nonce="m")
-    assert book.open_of("m") and desk.machines["other"]["how"] == "rest"
+    assert book.open_of("m") and dispatcher.machines["other"]["how"] == "rest"
 
 
 @pytest.mark.parametrize("now_s", [0.0, 1.0, 1.8e9, 4.2e9, 2.5e11])
@@ -464,8 +464,8 @@ def test_a_count_has_twelve_digits_whatever_the_clock_says(now_s, monkeypatch):
 def test_a_job_of_a_machine_that_has_another_name_now_is_ended_on_the_page(heard, book, monkeypatch):
     from host_tools.shop.shop_server import Shop
 
-    desk, broker, hear, told = heard
-    shop = Shop(desk, book, KEY, "127.0.0.1")
+    dispatcher, broker, hear, told = heard
+    shop = Shop(dispatcher, book, KEY, "127.0.0.1")
     (job,) = book.add(b"G0X1", "a", {"kind": "k"})
     told("old", 1, how="free")
     told("old", 2, how="run", job=job, line=3)
@@ -535,17 +535,17 @@ class Served:
 def served(book):
     from host_tools.shop.shop_server import Shop
 
-    desk = Served()
-    return desk, Shop(desk, book, KEY, "127.0.0.1")
+    dispatcher = Served()
+    return dispatcher, Shop(dispatcher, book, KEY, "127.0.0.1")
 
 
 def test_who_has_no_key_looks_and_stops_and_does_nothing_else(served, book):
-    desk, shop = served
+    dispatcher, shop = served
     ids = book.add(b"G0X1", "a", {"kind": "k"})
     for order in ({"do": "withdraw", "job": ids[0]}, {"do": "again", "job": ids[0]}, {"do": "drop"}, {"do": "jump"}, [], {"do": []}):
         assert shop.order(order, False)["error"] == errors.NO_SESSION
     assert book.counts() == {"queued": 1}
-    assert shop.order({"do": "stop"}, False)["error"] == 0 and desk.stops == 1
+    assert shop.order({"do": "stop"}, False)["error"] == 0 and dispatcher.stops == 1
     assert "secret" not in json.dumps(shop.state()), "a nonce is for the shop alone"
 
 
@@ -580,7 +580,7 @@ def test_orders_of_the_page_are_proven_and_good_once(served, book):
 
 def test_an_upload_keeps_to_its_order_and_its_size(served, book, monkeypatch):
     _desk, shop = served
-    monkeypatch.setattr(drop, "MOST_BYTES", 100_000)
+    monkeypatch.setattr(uploads, "MOST_BYTES", 100_000)
 
     def said(page, text, **more):
         return shop.order({"do": "drop", "name": "a", "text": text, "kind": "corexy_plotter", "copies": 1, "tool": "", **more}, True, page)["error"]
@@ -662,7 +662,7 @@ SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBo
 @needs_broker
 def test_a_file_is_dropped_on_the_page_and_drawn(bench, tmp_path, browser):
     """Queue an SVG twice for a tool, say "paper is in" on the machine's own page, see it done once; all in Portuguese, and 320 px wide."""
-    bench.desk.close()  # the program below takes its place
+    bench.dispatcher.close()  # the program below takes its place
     shop = bench.run("shop", "--broker", f"127.0.0.1:{bench.port}", "--book", str(tmp_path / "page.sqlite"), "--shop-key", str(bench.key_file), "--http", "0")
     address = shop.stdout.readline().strip()[6:]
     agent = bench.agent(

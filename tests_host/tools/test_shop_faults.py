@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from test_agent import Late, Shop, agent_of, free_port, needs_broker
 
 from host_tools.page import pages as page_module
-from host_tools.shop import desk as desk_module
-from host_tools.shop import drop, shop_server
-from host_tools.shop.book import Book, BookError
-from host_tools.shop.desk import Desk
+from host_tools.shop import dispatcher as dispatcher_module
+from host_tools.shop import uploads, shop_server
+from host_tools.shop.job_table import JobTable, JobTableError
+from host_tools.shop.dispatcher import Dispatcher
 from host_tools.shop.link import Broker, Link
 from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
 from host_tools.shop.work import FETCH, FREE, REST
@@ -58,15 +58,15 @@ class Client:
 
 @pytest.fixture
 def book(tmp_path):
-    opened = Book(tmp_path / "shop.sqlite")
+    opened = JobTable(tmp_path / "shop.sqlite")
     yield opened
     opened.close()
 
 
 @pytest.fixture
-def desk(book, monkeypatch):
-    monkeypatch.setattr(desk_module, "_AGAIN_S", 0.05)
-    made = Desk(Client(), KEY, book)
+def dispatcher(book, monkeypatch):
+    monkeypatch.setattr(dispatcher_module, "_AGAIN_S", 0.05)
+    made = Dispatcher(Client(), KEY, book)
     yield made
     made.close()
 
@@ -77,12 +77,12 @@ def escaped(end, nonce, count, body):
     return f"{count}.{Session(KEY, f'{end} {nonce}').proof(str(count), text)}.{text}"
 
 
-def hear(desk, topic, payload):
-    desk._hear(None, None, SimpleNamespace(topic=topic, payload=payload))
+def hear(dispatcher, topic, payload):
+    dispatcher._hear(None, None, SimpleNamespace(topic=topic, payload=payload))
 
 
-def word(desk, count, name="m", **more):
-    hear(desk, f"passo/{name}/work", sign(KEY, MACHINE, f"{desk._nonce} {name}", count, {**WORD, **more}).encode())
+def word(dispatcher, count, name="m", **more):
+    hear(dispatcher, f"passo/{name}/work", sign(KEY, MACHINE, f"{dispatcher._nonce} {name}", count, {**WORD, **more}).encode())
 
 
 def until(condition):
@@ -96,7 +96,7 @@ def until(condition):
 
 
 @pytest.mark.parametrize("fault", ["held", "full"])
-def test_what_a_machine_says_while_the_book_cannot_be_written_is_done_later(book, desk, tmp_path, fault):
+def test_what_a_machine_says_while_the_book_cannot_be_written_is_done_later(book, dispatcher, tmp_path, fault):
     """Another program holds the book, or the disk is full: no message raises, none waits, STOP goes on, and then all is as if nothing had been."""
     first, _second = book.add(b"G0X1\n" * 2000, "a", {"kind": "k"}, 2)
     other = sqlite3.connect(tmp_path / "shop.sqlite", isolation_level=None)
@@ -109,56 +109,56 @@ def test_what_a_machine_says_while_the_book_cannot_be_written_is_done_later(book
         with pytest.raises(sqlite3.OperationalError):
             while True:
                 book._base.execute("insert into filler values (zeroblob(500))")
-    hear(desk, "passo/m/state", b"idle")
+    hear(dispatcher, "passo/m/state", b"idle")
     if fault == "held":
-        word(desk, 1)
+        word(dispatcher, 1)
         begun = time.monotonic()
         for count in range(2, 100):
-            word(desk, count)
+            word(dispatcher, count)
         assert time.monotonic() - begun < 5, "only the first one has tried"
-        assert desk.stop_all() == 0 and "stop" in desk._client.published[-1][0]
+        assert dispatcher.stop_all() == 0 and "stop" in dispatcher._client.published[-1][0]
         assert book.open_of("m") is None and "locked" in book.trouble
         other.execute("rollback")
         until(lambda: book.open_of("m"))
     else:
-        with pytest.raises(BookError, match="full"):
+        with pytest.raises(JobTableError, match="full"):
             book.add(b"G0X2\n" * 200_000, "b", {"kind": "k"})
         assert "full" in book.trouble and book.counts() == {"queued": 2}
         book._base.execute(f"pragma max_page_count={pages}")
         book.add(b"G0X2\n" * 200_000, "b", {"kind": "k"})
-        word(desk, 1)
+        word(dispatcher, 1)
     assert book.open_of("m").id == first
-    until(lambda: [text for topic, text in desk._client.published if topic == "passo/m/order"])
-    orders = [text for topic, text in desk._client.published if topic == "passo/m/order"]
+    until(lambda: [text for topic, text in dispatcher._client.published if topic == "passo/m/order"])
+    orders = [text for topic, text in dispatcher._client.published if topic == "passo/m/order"]
     assert len(orders) == 1 and not book.trouble
     other.close()
 
 
-def test_the_end_of_a_job_is_written_once_the_book_can_be(book, desk, tmp_path):
+def test_the_end_of_a_job_is_written_once_the_book_can_be(book, dispatcher, tmp_path):
     book.add(b"G0X1", "a", {"kind": "k"})
-    hear(desk, "passo/m/state", b"idle")
-    word(desk, 1)
+    hear(dispatcher, "passo/m/state", b"idle")
+    word(dispatcher, 1)
     job = book.open_of("m")
     other = sqlite3.connect(tmp_path / "shop.sqlite", isolation_level=None)
     other.execute("begin exclusive")
-    word(desk, 2, how="run", job=job.id, nonce="o", line=7)
-    word(desk, 3, how="rest", ended=[job.id, "done", 9, ""], nonce="p")
+    word(dispatcher, 2, how="run", job=job.id, nonce="o", line=7)
+    word(dispatcher, 3, how="rest", ended=[job.id, "done", 9, ""], nonce="p")
     other.execute("rollback")
     other.close()
     until(lambda: book.counts() == {"done": 1})
-    until(lambda: desk._trying is None)
+    until(lambda: dispatcher._trying is None)
     assert book.job(job.id).line == 9
 
 
-def test_an_order_and_a_dropped_file_that_meet_a_disk_error_are_answered(book, desk, monkeypatch):
+def test_an_order_and_a_dropped_file_that_meet_a_disk_error_are_answered(book, dispatcher, monkeypatch):
     """A number, or a text to all pages: never silence, and the file is tried again meanwhile."""
     monkeypatch.setattr(shop_server, "_AGAIN_S", 0.01)
-    shop = shop_server.Shop(desk, book, KEY, "127.0.0.1")
+    shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
     job = book.add(b"G0X1", "a", {"kind": "k"})[0]
     page = shop.server.pages.enter(None, {}, 0)
 
     def full(*_more, **_named):
-        raise BookError(5, "database or disk is full")
+        raise JobTableError(5, "database or disk is full")
 
     monkeypatch.setattr(book, "_write", full)
     for order in ({"do": "withdraw", "job": job}, {"do": "again", "job": job}):
@@ -173,15 +173,15 @@ def test_an_order_and_a_dropped_file_that_meet_a_disk_error_are_answered(book, d
 
     assert "disk is full" in dropped()["text"]["en"] and book.counts() == {"queued": 1}
     monkeypatch.undo()
-    monkeypatch.setattr(drop.tempfile, "TemporaryDirectory", full)
+    monkeypatch.setattr(uploads.tempfile, "TemporaryDirectory", full)
     assert "could not be queued" in dropped()["text"]["en"]
     monkeypatch.undo()
     assert dropped() == {"t": "dropped", "name": "a.gcode", "text": "", "copies": 1}
     assert shop.state()["trouble"] == "" and book.counts() == {"queued": 2}
 
 
-def test_the_page_says_why_and_goes_on_while_the_book_is_held(book, desk, tmp_path):
-    shop = shop_server.Shop(desk, book, KEY, "127.0.0.1")
+def test_the_page_says_why_and_goes_on_while_the_book_is_held(book, dispatcher, tmp_path):
+    shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
     shop.state()
     other = sqlite3.connect(tmp_path / "shop.sqlite", isolation_level=None)
     other.execute("begin immediate")
@@ -213,11 +213,11 @@ def test_a_panel_s_order_that_meets_a_disk_error_is_answered():
 def test_stop_says_whether_it_has_left(book, monkeypatch):
     for up, acknowledges, error in ((True, True, 0), (True, False, errors.NOT_SENT), (False, False, errors.NOT_SENT)):
         client = Client(up, acknowledges)
-        desk = Desk(client, KEY, book)
-        shop = shop_server.Shop(desk, book, KEY, "127.0.0.1")
+        dispatcher = Dispatcher(client, KEY, book)
+        shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
         assert shop.order({"do": "stop"}, False)["error"] == error
         assert len(client.published) == up, "one that is kept would stop machines much later"
-        desk.close()
+        dispatcher.close()
 
 
 @needs_broker
@@ -226,16 +226,16 @@ def test_stop_of_the_page_and_a_broker_that_goes_away(tmp_path):
     import asyncio
 
     bench = Shop(tmp_path)
-    book = Book(tmp_path / "shop.sqlite")
-    desk = Desk(Broker("127.0.0.1", bench.port), KEY, book)
-    shop = shop_server.Shop(desk, book, KEY, "127.0.0.1")
+    book = JobTable(tmp_path / "shop.sqlite")
+    dispatcher = Dispatcher(Broker("127.0.0.1", bench.port), KEY, book)
+    shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
     port = free_port()
     loop = asyncio.new_event_loop()
     serving = loop.create_task(shop.server.serve("127.0.0.1", port))
     thread = threading.Thread(target=loop.run_forever)
     thread.start()
     try:
-        bench.until(lambda: desk.up)
+        bench.until(lambda: dispatcher.up)
 
         def stop():
             return requests.post(f"http://127.0.0.1:{port}/stop", timeout=10).json()["error"]
@@ -250,7 +250,7 @@ def test_stop_of_the_page_and_a_broker_that_goes_away(tmp_path):
         loop.call_soon_threadsafe(serving.cancel)
         loop.call_soon_threadsafe(loop.stop)
         thread.join(10)
-        desk.close()
+        dispatcher.close()
         book.close()
         bench.close()
 
@@ -284,24 +284,24 @@ def test_a_stop_takes_a_release_back():
 @settings(max_examples=300, deadline=None)
 @given(st.binary(max_size=60) | st.text(max_size=40).map(str.encode) | JSON.map(lambda value: json.dumps(value).encode()), st.sampled_from(["m/work", "m/state", "n/alarm", "m/job", "x/language", "", "a/b/c"]))
 def test_no_message_ends_the_desk(tmp_path_factory, payload, topic):
-    desk, shop = _fuzzed(tmp_path_factory)
-    hear(desk, f"passo/{topic}", payload)
+    dispatcher, shop = _fuzzed(tmp_path_factory)
+    hear(dispatcher, f"passo/{topic}", payload)
     json.dumps(shop.state())
-    assert desk.stop_all() == 0
+    assert dispatcher.stop_all() == 0
 
 
 @settings(max_examples=300, deadline=None)
 @given(st.dictionaries(st.sampled_from([*WORD, "tool", "state", "laser", "more"]), JSON, max_size=4), st.sampled_from([{}, WORD]))
 def test_no_machine_s_word_ends_the_desk(tmp_path_factory, changed, base):
     """Signed with the key, with any fields."""
-    desk, shop = _fuzzed(tmp_path_factory)
-    desk.counts = getattr(desk, "counts", 0) + 1
-    hear(desk, "passo/m/work", escaped(MACHINE, f"{desk._nonce} m", desk.counts, {**base, **changed}).encode())
+    dispatcher, shop = _fuzzed(tmp_path_factory)
+    dispatcher.counts = getattr(dispatcher, "counts", 0) + 1
+    hear(dispatcher, "passo/m/work", escaped(MACHINE, f"{dispatcher._nonce} m", dispatcher.counts, {**base, **changed}).encode())
     json.dumps(shop.state())
-    desk.look()
-    word(desk, desk.counts + 1, name="good")
-    desk.counts += 1
-    assert desk.machines["good"]["how"] == "free", "the next message must be read"
+    dispatcher.look()
+    word(dispatcher, dispatcher.counts + 1, name="good")
+    dispatcher.counts += 1
+    assert dispatcher.machines["good"]["how"] == "free", "the next message must be read"
 
 
 _MADE = []
@@ -310,9 +310,9 @@ _MADE = []
 def _fuzzed(tmp_path_factory):
     """Return one desk and shop for all examples: the traces of one must not harm the next."""
     if not _MADE:
-        book = Book(tmp_path_factory.mktemp("fuzz") / "shop.sqlite")
-        desk = Desk(Client(), KEY, book)
-        _MADE.extend((desk, shop_server.Shop(desk, book, KEY, "127.0.0.1")))
+        book = JobTable(tmp_path_factory.mktemp("fuzz") / "shop.sqlite")
+        dispatcher = Dispatcher(Client(), KEY, book)
+        _MADE.extend((dispatcher, shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")))
     return _MADE
 
 
@@ -373,10 +373,10 @@ def test_a_slow_check_holds_no_other_job(tmp_path, monkeypatch):
             assert may_end.wait(120)
         return name, data, {}
 
-    monkeypatch.setattr(drop, "job_of", slow)
-    desk = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or 0, look=lambda: looks.append([job.name for job in book.jobs(9) if job.state == "queued"]), complain=print)
-    book = Book(tmp_path / "shop.sqlite")
-    shop = shop_server.Shop(desk, book, KEY, "127.0.0.1")
+    monkeypatch.setattr(uploads, "job_of", slow)
+    dispatcher = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or 0, look=lambda: looks.append([job.name for job in book.jobs(9) if job.state == "queued"]), complain=print)
+    book = JobTable(tmp_path / "shop.sqlite")
+    shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
     other = book.add(b"G21\nM2\n", "other.nc", {"kind": "router_3axis"})[0]
 
     def dropped(name):

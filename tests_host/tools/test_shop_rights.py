@@ -12,8 +12,8 @@ import pytest
 from test_agent import LIMIT_S, MOSQUITTO, Shop, free_port
 
 from host_tools import interpreter
-from host_tools.shop.book import Book
-from host_tools.shop.desk import Desk
+from host_tools.shop.job_table import JobTable
+from host_tools.shop.dispatcher import Dispatcher
 from host_tools.shop.link import Broker
 from host_tools.clients import page_key
 
@@ -168,9 +168,9 @@ def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
     board = subprocess.Popen([*interpreter.python(), shop_load.__file__, "--board", str(tmp_path / "mill"), "fast"], stdout=subprocess.PIPE, text=True)
     guarded.programs.append(board)
     assert board.stdout.readline() == "ready\n"
-    book = Book(tmp_path / "shop.sqlite")
+    book = JobTable(tmp_path / "shop.sqlite")
     book.add(shop_load.program(77), "77.gcode", {"kind": shop_load.KIND})
-    desk = Desk(Broker("127.0.0.1", guarded.port, "shop", guarded.passwords["shop"], str(guarded.folder / "ca.crt")), key, book)
+    dispatcher = Dispatcher(Broker("127.0.0.1", guarded.port, "shop", guarded.passwords["shop"], str(guarded.folder / "ca.crt")), key, book)
     try:
         agent = guarded.agent_as(
             "pc-1", "--port", f"mill={tmp_path}/mill/port", "--protocol", "grbl", "--board", str(board_file), "--shop-key", str(key_file), "--at-machine", "0",
@@ -178,11 +178,11 @@ def test_with_these_rights_a_job_is_drawn(guarded, tmp_path):
         )  # fmt: skip
         page = next(line[6:].strip().rstrip("/") for line in agent.stdout if line.startswith("page: "))
         person = MachinePage(page, (tmp_path / "page.key").read_text().strip())
-        guarded.until(lambda: person.do("mill", "release").json()["text"] == "" or desk.machines.get("mill", {}).get("how") not in ("rest", None))
+        guarded.until(lambda: person.do("mill", "release").json()["text"] == "" or dispatcher.machines.get("mill", {}).get("how") not in ("rest", None))
         guarded.until(lambda: book.counts().get("done") == 1)
         guarded.until(lambda: guarded.told.get("passo/mill/language") == "grbl")
     finally:
-        desk.close()
+        dispatcher.close()
         book.close()
     board.terminate()
     board.wait(60)

@@ -18,7 +18,7 @@ from test_site import package  # noqa: F401
 from test_site_page import address  # noqa: F401
 
 from host_tools.shop import shop_server
-from host_tools.shop.book import Book
+from host_tools.shop.job_table import JobTable
 from host_tools.shop.local_page import serve
 from panel_process import PanelProcess
 from passo import errors
@@ -231,9 +231,9 @@ def test_the_shop_s_page(driver, tmp_path):
     """Esc stops all machines, and the page says what the broker has not got."""
     error = 0
     stops = []
-    desk = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or error, look=lambda: None, complain=print)
-    book = Book(tmp_path / "shop.sqlite")
-    shop = shop_server.Shop(desk, book, KEY, "127.0.0.1")
+    dispatcher = SimpleNamespace(machines={}, up=True, stop_all=lambda: stops.append(1) or error, look=lambda: None, complain=print)
+    book = JobTable(tmp_path / "shop.sqlite")
+    shop = shop_server.Shop(dispatcher, book, KEY, "127.0.0.1")
     loop = asyncio.new_event_loop()
     serving = loop.create_task(shop.server.serve("127.0.0.1", 0))
     thread = threading.Thread(target=loop.run_forever)

@@ -16,7 +16,7 @@ from host_tools.programs import compiler, gcode_time, replay
 from host_tools.programs.listing import Listing
 from host_tools.programs.ngc import interpreter as ngc
 from host_tools.programs.num import interpreter as num
-from host_tools.programs.replayed_machine import Machine
+from host_tools.programs.replay_machine import Machine
 from host_tools.programs.tool_table import Tool
 from host_tools.resources import FIRMWARE
 from passo import commands

@@ -14,7 +14,7 @@ from host_tools.failure import Failure
 from host_tools.panel import job_facts
 from host_tools.panel.store import Store, gcode_lines
 from host_tools.programs import gcode_file
-from host_tools.programs.made_by import advice_for
+from host_tools.programs.program_makers import advice_for
 from host_tools.resources import ROOT
 from host_tools.sim.job import VirtualJob
 from running_router import Running

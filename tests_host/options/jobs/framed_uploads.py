@@ -11,7 +11,7 @@ import random
 from host_tools import boards
 from host_tools.cli import jobs, pulses
 from host_tools.clients.refusal import Refused
-from host_tools.programs import drawn, stored_job
+from host_tools.programs import drawing_progress, stored_job
 from host_tools.sim.machine import VirtualMachine
 from passo.options.jobs import config as job_store
 from virtual_wire import Killed, plugged
@@ -40,7 +40,7 @@ def text(language, dice, lines):
         return ("G21G90F5000\n" + "\n".join(places) + "\nM30\n").encode()
     if language == "pulses":
         return ("[+600 " + "".join(dice.choice("ABCDEFGHIJKL") for _ in range(40 * lines)) + "]").encode()
-    return drawn.packets_of([[(True, dice.randint(10, 200), dice.randint(10, 200)) for _ in range(lines)]], True)
+    return drawing_progress.packets_of([[(True, dice.randint(10, 200), dice.randint(10, 200)) for _ in range(lines)]], True)
 
 
 class Round:

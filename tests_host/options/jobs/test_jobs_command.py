@@ -8,7 +8,7 @@ import pytest
 from host_tools.cli import jobs, status
 from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.failure import Failure
-from host_tools.programs import begun, stored_job
+from host_tools.programs import program_names, stored_job
 from host_tools.programs.job_record import Record
 from passo.protocols.plotter.host import COMMANDS, packet
 from running_router import Running
@@ -86,7 +86,7 @@ def told_job(port):
 
 def test_what_status_says_of_a_stored_job(tmp_path, part, monkeypatch):
     """A job done to its end, with M30 or without, is not offered; status names a stopped one."""
-    monkeypatch.setattr(begun, "KEPT", tmp_path / "begun.json")
+    monkeypatch.setattr(program_names, "KEPT", tmp_path / "begun.json")
     board = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "flash")}, journal={"every_ms": 200})
     try:
         port = board.line.name
@@ -105,7 +105,7 @@ def test_what_status_says_of_a_stored_job(tmp_path, part, monkeypatch):
         with GrblClient(port) as client:
             number = Record.of(client.command("$JR")).job
         for name, command in (("photo.jpg", "engrave --continue"), ("card", "engrave --continue"), ("map.svg", "resume"), ("part.nc", "resume")):
-            begun.remember(number, name, 122)
+            program_names.remember(number, name, 122)
             assert told_job(port)[0][1].endswith(f" of {name}, spindle off; passo {command} goes on with it")
     finally:
         board.close()

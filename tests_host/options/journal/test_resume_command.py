@@ -8,7 +8,7 @@ from host_tools.cli import jobs, resume
 from host_tools.cli.main import app
 from host_tools.drawings import engraving
 from host_tools.drawings.engraving import Machine, Options
-from host_tools.programs.interrupted import number_of, resume_point
+from host_tools.programs.resume_line import number_of, resume_point
 from host_tools.clients.grbl import GrblClient, Refused
 from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure

@@ -8,8 +8,8 @@ from asked import Asked
 from host_tools import boards
 from host_tools.failure import Failure
 from host_tools.programs import gcode_file, replay
-from host_tools.programs.interrupted import number_of, plan_stages, resume_point
-from host_tools.programs.replayed_machine import ENDLESS, Machine
+from host_tools.programs.resume_line import number_of, plan_stages, resume_point
+from host_tools.programs.replay_machine import ENDLESS, Machine
 from host_tools.sim.pages import Pages
 
 PROGRAM = b"""G21 G90 G17

@@ -15,7 +15,7 @@ from passo.protocols.frames.codec import (
     REPORT, TAKEN, URGENT, VERSION, WELCOME, delimited, frame, header, sound,
 )  # fmt: skip
 from passo.errors import FRAME_LATE
-from passo.protocols.frames.late import Late
+from passo.protocols.frames.strays import Strays
 from passo.protocols.frames.sender import Sender
 from passo.records import COUNT_MASK
 
@@ -60,7 +60,7 @@ class FramedLine:
         self._drop_begun = getattr(link.protocol, "drop_begun", None)  # drops a message that has come in part
         self._sender = Sender(baud, _PIECE, True)
         self._state = _PLAIN
-        self._late = None  # plain once more: takes out frames that come late
+        self._strays = None  # plain once more: takes out frames that come late
         self._held = b""  # plain: a possible beginning of HELLO
         self._held_ms = 0
         self._buffer = self._view = b""  # made by the first HELLO
@@ -105,7 +105,7 @@ class FramedLine:
         """Bytes for the language, good until the next read; b"" if none."""
         if self._state == _PLAIN:
             data = self._serial.read()
-            if not data or self._late or self._held or count_zeros(data, len(data)):
+            if not data or self._strays or self._held or count_zeros(data, len(data)):
                 return self._read_plain(data)
             self._heard = True
             return data
@@ -146,16 +146,16 @@ class FramedLine:
 
     def _read_plain(self, data):
         """Return the bytes of `data` for the language; after LEAVE without frames that come late."""
-        late = self._late
+        strays = self._strays
         if data:
             self._heard = True
-            held = late.held if late else self._held
+            held = strays.held if strays else self._held
             text = held + bytes(data)
             at = text.find(HELLO_WIRE)
             if at >= 0:
                 self._begin_session(text[at + len(HELLO_WIRE) :])
-            if late:
-                data = late.without_frames(data if at < 0 else text[len(held) : max(at, len(held))], self._clock())
+            if strays:
+                data = strays.without_frames(data if at < 0 else text[len(held) : max(at, len(held))], self._clock())
             else:
                 self._held = b""
                 if at < 0:
@@ -166,13 +166,13 @@ class FramedLine:
                     else:
                         at = len(text)
                 data = text[:at]
-        elif late:
-            data = late.quiet(self._clock())
+        elif strays:
+            data = strays.quiet(self._clock())
         elif self._held and (self._clock() - self._held_ms) & COUNT_MASK >= _HOLD_MS:
             data = self._held
             self._held = b""
-        if late and late.found:
-            late.found = 0
+        if strays and strays.found:
+            strays.found = 0
             self._note(FRAME_LATE)
         return data
 
@@ -183,7 +183,7 @@ class FramedLine:
         self._clear_session()
         self._state = _OPEN
         protocol = self._link.protocol
-        self._late = Late(getattr(protocol, "binary", False), getattr(protocol, "amid", None))
+        self._strays = Strays(getattr(protocol, "binary", False), getattr(protocol, "amid", None))
         self._left = rest
         self._confirmed = False
         self._begun_ms = self._clock()

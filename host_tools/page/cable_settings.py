@@ -101,7 +101,7 @@ class Questions:
 
 
 def with_settings(kind):
-    """The class of pages `kind`, see cabled.py, that shows and sets the board's settings."""
+    """The class of pages `kind`, see cable_page.py, that shows and sets the board's settings."""
 
     class WithSettings(kind):
         tells = kind.tells + ("settings",)

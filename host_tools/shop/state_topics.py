@@ -1,8 +1,8 @@
 """The topics of a machine's state, made of the values that its page shows (passo/protocols/page).
 
-    telling = Telling()
-    telling.look(machine.shown(), now_s)    # {topic: text} of all topics, see TOPICS
-    telling.events(now_s)                   # [{"what": "begun", …}] since the last time
+    state_topics = StateTopics()
+    state_topics.look(machine.shown(), now_s)    # {topic: text} of all topics, see TOPICS
+    state_topics.events(now_s)                   # [{"what": "begun", …}] since the last time
 
 A topic is text, JSON if it has several values, "" if it has none.
 """
@@ -21,7 +21,7 @@ _OFTEN_S = 1.0  # at most once in this time
 _SURE = 2  # per cent of a job from which on the time left is published
 
 
-class Telling:
+class StateTopics:
     def __init__(self):
         self._events = []
         self._state = ""

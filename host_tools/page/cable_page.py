@@ -9,7 +9,7 @@ A wire (host_tools/clients) says commands in the board's language: takes(command
 silent() and drop(). It tells the machine answered(event) and report(dict). Boards are asked for reports all the time, and are lost when none come.
 """
 
-from host_tools.page.later import at_once
+from host_tools.page.slow_order import at_once
 from passo import errors
 from passo.protocols.page.lease import since
 

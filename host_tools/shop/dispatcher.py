@@ -1,18 +1,18 @@
 """The shop at the broker: it hears which machines are released, and gives each a job of the book.
 
-    desk = Desk(broker, key, book)
-    desk.machines       # {name: its last message, with "state", "progress", …}
-    desk.stop_all()
-    desk.close()
+    dispatcher = Dispatcher(broker, key, book)
+    dispatcher.machines       # {name: its last message, with "state", "progress", …}
+    dispatcher.stop_all()
+    dispatcher.close()
 
-Lost messages are repaired: with each connection a machine sends its whole state, and the desk compares it with the book. An order
+Lost messages are repaired: with each connection a machine sends its whole state, and the dispatcher compares it with the book. An order
 is signed for the nonce of the machine's release, so it is carried out once. One for a job that was given before says so ("again"): the machine
 asks whoever stands there.
 
-Messages of machines are numbered by the clocks of their PCs, so that the desk takes each one once. If one is signed right, but older than the last,
+Messages of machines are numbered by the clocks of their PCs, so that the dispatcher takes each one once. If one is signed right, but older than the last,
 a clock may have been set back: the shop publishes another nonce, and all machines send their state anew, signed for it.
 
-If the book cannot be written (the disk is full, or another program has the file), the desk tries again each second with the last message of each
+If the book cannot be written (the disk is full, or another program has the file), the dispatcher tries again each second with the last message of each
 machine. Neither messages nor STOP wait for the disk: the thread that receives messages sends STOP.
 """
 
@@ -23,12 +23,12 @@ import threading
 import paho.mqtt.client as mqtt
 
 from host_tools.language import _
-from host_tools.shop.book import BEGUN, GIVEN, LEFT, OPEN, WAITING, BookError
+from host_tools.shop.job_table import BEGUN, GIVEN, LEFT, OPEN, WAITING, JobTableError
 from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP, complain_of_errors, wrong_message
 from host_tools.shop.machines import Machines
 from host_tools.shop.signed import sign
 from host_tools.shop.signed import SHOP as FROM_SHOP
-from host_tools.shop.telling import GONE, LOST, TOPICS
+from host_tools.shop.state_topics import GONE, LOST, TOPICS
 from passo import errors
 from passo.web.guard import nonce
 
@@ -83,7 +83,7 @@ def is_reached(machine):
     return bool(machine and machine.get("how") and machine.get("state") != GONE)
 
 
-class Desk:
+class Dispatcher:
     def __init__(self, broker, key, book):
         self._key, self._book = key, book
         self._nonce = nonce()
@@ -160,7 +160,7 @@ class Desk:
         """False if the book cannot be written now."""
         try:
             {_WORD: self._answer, _QUEUE: self._give, _PIECES: self._put}[what](name)
-        except BookError:
+        except JobTableError:
             return False
         except Exception as error:  # of this one only: the others go on
             self.complain(wrong_message(error))

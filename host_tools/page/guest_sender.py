@@ -17,7 +17,7 @@ QUESTIONS = (b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$LOG", b"$LINK", b"$ENC"
 _TAKE = (b"$LINK=0", b"$LINK=1")
 
 
-class Guest:
+class GuestSender:
     def __init__(self, machine, write):
         """`write(bytes)`: to the guest; None: there is none."""
         self._machine = machine

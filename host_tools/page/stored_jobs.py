@@ -12,7 +12,7 @@ from binascii import b2a_base64
 from micropython import const
 
 from host_tools.page.job import Job
-from host_tools.page.later import Later, is_refusal
+from host_tools.page.slow_order import SlowOrder, is_refusal
 from host_tools.clients.grbl_wire import PAGE
 from passo import errors
 from passo.options.jobs.config_names import name_fits
@@ -59,7 +59,7 @@ class StoredJobs(Job):
             return self._start(name, "check" if order.get("check") else "run")
         if what == "store" and self._packed:
             job = order.get("job")
-            return Later(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store(name, found), job) if isinstance(job, str) else errors.NO_SUCH_JOB
+            return SlowOrder(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store(name, found), job) if isinstance(job, str) else errors.NO_SUCH_JOB
         return errors.UNKNOWN_COMMAND
 
     def _listed(self, error):

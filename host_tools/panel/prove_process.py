@@ -1,6 +1,6 @@
 """`passo prove` from the page: a process of its own, which has the board's port for itself and measures beside the panel's loop.
 
-    proving = Proving(lambda: ["--port", "/dev/ttyACM0"], lend, tell)
+    proving = ProveProcess(lambda: ["--port", "/dev/ttyACM0"], lend, tell)
     PanelOrders(machine, store, teach, choose, proving)     # {"do": "prove", "what": "begin", "pins": true, "language": "pt"}
     await proving.run()                                     # what lend() begins: to the end of the process
 
@@ -20,7 +20,7 @@ _END_S = 20  # for the board to be let go
 RUNS, DONE, ENDED, FAILED = "runs", "done", "ended", "failed"
 
 
-class Proving:
+class ProveProcess:
     def __init__(self, board, lend, tell):
         """`board()`: the options of `passo prove` that name the board; `lend()`: 0 once run() is about to be called, with the board's port
         free, or why it is not; `tell(event)`."""

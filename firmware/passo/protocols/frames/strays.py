@@ -1,9 +1,9 @@
-"""Frames that come on a plain link: the link has left frames, and a frame of before comes late.
+"""Frames that come on a plain link: the link has left frames, and a frame of before comes strays.
 
-    late = Late(binary, amid)
-    text = late.without_frames(data, now_ms)    # what is for the language
-    text = late.quiet(now_ms)                   # the same if nothing has come
-    late.found                                  # frames dropped; the caller's to clear
+    strays = Strays(binary, amid)
+    text = strays.without_frames(data, now_ms)    # what is for the language
+    text = strays.quiet(now_ms)                   # the same if nothing has come
+    strays.found                                  # frames dropped; the caller's to clear
 
 00 begins a frame. It is dropped up to the next 00, and so is one that is cut off: after LONGEST bytes, when the rest of the line under way
 is spoilt by a 00, or after 100 ms without a byte. Else the first line of a late frame would be refused, and its second one carried out. A
@@ -22,7 +22,7 @@ _NO_REST_MS = const(1000)  # the same: no rest of it comes any more
 _BINARY_MS = const(4)  # less than idle_gap_ms, so that no RESEND overtakes it
 
 
-class Late:
+class Strays:
     def __init__(self, binary, amid):
         """`amid(text)`: True if the language, once it has read `text`, is amid a message; None: it has none of several bytes."""
         self._binary = binary

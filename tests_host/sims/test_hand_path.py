@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from host_tools.panel.taught import program
+from host_tools.panel.hand_path import program
 from panel_desk import Desk
 from test_whole_turns import swept
 

@@ -1,6 +1,6 @@
 """The areas that a contour leaves standing: the areas beside it that no piece of it wants gone.
 
-    kept = Kept(pieces, LEFT)
+    kept = UncutAreas(pieces, LEFT)
     kept.known                  # False: the contour encloses nothing, each of its pieces has material behind it
     kept.reaches(piece, 3.0)    # does a tool of this radius on its way along `piece` cut into what is left?
 
@@ -21,7 +21,7 @@ _NOISE = 0.02  # share of an area's edge that may say otherwise, where passes li
 _TANGENT = 0.1  # the same, where a lead touches a piece along it
 
 
-class Kept:
+class UncutAreas:
     def __init__(self, pieces, side):
         self.known = False
         self.doubtful = False  # more of the contour divides nothing than encloses something

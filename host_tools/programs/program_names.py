@@ -1,9 +1,9 @@
 """The names of the programs that this PC has begun, by the number that a board's journal knows them by: so that messages about a board
 whose sender has died name its program.
 
-    begun.remember_program(lines, "rings.gcode")    # of gcode_file.read(); returns the number
-    begun.remember(number, "rings.gcode", 251)      # the last line that moves
-    begun.find(number)              # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
+    program_names.remember_program(lines, "rings.gcode")    # of gcode_file.read(); returns the number
+    program_names.remember(number, "rings.gcode", 251)      # the last line that moves
+    program_names.find(number)              # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
 """
 
 import json
@@ -11,7 +11,7 @@ import mimetypes
 import os
 from pathlib import Path
 
-from host_tools.programs.interrupted import number_of
+from host_tools.programs.resume_line import number_of
 
 KEPT = Path.home() / ".local" / "share" / "passo" / "begun.json"
 CARD = "card"  # the program of the test card of `passo engrave`

@@ -10,8 +10,8 @@ from pathlib import Path
 from host_tools import boards
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
-from host_tools.page.later import is_refusal
-from host_tools.panel import drawn
+from host_tools.page.slow_order import is_refusal
+from host_tools.panel import drawing_jobs
 from host_tools.programs import compiler
 from host_tools.sim.job import VirtualJob
 from passo.config.boardfile import check
@@ -31,7 +31,7 @@ def job_of(name, data, kind):
     board = check(boards.load(kind))
     if board["links"][0]["protocol"] != "grbl" or not board.get("journal"):
         raise Failure("{}: jobs are for boards that speak grbl and have the key journal", kind)
-    found = drawn.gcode_of(board, _AsItIs)(name, data.decode("utf-8", "replace"))
+    found = drawing_jobs.gcode_of(board, _AsItIs)(name, data.decode("utf-8", "replace"))
     if is_refusal(found):
         raise Failure("{}: {}", name, error_text(found)) if isinstance(found, int) else Failure("{}", found["text"])
     name, text = found

@@ -1,6 +1,6 @@
 """An order that takes longer than the machine may wait: it reads a file, makes a drawing, or estimates a job.
 
-    return Later(lambda: store.lines(name), lambda lines: machine.run(name, lines))     # an order's answer
+    return SlowOrder(lambda: store.lines(name), lambda lines: machine.run(name, lines))     # an order's answer
 
 `work()` touches neither the machine nor the pages: a panel has it done beside its loop (server.py), which goes on meanwhile: STOP, leases
 of jogs, lines of a job. Where nothing runs beside, in a browser's tab, it is done at once. `then(result)` returns the answer:
@@ -13,7 +13,7 @@ def is_refusal(found):
     return isinstance(found, (int, dict))
 
 
-class Later:
+class SlowOrder:
     def __init__(self, work, then=lambda result: result, job="", slow=False):
         """`job`: the name of the job that work() reads, or makes; `slow`: it may take minutes, so others do not wait for it, except those of
         the same job."""
@@ -28,5 +28,5 @@ class Later:
 
 
 def at_once(work, then):
-    """As `beside` of a machine (cabled.py): where nothing runs beside."""
+    """As `beside` of a machine (cable_page.py): where nothing runs beside."""
     then(work())

@@ -1,6 +1,6 @@
 """The shop's book: every job, which machine has it, and how it ended. An SQLite file. Every change is on the disk before its call returns.
 
-    book = Book(Path("shop.sqlite"))
+    book = JobTable(Path("shop.sqlite"))
     book.add(data, "cat.svg", {"kind": "corexy_plotter"}, copies=30)
     job = book.give("plotter-3", nonce, fits)      # the first queued job for which fits(job); it is that machine's from now on
     book.open_of("plotter-3")               # the job that the machine has, or None
@@ -8,7 +8,7 @@
 
 A job is given to one machine, once. Only that machine's word ends it: a message that the broker loses or delivers twice changes nothing.
 
-Each call raises BookError if the disk is full, or another program has the file for longer than a moment: then nothing has changed, and the
+Each call raises JobTableError if the disk is full, or another program has the file for longer than a moment: then nothing has changed, and the
 call may be made again.
 """
 
@@ -42,7 +42,7 @@ create unique index if not exists one_a_machine on jobs (machine) where state in
 _IS_OPEN = "state in ('given', 'begun', 'waiting')"  # as the index has it
 
 
-class BookError(OSError):
+class JobTableError(OSError):
     """The book could not be read or written; `strerror`: why."""
 
 
@@ -66,7 +66,7 @@ def _job(row):
     return Job(*row[:4], json.loads(row[4]), *row[5:])
 
 
-class Book:
+class JobTable:
     """Calls may come from several threads."""
 
     def __init__(self, path):
@@ -87,7 +87,7 @@ class Book:
 
     @contextlib.contextmanager
     def _open_base(self):
-        """The base for one thread. Raises BookError if its file cannot be read or written."""
+        """The base for one thread. Raises JobTableError if its file cannot be read or written."""
         with self._lock:
             try:
                 yield self._base
@@ -95,7 +95,7 @@ class Book:
                 if isinstance(error, _WRONG_CALLS):
                     raise
                 self._failed = str(error), time.monotonic()
-                raise BookError(errno.EIO, str(error)) from error
+                raise JobTableError(errno.EIO, str(error)) from error
 
     def _ask(self, text, *values):
         with self._open_base() as base:

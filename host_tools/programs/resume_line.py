@@ -38,7 +38,7 @@ def plan_stages(machine, lines, number, place=None, end=None, sure=True):
     a program that was interrupted had been before that line, steps. `sure`: the position is known, also that of an axis without a sensor.
     Raises Failure."""
     from host_tools.programs import replay
-    from host_tools.programs.replayed_machine import ENDLESS
+    from host_tools.programs.replay_machine import ENDLESS
 
     left = place or end
     if left and machine.turns & ENDLESS and not sure:
