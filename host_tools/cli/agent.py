@@ -80,14 +80,14 @@ def agent(
 
 
 def _add_old_name(virtual, emulated):
-    """`virtual` and the boards of --emulated, its old name, of which this says the new one on stderr."""
+    """Return `virtual` and the boards of --emulated, its old name; if there are any, print the new name on stderr."""
     if emulated:
         print(_("--emulated is now called --virtual; the old name still works"), file=sys.stderr, flush=True)
     return [*virtual, *emulated]
 
 
 def _check_options(shop_key, at_machine, page_key, more):
-    """Raise Failure if options want others."""
+    """Raise Failure if an option lacks the one that it needs: --shop-key for --at-machine and the texts, --at-machine for --page-key."""
     if (at_machine is not None or more) and not shop_key:
         raise Failure("--at-machine, --tool, --laser-class and --page want --shop-key")
     if page_key and at_machine is None:
@@ -95,7 +95,7 @@ def _check_options(shop_key, at_machine, page_key, more):
 
 
 def _collect_stop_signals():
-    """A list that is empty until somebody ends this program."""
+    """Catch SIGTERM and Ctrl-C; return a list that stays empty until one of them comes."""
     found = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: found.append(True))
@@ -103,7 +103,7 @@ def _collect_stop_signals():
 
 
 def _run_agent(agent, page, stopped, stack):
-    """Until something is in `stopped`. `page`: (port, file of its key)."""
+    """Run the agent until `stopped` has an item. `page`: (port of the page at the machine or None, file of its key or None)."""
     asked = queue.SimpleQueue()
     if page[0] is not None:
         _serve_page(*page, agent, asked, stack)
@@ -112,7 +112,8 @@ def _run_agent(agent, page, stopped, stack):
 
 
 def _connect_agent(boards, served, told, stack):
-    """The Agent of {name: (where, (language, board file's table, make_port))}, connected."""
+    """Return an Agent connected to all boards. `boards`: {name: (port or board file, (language, board file's table, make_port))}; `served`: (host,
+    port) for figures, or None; `told`: (Broker, prefix for Home Assistant, key of the shop, ({name: tool}, {name: laser class}, {name: page}))."""
     from host_tools.shop.agent import Agent
     from host_tools.shop.home_assistant import discovery
     from host_tools.shop.link import ROOT, Link
@@ -129,7 +130,7 @@ def _connect_agent(boards, served, told, stack):
 
 
 def _page_key(file, terminal):
-    """(key of the page at the machine, the file that has it or None). Without a terminal to print the key on, it is kept in a file."""
+    """Return (key of the page at the machine, file that keeps it or None). Without a terminal to print the key on, keep it in a file."""
     from host_tools.clients.page_key import make_key
 
     if file is None and terminal:
@@ -140,7 +141,7 @@ def _page_key(file, terminal):
 
 
 def _serve_page(port, file, agent, asked, stack):
-    """Serve the page for the people at the machines. Its orders run in the agent's own thread, which they wait for, 10 s at most; STOP waits for nothing."""
+    """Serve the page for people at the machines. Its orders run in the agent's thread and wait for it, 10 s at most; STOP waits for nothing."""
     from concurrent.futures import Future
 
     from host_tools.shop.local_page import serve
@@ -149,9 +150,11 @@ def _serve_page(port, file, agent, asked, stack):
     key, file = _page_key(file, terminal)
 
     def run_in_agent(function):
+        """Return function() as run by the agent's thread. Raises what it raises, or TimeoutError after 10 s."""
         done = Future()
 
         def answer_call():
+            """Run the function in the agent's thread, and give its result or its error to the caller."""
             try:
                 done.set_result(function())
             except Exception as error:  # the page hears of it; the agent goes on
@@ -168,7 +171,7 @@ def _serve_page(port, file, agent, asked, stack):
 
 
 def _parse_machine_texts(option, texts, boards):
-    """{machine: text} of an option that says something of machines. Raises Failure."""
+    """Return {machine: text} of the NAME=TEXT of an option. Raises Failure if a machine is unknown, or an address or a laser class is wrong."""
     from host_tools.shop.dispatcher import LASER_CLASSES
 
     found = dict(text.partition("=")[::2] for text in texts or ())
@@ -183,7 +186,7 @@ def _parse_machine_texts(option, texts, boards):
 
 
 def make_broker(text, user, password, ca):
-    """The Broker of the options. Raises Failure."""
+    """Return the Broker of the command's options. Raises Failure if the address is wrong, or one of --user and --password-file is missing."""
     from host_tools.shop.link import Broker
 
     host, number = _parse_address("--broker", text)
@@ -193,7 +196,7 @@ def make_broker(text, user, password, ca):
 
 
 def _parse_address(option, text):
-    """(host, port) of HOST:PORT; the port may be missing: 0. Raises Failure."""
+    """Return (host, port) of HOST:PORT; port 0 if it is missing. Raises Failure."""
     host, colon, number = text.rpartition(":") if text.count(":") == 1 else (text, "", "0")
     if not host or not number.isdigit() or colon and not 0 < int(number) < 65536:
         raise Failure("{} {}: HOST or HOST:PORT is wanted", option, text)
@@ -201,7 +204,7 @@ def _parse_address(option, text):
 
 
 def _serve_figures(address, stack):
-    """The Figures served at an address; None: none are asked for."""
+    """Serve Figures for Prometheus at `address`, (host, port), until the stack ends, and return them; None if the address is None."""
     if address is None:
         return None
     from host_tools.shop.figures import Figures
@@ -212,7 +215,8 @@ def _serve_figures(address, stack):
 
 
 def _parse_boards(ports, virtual):
-    """{name: (port or board file, whether it is virtual)}. Raises Failure."""
+    """Return {name: (port or board file, True if virtual)} of [NAME=]WHERE texts; a missing name is made of the file's. Raises Failure if a name is
+    wrong or comes twice, or there is no board."""
     from host_tools.shop.machines import NAME
 
     found = {}
@@ -231,7 +235,7 @@ def _parse_boards(ports, virtual):
 
 
 def _start_virtual(name, stack):
-    """(language, board file's table, make_port) of a virtual board."""
+    """Start a virtual board of the board file `name`; return (language, board file's table, make_port)."""
     from host_tools import boards
     from host_tools.panel.board import Demo, Port
 
@@ -242,7 +246,8 @@ def _start_virtual(name, stack):
 
 
 def _find_real(port, baud, protocol, board):
-    """The same of the board on a port. Raises Failure."""
+    """Return (language, board file's table, make_port) of the board on a serial port; without `protocol` ask the board, up to some seconds. Raises
+    Failure if the agent does not speak its language."""
     from host_tools import boards
     from host_tools.cli.log import find_language
     from host_tools.panel import languages

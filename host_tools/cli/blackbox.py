@@ -50,7 +50,7 @@ def blackbox(
 
 
 def read_board_files(port, yes):
-    """{name: bytes} of a board's files. Its firmware ends, and begins anew. Raises Failure."""
+    """Return {name: bytes} of a board's black box files. Ends its firmware, and starts it anew. Raises Failure; typer.Abort if the user says no."""
     from host_tools.cli.flash import check_port
     from host_tools.prove.connection import PortBoard
 
@@ -98,7 +98,7 @@ def files_of(board):
 
 
 def replay_box(box):
-    """The Replay, played to its end; None, and a line, if nothing can be."""
+    """Play the box on the virtual board; return the Replay at its end. If it cannot be played, print the reason and return None."""
     from host_tools.sim.blackbox import Replay
 
     try:
@@ -109,7 +109,7 @@ def replay_box(box):
 
 
 def report_lines(box, played):
-    """Yield the lines for people: the events with their times, the crash, the result of the replay."""
+    """Yield lines for people: the events with their seconds before the end, the crash, the result of the replay (`played`, or None)."""
     from host_tools.programs.timeline import lines_of, mm, reason
 
     yield _("{}, written behind {}. Seconds before its end:", box.board["name"], reason(box))

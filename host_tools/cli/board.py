@@ -106,7 +106,8 @@ def board(
 
 
 def serve_board(config, mode, protocols, links, tcp, trace, vcd, options):
-    """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
+    """Run a virtual board until SIGTERM or SIGINT. `mode`: real or fast; `protocols`, `links`: {link: language}, {link: symlink to its pty}; `tcp`:
+    first port, or None for ptys; `trace`, `vcd`: files or None; `options`: those of sim.machine.Machine. Raises Failure."""
     from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
     from host_tools.sim.serial_line import PtyLine, wait_for_bytes
@@ -161,11 +162,12 @@ def serve_board(config, mode, protocols, links, tcp, trace, vcd, options):
 
 
 def _protocol_of(config, name, protocols):
+    """Return the language of a link: that of --protocol, else the board file's."""
     return protocols.get(name) or next(entry["protocol"] for entry in config["links"] if entry["name"] == name)
 
 
 def _tcp_line(port, index, name, protocol):
-    """The line of link number `index`: each has the port behind that of the one before."""
+    """Return the TCP line of link number `index`, at `port` + index; 0: any free port. Raises Failure if the port is taken."""
     from host_tools.sim.serial_line import TAKEN, TcpLine
 
     try:
@@ -175,7 +177,7 @@ def _tcp_line(port, index, name, protocol):
 
 
 def _end_with_stdin():
-    """As SIGTERM, once whoever started this is gone."""
+    """Send this process SIGTERM once standard input ends: the program that started it has ended."""
     with contextlib.suppress(OSError):
         while os.read(0, 4096):
             pass
@@ -183,7 +185,7 @@ def _end_with_stdin():
 
 
 def _create_stock(config):
-    """Raises Failure if the machine can touch nothing."""
+    """Return the Stock of --stock, which closes the probe. Raises Failure if the machine has no probe, or fewer than three axes."""
     from host_tools.sim.stock import Stock
 
     if not Stock.can_touch(config):
@@ -192,7 +194,8 @@ def _create_stock(config):
 
 
 def _create_radio(config, ports, key):
-    """The network that was asked for by {kind: port or None}, or None. Raises Failure if the board file has none."""
+    """Return a LoopbackRadio for `ports`, {"http" or "tcp": port or None}; None if no port is asked for. Raises Failure if the board file has no link
+    of that kind."""
     from host_tools.cli.key_option import key_of
     from host_tools.sim.radio import LoopbackRadio
     from host_tools.clients import page_key
@@ -207,6 +210,7 @@ def _create_radio(config, ports, key):
 
 
 def _print_network(radio):
+    """Print the addresses and the key of the board's network, if it has one."""
     if radio is not None:
         from host_tools.clients.page_key import in_groups
 
@@ -217,6 +221,7 @@ def _print_network(radio):
 
 
 def _run_until_stopped(machine, stopped):
+    """Run a virtual machine until `stopped` has an item; write buffered rows of its files each FLUSH_S."""
     flush_at = 0
     while not stopped:
         machine.cycle()
@@ -227,14 +232,14 @@ def _run_until_stopped(machine, stopped):
 
 
 def _print_errors(plant):
-    """Print on stderr how many steps and signals the machine could not follow, and the first of them."""
+    """Print on stderr how many steps and signals the machine could not follow, and the first of them with its time in ms."""
     if plant.error_count:
         tick, text = plant.errors[0]
         typer.echo(_("the machine: {} errors; the first at {:.3f} ms: {}", plant.error_count, tick / 12500, text), err=True)
 
 
 def _parse_pairs(option, texts, names):
-    """{name: value} of `NAME=VALUE` texts. With `names`, a text without a name belongs to the first of them. Raises Failure."""
+    """Return {name: value} of NAME=VALUE texts. With `names`, a text without a name belongs to the first of them. Raises Failure."""
     pairs = {}
     for text in texts or ():
         name, equals, value = text.partition("=")
@@ -250,7 +255,7 @@ def _parse_pairs(option, texts, names):
 
 
 def _check_flash_folder(path):
-    """The folder of --flash. Raises Failure if nothing can be kept there."""
+    """Return the folder of --flash after a trial write of 64 kB there; None if there is no such option. Raises Failure if it cannot be written."""
     if path is not None:
         tried = path / ".tried"
         try:
@@ -266,6 +271,7 @@ def _check_flash_folder(path):
 
 
 def _parse_positions(text):
+    """Return the steps of --start, X,Y…, one number an axis; None: random. Raises Failure."""
     if text is None:
         return None
     try:

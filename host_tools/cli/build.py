@@ -16,7 +16,7 @@ from host_tools.switches import print_cautions
 
 
 def print_sizes(title, rows):
-    """A table of (name, bytes, bytes…) rows, with a sum."""
+    """Print a table of rows (name, bytes of source, bytes on the board), with a sum below."""
     from rich.console import Console
     from rich.table import Table
 
@@ -31,7 +31,7 @@ def print_sizes(title, rows):
 
 
 def check_board(name):
-    """The board of a file. Raises Failure if it is wrong."""
+    """Return the checked board of a board file. Raises Failure if it is wrong."""
     from passo.config.board_error import BoardError
     from passo.config.boardfile import check
 
@@ -52,7 +52,7 @@ def print_budget(name):
 
 
 def print_kernel(board, name):
-    """Raises Failure if no kernel of the board's build is called so."""
+    """Print a kernel of the board's build as C. Raises Failure if no kernel has that name."""
     program, groups = kernels_of(board)
     text = c_of(program, groups, name)
     if not text:

@@ -83,13 +83,15 @@ def calibrate(
 
 
 def _print_fits(fits, used, taken):
+    """Print the lines of each axis's fit, and how to take up its backlash."""
     for fit in fits:
         print("\n".join(fit_lines(fit, used[fit.axis])))
         print("".join(f"   {line}\n" for line in backlash_advice(fit, taken)), end="")
 
 
 def table_of_means(lengths):
-    """Table 1 of the document: the value expected, then mean and standard deviation of each axis, in mm."""
+    """Yield the lines of table 1 of the document of 2020: the length commanded, then mean and standard deviation of each axis, in mm. `lengths`: {mm:
+    {axis: (mean, deviation)}}."""
     axes = sorted({axis for means in lengths.values() for axis in means})
     wide = 2 * _COLUMN + 1
     yield _("Measured movement, in mm")
@@ -101,7 +103,8 @@ def table_of_means(lengths):
 
 
 def backlash_advice(fit, taken):
-    """Yield lines that say how to take up the backlash found, if the fit is sure of it. `taken`: mm of each axis that are taken up already."""
+    """Yield lines that say how to take up the backlash found, if the fit is sure of it. `taken`: {axis: mm taken up already}; empty if the board has
+    no key "backlash"."""
     play = total_backlash(fit, taken)
     if play is None:
         return
@@ -115,14 +118,15 @@ def backlash_advice(fit, taken):
 
 
 def total_backlash(fit, taken):
-    """mm that are to be taken up in all; None if what was found is not beyond its uncertainty."""
+    """Return the backlash to take up in all, mm ≥ 0; None if the measured one is within twice its standard uncertainty."""
     if fit.verdict in ("mechanics", "unknown") or abs(fit.backlash) <= 2 * fit.u_backlash:
         return None
     return max(fit.backlash + taken.get(fit.axis, 0), 0)
 
 
 def _fit_axes(rows, used, reading):
-    """The fit of each axis that was measured."""
+    """Return the fit of each axis measured. `used`: {axis: steps/mm}; `reading`: uncertainty of one reading, mm. Raises Failure for an axis that the
+    machine lacks."""
     from host_tools.programs import calibration
 
     fits = []
@@ -136,7 +140,8 @@ def _fit_axes(rows, used, reading):
 
 
 def fit_lines(fit, used):
-    """Yield lines with the fit of an axis: steps/mm, backlash, the distance of each reading from the line, χ², verdict."""
+    """Yield lines with the fit of an axis: steps/mm (`used`: those of the measurement), backlash in mm, the distance of each reading from the line,
+    χ², verdict."""
     name = fit.axis.upper()
     text = _("{}  steps/mm {:.3f} ± {:.3f}, {:g} were used; scale {:.5f} ± {:.5f}")
     yield text.format(name, fit.steps_per_mm, fit.u_steps_per_mm, used, fit.scale, fit.u_scale)
@@ -152,10 +157,12 @@ def fit_lines(fit, used):
 
 
 def _percent_text(chance):
+    """Return a probability, 0 … 1, as a percentage: whole above 1 %, with one decimal above 0.1 %."""
     return f"{chance:.0%}" if chance >= 0.01 else f"{chance:.1%}" if chance >= 0.001 else _("less than 0.1%")
 
 
 def _mechanics_text(fit):
+    """Return the verdict of lengths that lie off any line: the worst of them, and a wrong scale beside it."""
     worst = max(fit.left, key=lambda row: abs(row[2] / row[3]))
     text = _("MECHANICS, or the measuring: {:g} mm lies {:.2f} mm off the best line, {:.0f} times what its readings scatter")
     text = text.format(worst[0], abs(worst[2]), abs(worst[2] / worst[3]))
@@ -165,6 +172,7 @@ def _mechanics_text(fit):
 
 
 def _scale_text(fit):
+    """Return the verdict of a wrong scale, with the right steps/mm."""
     if fit.scale > 1:
         text = _("SCALE: lengths come out {:.2%} too long; with {:.3f} steps/mm they are right")
     else:
@@ -173,6 +181,7 @@ def _scale_text(fit):
 
 
 def _backlash_text(fit):
+    """Return a sentence about backlash, or about an offset of the readings, beyond twice its uncertainty; else ""."""
     if fit.backlash > 2 * fit.u_backlash:
         return _(". Backlash of {:.2f} mm after each turn stays", fit.backlash)
     if fit.backlash < -2 * fit.u_backlash:
@@ -189,6 +198,7 @@ _VERDICTS = {
 
 
 def square_text(square):
+    """Return a line about two axes' squareness: mm at 1 m with its standard uncertainty, and which way to turn the second axis, in degrees."""
     sure = abs(square.mm_m) > 2 * square.u_mm_m
     first, second = square.axes.upper()
     if not sure:
@@ -201,6 +211,7 @@ def square_text(square):
 
 
 def _parse_steps_per_mm(text):
+    """Return {axis: steps/mm} of --steps-per-mm. Raises Failure unless there are one to four numbers above 0, up to 100,000."""
     try:
         values = [float(part) for part in text.split(",")]
     except ValueError:
@@ -211,7 +222,7 @@ def _parse_steps_per_mm(text):
 
 
 def _scales_of_board(name):
-    """({axis: steps/mm}, {axis: mm of backlash that are taken up}; empty if none can be)"""
+    """Return ({axis: steps/mm}, {axis: mm of backlash taken up}) of a board file; the second is empty if it takes up none."""
     from host_tools import boards
 
     board = boards.load(name)
@@ -221,7 +232,7 @@ def _scales_of_board(name):
 
 
 def _scales_of_machine(port, baud, protocol):
-    """The same of a machine."""
+    """Return ({axis: steps/mm}, {axis: mm of backlash taken up}) of a machine's settings $100… and $160…. Raises Failure."""
     from host_tools.cli.settings import board_at
 
     with board_at(port, baud, protocol) as board:
@@ -233,7 +244,8 @@ def _scales_of_machine(port, baud, protocol):
 
 
 def _write_settings(fits, taken, link, anyway):
-    """Set the steps/mm that are known to be wrong, and the backlash that is known. Raises Failure, before anything is written, if a fit does not allow it."""
+    """Send the steps/mm that are known to be wrong, and the backlash that is known. `link`: (port, baud, language). Raises Failure, before it sends
+    anything, if a fit is doubtful and not `anyway`."""
     from host_tools.cli.settings import board_at
 
     doubtful = [fit.axis.upper() for fit in fits if fit.verdict in ("mechanics", "unknown")]
@@ -260,7 +272,7 @@ def _write_settings(fits, taken, link, anyway):
 
 
 def parse_lengths(text):
-    """The numbers of --lengths. Raises Failure."""
+    """Return the lengths of --lengths, mm. Raises Failure unless there are two different ones or more, above 0 and up to 10,000."""
     try:
         lengths = [float(part) for part in text.split(",")]
     except ValueError:
@@ -271,7 +283,8 @@ def parse_lengths(text):
 
 
 def _pattern_lines(calibration, axis, lengths, strokes, feed, board):
-    """The program of an axis, in the language of a board; None: G-code. Raises Failure."""
+    """Return the lines of a program that draws `strokes` of each length along an axis, in the board's language; without a board in G-code. `feed`:
+    mm/min. Raises Failure."""
     from host_tools import boards
 
     config = boards.load(board) if board else None
@@ -288,6 +301,7 @@ def _pattern_lines(calibration, axis, lengths, strokes, feed, board):
 
 
 def _write_pattern(calibration, table, pattern, text, strokes, feed, board):
+    """Write a program for X and one for Y that draw the lengths, and a new table to fill in. Raises Failure if the table is there already."""
     lengths = parse_lengths(text)
     if table.exists():
         raise Failure("{} is there already: name a new table, or move that one away", table)

@@ -89,7 +89,8 @@ def check(
 
 
 def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=None):
-    """Check one program, and say what it would do. Raises Failure."""
+    """Run one program on the virtual board, and print its time, bounds and errors; with `out` draw it. `place`: (changes, zero, start) of a
+    VirtualJob. Raises Failure."""
     from host_tools import boards
     from host_tools.programs import compiler, feeds, flat
     from host_tools.sim.job import VirtualJob
@@ -115,7 +116,7 @@ def _check_file(file, board, place, dialect, tools, out, drop_z=False, z_pen=Non
 
 
 def _raise_if_faulty(job, program):
-    """Raises Failure if lines were refused, or if the job is larger than the machine."""
+    """Raise Failure if the machine refused lines, or if the job is larger than its travel."""
     if job.errors:
         if advice := program.advice():
             typer.echo(f"{program.name}: {advice}", err=True)
@@ -125,14 +126,14 @@ def _raise_if_faulty(job, program):
 
 
 def _run_program(job, program):
-    """Run all lines, with progress. Raises Failure if the job cannot go on; it names the program's line."""
+    """Run all lines of a program, with progress. Raises Failure with the program's line if the job cannot go on."""
     job.origin = program.origin
     with _show_progress(program) as progress:
         job.run(program.rows(), progress)
 
 
 def _parse_zero(text):
-    """The positions of `--at`, or None. Raises Failure."""
+    """Return the mm of --at, one an axis, or None. Raises Failure."""
     if text is None:
         return None
     try:
@@ -142,8 +143,8 @@ def _parse_zero(text):
 
 
 def _read_machine(port, baud):
-    """(changes, start) of VirtualJob: the settings and work offsets of a machine, and where it stands. G92 and G43.1 end with the
-    reset by which a job begins. Raises Failure."""
+    """Return (changes, start) for a VirtualJob: lines that set a machine's settings and work offsets, and where it stands in mm. Not G92 and G43.1,
+    which end with the reset that begins a job. Raises Failure if its position is unknown."""
     from host_tools.cli.settings import backup_lines
     from host_tools.clients.grbl import GrblClient
 
@@ -161,15 +162,15 @@ def _read_machine(port, baud):
 
 
 def _bears_on_motion(line):
-    """True of settings of path, soft limits, spindle's range, steps/mm, speeds, accelerations and the like; not of pins,
-    reports or homing, which the virtual board has no use for."""
+    """True if a `$` line sets the path, soft limits, spindle's range, steps/mm, a speed or an acceleration; false for pins, reports and homing, which
+    the virtual board does not use."""
     number = line[1:].partition("=")[0]
     return number.isdigit() and (int(number) in (11, 12, 20, 30, 31, 32) or int(number) >= 100)
 
 
 @contextlib.contextmanager
 def _show_progress(program):
-    """Shows progress and the current line at the terminal."""
+    """Give a function of the line number that shows progress at the terminal; None without a terminal."""
     from host_tools.cli.stream import progress_bar
 
     if not sys.stderr.isatty():
@@ -180,6 +181,7 @@ def _show_progress(program):
         told = time.monotonic()
 
         def show_line(number):
+            """Show line `number` and its share of the file, each _TELL_S at most."""
             nonlocal told
             if time.monotonic() - told > _TELL_S:
                 told = time.monotonic()
@@ -191,7 +193,7 @@ def _show_progress(program):
 
 
 def table_mm(board):
-    """The reach of X and Y in machine coordinates: left, bottom, right, top in mm; negative if an axis homes at its high end."""
+    """Return the reach of X and Y in machine coordinates: left, bottom, right, top in mm; negative if an axis homes at its high end."""
     ranges = []
     high_end = (board["homing"] or {}).get("high_end", "")
     for axis in board["axes"][:2]:
@@ -202,7 +204,7 @@ def table_mm(board):
 
 
 def summary_lines(job):
-    """Yield lines about a job: its time, the range and speed of each axis, pauses, skipped lines, probes."""
+    """Yield lines about a job: its time, range and fastest speed of each axis, pauses, skipped lines, probes."""
     from host_tools.programs.gcode_file import clock
 
     yield _("time    {} ({:.1f} s), {} words with a step", clock(job.seconds), job.seconds, job.track.steps)
@@ -223,7 +225,7 @@ def summary_lines(job):
 
 
 def plot_accelerations(axes, job):
-    """Each axis's acceleration over time, and its limit as a dashed line; steps are whole, so the lines tremble."""
+    """Plot each axis's acceleration in mm/s² over seconds, and its limit as a dashed line. Steps are whole, so the lines tremble."""
     made = job.track.accelerations()
     for number, (axis, color) in enumerate(zip(job.board["axes"], ("#c0392b", "#1e8449", "#1f618d", "#7d3c98"))):
         axes.plot(made[:, 0], made[:, 1 + number], color=color, linewidth=0.6, label=axis["name"].upper())
@@ -236,7 +238,7 @@ def plot_accelerations(axes, job):
 
 
 def _show_table(axes, job):
-    """A small map: the table, and the box of the job on it; without --at, as if work zero were machine zero."""
+    """Draw a small map: the table, and the box of the job on it; without --at, as if work zero were machine zero."""
     from host_tools.drawings import plot
 
     table = [round(side, 2) for side in table_mm(job.board)]
@@ -250,12 +252,13 @@ def _show_table(axes, job):
 
 
 def _split_stroke(positions):
-    """A long stroke in pieces: matplotlib needs memory for all the pixels of one."""
+    """Return a stroke in pieces of _PIECE positions: matplotlib needs memory for all the pixels of a line."""
     return [positions[begun : begun + _PIECE + 1] for begun in range(0, max(1, len(positions) - 1), _PIECE)]
 
 
 def save_job_picture(path, job, title):
-    """The path seen from above, the speed along it and the axes' accelerations over time."""
+    """Write a picture of a job: its path seen from above, the speed along it, and the axes' accelerations over time. Raises Failure if it cannot be
+    written."""
     from matplotlib.collections import LineCollection
 
     from host_tools.drawings.plot import write

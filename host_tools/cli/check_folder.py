@@ -24,7 +24,7 @@ class Sent(NamedTuple):
 
     @classmethod
     def from_path(cls, path, travels):
-        """Raises Failure if it cannot be read."""
+        """Return the file at `path`, with its bytes if it `travels` to another computer. Raises Failure if it cannot be read."""
         try:
             return cls(str(path), Path(path).read_bytes() if travels else None)
         except OSError as error:
@@ -32,7 +32,7 @@ class Sent(NamedTuple):
 
     @contextlib.contextmanager
     def local_path(self):
-        """Its path on this computer."""
+        """Give the file's path on this computer; bytes that came with it are written to a folder that ends with the block."""
         if self.data is None:
             yield Path(self.path)
             return
@@ -64,7 +64,7 @@ class Row(NamedTuple):
 
 
 def check_item(item):
-    """The Row of an Item."""
+    """Run the program of an Item on a virtual board; return its Row. A worker process calls it."""
     from host_tools import boards
     from host_tools.programs import compiler
     from host_tools.sim.job import VirtualJob
@@ -83,7 +83,7 @@ def check_item(item):
 
 
 def _fault_text(job, program):
-    """The first error of a program that has been run, or the travel that it exceeds; "" if it has no fault."""
+    """Return the first error of a program that has been run, or the travel that it exceeds; "" if it has no fault."""
     if job.errors:
         number, text, what = job.errors[0]
         more = "; " + _("{} in all", count_text(job.error_count, "line")) if job.error_count > 1 else ""
@@ -94,6 +94,7 @@ def _fault_text(job, program):
 
 
 def _file_of_board(board):
+    """Return the Sent of a board file; None for one of Passo's own, which is a name."""
     return board if isinstance(board, Sent) else None
 
 
@@ -124,6 +125,7 @@ def check_folder(folder, board, place, dialect, tools, out, count, cluster):
 
 
 def _relative_name(folder, path):
+    """Return the path of a program below `folder`, as the table shows it."""
     return str(Path(path).relative_to(folder))
 
 
@@ -144,7 +146,7 @@ def _in_order(paths, found):
 
 
 def _row_text(row):
-    """A row of the table, behind its name."""
+    """Return a row of the table behind its name: the fault, or time and size in mm."""
     from host_tools.programs.gcode_file import clock
 
     if row.fault:

@@ -58,7 +58,7 @@ def compile_(
 
 
 def _parse_start(text):
-    """The places of --start, or None. Raises Failure."""
+    """Return the positions of --start, mm of X, Y, Z and degrees of A, or None. Raises Failure."""
     if text is None:
         return None
     try:
@@ -71,7 +71,8 @@ def _parse_start(text):
 
 
 def save_picture(path, program):
-    """The path from above, each program line in a colour and with its number. Raises Failure if it cannot be written."""
+    """Write a picture of the path from above, each program line in a colour and with its number. Raises Failure if nothing moves, or the file cannot
+    be written."""
     from matplotlib.collections import LineCollection
 
     from host_tools.drawings.plot import finish, write
@@ -102,7 +103,7 @@ def save_picture(path, program):
 
 
 def _label_strokes(axes, strokes, files):
-    """Numbers of the program's lines beside their longest strokes, where there is room for them."""
+    """Write the numbers of up to _MOST_LABELS program lines beside their longest strokes; with several `files`, their names too."""
     longest = {}
     for stroke in strokes:
         box = [max(point[axis] for point in stroke.points) - min(point[axis] for point in stroke.points) for axis in (0, 1)]

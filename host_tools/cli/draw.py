@@ -82,7 +82,7 @@ draw.__annotations__ = Said.__annotations__
 
 
 def machine_as_running(machine, said):
-    """(the board file with the steps/mm of the board that is to draw, a line that says whose they are)"""
+    """Return (board file with the steps/mm of the board that is to draw, a line that says whose they are)."""
     from host_tools.cli import draw_run, ports
     from host_tools.running_board import as_running
 
@@ -92,7 +92,7 @@ def machine_as_running(machine, said):
 
 
 def options_of(said):
-    """The Options of a dict of the command's options; those that it lacks have their defaults."""
+    """Return the Options of a dict of the command's options; missing ones have their defaults. Raises Failure if the origin is wrong."""
     from host_tools.drawings.drawing import Options
 
     known = {key: said[key] for key in PLACED if key in said}
@@ -100,6 +100,7 @@ def options_of(said):
 
 
 def parse_corner(text):
+    """Return (x, y) in mm of --origin, or None. Raises Failure unless there are two numbers."""
     if text is None:
         return None
     try:
@@ -110,7 +111,7 @@ def parse_corner(text):
 
 
 def load_plotter(name):
-    """The checked board file. Raises Failure if none of its links speaks the plotter's language."""
+    """Return the checked board file. Raises Failure if none of its links speaks the plotter's language."""
     machine, spoken = machine_of(name)
     if spoken != "plotter":
         raise Failure("board {} speaks {}, and no plotter's language", name, spoken)
@@ -118,7 +119,7 @@ def load_plotter(name):
 
 
 def machine_of(name, out=None):
-    """(checked board file, "plotter" or "grbl"). Raises Failure if its links speak neither, unless G-code goes to a file, `out`."""
+    """Return (checked board file, "plotter" or "grbl"). Raises Failure if its links speak neither, unless G-code goes to a file, `out`."""
     from host_tools import boards
     from passo.config.boardfile import BoardError, check
 
@@ -136,7 +137,7 @@ def machine_of(name, out=None):
 
 
 def _print_plan(console, plan, options, job):
-    """Say what would be drawn."""
+    """Print the size, layers, lengths and estimated time of a drawing, and its notes."""
     from rich.markup import escape
 
     from host_tools.drawings import drawing

@@ -21,7 +21,7 @@ _LEAST_TIMEOUT_S = 5.0
 
 
 def cuts_of_parts(machine, plan, said):
-    """{number of a part: its Cut}, by the options of the command. Raises Failure."""
+    """Return {number of a part: its Cut} by the options of the command. Raises Failure if a tool, a layer or a value is wrong."""
     given = {each.name: getattr(said, each.name) for each in fields(Cut) if getattr(said, each.name) is not None}
     if given.get("tool", TOOLS[0]) not in TOOLS:
         raise Failure("--tool takes {}, not {!r}", ", ".join(TOOLS), given["tool"])
@@ -53,11 +53,11 @@ class Written:
         self._rapid_mm_s = min(limits.speeds[:2])
 
     def travel_s(self, length_mm):
-        """How long that takes with the tool up."""
+        """Return the seconds that a way of `length_mm` takes with the tool up."""
         return length_mm / self._rapid_mm_s
 
     def tool_lines(self):
-        """How each layer is drawn."""
+        """Yield a line for each layer: tool, feed in mm/min, depth in mm or power, passes."""
         for part in self._plan.parts:
             cut = self._cuts[part.number]
             if cut.tool == "z":
@@ -68,7 +68,7 @@ class Written:
                 yield _("layer {}: tool by M3 S{:g} and M5, F{:g}, {}", part.number, cut.power, cut.feed, count_text(cut.passes, "pass"))
 
     def write(self, console, path):
-        """Write the file. Raises Failure."""
+        """Write the G-code to a file. Raises Failure if it cannot be written."""
         try:
             path.write_text("\n".join([self._head_line(), *self.lines, ""]), encoding="ascii")
         except OSError as error:
@@ -76,12 +76,12 @@ class Written:
         console.print(_("  {0}: {1}; passo check {0} shows what the machine makes of it", path, count_text(len(self.lines), "line")))
 
     def _head_line(self):
-        """The first line of the file."""
+        """Return the first line of the file: a comment with the drawing's name."""
         name = "".join(each for each in self._plan.name if each.isascii() and each not in "()")
         return f"(passo draw {name})"
 
     def _continue_stored_job(self, client, said):
-        """True if the board's journal says that it ran the file as a stored job, which is gone on with then. Raises Failure."""
+        """If the board's journal says that it ran these lines as a stored job, go on with that and return True; else False. Raises Failure."""
         resume_gcode.wait_until_settled(client)
         try:
             found = Record.of(client.command("$JR"))
@@ -95,7 +95,7 @@ class Written:
         return True
 
     def run(self, console, record, said):
-        """Send it, from its start or from the line where it was broken off. Raises Failure."""
+        """Send the G-code from its start, or with --continue from the line that was interrupted. Raises Failure, also if the operator aborts."""
         from host_tools.cli import ports
         from host_tools.clients.grbl import GrblClient
 
@@ -118,5 +118,6 @@ class Written:
         console.print(_("drawn in {}: {}", gcode_file.clock(seconds), count_text(len(self._rows), "line")))
 
     def _line_name(self, number):
+        """Return the name of line `number` for people; at a change of pens with the next pen."""
         part = self._pens.get(number)
         return _("{}: put in pen {}", line_text(number), pen_of(part)) if part else line_text(number)

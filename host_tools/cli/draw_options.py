@@ -75,7 +75,7 @@ class Said:
     timeout: Annotated[float, typer.Option(min=0.5, help="Seconds an answer may take.")] = 3.0
 
     def options_to_keep(self):
-        """Those that a drawing is gone on with, as the journal keeps them."""
+        """Return {name: value} of the options that decide where points are: the journal keeps them, to go on with."""
         return {name: getattr(self, name) for name in KEPT}
 
 

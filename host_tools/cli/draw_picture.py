@@ -12,7 +12,8 @@ _TERMINAL = Path("-")
 
 
 def write(console, path, plan, machine, seconds):
-    """Raises Failure if the file cannot be written."""
+    """Write a picture of a drawing: .svg, .png, or `-` for dots in the terminal. `seconds`: its estimated time. Raises Failure if the file cannot be
+    written."""
     name = ", ".join(Path(part).name for part in plan.name.split(", "))
     if path == _TERMINAL:
         console.print(in_dots(plan, placement.table_mm(machine), console.width, console.height), highlight=False)
@@ -25,7 +26,7 @@ def write(console, path, plan, machine, seconds):
 
 
 def in_dots(plan, table, columns, rows):
-    """The table and the drawing as braille, as large as the terminal."""
+    """Return the table (mm) and the drawing as braille, as large as `columns` by `rows` of the terminal allow."""
     from host_tools.cli.watch import braille_map
 
     wide, high = max(10, columns - 2), max(5, rows - 4)
@@ -39,7 +40,7 @@ def in_dots(plan, table, columns, rows):
 
 
 def _write_svg(path, plan, table):
-    """Each pen in a colour of its own, in a group of its own: a drawing again."""
+    """Write an SVG file, each pen a group with a colour of its own: it can be drawn again. `table`: (width, height) in mm. Raises Failure."""
     groups = []
     for index, part in enumerate(plan.parts):
         data = []

@@ -45,11 +45,12 @@ class Plotted:
 
     @functools.cached_property
     def _objects(self):
+        """The drawing as objects of points for the plotter, --points each at most."""
         return self._plan.objects(self._said.points)
 
     @property
     def digest(self):
-        """Of its points."""
+        """The hash of all points: a journal beside the drawing keeps it."""
         return self._plan.digest(self._said.points)
 
     def tool_lines(self):
@@ -58,18 +59,18 @@ class Plotted:
             yield _("pen {}: you are asked for it before it draws", pen_of(part))
 
     def travel_s(self, length_mm):
-        """How long that takes with the pen up."""
+        """Return the seconds that a way of `length_mm` takes with the pen up."""
         return length_mm * self._travel_s_per_mm
 
     def write(self, console, path):
-        """Write its packets. Raises Failure."""
+        """Write the packets to a file. Raises Failure if pens have to be changed, or it cannot be written."""
         if self._changes:
             raise Failure("a file of packets cannot wait for a pen's change: write one file for each layer, by --layer")
         drawing_progress.write_packets(path, self._objects, self._said.home, self._said.speed)
         console.print(_("  {0}: to be stored by passo jobs store {0} --protocol plotter", path))
 
     def run(self, console, record, said):
-        """Draw it. Raises Failure."""
+        """Draw on the plotter at --port. Raises Failure, also if it is stopped."""
         if self._said.unlock:
             raise Failure("--unlock is for machines that speak grbl: a plotter seeks its origin, or draws from where it is by --no-home")
         way = Way(said.resume, said.home)
@@ -135,7 +136,8 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
 
 
 def _wait_for_pen(console, client, progress, part):
-    """Wait until the operator has put in a part's pen. Raises Cancelled, also if nobody answers."""
+    """Wait until the operator has put in the pen of `part` (None: no change) and pressed Enter. Raises Cancelled on Ctrl-C, or if standard input
+    ends."""
     from host_tools.clients.plotter import Cancelled
 
     if part is None:
@@ -150,7 +152,7 @@ def _wait_for_pen(console, client, progress, part):
 
 @contextlib.contextmanager
 def _cancel_by_signals(client):
-    """Ctrl-C, a closed terminal and the end of the session stop the machine."""
+    """Stop the machine on Ctrl-C, SIGTERM and SIGHUP (a closed terminal) within the block."""
     numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = [(number, signal.signal(number, lambda *_: client.cancel())) for number in numbers]
     try:
@@ -161,12 +163,13 @@ def _cancel_by_signals(client):
 
 
 def continue_advice(record):
+    """Return the words that say how to go on with an interrupted drawing."""
     return _("go on with the same command and --continue ({})", record.path) if record else _("go on with passo resume")
 
 
 def _wait_until_at_rest(client, way):
-    """Wait until the machine is at rest: it draws the points that it has of an interrupted drawing. Raises Failure if it moves and
-    --continue is not given."""
+    """Wait until the machine is at rest: it draws the points that it has of an interrupted drawing. Raises Failure if it moves and --continue is not
+    given."""
     while True:
         status = client.request()
         if status["state"] in ("idle", "alarm"):
@@ -178,8 +181,8 @@ def _wait_until_at_rest(client, way):
 
 
 def _find_spot(client, objects, record, way, numbers):
-    """The spot at which the drawing goes on, by the board's journal if it is of this drawing, else by that of the PC. None: at
-    the start. Raises Failure."""
+    """Return the Spot at which the drawing goes on: from the board's journal if it is of this drawing, else from the PC's. None: at the start. Raises
+    Failure."""
     if not way.resume:
         return None
     found = None
@@ -200,7 +203,7 @@ def _find_spot(client, objects, record, way, numbers):
 
 
 def _lead_to_spot(client, objects, spot, way):
-    """Pen up, over the place; then the operator is asked."""
+    """Move over the spot with the pen up; with `way.ask` ask the operator. Raises Failure if the operator says no."""
     start = spot.start(objects)
     client.point(False, *start)
     client.end(1)
@@ -245,7 +248,7 @@ class _Progress:
 
     @contextlib.contextmanager
     def hide_bar(self):
-        """Without the bar."""
+        """Hide the bar within the block."""
         self._bar.stop()
         yield
         self._bar.start()
@@ -261,5 +264,6 @@ class _Progress:
         self._bar.update(self._task, completed=done, description=text)
 
     def _seconds_done(self, number, drawn):
+        """Return the estimated seconds of `number` whole objects and `drawn` points of the next one."""
         done = sum(self._totals[:number])
         return done + sum(self._spans[number][:drawn]) if number < len(self._spans) else done

@@ -75,7 +75,7 @@ def emulate(
 
 
 def _create_machine(board, files, trace, vcd, uf2, options):
-    """An EmulatedMachine of these arguments. Raises Failure for a wrong board file or place."""
+    """Return an EmulatedMachine of these arguments. Raises Failure for a wrong board file or start."""
     from host_tools.emulator.machine import EmulatedMachine
     from passo.config.boardfile import BoardError
 
@@ -88,12 +88,13 @@ def _create_machine(board, files, trace, vcd, uf2, options):
 
 
 def print_progress(text):
-    """Tell the user, who waits for a port, what is going on."""
+    """Print a line on stderr for a user who waits."""
     print(text, file=sys.stderr, flush=True)
 
 
 def serve_emulated(machine, symlinks, tcp, blank=False):
-    """Run until SIGTERM or SIGINT, with a pty for each UART that a link uses and a socket for USB."""
+    """Run until SIGTERM or SIGINT, with a pty for each UART that a link uses and a socket for USB (`tcp`: its port, or None). `symlinks`: {UART's
+    number: path or None}. Raises Failure."""
     from host_tools.sim.serial_line import PtyLine, TcpLine
 
     stopped = []
@@ -123,7 +124,7 @@ def serve_emulated(machine, symlinks, tcp, blank=False):
 
 
 def _print_ports(machine, ptys, blank):
-    """Print the ports of the UARTs once the firmware listens, or has failed to start. True when that is done."""
+    """Print the ports of the UARTs once the firmware listens, or has failed to start within 10 s of its own time. Return True then."""
     if not blank and not machine.listening():
         if machine.now_ms() < UP_LIMIT_MS:
             return False
@@ -135,6 +136,8 @@ def _print_ports(machine, ptys, blank):
 
 
 def _run_until_stopped(machine, ptys, usb, stopped, pressed, blank):
+    """Run the emulated Pico until `stopped` has an item, no faster than the wall clock, SLICE_US at a time; carry bytes between its lines and the
+    PC's."""
     from host_tools.sim.serial_line import wait_for_bytes
 
     lines = [*ptys.values(), *([usb] if usb else [])]

@@ -98,7 +98,8 @@ engrave.__doc__ = EXAMPLES
 
 
 def _carry_out(file, options, board, dialect, client, out, preview, go_on):
-    """Shade, describe, and write or send, by `go_on` if not None; the test card if there is no file. Raises Failure."""
+    """Shade the picture, or make the test card if there is no `file`; print its size and time; write, draw or send it. `go_on`: function that goes on
+    with an interrupted one, or None. Raises Failure."""
     from rich.console import Console
 
     from host_tools import boards
@@ -133,7 +134,8 @@ def _carry_out(file, options, board, dialect, client, out, preview, go_on):
 
 
 def _choose_dialect(dialect, machine, client):
-    """How dots are written: packed, if the machine takes that. Raises Failure if rows of them are asked for, and it does not take them."""
+    """Choose how rows of dots are written: packed, if the machine takes that. Raises Failure if `dialect` asks for rows that the machine does not
+    take."""
     from host_tools.drawings import engraving
 
     if dialect == "plain" or not (client or dialect):
@@ -150,6 +152,7 @@ def _choose_dialect(dialect, machine, client):
 
 
 def _connect_machine(ends, port, baud, home, unlock, continued):
+    """Return a connected GrblClient, ready to send; `ends` closes it. Raises Failure if the machine is in alarm."""
     from host_tools.clients.grbl import GrblClient
 
     client = ends.enter_context(GrblClient(port, baud))
@@ -161,12 +164,14 @@ def _connect_machine(ends, port, baud, home, unlock, continued):
 
 
 def _limit_speed(console, speed, machine):
+    """Return `speed` (mm/min), at most the machine's own; print a note if that is less."""
     if speed > machine.speed:
         console.print(_("  [yellow]{:g} mm/min is more than the machine goes: {:g}[/yellow]", speed, machine.speed))
     return min(speed, machine.speed)
 
 
 def _print_plan(console, powers, rows, options, machine, lines, seconds):
+    """Print size, dots, time and the head's travel, and the speed up to which a link carries all powers."""
     from host_tools.drawings import engraving
     from host_tools.programs.gcode_file import clock
 

@@ -57,7 +57,7 @@ def experiments(
 
 
 def may_drive_pins(place, names):
-    """Whether a board's pins may be driven: asked at a terminal if one of the experiments wants that."""
+    """True if a board's pins may be driven. Asks the user at a terminal, if an experiment drives pins."""
     from host_tools.cli.prove import is_terminal
     from host_tools.experiments.experiments import EXPERIMENTS
 
@@ -67,7 +67,7 @@ def may_drive_pins(place, names):
 
 
 def run_experiments(names, place):
-    """([(name, Outcome or why not)], whether one failed or was wrong)"""
+    """Run experiments at a place; return ([(name, Outcome or the reason why there is none)], True if one failed or has a wrong value)."""
     from host_tools.emulator.copies import CopyFailed
     from host_tools.experiments.experiments import refusal, run
 
@@ -91,5 +91,5 @@ def run_experiments(names, place):
 
 
 def print_progress(text):
-    """For somebody who waits."""
+    """Print a line on stderr for a user who waits."""
     print(text, file=sys.stderr, flush=True)

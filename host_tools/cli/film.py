@@ -43,6 +43,7 @@ def film(
         with progress_bar(transient=True) as bar:
 
             def show_share(share):
+                """Show the share of frames written, 0 … 1."""
                 bar.update(bar.task_ids[0], completed=share, description=f"{share:4.0%} {out}", refresh=True)
 
             count = films.write(out, moves, scale, seconds, speed, per_second, show_share)

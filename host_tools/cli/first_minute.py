@@ -37,7 +37,7 @@ _LEAST_MM = 0.5  # a point nearer to the last than this is left out
 
 
 def run():
-    """([(command, lines that it prints)], strokes of the trace in mm). Raises Failure if a command fails."""
+    """Run COMMANDS in an empty folder; return ([(command, lines that it prints)], strokes of the trace in mm). Raises Failure if a command fails."""
     with tempfile.TemporaryDirectory() as folder:
         link = str(Path(folder) / "machine")
         told, board = [], None
@@ -64,7 +64,7 @@ def run():
 
 
 def _end_board(board):
-    """End it: its trace is whole."""
+    """End the virtual board, so that its trace is whole. Raises TimeoutExpired after 120 s."""
     if board is not None and board.poll() is None:
         board.terminate()
         board.wait(120)
@@ -72,6 +72,7 @@ def _end_board(board):
 
 
 def _thin_points(points):
+    """Return a stroke without points nearer than _LEAST_MM to the one before; both ends stay."""
     kept = [points[0]]
     for point in points[1:-1]:
         if abs(point[0] - kept[-1][0]) + abs(point[1] - kept[-1][1]) >= _LEAST_MM:
@@ -80,10 +81,11 @@ def _thin_points(points):
 
 
 def film_svg(told, strokes):
-    """The SVG's text."""
+    """Return the SVG's text. `told`: [(command, lines)]; `strokes`: of the trace, mm."""
     at, y, rows, styles, drawing = 0.0, 34, [], [], (0.0, 1.0)
 
     def add_text(text, kind, begin):
+        """Add a row of the terminal that appears `begin` seconds after the start; negative: it is there from the start."""
         if begin < 0:
             styles.append(f"@keyframes r{len(rows)}{{0%,100%{{opacity:1}}}}")
         else:
@@ -121,7 +123,8 @@ path{{fill:none;stroke-width:9;stroke-dasharray:1;stroke-linecap:round;stroke-li
 
 
 def _path_elements(strokes, begin, end, styles):
-    """Each stroke, drawn in the part of the time that its length is of all; blue first, red last."""
+    """Return the SVG paths of the strokes: each is drawn in its share, by length, of the time from `begin` to `end` (s); blue first, red last. Adds
+    to `styles`."""
     lengths = [sum(abs(a[0] - b[0]) + abs(a[1] - b[1]) for a, b in zip(points, points[1:])) for points in strokes]
     xs, ys = [x for points in strokes for x, _ in points], [y for points in strokes for _, y in points]
     left, top, wide, high = _TERMINAL + 12, 24, _WIDTH - _TERMINAL - 36, _HEIGHT - 48

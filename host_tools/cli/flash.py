@@ -34,10 +34,10 @@ COPY_TIMEOUT_S = 600
 
 
 def flash_commands(port, out, drivers=(), source=False):
-    """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules, copy the stamp and reset. The
-    stamp is spoilt first, and main.py comes next, which compares it: whatever was there before, a board whose copy was cut short says so at
-    its start. `drivers`: packages of micropython-lib,
-    which mpremote fetches from the internet. `source`: the package is to run instead of the one in the UF2."""
+    """Return two mpremote commands, as argument lists: the first asks if a board answers; the second copies, removes stale modules, copies the stamp
+    and resets. The second spoils the old stamp first and then copies main.py, which compares stamps: a board whose copy was cut short says so at its
+    start, whatever was there before. `drivers`: packages of micropython-lib, which mpremote fetches from the internet. `source`: the copied package
+    runs instead of the one in the UF2."""
     mpremote = flash_uf2.mpremote_command(port)
     copy = ["cp", str(out / "main.py"), ":", "+", "cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "board.py"), ":"]
     if drivers:
@@ -49,11 +49,12 @@ def flash_commands(port, out, drivers=(), source=False):
 
 
 def drivers_of(board):
-    """The packages of micropython-lib that a board file, a dict, asks for."""
+    """Return the packages of micropython-lib that a board file, a dict, asks for."""
     return ("sdcard",) if board.get("card") else ()
 
 
 def no_answer(port):
+    """Return the Failure of a port at which no MicroPython answers."""
     return Failure(
         "no MicroPython board answers on {}: is it the right port (passo ports), and does no other program use it? A running Passo "
         "lets go for two seconds after a reset",
@@ -62,19 +63,19 @@ def no_answer(port):
 
 
 def reason_of(output):
-    """The last line of mpremote's output, without the name of mpremote."""
+    """Return the last line of mpremote's output, without the name of mpremote."""
     lines = [line.strip() for line in output.splitlines() if line.strip()]
     return lines[-1].removeprefix("mpremote: ") if lines else ""
 
 
 def check_port(port):
-    """Raises Failure if there is no such port, before anything is built for it."""
+    """Raise Failure if there is no such port, before anything is built for it."""
     if "://" not in port and os.sep in port and not Path(port).exists():
         raise Failure("there is no port {}: is the board plugged in? (passo ports)", port)
 
 
 def ask_board(command, port):
-    """Run `command` of mpremote and return its output. Raises Failure unless a board with MicroPython answers."""
+    """Run `command` of mpremote and return its output. Raises Failure unless a board with MicroPython answers within 30 s."""
     if find_spec("mpremote") is None:
         raise Failure("mpremote, which talks to the board, is not installed: pip install mpremote")
     check_port(port)
@@ -91,7 +92,7 @@ def ask_board(command, port):
 
 
 def copy_files(command, port):
-    """Runs the copy with mpremote's own progress; raises Failure if it ended early."""
+    """Run the copy with mpremote's own progress, up to ten minutes. Raises Failure if it ends early."""
     try:
         result = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=COPY_TIMEOUT_S)
     except subprocess.TimeoutExpired:
@@ -101,13 +102,13 @@ def copy_files(command, port):
 
 
 def copy_and_report(command, chosen, port):
-    """Copy, and say what runs."""
+    """Copy by `command`, and print that `chosen` runs on the port. Raises Failure."""
     copy_files(command, port)
     print(_("{} runs on {}", chosen, port))
 
 
 def install_uf2(port, path, board):
-    """Another UF2 for the board, which may be in its boot loader. Raises Failure."""
+    """Put a UF2 on a board, which may be in its boot loader; without a board file to come, reset it. Raises Failure."""
     told = flash_uf2.check_file(path)
     print(_("{} holds Passo's build {} for the {}", path, told[1], told[0]) if told else _("{} holds no Passo: MicroPython as it comes", path))
     try:
@@ -164,7 +165,7 @@ def flash(
 
 
 def put_board_file(board, config, found, port):
-    """The board file to a board with Passo's UF2."""
+    """Copy the board file to a board with Passo's UF2 (`found`: its Has). Raises Failure if the UF2 does not serve it."""
     flash_uf2.check_fits(found, config, board)
     if found.stamp != stamp(found.chip):
         print(_("the UF2 on the board is build {} of Passo {}, and not of this source: make uf2 CHIP={} builds one", found.stamp, found.version, found.chip))

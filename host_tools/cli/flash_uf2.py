@@ -35,15 +35,17 @@ Has = namedtuple("Has", "chip stamp version files_at names")
 
 
 def mpremote_command(port):
+    """Return the command that runs mpremote with the board on `port`."""
     return interpreter.mpremote(port)
 
 
 def ask_command(port):
+    """Return the command that asks a board which interpreter it runs: parse_answer() reads its output."""
     return [*mpremote_command(port), "run", str(ASK)]
 
 
 def parse_answer(text, port):
-    """The Has of ask_board.py's output. Raises Failure if the board runs something other than MicroPython."""
+    """Return the Has of ask_board.py's output. Raises Failure if the board runs something other than MicroPython."""
     lines = text.splitlines()
     words = lines[0].split() if lines else []
     if len(lines) < 2 or words[0] not in ("uf2", "micropython"):
@@ -53,7 +55,7 @@ def parse_answer(text, port):
 
 
 def check_fits(has, board, name):
-    """Raises Failure if the UF2 that a board has does not serve a board file, a dict."""
+    """Raise Failure if the UF2 that a board has does not serve a board file, a dict."""
     chip = CHIPS.get(has.chip)
     if chip is None or chip.mcu != board["chip"] or board.get("network") and not chip.network:
         wanted = board["chip"] + ("_w" if board.get("network") else "")
@@ -61,7 +63,7 @@ def check_fits(has, board, name):
 
 
 def copy_command(port, board_file):
-    """The command that lays a board file beside Passo's UF2."""
+    """Return the command that lays a board file beside Passo's UF2, and resets."""
     return [*mpremote_command(port), "run", str(REMOVE_PACKAGE), "+", "cp", str(board_file), ":board.py", "+", "reset"]
 
 
@@ -69,7 +71,8 @@ def copy_command(port, board_file):
 
 
 def replace_uf2(port, path, has):
-    """`has` is None if nothing answers: then the board has to be in its boot loader. Raises Failure."""
+    """Write another UF2 by the chip's boot loader; the board's files survive. `has`: of the board; None if nothing answers, which then has to be in
+    its boot loader. Takes up to some minutes. Raises Failure."""
     kept = save_files(port, path, has) if has else None
     if has:
         subprocess.run([*mpremote_command(port), "exec", "--no-follow", "import machine; machine.bootloader()"], capture_output=True, timeout=START_S)
@@ -85,13 +88,15 @@ def replace_uf2(port, path, has):
 
 
 def start_failure(path, kept=None):
+    """Return the Failure of a board that did not start with the UF2; print where its files are, if they were saved in `kept`."""
     if kept:
         print(_("the board's files are in {0}; once it answers: mpremote cp -r {0}/* :", kept))
     return Failure("the board did not start with {0}: hold BOOTSEL while you plug it in, then: passo flash --uf2 {0}", path)
 
 
 def save_files(port, path, has):
-    """A folder with the board's files if they would be lost, because the file system begins elsewhere; otherwise None."""
+    """Return a folder with the board's files if they would be lost, because the file system begins elsewhere; else None. Raises Failure if one cannot
+    be read."""
     if has.files_at == location(path)[0]:
         return None
     folder = Path(tempfile.mkdtemp(prefix="passo-files-"))
@@ -105,6 +110,7 @@ def save_files(port, path, has):
 
 
 def put_back(port, folder):
+    """Copy the files in `folder` to the board, and remove the folder. Raises Failure; the folder stays then."""
     names = sorted(str(each) for each in folder.iterdir())
     if names:
         done = subprocess.run([*mpremote_command(port), "cp", "-r", *names, ":"], capture_output=True, text=True, timeout=COPY_S)
@@ -114,7 +120,8 @@ def put_back(port, folder):
 
 
 def write(path, drive):
-    """The board restarts when the last block has come: some systems report that as an error."""
+    """Write the UF2 to the boot loader's drive. The board restarts when the last block has come: some systems report that as an error, which is
+    ignored."""
     data = path.read_bytes()
     try:
         with open(drive / path.name, "wb") as target:
@@ -126,7 +133,7 @@ def write(path, drive):
 
 
 def wait_for(question, limit_s):
-    """The first answer but None or False; None after the limit."""
+    """Call question() each 0.2 s; return its first result that is true, or None after `limit_s`."""
     end = time.monotonic() + limit_s
     while time.monotonic() < end:
         found = question()
@@ -137,6 +144,7 @@ def wait_for(question, limit_s):
 
 
 def board_answers(port):
+    """True if MicroPython answers on the port within 30 s."""
     try:
         return subprocess.run([*mpremote_command(port), "exec", "pass"], capture_output=True, timeout=START_S).returncode == 0
     except subprocess.TimeoutExpired:
@@ -144,7 +152,8 @@ def board_answers(port):
 
 
 def find_drive():
-    """The folder of the boot loader's drive, or None. PASSO_BOOT_DRIVE names it where it is mounted elsewhere."""
+    """Return the folder of the boot loader's drive, or None; on Linux mount it by udisksctl if it is there. PASSO_BOOT_DRIVE names a drive mounted
+    elsewhere."""
     if named := os.environ.get("PASSO_BOOT_DRIVE"):
         return Path(named) if (Path(named) / INFO).is_file() else None
     if os.name == "nt":
@@ -164,7 +173,7 @@ def find_drive():
 
 
 def check_file(path):
-    """The label of a UF2, as label_of() returns it: None is plain MicroPython. Raises Failure if the file is missing or not whole."""
+    """Return the label of a UF2 as label_of() has it; None is plain MicroPython. Raises Failure if the file is missing or not whole."""
     if not path.is_file():
         raise Failure("no file {}", path)
     if not is_whole(path.read_bytes()):

@@ -37,7 +37,7 @@ class Table:
         self.masks = self.board["additions"].masks
 
     def rows_of_gates(self):
-        """{name: Row} of the directions, tool and outputs that the firmware gates: in inputs only, without signals, as in its masks."""
+        """Return {name: Row} of the directions, tool and outputs that the firmware gates: in inputs only, without signals, as in its masks."""
         from passo.options.interlock.steps_viper import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
 
         found = {}
@@ -60,21 +60,23 @@ class Row:
         self.names = sorted({each for product in products for each in product})
 
     def value(self, states):
+        """True if a product of the row is true. `states`: {input or signal: 0 or 1}."""
         return any(all(states[name] == wanted for name, wanted in product.items()) for product in self.products)
 
     def text(self):
+        """Return the row as a board file has it: products joined by |, inputs by &, ! before one that must be inactive."""
         return " | ".join(
             " & ".join(name if wanted else "!" + name for name, wanted in product.items()) for product in self.products
         )
 
     def truth_lines(self):
-        """(states, value) of every combination of its inputs."""
+        """Yield (levels of its inputs, value 0 or 1) of every combination: 2ⁿ of n inputs."""
         for levels in product((0, 1), repeat=len(self.names)):
             yield levels, int(self.value(dict(zip(self.names, levels))))
 
 
 def truth_table(row):
-    """The lines of a row's truth table."""
+    """Return the lines of a row's truth table; of more than MOST_INPUTS inputs only its formula."""
     if len(row.names) > MOST_INPUTS:
         return [f"{row.name} = {row.text()}", _("    {} inputs: too many for a table", len(row.names))]
     lines = [f"{row.name} = {row.text()}", "    " + " ".join(row.names) + f"  {row.name}"]

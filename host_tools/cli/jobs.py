@@ -30,7 +30,7 @@ Protocol = Annotated[str, typer.Option(help="What the link of --port speaks: grb
 
 @contextlib.contextmanager
 def _connect_client(port, baud, protocol):
-    """The client of the language; its ask(line) sends `$F` lines. Raises Failure if the board refuses one because a stored job runs."""
+    """Give a client of the language; its ask(line) sends `$F` lines. Raises Failure if the board refuses a line because a stored job runs."""
     from host_tools.cli import ports
     from host_tools.cli.link import BAUD
     from host_tools.clients.grbl import GrblClient
@@ -54,7 +54,8 @@ def _connect_client(port, baud, protocol):
 
 
 def _list_jobs(client):
-    """({name: (bytes, bytes stored, CRC-32, language)}, bytes free, how many more jobs there are)."""
+    """Return ({name: (bytes, bytes stored, CRC-32, language)}, bytes free, number of further jobs that the list has no room for). Raises Failure if
+    the board keeps no jobs."""
     from host_tools.clients.grbl import Refused
     from host_tools.programs.stored_job import LISTED
 
@@ -149,6 +150,7 @@ def store(
 
 
 def _tell_end(file, number, behind):
+    """Print that a program ends at line `number`, and how many lines stand behind it."""
     print(_("{} ends at line {}; what stands behind it is no part of the program: {}", file.name, number, count_text(behind, "line")))
 
 
@@ -169,7 +171,8 @@ def _check_here(client, file):
 
 
 def _check_stored(client, name):
-    """Run a job in check mode. Raises Refused at its first error."""
+    """Run a stored job in check mode ($C), without motion; a reset ends it. Raises Failure if the machine is not idle, Refused at the job's first
+    error."""
     if client.ask_status()["state"] != "Idle":
         raise Failure("the machine has to be idle: home or unlock it first")
     client.command("$C")
@@ -233,7 +236,8 @@ def run(
 
 
 def _run_job(client, name, text):
-    """Run a job to its end, with progress and its `text`. Raises Refused if it ended with an error."""
+    """Run a job to its end, with `text` and progress from the reports. Raises Refused if it ends with an error, LinkError if the board is silent, or
+    reports no job for ten seconds."""
     from host_tools.clients.grbl import LinkError, Refused, alarm_text, explain
 
     client.ask(f"$F={name}")
@@ -264,7 +268,7 @@ def _run_job(client, name, text):
 
 
 def _watch_job(client, name, text):
-    """_run_job() in a language that has no reports: `$F?` is asked."""
+    """Run a job to its end in a language without reports: ask `$F?` five times a second. Raises Refused if it ends with an error."""
     from host_tools.clients.refusal import Refused, explain
 
     client.ask(f"$F={name}")
@@ -300,6 +304,7 @@ class _bar:
         return self._show_share
 
     def _show_share(self, share):
+        """Show the share of the job that is done, 0 … 1."""
         if self._progress:
             self._progress.update(self._task, completed=share, description=self._text, refresh=True)
 

@@ -12,7 +12,7 @@ from host_tools.failure import Failure, reason
 
 
 def key_of(text, where):
-    """The key in `text`. Raises Failure if it is wrong: the message names `where` the text came from, never the text itself."""
+    """Return the key in `text`. Raises Failure if it is wrong: the message names the source of the text, `where`, never the text itself."""
     try:
         return page_key.read_key(text)
     except ValueError:
@@ -20,11 +20,12 @@ def key_of(text, where):
 
 
 def key_in(path):
+    """Return the key in a file. Raises Failure if it is wrong, or other users may read the file."""
     return key_of(read_secret(path), path)
 
 
 def make_key_file(path):
-    """A new key in a file of this user's only, unless there is one. Raises Failure."""
+    """Write a new key to a file of this user's only, unless there is one. Raises Failure."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
@@ -36,7 +37,7 @@ def make_key_file(path):
 
 
 def read_secret(path):
-    """The first line of a file. Raises Failure if there is none, or others may read it."""
+    """Return the first line of a file. Raises Failure if there is none, or other users may read the file."""
     try:
         if os.name == "posix" and path.stat().st_mode & 0o077:
             raise Failure("others can read {}: chmod 600 {}", path, path)

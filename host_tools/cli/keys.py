@@ -87,9 +87,11 @@ class Kit:
         self.reverse = [False, False]
 
     def close(self):
+        """Close the port; the motors stay as they are."""
         self._serial.close()
 
     def press_all(self, items):
+        """Send keys (bytes) and wait (seconds, floats) in turn. Raises LinkError if the port is lost."""
         for item in items:
             if isinstance(item, float):
                 time.sleep(item)
@@ -97,7 +99,7 @@ class Kit:
                 self.press_key(item)
 
     def press_key(self, data):
-        """Send one task: a byte, or two for a speed."""
+        """Send one task: a byte, or two for a speed. Raises LinkError if the port is lost."""
         from host_tools.clients.serial_port import port_error
 
         try:
@@ -108,6 +110,7 @@ class Kit:
         self._note_state(data)
 
     def _note_state(self, data):
+        """Note the state of the motors that follows from a task, as the firmware's protocol has it."""
         from passo.protocols.keys.protocol import OFF, ON, REVERSE, SPEED
 
         key = data[0]
@@ -135,6 +138,7 @@ class Kit:
 
 
 def _press_live(kit):
+    """Send keys as they are pressed, and show the motors' state, until q or Ctrl-C switches both off."""
     print(_("A n, B n: speed    C D I: on    E F J: off    G H: reverse    q: both off, and leave"))
     with _raw_terminal():
         while True:
@@ -152,7 +156,7 @@ def _press_live(kit):
 
 
 def _read_speed(kit, key):
-    """Read the speed's digits up to Enter."""
+    """Read the digits of a speed up to Enter, and send it; print why a wrong one is not sent."""
     digits = ""
     while True:
         print("\r\x1b[K" + _("speed of motor {}: {}", 1 + (key == "B"), digits), end="", flush=True)
@@ -172,7 +176,7 @@ def _read_speed(kit, key):
 
 @contextmanager
 def _raw_terminal():
-    """The terminal gives each character as it is pressed, Ctrl-C too."""
+    """Have the terminal give each character as it is pressed, Ctrl-C too, within the block. Raises Failure on Windows."""
     try:
         import termios
         import tty

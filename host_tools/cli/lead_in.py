@@ -13,7 +13,7 @@ _WAIT_S = 600  # that a way, a spindle or a dwell may take
 
 
 def announce_program(client, lines, name):
-    """Tell a board with a journal which program begins, and remember its name."""
+    """Tell a board with a journal the number of the program that begins, and remember its name on this PC."""
     from host_tools.clients.grbl import Refused
     from host_tools.programs import program_names
 
@@ -26,10 +26,9 @@ def announce_program(client, lines, name):
 
 
 def prepare_start(client, lines, number, place=None, yes=False, end=None, sure=True):
-    """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there.
-    Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
-    `sure`: see staged().
-    Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
+    """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there. Return the lines still to
+    be sent. `yes`: do not ask. `end`: position of an interrupted program before that line, steps. `sure`: False if zero is not known for certain, see
+    plan_stages(). Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
     from host_tools.programs.resume_line import plan_stages
     from host_tools.programs.replay_machine import Machine
 
@@ -45,6 +44,7 @@ def prepare_start(client, lines, number, place=None, yes=False, end=None, sure=T
 
 
 def _carry_out(client, stages, number, yes):
+    """Send the lines of each stage and wait for its end; before the tool goes down ask the operator, unless `yes`. Raises Failure."""
     from host_tools.programs import replay
 
     moving = any(what == replay.DOWN for what, _ in stages)
@@ -57,7 +57,7 @@ def _carry_out(client, stages, number, yes):
 
 
 def _require_agreement(client, next_):
-    """Raise Failure unless the operator agrees; spindle and coolant are off then, and if nobody can be asked or the question is broken off."""
+    """Ask the operator. Unless the answer is yes, also on Ctrl-C, switch spindle and coolant off and raise Failure."""
     agrees = False
     try:
         agrees = operator_agrees(next_, client.ask_status)
@@ -70,8 +70,8 @@ def _require_agreement(client, next_):
 
 
 def operator_agrees(next_, idle=None):
-    """Ask the operator before the tool goes down; `idle()` is called several times a second meanwhile, so that a board that minds its
-    host, the spindle on, hears of it. Raises Failure if there is nobody."""
+    """Ask the operator before the tool goes down; True if the answer is yes. Calls `idle()` three times a second meanwhile: a board that watches its
+    host, the spindle on, needs signs of it. Raises Failure without a terminal."""
     if not sys.stdin.isatty():
         raise Failure("nobody can be asked before the tool goes down; look at the machine, then give --yes")
     print(next_)

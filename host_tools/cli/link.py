@@ -47,6 +47,7 @@ def link(
 
 
 def _hand_over_grbl(port, baud, number):
+    """Give the command to link `number`, if not None; return a line that names the link in command. Raises Failure."""
     from host_tools.clients.grbl import GrblClient
 
     with GrblClient(port, baud) as client:
@@ -60,6 +61,7 @@ def _hand_over_grbl(port, baud, number):
 
 
 def _hand_over_plotter(port, baud, number):
+    """Give the command to link `number`. Raises Failure if the board refuses."""
     from host_tools.clients.plotter import PlotterClient
 
     with PlotterClient(port, baud) as client:
@@ -67,6 +69,7 @@ def _hand_over_plotter(port, baud, number):
 
 
 def _hand_over_torch(port, baud, number):
+    """Give the command to link `number`. Raises Failure if the board refuses."""
     from host_tools.clients.torch import TorchClient
     from passo.protocols.torch import protocol as torch
 
@@ -75,6 +78,7 @@ def _hand_over_torch(port, baud, number):
 
 
 def _hand_over_pulses(port, baud, number):
+    """Give the command to link `number`. Raises Failure if the board refuses, LinkError without an answer within 3 s."""
     from host_tools.clients.serial_port import LinkError
     from host_tools.clients.wire import open_port
     from passo.protocols.pulses import protocol as pulses

@@ -36,7 +36,7 @@ def log(
 
 
 def find_link(port, baud, protocol):
-    """(language, port, baud) of the link to ask, from the options; those left out are found. Raises Failure."""
+    """Return (language, port, baud) of the link to ask, from the options; find those left out. Raises Failure."""
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
@@ -47,20 +47,22 @@ def find_link(port, baud, protocol):
 
 
 def _no_word_failure(language):
+    """Return the Failure of a language without words for status and log."""
     return Failure("--protocol {}: it has no word for the status and the log; ask on a link that speaks {}", language, ", ".join(BAUD))
 
 
 def find_language(port, baud, known=BAUD):
-    """Find the language of a link, one of `known`. `?` moves nothing in any, and no log has it: grbl and pulses answer with their status.
-    A board of keys says why it refused the last key: two bytes, and nothing else may be sent there, for each byte may be a key.
-    If nothing answers, five bytes more make a plotter's packet STATUS of it; a torch takes no notice of either, and is asked last.
-    A link that a killed program left in frames does not answer in plain text: end that session, then ask again.
-    `passo --no-frames` skips that. A link of another baud rate is not found: say --protocol and --baud."""
+    """Find the language of a link, one of `known`, by asking; takes up to some seconds. `?` moves nothing in any, and no log has it: grbl and pulses
+    answer with their status. A board of keys answers with the error of its last key: two bytes, and nothing else may be sent there, for each byte may
+    be a key. If nothing answers, five bytes more make a plotter's packet STATUS of it; a torch ignores both, and is asked last. A link that a killed
+    program left in frames does not answer in plain text: end that session, then ask again. `passo --no-frames` skips that. A link of another baud
+    rate is not found: say --protocol and --baud."""
     from host_tools.clients import serial_port
     from host_tools.clients.frames import OFFER_S, FramedPort
     from host_tools.clients.wire import open_port
 
     def ask_status(line):
+        """Send `?`, and the rest of a plotter's STATUS if nothing comes; return the answer from its status on, b"" for none."""
         line.timeout = _ANSWER_S
         line.write(_STATUS[:1])
         said = line.read(9)
@@ -95,6 +97,7 @@ def find_language(port, baud, known=BAUD):
 
 
 def _is_torch(port, baud):
+    """True if the board answers the torch's question for its status."""
     from host_tools.clients.torch import TorchClient
 
     with TorchClient(port, baud) as client:
@@ -102,7 +105,7 @@ def _is_torch(port, baud):
 
 
 def _ask_and_close(line, ask):
-    """Return ask(line) and close `line`; then wait until the board takes what comes next for something new."""
+    """Return ask(line) and close `line`; then wait 20 ms, so that the board takes the next bytes for something new."""
     try:
         return ask(line)
     finally:
@@ -111,6 +114,7 @@ def _ask_and_close(line, ask):
 
 
 def _lines_of_grbl(port, baud):
+    """Return the lines of a grbl link's $LOG, for people. Raises Failure."""
     from host_tools.clients.grbl import GrblClient
 
     with GrblClient(port, baud) as client:
@@ -118,6 +122,7 @@ def _lines_of_grbl(port, baud):
 
 
 def _lines_of_torch(port, baud):
+    """Return the lines of a torch link's log, for people. Raises Failure if the board keeps none."""
     from host_tools.clients.torch import TorchClient
 
     with TorchClient(port, baud) as client:
@@ -128,6 +133,7 @@ def _lines_of_torch(port, baud):
 
 
 def _lines_of_pulses(port, baud):
+    """Return the lines of a pulses link's log, for people. Raises Failure."""
     from host_tools.clients.pulses import PulsesClient
 
     with PulsesClient(port, baud) as client:
@@ -135,6 +141,7 @@ def _lines_of_pulses(port, baud):
 
 
 def _lines_of_plotter(port, baud):
+    """Return one line with the last error that a plotter link keeps; the board forgets it then. Raises Failure."""
     from host_tools.clients.plotter import PlotterClient
     with PlotterClient(port, baud) as client:
         number = client.status()["error"]
@@ -142,15 +149,17 @@ def _lines_of_plotter(port, baud):
 
 
 def entry_lines(entries):
+    """Return a line of each entry (ms, number, link) of a log, or one that says that it is empty."""
     return [entry_text(*entry) for entry in entries] or [_("nothing since the start")]
 
 
 def entry_text(ms, number, who):
+    """Return a line of an entry: seconds since the start, link, number and meaning of the error or alarm."""
     return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {error_text(number)}"
 
 
 def pin_text(name, active, trips, glitches, at_ms, lasted_ms):
-    """A line about an input of the interlock: its state, and its trips and glitches since the start."""
+    """Return a line about an input of the interlock: its state, and its trips and glitches since the start."""
     state = _("active") if active == "1" else _("inactive")
     text = _("input {}: {}, stopped the machine {} times, {} glitches", name, state, trips, glitches)
     if int(at_ms):
@@ -160,7 +169,7 @@ def pin_text(name, active, trips, glitches, at_ms, lasted_ms):
 
 
 def log_line_text(line):
-    """A line of $LOG as people read it; None for any other."""
+    """Return a line of $LOG in words for people; None for any other."""
     name, colon, fields = line.strip("[]").partition(":")
     if name == "LOG":
         ms, number, who = fields.split(",", 2)

@@ -43,11 +43,13 @@ _ON_BOARD = HOST_TOOLS / "build" / "machines.py"
 
 
 def _mpremote_command(port):
+    """Return the command that runs mpremote with the board on `port`."""
     return interpreter.mpremote(port)
 
 
 def _call_board(port, call, *more):
-    """The lines that a call of machines.py prints on the board. Raises Failure with its error."""
+    """Run `call`, functions of machines.py, on the board; return the lines that it prints. `more`: further commands of mpremote. Raises Failure with
+    its error."""
     check_port(port)
     ask_board(flash_commands(port, Path())[0], port)
     text = _ON_BOARD.read_text(encoding="utf-8") + "\n" + call
@@ -95,8 +97,8 @@ def add(
 
 
 def store_machine(board, port, call, out=None):
-    """Store a machine, and what is missing of its firmware; then `call` of machines.py, and a restart. `out`: folder of the build.
-    Returns the lines that the call prints. Raises Failure."""
+    """Store a machine with the files of its firmware that the board lacks; then run `call` of machines.py, and restart. `out`: folder of the build.
+    Return the lines that the call prints. Raises Failure."""
     from host_tools import board_files, boards
 
     name = Path(board).stem
@@ -129,7 +131,7 @@ def store_machine(board, port, call, out=None):
 
 
 def _build_firmware(board, port, out):
-    """{(path on the board, digest): file} of a machine's firmware: none where the board has Passo's UF2."""
+    """Return {(path on the board, digest): file} of a machine's firmware, built in `out`; empty if the board has Passo's UF2. Raises Failure."""
     from host_tools import boards
     from passo.config.boardfile import check
 
@@ -144,13 +146,13 @@ def _build_firmware(board, port, out):
 
 
 def _file_digest(path, data):
-    """As machines.py has it."""
+    """Return the digest of a file on a board, as machines.py computes it: 16 hexadecimal digits."""
     return hashlib.sha256(path.encode() + b"\0" + data).hexdigest()[:16]
 
 
 def become_machine(board, port):
-    """Store a machine, choose it and start the board with it; what fails starts the board with the machine it had. The board must
-    stand, and nobody use its port. Takes some ten seconds, a minute if much has to be copied. Raises Failure."""
+    """Store a machine, choose it and start the board with it; after a failure the board starts with the machine it had. The board must be at rest,
+    and its port free. Takes some ten seconds, a minute if much has to be copied. Raises Failure."""
     try:
         with tempfile.TemporaryDirectory() as folder:
             store_machine(board, port, f"choose_machine({Path(board).stem!r})", Path(folder))
@@ -181,7 +183,7 @@ def choose(
 def back(port: Port):
     """Choose the machine that was chosen before, and start the board anew with it: for a change that does not start, or is wrong.
 
-    A machine whose board file was replaced is kept as NAME_old, with its settings of then; what ran before any was chosen as before.
+    A machine whose board file was replaced is kept as NAME_old, with its settings of then; the firmware before the first choice as before.
 
     Example: passo machine back --port /dev/ttyACM0
     """
@@ -211,7 +213,7 @@ def new(
     like: Annotated[str, typer.Option(help="The board of boards/ that it is like.")],
     pairs: Pairs = (),
 ):
-    """Write the board file of a machine that is like one of boards/, with what differs. Nothing is written if the firmware would refuse it.
+    """Write the board file of a machine that is like one of boards/, with its differences. Nothing is written if the firmware would refuse it.
 
     Examples:
 
@@ -256,23 +258,25 @@ def set_(
 
 
 def _parse_pairs(pairs):
-    """{path: value} of KEY=VALUE. Raises Failure."""
+    """Return {path: value} of KEY=VALUE texts. Raises Failure."""
     from host_tools import board_edit
 
     return dict(board_edit.parse_pair(pair) for pair in pairs)
 
 
 def _print_written(file):
+    """Print that a board file is written."""
     print(_("{} is written", file))
 
 
 def _check_stored_name(name):
+    """Raise Failure if this is no name of a stored machine."""
     if not re.fullmatch(rf"\w{{1,32}}({OLD})?", name):
         raise Failure("{!r} is no name of a machine", name)
 
 
 def _check_at_rest(port):
-    """Raise Failure if a machine on that port says, in whatever language, that it is moving. One that says nothing is at its prompt, or in its start."""
+    """Raise Failure if a machine on that port says, in any language, that it is moving. A silent one is at its prompt, or starting."""
     check_port(port)
     try:
         state = _ask_state(port)
@@ -283,7 +287,8 @@ def _check_at_rest(port):
 
 
 def _ask_state(port):
-    """What a machine says that it does; "idle" if it is no torch of Passo's, which has no word for it. Raises Failure if nothing answers."""
+    """Return the state that the machine on a port reports; "idle" of a torch other than Passo's, which has no word for it. Raises Failure if nothing
+    answers."""
     from host_tools.cli.log import find_language
     from host_tools.clients.grbl import GrblClient
     from host_tools.clients.plotter import PlotterClient

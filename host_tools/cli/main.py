@@ -43,6 +43,7 @@ VERBS = (
 
 
 def _ask_for_frames(wanted: Optional[bool]):
+    """Let clients ask for frames, or not; None leaves it to the language."""
     if wanted is not None:
         from host_tools.clients import serial_port
 
@@ -50,13 +51,14 @@ def _ask_for_frames(wanted: Optional[bool]):
 
 
 def _show_version(wanted: bool):
+    """Print the version and end, if --version is given."""
     if wanted:
         print(f"passo {version()}")
         raise typer.Exit()
 
 
 def _choose_language(context: typer.Context, lang: Optional[str]):
-    """Before all other options: --help behind it speaks that language."""
+    """Choose the language of --lang before all other options, so that --help behind it is in that language. Raises Failure."""
     if lang is not None and lang not in language.LANGUAGES:
         raise Failure("--lang is en or pt, not {!r}", lang)
     language.choose_language(lang)
@@ -89,7 +91,7 @@ def _passo_options(
 
 
 def first_steps():
-    """Commands for a newcomer to try, each with its purpose beside it."""
+    """Return a text with commands for a newcomer to try, each with its purpose beside it."""
     rows = [
         ("passo panel --demo --open", _("a router and its page, in a browser")),
         ("passo site --serve 8000", _("the same page with the firmware inside, for any web server")),
@@ -108,6 +110,7 @@ def help_with_first_steps(command):
     plain = command.format_help
 
     def format_help(context, formatter):
+        """Print the help, then first_steps()."""
         plain(context, formatter)
         print(first_steps())
 
@@ -115,7 +118,7 @@ def help_with_first_steps(command):
 
 
 def explain_missing(name):
-    """Advice about a missing module; None if it is not one that may be missing."""
+    """Return advice about a missing module; None if it is not one that may be missing."""
     package = (name or "").partition(".")[0]
     if package in UNIX_ONLY:
         return _("this command needs Linux, macOS or WSL, because Windows has no pseudo-terminals")
@@ -127,7 +130,7 @@ def explain_missing(name):
 
 @lru_cache(maxsize=None)
 def create_app(verbs=VERBS):
-    """Return a typer.Typer with these verbs."""
+    """Return a typer.Typer with these verbs; importing them takes a moment each."""
     app = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode="markdown")
     app.callback(invoke_without_command=True)(_passo_options)
     for verb in verbs:
@@ -146,8 +149,7 @@ def __getattr__(name):
 
 
 def verbs_to_import(words):
-    """Return the verbs to import for a command line: its first word if that is a verb; else all of them, which --help and "No such
-    command" list."""
+    """Return the verbs to import for a command line: its first word if that is a verb; else all of them, which --help and "No such command" list."""
     if words[:1] == ["--lang"]:
         words = words[2:]
     return tuple(words[:1]) if words and words[0] in VERBS and "_PASSO_COMPLETE" not in os.environ else VERBS

@@ -25,7 +25,8 @@ class Try(NamedTuple):
 
 
 def nest_try(item):
-    """(height used in mm, share of it that is full) of a Try; None: there was no room."""
+    """Nest the shapes of a Try; return (height used in mm, share of it that is full, 0 … 1), or None if there is no room. A worker process calls it.
+    """
     import shapely
 
     from host_tools.drawings import nesting
@@ -86,7 +87,8 @@ def nest(
 
 
 def _print_best(made, tries, died, width, height):
-    """Raises Failure if no nesting has room."""
+    """Print the _SHOWN nestings that take the least height. `made`: sorted [(mm, order, percent full)]. Raises Failure if none has room, or workers
+    died."""
     for used, order, full in made[:_SHOWN]:
         print(_("nesting {:>6}: {:.1f} mm of the sheet's height, {:.0f} % of that full", order, used, full))
     print(_("{} nestings of {} have room on {:g} x {:g} mm", len(made), tries, width, height))

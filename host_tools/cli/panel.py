@@ -75,7 +75,7 @@ def panel(
 
 
 def _print_address(host, number, key, line, open_):
-    """Print where the page is, and open it."""
+    """Print the page's address and key, and open it in a browser if `open_`."""
     from host_tools.sim.consent import print_port
     from host_tools.clients.page_key import in_groups
 
@@ -90,8 +90,8 @@ def _print_address(host, number, key, line, open_):
 
 
 def _open_browser(address):
-    """Open an address in this PC's browser. Its key is not for the list of processes, where all users see a browser's arguments: the
-    browser is given a file that only this user can read, which leads there."""
+    """Open an address in this PC's browser. Its key must not appear in the list of processes, where all users see a browser's arguments: the browser
+    gets a file that only this user can read, which leads there."""
     import tempfile
     import webbrowser
 
@@ -102,7 +102,7 @@ def _open_browser(address):
 
 
 def _create_panel(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
-    """The Panel of a virtual board, or of the board on `port`; None: the only one that is connected."""
+    """Return the Panel of a virtual board, or of the board on `port`; None: the only board that is connected. Raises Failure."""
     from host_tools import boards
     from host_tools.cli import ports
     from host_tools.panel import languages
@@ -120,19 +120,20 @@ def _create_panel(virtual, port, baud, protocol, board, line, jobs, host, own, p
 
 
 def _languages_for(guest):
-    """The languages of machines to choose from."""
+    """Return the languages of machines to choose from: beside a sender grbl alone."""
     from host_tools.panel import languages
 
     return ("grbl",) if guest else tuple(languages.BOARDS)
 
 
 def _demo_machines(virtual, own, guest):
-    """(names of the virtual machines to choose from, function that starts one, {name: board file})."""
+    """Return (names of the virtual machines to choose from, function that starts one, {name: board file})."""
     from host_tools import boards
 
     files = _machines_speaking(boards, virtual.board, own, _languages_for(guest))
 
     def change_demo(name):
+        """Start the virtual machine `name`; return (its port, its first link, its board file's table). Raises Failure."""
         table = boards.load(files[name])
         return virtual.change(files[name]), table["links"][0], table
 
@@ -140,7 +141,8 @@ def _demo_machines(virtual, own, guest):
 
 
 def _cable_machines(port, prompt, board, own, guest):
-    """(names of the machines that the board on `port` may become, function that makes it one, {name: board file})."""
+    """Return (names of the machines that the board on `port` may become, function that makes it one, {name: board file}); print the files left out.
+    """
     from host_tools.cli.machine import become_machine
     from host_tools.panel.cable import Cable
 
@@ -151,6 +153,7 @@ def _cable_machines(port, prompt, board, own, guest):
 
 
 def _guest_line(guest):
+    """Return the line of --guest for a sender: a pty, a TCP port or a WebSocket. Raises Failure if it is taken."""
     from host_tools.sim.consent import Consent, GuestLine
     from host_tools.sim.serial_line import TAKEN, PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
@@ -161,7 +164,7 @@ def _guest_line(guest):
 
 
 def _find_language(language, port, baud, guest):
-    """The language of a board: as given, or else found by asking. Raises Failure if the panel does not speak it."""
+    """Return the language of a board: as given, or else found by asking. Raises Failure if the panel does not speak it."""
     from host_tools.cli.log import find_language
     from host_tools.panel import languages
 
@@ -177,7 +180,7 @@ def _find_language(language, port, baud, guest):
 
 
 def _check_torch(port, baud):
-    """Raise Failure if nothing answers: the torch is found by its silence to what others answer."""
+    """Raise Failure if nothing answers: find_language() takes a board that answers no other language for a torch."""
     from host_tools.clients.torch import TorchClient
     from host_tools.clients.serial_port import LinkError
 
@@ -193,12 +196,12 @@ def _check_torch(port, baud):
 
 
 def _language_of(board):
-    """Protocol of the first link of a board file."""
+    """Return the protocol of the first link of a board file."""
     return board["links"][0]["protocol"]
 
 
 def _machines_speaking(boards, first, own, speaking):
-    """{name: board file} of those whose first link speaks one of those languages, `first` at the head. Files that are wrong are left out."""
+    """Return {name: board file} of those whose first link speaks one of these languages, `first` at the head; print and leave out wrong files."""
     from host_tools import board_files
 
     found = {first: first}

@@ -37,7 +37,7 @@ def plot(
 
 
 def _table_box(name):
-    """The box that the machine can reach, in mm, or None if the board file does not say."""
+    """Return the box that the machine can reach, (left, bottom, right, top) in mm, or None if the board file does not say."""
     from host_tools import boards
     from host_tools.drawings import placement
 
@@ -49,7 +49,7 @@ def _table_box(name):
 
 
 def scale_of(text, board):
-    """Steps/mm of X and Y, from the text of --steps-per-mm or a board file. Raises Failure."""
+    """Return steps/mm of X and Y, from the text of --steps-per-mm or a board file. Raises Failure."""
     from host_tools import boards
 
     if text is None:

@@ -17,7 +17,7 @@ _BOARDS = [
 
 
 def kind_of(vendor, product):
-    """The kind of board by the USB numbers, or None if they are no board's."""
+    """Return the kind of board by its USB numbers, or None if they are no board's."""
     for known_vendor, known_product, kind in _BOARDS:
         if vendor == known_vendor and product in (known_product, product if known_product is None else known_product):
             return kind
@@ -25,7 +25,7 @@ def kind_of(vendor, product):
 
 
 def find_boards():
-    """[(port, kind, serial number)] of the boards that are connected now."""
+    """Return [(port, kind, serial number)] of the boards that are connected now."""
     from serial.tools import list_ports
 
     boards = []
@@ -37,7 +37,7 @@ def find_boards():
 
 
 def only_port():
-    """The port of the one board that is connected. Raises Failure if there is none, or more than one."""
+    """Return the port of the one board that is connected. Raises Failure if there is none, or more than one."""
     boards = find_boards()
     if not boards:
         raise Failure("no board is connected; name its port with --port")

@@ -67,7 +67,7 @@ def prove(
 
 
 def connect_board(port, emulated, uf2, named):
-    """(connection, the board file's table); `named` False: the table is {} if the board has none. Raises Failure."""
+    """Return (connection, the board file's table). `named` False: the table is {} if the board has none. Raises Failure."""
     from host_tools import boards
     from host_tools.prove.connection import EmulatedBoard, PortBoard, Silent, board_file_of
 
@@ -87,7 +87,7 @@ def connect_board(port, emulated, uf2, named):
 
 
 def measure_board(board, raw, pins, report, json, picture, lines=False):
-    """Measure, show, and write the reports. Whether anything is worse."""
+    """Measure the board, show the rows, and write the reports. Takes about two minutes. True if anything is worse than promised."""
     from host_tools.prove import report as reports
     from host_tools.prove.promises import WORSE
     from host_tools.prove.proof import Proof
@@ -110,7 +110,7 @@ def measure_board(board, raw, pins, report, json, picture, lines=False):
 
 
 def may_drive_pins(raw):
-    """Whether the pins may be driven."""
+    """True if the pins of STEP and DIR may be driven: the user is asked at a terminal."""
     from passo.steps.wiring import word_pins
     from passo.config.boardfile import check
 
@@ -126,6 +126,7 @@ def end_with_stdin():
     """Interrupt this program once standard input ends: the program that started it has closed the pipe, or has died."""
 
     def wait_for_end():
+        """Read standard input to its end, then interrupt this process."""
         while os.read(0, 4096):
             pass
         os.kill(os.getpid(), signal.SIGINT)
@@ -135,6 +136,7 @@ def end_with_stdin():
 
 
 def is_terminal():
+    """True if standard input is a terminal."""
     return sys.stdin.isatty()
 
 

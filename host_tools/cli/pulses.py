@@ -30,6 +30,7 @@ Wait = Annotated[bool, typer.Option("--wait/--no-wait", help="Show position and 
 
 
 def _connect_client(port, baud, log=None):
+    """Return a PulsesClient on the port, or on the only board. Raises Failure."""
     from host_tools.cli import ports
     from host_tools.clients.pulses import PulsesClient
 
@@ -37,7 +38,8 @@ def _connect_client(port, baud, log=None):
 
 
 def _follow_run(client, wait, playing):
-    """Show progress until the machine stands; Ctrl-C stops it. Raises Failure if it is `playing` and only paused."""
+    """Show progress until the machine is at rest, and return its status; None without `wait`. Ctrl-C stops it. Raises Failure if it is stopped, in
+    alarm, or `playing` and only paused."""
     from host_tools.cli.pulses_panel import Panel, status_text
     from host_tools.clients.pulses import check
 
@@ -62,6 +64,7 @@ def _follow_run(client, wait, playing):
 
 
 def _send_order(words, port, baud, wait=True, playing=False):
+    """Send an order of the language, and follow the machine as _follow_run() does. Raises Failure."""
     with _connect_client(port, baud) as client:
         client.command(*words)
         return _follow_run(client, wait, playing)
@@ -123,7 +126,7 @@ def play(
 
 
 def _stream_file(file, repeat, speed, begin, back, port, baud, wait, log):
-    """Play a file of any length as it is sent."""
+    """Play a file of any length while it is sent, from command `begin` if not None. Raises Failure."""
     from host_tools.cli.pulses_stream import jog_to, play_long
     from host_tools.programs.long_pulses import LongFile
 
@@ -275,7 +278,10 @@ def jog(
 
 
 def _add_switch(name):
+    """Add a verb that switches an output of the machine by hand."""
+
     def set_switch(state: Annotated[str, typer.Argument(metavar="on|off")], port: Port = None, baud: Baud = 115200):
+        """Switch it on or off. Raises Failure."""
         if state not in ("on", "off"):
             raise Failure("{} on or off, not {}", name, state)
         _send_order((name, state), port, baud)

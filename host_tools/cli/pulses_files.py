@@ -20,7 +20,7 @@ GCODE = (".gcode", ".nc", ".ngc", ".tap", ".g")
 
 
 def _running_board(name, port, baud):
-    """_load_board() with the steps/mm of the board at `port`; says whose they are, beside what the command prints."""
+    """Return _load_board() with the steps/mm of the board at `port`; print whose they are on stderr."""
     from host_tools.running_board import as_running
 
     config, axes = _load_board(name)
@@ -30,6 +30,7 @@ def _running_board(name, port, baud):
 
 
 def _load_board(name):
+    """Return (checked board file, names of its axes, at most three). Raises Failure if it has no section step_program."""
     from host_tools import boards
     from passo.config.boardfile import BoardError, check
 
@@ -113,6 +114,7 @@ def convert(
 
 
 def _write_text(target, text):
+    """Write an ASCII file. Raises Failure if it cannot be written."""
     try:
         target.write_text(text, encoding="ascii")
     except OSError as error:

@@ -21,7 +21,7 @@ _SHOW_S = 0.25
 
 
 def status_text(status):
-    """A status in one line for people."""
+    """Return a status, {field: text}, in one line for people."""
     parts = [_("{:<5} command {} of {}", status["state"], status["at"], status["of"])]
     if status["pass"] != "1/1":
         parts.append(_("pass {}", status["pass"]))
@@ -66,16 +66,15 @@ class Panel:
             print("\r\x1b[K", end="", file=sys.stderr)
 
     def poll_keys(self):
-        """Handle a key, if one was pressed; redraw the screen now and then. Raises Failure after s, LinkError if the port is
-        lost."""
+        """Handle a key, if one was pressed; redraw the screen four times a second. Raises Stopped after s, LinkError if the port is lost."""
         if self._terminal and select.select([sys.stdin], [], [], 0)[0]:
             self._press_key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
         if sys.stderr.isatty() and time.monotonic() - self._shown > _SHOW_S:
             self._show_status(self._client.status())
 
     def follow_run(self, playing):
-        """Wait until the machine stands; returns the last status. If it is `playing`, a pause is no end as long as there are keys
-        to end it."""
+        """Wait until the machine is at rest; return the last status. If it is `playing` and there are keys to end a pause, a pause is no end. Raises
+        as poll_keys()."""
         from host_tools.clients.pulses import POLL_S
 
         while True:
@@ -88,6 +87,7 @@ class Panel:
             time.sleep(POLL_S)
 
     def _press_key(self, key):
+        """Send the order of a key, or gather digits of a speed. Raises Stopped after s, LinkError; note a refusal for the screen."""
         from host_tools.clients.serial_port import LinkError
 
         self._said = ""
@@ -110,6 +110,7 @@ class Panel:
             self._typed, self._said = "", refused.message()
 
     def _show_status(self, status):
+        """Show a status and the keys in one line on stderr, if it is a terminal."""
         if not sys.stderr.isatty():
             return
         self._shown = time.monotonic()

@@ -19,8 +19,8 @@ class _Oldest(Exception):
 
 
 def play_long(client, file, number=0, backward=False, times=1, speed=None, show=None):
-    """Play a LongFile from command `number`, where the head stands before it; returns the last status. Calls
-    `show(panel, status)` each cycle."""
+    """Play a LongFile from command `number`, where the head stands before it; return the last status. `speed`: mm/min, None: the file's. Calls
+    `show(panel, status)` each cycle. Raises Failure."""
     from host_tools.clients.pulses import check
 
     if speed:
@@ -32,6 +32,7 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
         with Panel(client) as panel:
 
             def poll_panel():
+                """Poll keys while bytes go out. Raises _Oldest once the board is back at the oldest command that it remembers."""
                 if "oldest" in client.said:
                     raise _Oldest
                 panel.poll_keys()
@@ -58,13 +59,13 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
 
 
 def announce_stream(client, file, number=0, backward=False, times=1):
-    """Tell a board with a journal what begins: the rest of a LongFile, as a stream."""
+    """Tell a board with a journal which stream begins: the rest of a LongFile from command `number`."""
     flags = DONE | (BACK if backward else 0) | min(times, 255) << 8
     tell_journal(client, f"$JR={file.job_number():08x},{number},{flags},{file.lead_of(number, backward)}")
 
 
 def tell_journal(client, line):
-    """A `$JR` line to a board that may have no journal."""
+    """Send a `$JR` line; ignore the refusal of a board without a journal. Raises Refused for other errors."""
     try:
         client.ask(line)
     except Refused as refused:
@@ -73,7 +74,7 @@ def tell_journal(client, line):
 
 
 def jog_to(client, file, number):
-    """Move by hand, tool off, from the start of the file to where command `number` begins."""
+    """Move by hand, tool off, from the start of the file to the position at which command `number` begins. Raises Failure."""
     jog_by(client, file.seek(number).place)
 
 

@@ -49,18 +49,21 @@ def resume(
 
 
 def _resume_pulses(*arguments):
+    """Go on with a pulse file."""
     from host_tools.cli import resume_pulses
 
     resume_pulses.resume_pulse_file(*arguments)
 
 
 def _resume_plotter(*arguments):
+    """Go on with a drawing."""
     from host_tools.cli import resume_plotter
 
     resume_plotter.resume_drawing(*arguments)
 
 
 def _resume_gcode(*arguments):
+    """Go on with G-code."""
     from host_tools.cli import resume_gcode
 
     resume_gcode.resume_program(*arguments)

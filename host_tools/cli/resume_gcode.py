@@ -15,6 +15,7 @@ _AGAIN_S = 0.1
 
 
 def resume_program(file, port, baud, home, unverified, yes):
+    """Go on with a G-code file at the line that the board's journal names. Raises Failure."""
     from host_tools.clients.grbl import GrblClient
     from host_tools.programs import compiler, stored_job
 
@@ -29,8 +30,8 @@ def resume_program(file, port, baud, home, unverified, yes):
 
 
 def go_on(client, lines, name, stored, home, unverified, yes):
-    """Go on with [(number, bytes)] of the program `name` where the journal of a machine at rest says; `stored`: the CRC-32 of the
-    same as a stored job. Raises Failure."""
+    """Go on with [(number, bytes)] of the program `name` at the line that the journal of a machine at rest names; `stored`: the CRC-32 of the same as
+    a stored job. Raises Failure."""
     from host_tools.cli.stream import Panel, ask_settings
 
     try:
@@ -62,7 +63,7 @@ def go_on(client, lines, name, stored, home, unverified, yes):
 
 
 def _home_machine(client):
-    """Home the machine. Reset it first if it is in an alarm in which `$H` is refused."""
+    """Home the machine; reset it first if it is in an alarm in which `$H` is refused. Raises Refused."""
     try:
         client.home()
     except Refused as refused:

@@ -14,6 +14,7 @@ _BOARD = "plotter_2014"
 
 
 def resume_drawing(file, port, baud, home, unverified, yes):
+    """Go on with a drawing (.svg, or .packets of a stored one) at the point that the board's journal names. Raises Failure."""
     way = Way(True, home, unverified, True, not yes)
     record = None
     if file.suffix.lower() in SUFFIXES:
@@ -30,7 +31,7 @@ def resume_drawing(file, port, baud, home, unverified, yes):
 
 
 def _load_drawing(file):
-    """A drawing with the options that it was begun with."""
+    """Return (objects, board, Journal, speed) of a drawing, with the options that it was begun with. Raises Failure."""
     from host_tools.drawings import drawing
 
     place = Journal.beside(file)

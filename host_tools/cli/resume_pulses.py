@@ -18,6 +18,7 @@ _QUIET_S = 1.2
 
 
 def resume_pulse_file(file, port, baud, home, unverified, yes):
+    """Go on with a pulse file at the command that the board's journal names. Raises Failure."""
     with PulsesClient(port, baud) as client:
         status = _first_status(client)
         source = LongFile(file, "xyz"[: len(status["place"].split(","))])
@@ -52,7 +53,8 @@ def resume_pulse_file(file, port, baud, home, unverified, yes):
 
 
 def _first_status(client):
-    """Return the status. A command whose end was lost with the cable is refused a second after its last byte: ask once more then."""
+    """Return the status. If the cable was cut amid a command, the board refuses that a second after its last byte: ask once more then. Raises
+    LinkError."""
     try:
         return client.status()
     except LinkError:
@@ -65,6 +67,7 @@ def _first_status(client):
 
 
 def _ask_optional(client, line):
+    """Return the answer to a line; [] from a board that does not know it, without stored jobs."""
     try:
         return client.ask(line)
     except Refused:
@@ -72,7 +75,7 @@ def _ask_optional(client, line):
 
 
 def _stop_run(client, status):
-    """Bring to a stand what still plays, and end it: the tool is off, and the journal has the position."""
+    """Pause a run that still plays, and end it: the tool is off, and the journal has the position."""
     if status["state"] in ("run", "hold"):
         client.command("pause")
         with Panel(client) as panel:
@@ -83,7 +86,7 @@ def _stop_run(client, status):
 
 
 def start_of_rest(record, source):
-    """(command to begin at, times to play, backward) of a Record. Raises Failure if there is nothing left."""
+    """Return (command to begin at, times to play, True if backward) of a journal's Record. Raises Failure if nothing is left."""
     number, times = record.line, max(record.flags >> 8, 1)
     backward = bool(record.flags & BACK)
     if backward and not number:
@@ -96,7 +99,7 @@ def start_of_rest(record, source):
 
 
 def _go_to_start(client, source, number, position, yes):
-    """The tool off, up, over the position, then down to it, if the operator agrees."""
+    """Go up, tool off, over `position` (steps), then down to it, if the operator agrees. Raises Failure."""
     here = _read_position(client)
     axes = len(here)
     position = position[:axes]
@@ -117,4 +120,5 @@ def _go_to_start(client, source, number, position, yes):
 
 
 def _read_position(client):
+    """Return the machine's position in steps, one number an axis."""
     return [int(part) for part in client.status()["place"].split(",")]

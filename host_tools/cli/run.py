@@ -26,7 +26,7 @@ _START_S = 20
 
 
 def create_jobs(out):
-    """{name: list of objects} that are drawn; writes the contour map's SVG to `out`."""
+    """Return {name: list of objects} to draw; write the contour map's SVG to the folder `out`."""
     found = {name: [points] for name, points in objects.objects().items()}
     svg = out / "contours.svg"
     contours.save(svg)
@@ -35,7 +35,7 @@ def create_jobs(out):
 
 
 def draw_job(name, job, trace):
-    """Draw one job on a virtual board that writes `trace`. Returns the client, closed, for its counts."""
+    """Draw one job on a virtual board that writes `trace`. Return the client, closed, for its counts. Raises Failure."""
     command = [*interpreter.passo(), "board", "--board", BOARD, "--time", "fast"]
     process = subprocess.Popen([*command, "--trace", str(trace), "--no-idle"], stdout=subprocess.PIPE, text=True)
     try:
@@ -58,7 +58,7 @@ def draw_job(name, job, trace):
 
 
 def _read_port(process):
-    """The pty that the board prints; Failure if it ends without printing one."""
+    """Return the pty that the board prints. Raises Failure if it ends without printing one."""
     for line in process.stdout:
         if line.startswith("port: "):
             return line.split(": ", 1)[1].strip()
@@ -66,6 +66,7 @@ def _read_port(process):
 
 
 def main():
+    """Draw all jobs, and print a table with the deviation of each. Raises Failure if a path is not exact."""
     from rich.console import Console
     from rich.table import Table
 
@@ -100,6 +101,7 @@ def main():
 
 
 def _right_column(head):
+    """Return a table's column that is aligned to the right."""
     from rich.table import Column
 
     return Column(head, justify="right")

@@ -59,7 +59,7 @@ def send(
 
 
 def parse_packets(words):
-    """Convert words to [(name, numbers) | bytes]. Raises Failure at the first that is neither."""
+    """Return [(name, numbers) | bytes] of words. Raises Failure at the first word that is neither."""
     from passo.protocols.plotter import host as plotter
 
     tokens = [token for word in words for token in word.split()]
@@ -95,7 +95,7 @@ def parse_packets(words):
 
 
 def _send_from_keyboard(client):
-    """Send packets from the keyboard (or a pipe) until its end; show errors and go on."""
+    """Send packets from the keyboard (or a pipe) until its end; show errors and go on. Raises Failure at the end of a pipe if one failed."""
     tty = sys.stdin.isatty()
     failed = None
     while True:
@@ -114,7 +114,7 @@ def _send_from_keyboard(client):
 
 
 def _print_objects(drawn):
-    """The times of the objects [(points, seconds)], if there are any."""
+    """Print the times of the objects [(points, seconds)], if there are any."""
     for number, (points, seconds) in enumerate(drawn):
         print(_("Object {}: {} points, {:.3f} s", number, len(points), seconds))
     if len(drawn) > 1:
@@ -122,7 +122,7 @@ def _print_objects(drawn):
 
 
 def _send_object(client, points):
-    """Send a polygon's packets. Returns the seconds from its first packet until it is drawn."""
+    """Send a polygon's packets. Return the seconds from its first packet until it is drawn. Raises Failure."""
     begun = time.monotonic()
     for number, point in enumerate(points):
         _send_item(client, ("LINE" if number else "MOVE", point))
@@ -131,7 +131,7 @@ def _send_object(client, points):
 
 
 def _send_item(client, item):
-    """Send one item and print it with its answer. Returns the seconds of an object."""
+    """Send one item, and print it with its answer. Return the seconds of an object, else None. Raises Failure."""
     from host_tools.clients.plotter import Cancelled
     from host_tools.clients.wire import packet_text
     from passo.protocols.plotter import host as plotter
@@ -162,6 +162,7 @@ def _send_item(client, item):
 
 
 def _send_raw(client, data):
+    """Send bytes as they are, and print all that comes back. Raises LinkError if nothing does."""
     from host_tools.clients.serial_port import LinkError
     from host_tools.clients.wire import answer_text, packet_text
 
@@ -179,13 +180,17 @@ def _send_raw(client, data):
 
 
 def _status_text(status):
+    """Return a plotter's status, a dict, in one line for people."""
     fields = (status[name] for name in ("state", "x", "y", "drawn", "free"))
     error = _(", error {}: {}", status["error"], error_text(status["error"])) if status["error"] else ""
     return _("STATUS {} at {}, {}, {} points drawn, room for {}", *fields) + error
 
 
 def _action(action, answer):
+    """Return a function (client, numbers…) that calls `action` and returns the text of `answer`, the byte that ends it."""
+
     def act_and_answer(client, *numbers):
+        """Call the action, and return its answer's text."""
         from host_tools.clients.wire import answer_text
 
         action(client, *numbers)

@@ -78,7 +78,8 @@ def settings(
 
 
 def board_at(port, baud, protocol):
-    """The settings of the board at a port; its language is found by asking, a board that does not say is a grbl controller's."""
+    """Return the settings of the board at a port. Its language is found by asking; a board that does not say is a grbl controller's. Raises Failure.
+    """
     from host_tools.cli import ports
     from host_tools.cli.log import find_language
     from host_tools.clients import settings as clients
@@ -91,7 +92,7 @@ def board_at(port, baud, protocol):
 
 
 def _change_settings(words, port, baud, protocol):
-    """Tell and set single settings, `NAME` and `NAME=VALUE`. All names and values are looked at before the first is sent."""
+    """Print and set single settings, `NAME` and `NAME=VALUE`. Checks all names and values before it sends the first. Raises Failure."""
     from host_tools.clients.setting_names import table
     from host_tools.clients.settings import number_of, value_of
 
@@ -110,7 +111,7 @@ def _change_settings(words, port, baud, protocol):
 
 
 def backup_lines(client):
-    """All that a controller keeps, as the lines that restore it."""
+    """Return all that a controller keeps, as the lines that restore it: $ settings, start-up lines, work offsets, tool lengths."""
     lines = [line for line in client.command("$$") if line.startswith("$")]
     lines += [line for line in client.command("$N") if line.startswith("$N")]
     for line in client.command("$#"):
@@ -124,7 +125,7 @@ def backup_lines(client):
 
 
 def read_masks(client):
-    """{number: board file's value} of the settings that are masks; None if the firmware cannot tell."""
+    """Return {number: board file's value} of the settings that are masks; None if the firmware cannot tell."""
     try:
         said = client.command("$MASKS")
     except Refused:
@@ -137,7 +138,7 @@ def read_masks(client):
 
 
 def convert_backup(client, wanted, version):
-    """The lines of a back-up, converted for this controller. Raises Failure if it would misread a mask."""
+    """Return the lines of a back-up of `version`, converted for this controller. Raises Failure if it would misread a mask."""
     board = read_masks(client)
     if board is None:
         if version >= VERSION and any(_parse_mask(line) for line in wanted) and _is_passo(client.command("$$")):
@@ -154,17 +155,18 @@ def convert_backup(client, wanted, version):
 
 
 def _parse_mask(line):
-    """(number, value) of a line that sets a mask, else None."""
+    """Return (number, value) of a line that sets a mask, else None."""
     match = re.fullmatch(r"\$(2|3|4|5|6|23)=(\d+)", line)
     return (int(match[1]), int(match[2])) if match else None
 
 
 def _is_passo(lines):
+    """True if a line sets one of Passo's own settings."""
     return any(line.startswith(_OWN) for line in lines)
 
 
 def read(file):
-    """(lines, version) of a back-up. Raises Failure if the file is none."""
+    """Return (lines, version) of a back-up. Raises Failure if the file is none."""
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeError) as error:
@@ -185,8 +187,8 @@ def read(file):
 
 
 def restore_lines(client, wanted):
-    """Send the lines that differ from the controller's; returns them. Offsets are read in the units of $13. Refused lines are
-    sent again after the others, as long as that helps: a setting may depend on another."""
+    """Send the lines that differ from the controller's; return them. Offsets are read in the units of $13. Refused lines are sent again after the
+    others, as long as that helps: a setting may depend on another. Raises Refused."""
     have = set(backup_lines(client))
     changed = sorted([line for line in wanted if line not in have], key=_sort_key)
     if any(line.startswith(("G10", "$N")) for line in changed):
@@ -203,7 +205,7 @@ def restore_lines(client, wanted):
 
 
 def _send_lines(client, lines):
-    """Send lines; returns {line: Refused} of the refused ones."""
+    """Send lines; return {line: Refused} of the refused ones."""
     refusals = {}
     for line in lines:
         try:
@@ -214,5 +216,5 @@ def _send_lines(client, lines):
 
 
 def _sort_key(line):
-    """Offsets before the units of the report, which change how they read."""
+    """Return a key that sorts offsets before the units of the report, $13, which change how they read."""
     return line.startswith("$13="), line

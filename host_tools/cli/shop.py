@@ -63,12 +63,14 @@ def shop(
 
 
 def _database_error():
+    """Return the exception class of SQLite, imported when it is needed."""
     import sqlite3
 
     return sqlite3.Error
 
 
 def _print_address(host, number, page_key, path):
+    """Print the page's address with its key, and the file of the agents' key."""
     address = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{number}/"
     print(f"page: {address}#key={page_key}")
     print(_("the agents' key: {}", path))

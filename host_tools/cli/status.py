@@ -39,6 +39,7 @@ def status(
 
 
 def _rows_of_grbl(port, baud):
+    """Return the rows of a grbl link. Raises LinkError if it is gone."""
     from host_tools.clients.grbl import GrblClient
     from host_tools.clients.serial_port import LinkError
 
@@ -61,7 +62,7 @@ def _rows_of_grbl(port, baud):
 
 
 def _job_row(client, fields):
-    """The row that tells which job has not been done to its end: where the board keeps a journal, and stands."""
+    """Return the row of a job that has not been done to its end, in a list; [] if the board keeps no journal, or is not at rest."""
     from host_tools.clients.refusal import Refused
     from host_tools.programs import program_names, stored_job
     from host_tools.programs.job_record import Record
@@ -90,7 +91,7 @@ def _job_row(client, fields):
 
 
 def grbl_rows(fields, encoders, log):
-    """[(name, text)] of the fields of status reports, the lines of $ENC and those of $LOG."""
+    """Return [(name, text)] of the fields of status reports, the lines of $ENC and those of $LOG."""
     from host_tools import options
     from host_tools.clients.grbl_wire import FIELDS
 
@@ -121,7 +122,7 @@ def grbl_rows(fields, encoders, log):
 
 
 def _state_text(fields, log):
-    """The state, and why it is an alarm: a board says so, or its log."""
+    """Return the state; of an alarm with its number and meaning, from the report or else from the log."""
     state = fields["state"]
     if state.partition(":")[0] != "Alarm":
         return state
@@ -131,6 +132,7 @@ def _state_text(fields, log):
 
 
 def _word_text(word, fields):
+    """Return the text of a status word that an option adds."""
     if word == "Nh" and fields["state"].partition(":")[0] != "Alarm":
         return _("{}; soft limits ($20) do not hold", " ".join(fields[word]))
     if word in ("Vac", "Clamp"):
@@ -141,10 +143,12 @@ def _word_text(word, fields):
 
 
 def _parse_numbers(text):
+    """Return the numbers of a text, separated by commas; [] of an empty one."""
     return [float(part) for part in text.split(",") if part]
 
 
 def _rows_of_torch(port, baud):
+    """Return the rows of a torch link, and its log. Raises Failure if the board has no word for its state."""
     from host_tools.cli.log import entry_lines
     from host_tools.clients.torch import TorchClient
 
@@ -157,6 +161,7 @@ def _rows_of_torch(port, baud):
 
 
 def _rows_of_pulses(port, baud):
+    """Return the rows of a pulses link, and its log. Raises Failure."""
     from host_tools.cli.log import entry_lines
     from host_tools.clients.pulses import PulsesClient
 
@@ -166,6 +171,7 @@ def _rows_of_pulses(port, baud):
 
 
 def _rows_of_plotter(port, baud):
+    """Return the rows of a plotter link's STATUS. Raises Failure."""
     from host_tools.clients.plotter import PlotterClient
 
     with PlotterClient(port, baud) as client:

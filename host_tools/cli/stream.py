@@ -98,7 +98,7 @@ def stream(
 
 
 def _send_program(client, program, lines, count, first, yes):
-    """send() of a program. If a line is refused, say what to choose in the program that made the file."""
+    """Send a program as send() does. If a line is refused, print what to choose in the program that made the file."""
     try:
         return send(client, lines, program.name, count, first, yes, program.origin)
     except Refused:
@@ -108,7 +108,7 @@ def _send_program(client, program, lines, count, first, yes):
 
 
 def ask_settings(lines, origin=line_text):
-    """Ask the operator if lines change the machine for good ($20=0, $N0=…). Raises Failure if he does not agree, or there is nobody."""
+    """Ask the operator if lines change the machine for good ($20=0, $N0=…). Raises Failure if the answer is no, or there is no terminal."""
     found = [(number, line) for number, line in lines if changes_settings(line)]
     if not found:
         return
@@ -124,8 +124,9 @@ def ask_settings(lines, origin=line_text):
 
 
 def send(client, lines, name, count, first, yes, origin, keep=None):
-    """Send [(number, bytes)] of the program `name` with progress and keys, from line `first` on, if not None. Calls `keep(number)` as
-    a line begins to move the machine, once a second. Returns (seconds, lines sent). Raises Failure."""
+    """Send [(number, bytes)] of the program `name` with progress and keys, from line `first` on, if not None. `count`: keep the receive buffer full,
+    else one line at a time. Calls `keep(number)` as a line begins to move the machine, once a second. Returns (seconds, lines sent). Raises Failure.
+    """
     from host_tools.programs import gcode_time
 
     if first:
@@ -150,7 +151,7 @@ def send(client, lines, name, count, first, yes, origin, keep=None):
 
 
 def make_ready(client, home, unlock):
-    """Connect; out of an alarm by homing, or `unlock`. Raises Failure."""
+    """Connect; leave an alarm by homing, or by $X if `unlock`. Raises Failure if the machine is in alarm still."""
     client.connect()
     with contextlib.suppress(Refused):
         client.command("$I")  # how many bytes may be under way
@@ -163,6 +164,7 @@ def make_ready(client, home, unlock):
 
 
 def _home_or_abort(client):
+    """Home the machine, up to ten minutes. On Ctrl-C reset it and raise Aborted."""
     try:
         client.command("$H", 600)
     except KeyboardInterrupt:
@@ -226,16 +228,16 @@ class Panel:
             raise Aborted("aborted at {}", self._origin(self._line)) from None
 
     def moving_s(self):
-        """How long the job has been moving."""
+        """Return the seconds that the job has been moving, without its pauses."""
         now = time.monotonic() if self._paused_at is None else self._paused_at
         return now - self._begun - self._paused_s
 
     def count_line(self, number):
-        """Line `number` of the file has been answered."""
+        """Count a line as answered. client.stream() names it by its `number`."""
         self._done += 1
 
     def poll_keys(self):
-        """Keys, and the screen now and then."""
+        """Handle a key; ask for the status and redraw four times a second. Raises Aborted after a, LinkError if the board is silent."""
         if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
             self.press_key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
         self._line = max(self._line, int(self._client.status.get("Ln", 0)))
@@ -260,7 +262,7 @@ class Panel:
                 self._show_progress()
 
     def _look_at_queue(self):
-        """Note where the machine waits for lines."""
+        """Note the line at which the board's queue gets nearly empty, though there are more lines."""
         full, status = self._client.full, self._client.status
         if full is None:
             return
@@ -269,7 +271,7 @@ class Panel:
             self._starved.append(self._line)
 
     def print_rate(self):
-        """Say what the link did: lines a second, and where the machine waited for them."""
+        """Print lines a second, and how often the machine waited for the link."""
         seconds = self.moving_s()
         if seconds < _WORTH_S or not self._done:
             return
@@ -279,12 +281,12 @@ class Panel:
                     self._origin(self._starved[0])))  # fmt: skip
 
     def lines_per_s(self):
-        """Lines a second, of the last seconds."""
+        """Return lines a second, over the last _RATE_REPORTS reports."""
         (begun, before), (now, done) = self._answered[0], self._answered[-1]
         return (done - before) / (now - begun) if now > begun else 0.0
 
     def _note_pause(self, paused, now):
-        """Do not count time in a hold, whether by a key, the door, or M0 in the program."""
+        """Leave a hold out of the job's time, by a key, the door, or M0 in the program. `now`: seconds."""
         if paused and self._paused_at is None:
             self._paused_at = now
         elif not paused and self._paused_at is not None:
@@ -292,7 +294,7 @@ class Panel:
             self._paused_at = None
 
     def _take_pipe_keys(self):
-        """Without a terminal: say once where the machine stands and waits, as for the next pen, and take keys from a pipe, one a line."""
+        """Without a terminal: print once that the machine waits, as for the next pen, and take keys from a pipe, one a line."""
         if self._paused_at is None:
             self._waits = 0
         if self._paused_at is None or self._waits == 2 or not self._client.status["state"].endswith(":0"):
@@ -307,7 +309,7 @@ class Panel:
             self.press_key(line.strip()[:1] or "r")
 
     def _line_of_pipe(self):
-        """The next line of stdin, or None."""
+        """Return the next line of stdin without waiting, or None."""
         try:
             if b"\n" not in self._typed and select.select([sys.stdin], [], [], 0)[0]:
                 more = os.read(sys.stdin.fileno(), 4096)
@@ -324,6 +326,7 @@ class Panel:
         return line.decode("ascii", "replace")
 
     def press_key(self, key):
+        """Pause (p), resume (r) or abort (a). Raises Aborted."""
         if key == "p":
             self._client.real_time(b"!")
         elif key == "r":
@@ -333,10 +336,12 @@ class Panel:
             raise Aborted("aborted at {}", self._origin(self._line))
 
     def _show_progress(self):
+        """Redraw the bar and its text."""
         text = self.progress_text()
         self._bar.update(self._bar.task_ids[0], completed=self._remaining.share, description=text, refresh=True)
 
     def progress_text(self):
+        """Return the line beside the bar: share, line, state, position, link's rate, time gone and left, keys."""
         from host_tools.programs.gcode_file import clock
 
         status = self._client.status
@@ -352,7 +357,7 @@ class Panel:
 
 
 def progress_bar(transient=False):
-    """A bar on stderr, with a text beside it; it has one task, from 0 to 1."""
+    """Return a bar on stderr with a text beside it; it has one task, from 0 to 1."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 

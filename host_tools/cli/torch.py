@@ -54,14 +54,15 @@ class Units:
                 self.whose = ""
 
     def count_steps(self, axis, length):
-        """A length in whole steps. Raises Failure above 2²⁹ − 2 steps, the most that a frame holds."""
+        """Return a length in whole steps. Raises Failure above 2²⁹ − 2 steps, the most that a frame holds."""
         steps = length * self.per_mm[axis]
         if not _fits_frame(steps):
             raise Failure("too far: {} is {:g}, and at most 2²⁹ − 2 steps go into a move or jog", "xy"[axis], length)
         return round(steps)
 
     def steps_per_s(self, axis, speed, default):
-        """A speed (mm/min; steps/s with --steps) in whole steps/s, at least 1. Raises Failure above 2²⁹ − 2 steps/s, the most that a frame holds."""
+        """Return a speed (mm/min; steps/s with --steps; None: `default`) in whole steps/s, at least 1. Raises Failure above 2²⁹ − 2 steps/s, the most
+        that a frame holds."""
         value = default if speed is None else speed
         steps_s = value if self.steps else value * self.per_mm[axis] / 60
         if not _fits_frame(steps_s):
@@ -69,22 +70,24 @@ class Units:
         return max(round(steps_s), 1)
 
     def print_scale(self):
+        """Print whose steps/mm count, if they are not the board file's."""
         if self.whose:
             print(self.whose)
 
     def position_text(self, x, y):
+        """Return a position, given in steps, in mm, or in steps with --steps."""
         if self.steps:
             return _("X {} Y {} steps", x, y)
         return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
 
 
 def _fits_frame(value):
-    """False for a number that a frame cannot say: the frame would have another one, or another sign."""
+    """False for a number that a frame cannot hold: it would come out as another one, or with another sign."""
     return abs(value) < FOREVER - 0.5
 
 
 def _read_settings(client, numbers):
-    """The values of settings of the running board, or None if it has no lines about them."""
+    """Return the values of settings of the running board, or None if it has no lines about them."""
     from host_tools.clients.refusal import Refused
 
     if client.status() is None:
@@ -96,6 +99,7 @@ def _read_settings(client, numbers):
 
 
 def _connect_client(port, baud, log):
+    """Return a TorchClient on the port, or on the only board. Raises Failure."""
     from host_tools.cli import ports
     from host_tools.clients.torch import TorchClient
 
@@ -103,17 +107,19 @@ def _connect_client(port, baud, log):
 
 
 def status_text(units, status):
+    """Return a status in one line for people: state, position, whose the motors are."""
     motors = {True: _(", motors here"), False: _(", motors with the other controller"), None: ""}[status["ours"]]
     return f"{status['state']:<5} {units.position_text(status['x'], status['y'])}{motors}"
 
 
 def _wait_and_show(client, units, wait):
-    """Show where it is until it stands; Ctrl-C stops it."""
+    """Show the position until the machine is at rest; Ctrl-C stops it. Returns at once without `wait`. Raises Failure."""
     if not wait:
         return
     live = sys.stderr.isatty()
 
     def show_status(status):
+        """Show a status in place, at a terminal."""
         if live:
             print("\r\x1b[K" + status_text(units, status), end="", file=sys.stderr, flush=True)
 
@@ -129,6 +135,7 @@ def _wait_and_show(client, units, wait):
 
 
 def _send_move(client, units, lengths, speeds, wait):
+    """Send a move by `lengths` (mm; steps with --steps) at `speeds` (steps/s), one of each axis, and wait for its end. Raises Failure."""
     from passo.protocols.torch import protocol as torch
 
     fields = []
@@ -383,7 +390,7 @@ def config(
 
 
 def _parse_scale(text):
-    """The two numbers of --steps-per-mm; none if it is not given. Raises Failure."""
+    """Return the two numbers of --steps-per-mm; [] if it is not given. Raises Failure unless they are above 0, up to 100,000."""
     try:
         found = [float(part) for part in text.split(",")] if text else []
     except ValueError:
@@ -394,6 +401,7 @@ def _parse_scale(text):
 
 
 def _show_settings(client):
+    """Print the settings that the window of 2020 had. Raises Failure if the board has no lines about them."""
     from host_tools.clients.setting_names import table
 
     kept = _read_settings(client, _WINDOW)
@@ -467,6 +475,7 @@ def admit(
 
 
 def _send_order(name, port, baud, log):
+    """Send an order without fields by its name. Raises Failure if the board refuses."""
     from passo.protocols.torch import protocol as torch
 
     with _connect_client(port, baud, log) as client:

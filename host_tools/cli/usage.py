@@ -25,7 +25,7 @@ SENTENCES = (
 
 
 def speak_by_itself(command):
-    """Put what a command of click and its subcommands say by themselves into the language that is chosen by then."""
+    """Translate usage and errors that a command of click and its subcommands make themselves, into the language chosen by then."""
     for name in ("make_context", "invoke"):
         setattr(command, name, _reword_refusals(getattr(command, name)))
     waiting = [command]
@@ -35,9 +35,11 @@ def speak_by_itself(command):
 
 
 def _reword_refusals(plain):
+    """Return a function that calls `plain` and translates the message of an error of the command line."""
     refusal = typer.BadParameter.__mro__[2]  # the base of all errors of a command line, which typer names in some versions only
 
     def call_reworded(*arguments, **named):
+        """Call `plain`. Raises its error with the message translated."""
         try:
             return plain(*arguments, **named)
         except refusal as error:
@@ -49,7 +51,10 @@ def _reword_refusals(plain):
 
 
 def _translate_usage(plain):
+    """Return a get_usage() that translates the text of `plain`, and typer's frames."""
+
     def get_usage(context):
+        """Return the usage in the language chosen."""
         from typer import rich_utils  # which takes a while, and is there already: this is shown by it
 
         for name, text in FRAMES.items():

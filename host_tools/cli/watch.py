@@ -58,6 +58,7 @@ def watch(
 
 
 def _create_client(protocol, port, baud):
+    """Return a client of the language on the port."""
     from host_tools.clients.grbl import GrblClient
     from host_tools.clients.plotter import PlotterClient
     from host_tools.clients.pulses import PulsesClient
@@ -67,7 +68,7 @@ def _create_client(protocol, port, baud):
 
 
 def _look_at_grbl(client, known):
-    """(rows, position) of a grbl link. `known`: fields of earlier reports, because a report has some only now and then."""
+    """Return (rows, position x, y in mm) of a grbl link. `known`: fields of earlier reports, because a report has some only now and then."""
     from host_tools.cli.status import grbl_rows
 
     fresh = client.ask_status()
@@ -81,7 +82,8 @@ def _look_at_grbl(client, known):
 
 
 def _look_at_status(client, known):
-    """The same of a language whose status is a dict of texts or numbers."""
+    """Return (rows, position x, y in the language's unit) of a language whose status is a dict of texts or numbers. Raises Failure without an answer.
+    """
     fields = client.status()
     if fields is None:
         raise Failure("the board does not answer")
@@ -105,6 +107,7 @@ class View:
         self.positions = []
 
     def add_position(self, rows, position):
+        """Take the rows of a report, and add its position to the map; of more than _MOST_PLACES every second stays."""
         self._rows = rows
         if not self.positions or self.positions[-1] != position:
             self.positions.append(position)
@@ -112,6 +115,7 @@ class View:
             self.positions = self.positions[::2]
 
     def as_panel(self):
+        """Return the table and the map as a panel of rich."""
         from rich.columns import Columns
         from rich.panel import Panel
         from rich.table import Table
@@ -125,8 +129,8 @@ class View:
 
 
 def braille_map(positions, width, height):
-    """A map of the way along positions in `width` by `height` characters of braille, which have 2 by 4 dots each; the last position is a
-    full one. None: the way goes on elsewhere."""
+    """Return a map of the way along positions in `width` by `height` characters of braille, which have 2 by 4 dots each; the last position is a full
+    one. None among the positions: the way goes on elsewhere."""
     wide, high = 2 * width, 4 * height
     xs, ys = zip(*(position[:2] for position in positions if position))
     low_x, low_y = min(xs), min(ys)
@@ -134,6 +138,7 @@ def braille_map(positions, width, height):
     cells = [[0] * width for _ in range(height)]
 
     def set_dot(x, y):
+        """Set the dot at a position; return the (row, column) of its character."""
         column, row = min(int((x - low_x) * zoom), wide - 1), high - 1 - min(int((y - low_y) * zoom), high - 1)
         cells[row // 4][column // 2] |= _DOTS[row % 4][column % 2]
         return row // 4, column // 2

@@ -38,7 +38,7 @@ Passphrase = Annotated[Optional[str], typer.Option(help="Asked for if it is left
 
 
 def _run_mpremote(port, *words):
-    """Run mpremote; returns what it printed, and its status. Raises Failure if no board answers."""
+    """Run mpremote, up to a minute; return its output and exit status. Raises Failure if no board answers."""
     from host_tools.cli.flash import check_port, no_answer
 
     check_port(port)
@@ -53,13 +53,14 @@ def _run_mpremote(port, *words):
 
 
 def _port_or_only(port):
+    """Return the port given, or that of the only board. Raises Failure."""
     from host_tools.cli import ports
 
     return port or ports.only_port()
 
 
 def _read_network(port):
-    """The board's network file, parsed; None if it has none, or a damaged one."""
+    """Return the board's network file, parsed; None if it has none, or a damaged one."""
     text, status = _run_mpremote(port, "cat", ":" + FILE)
     if status:
         return None
@@ -70,7 +71,7 @@ def _read_network(port):
 
 
 def _key_of(found):
-    """The key in a network file that _read_network() returned; "" if it has none, or a wrong one."""
+    """Return the key in a network file of _read_network(); "" if it has none, or a wrong one."""
     from host_tools.clients import page_key
 
     try:
@@ -80,7 +81,7 @@ def _key_of(found):
 
 
 def check_network(name, passphrase):
-    """Raises Failure unless a radio can take both."""
+    """Raise Failure if a radio cannot take this name and passphrase, or the passphrase is guessed at once."""
     if not 1 <= len(name.encode()) <= _NAME_BYTES:
         raise Failure("a network's name has 1 to {} bytes, not {}", _NAME_BYTES, len(name.encode()))
     if not _LEAST <= len(passphrase) <= _MOST or not all(" " <= letter <= "~" for letter in passphrase):
@@ -90,6 +91,8 @@ def check_network(name, passphrase):
 
 
 def _write_network(mode, name, passphrase, port, new_key):
+    """Ask for the passphrase if it is None, write the network file to the board, reset it, and print its key. `mode`: access or station. Raises
+    Failure."""
     import os
 
     from host_tools.clients import page_key

@@ -48,6 +48,7 @@ def wiring(
 
 
 def _print_table(board):
+    """Print a row of each terminal of a checked board file."""
     from rich.console import Console
     from rich.table import Table
 
