@@ -36,7 +36,7 @@ def as_running(board, language, port, baud=None):
     from host_tools.clients import settings
 
     try:
-        with settings.connect(language, port, baud) as asked:
+        with settings.open_settings(language, port, baud) as asked:
             found = _ask_settings(asked, board)
     except (Failure, IndexError, ValueError):
         found = None

@@ -108,7 +108,7 @@ def page_words():
 def _catalogue_text(board, modules, page):
     """The catalogue without the words of scripts that the board has not."""
     gone = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.js") if path.name not in names_of(board))
-    here = "".join(modules.values()) + page + json.dumps([error_list(), setting_names.rules(_AXES)])
+    here = "".join(modules.values()) + page + json.dumps([error_list(), setting_names.all_rules(_AXES)])
     kept = {text: word for text, word in page_words().items() if f'_("{text}"' not in gone or text in here}
     return "{\n" + ",\n".join(f"{json.dumps(text, ensure_ascii=False)}: {json.dumps(word, ensure_ascii=False)}" for text, word in kept.items()) + "\n}\n"
 
@@ -118,7 +118,7 @@ def pack_files(board, out):
     texts = texts_of(board)
     if "index.html" in texts:
         texts["errors.json"] = json.dumps(error_list()).encode()
-        texts["rules.json"] = json.dumps(setting_names.rules(_AXES)).encode()
+        texts["rules.json"] = json.dumps(setting_names.all_rules(_AXES)).encode()
     if not texts:
         return []
     out.mkdir(parents=True, exist_ok=True)

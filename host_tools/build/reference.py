@@ -252,21 +252,21 @@ def setting_rows():
     from passo.config import boardfile, setting_numbers
 
     from host_tools import boards
-    from host_tools.clients.setting_names import rule
+    from host_tools.clients.setting_names import rule_of
 
     board = boardfile.check(boards.load(EXAMPLE))
     rows = [f"| setting | meaning | unit | bounds | `{EXAMPLE}` |", "| --- | --- | --- | --- | ---: |"]
     for number, (_, places, default, _, _) in sorted(setting_numbers.make(board).items()):
-        name, unit, least, most = rule(number, len(board["axes"]))
+        name, unit, least, most = rule_of(number, len(board["axes"]))
         value = default / 10**places
         rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")
     for number, languages in ((150, "plotter, torch"), (151, "plotter, torch"), (170, "torch"), (171, "torch"), (180, "plotter"), (181, "pulses"), (182, "pulses")):
-        name, unit, least, most = rule(number, len(board["axes"]))
+        name, unit, least, most = rule_of(number, len(board["axes"]))
         rows.append(f"| `${number}` | {name} (language {languages}) | {unit} | {least:g} … {most:.10g} | – |")
     for option, own in options.words_of_options().items():
         numbers = [*getattr(own, "SETTINGS", {}), *(first + axis for first in getattr(own, "AXIS_SETTINGS", {}) for axis in range(len(board["axes"])))]
         for number in numbers:
-            name, unit, least, most = rule(number, len(board["axes"]))
+            name, unit, least, most = rule_of(number, len(board["axes"]))
             rows.append(f"| `${number}` | {name} ([key `{option}`]({own.PAGE})) | {unit} | {least:g} … {most:.10g} | – |")
     return rows
 

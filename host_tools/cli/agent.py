@@ -115,14 +115,14 @@ def _connect_agent(boards, served, told, stack):
     """Return an Agent connected to all boards. `boards`: {name: (port or board file, (language, board file's table, make_port))}; `served`: (host,
     port) for figures, or None; `told`: (Broker, prefix for Home Assistant, key of the shop, ({name: tool}, {name: laser class}, {name: page}))."""
     from host_tools.shop.agent import Agent
-    from host_tools.shop.home_assistant import discovery
+    from host_tools.shop.home_assistant import discovery_messages
     from host_tools.shop.link import ROOT, Link
 
     broker, home_assistant, key, (tools, lasers, pages) = told
     agent = Agent(_serve_figures(served, stack))
     stack.callback(agent.close)
     for name, (where, (language, table, make_port)) in boards.items():
-        more = {f"{ROOT}/{name}/language": language, **(discovery(home_assistant, f"{ROOT}/", name) if home_assistant else {})}
+        more = {f"{ROOT}/{name}/language": language, **(discovery_messages(home_assistant, f"{ROOT}/", name) if home_assistant else {})}
         link = Link(broker, name, lambda text, name=name: print(f"{name}: {text}", file=sys.stderr, flush=True), more, bool(key))
         agent.add(name, language, table, make_port, link, key, {"kind": table["name"], "tool": tools.get(name, ""), "laser": lasers.get(name, ""), "page": pages.get(name, "")})
         print(_("{}: {} at {}", name, language, where), flush=True)

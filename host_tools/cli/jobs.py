@@ -238,7 +238,7 @@ def run(
 def _run_job(client, name, text):
     """Run a job to its end, with `text` and progress from the reports. Raises Refused if it ends with an error, LinkError if the board is silent, or
     reports no job for ten seconds."""
-    from host_tools.clients.grbl import LinkError, Refused, alarm_text, explain
+    from host_tools.clients.grbl import LinkError, Refused, alarm_text, explain_error
 
     client.ask(f"$F={name}")
     heard = client.rest
@@ -247,15 +247,15 @@ def _run_job(client, name, text):
         while unsaid < _MOST_UNSAID:
             for line in heard:
                 if line.startswith("error:"):
-                    raise Refused("{}", explain(line))
+                    raise Refused("{}", explain_error(line))
                 if line == f"[MSG:Job {name} done]":
                     return
                 ended = re.match(rf"\[MSG:Job {re.escape(name)}: error (\d+)(?: in line (\d+))?\]", line)
                 if ended:
                     alarm = client.alarm and _("alarm {}: {}", client.alarm, alarm_text(client.alarm))
-                    why = alarm or explain(f"error:{ended[1]}")
+                    why = alarm or explain_error(f"error:{ended[1]}")
                     raise Refused("line {}: {}", ended[2], why) if ended[2] else Refused("{}", why)
-            if client.silent():
+            if client.is_silent():
                 raise LinkError("{}: no answer any more; the job goes on without it", client.port)
             time.sleep(0.1)
             client.real_time(b"?")
@@ -269,7 +269,7 @@ def _run_job(client, name, text):
 
 def _watch_job(client, name, text):
     """Run a job to its end in a language without reports: ask `$F?` five times a second. Raises Refused if it ends with an error."""
-    from host_tools.clients.refusal import Refused, explain
+    from host_tools.clients.refusal import Refused, explain_error
 
     client.ask(f"$F={name}")
     with _bar(text) as show:
@@ -281,7 +281,7 @@ def _watch_job(client, name, text):
                 continue
             ended = re.search(rf"\[ENDED:{re.escape(name)}\|(\d+)\|(\d+)\]", "\n".join(said))
             if not ended or ended[1] != "0":
-                raise Refused("{}: {}", name, explain("error:" + ended[1]) if ended else _("the board has been reset"))
+                raise Refused("{}: {}", name, explain_error("error:" + ended[1]) if ended else _("the board has been reset"))
             return
 
 

@@ -66,9 +66,9 @@ def settings(
         if action == "backup" and (not board.of_lines or read_masks(board) is not None):
             lines.insert(0, f"{_HEADER}{VERSION}")
     if action == "show":
-        from host_tools.clients.setting_names import table
+        from host_tools.clients.setting_names import describe_lines
 
-        print("\n".join(table(lines)))
+        print("\n".join(describe_lines(lines)))
         return
     try:
         file.write_text("\n".join(lines) + "\n", encoding="ascii")
@@ -88,12 +88,12 @@ def board_at(port, baud, protocol):
         raise Failure("--protocol {}: known are {}", protocol, ", ".join(clients.BAUD))
     port = port or ports.only_port()
     language = protocol or find_language(port, baud or clients.BAUD["grbl"], clients.BAUD)
-    return clients.connect(language or "grbl", port, baud)
+    return clients.open_settings(language or "grbl", port, baud)
 
 
 def _change_settings(words, port, baud, protocol):
     """Print and set single settings, `NAME` and `NAME=VALUE`. Checks all names and values before it sends the first. Raises Failure."""
-    from host_tools.clients.setting_names import table
+    from host_tools.clients.setting_names import describe_lines
     from host_tools.clients.settings import number_of, value_of
 
     asked = [(number_of(name), equals, value_of(name, value)) for name, equals, value in (word.partition("=") for word in words)]
@@ -104,7 +104,7 @@ def _change_settings(words, port, baud, protocol):
                 before = board.get(number)
                 after = board.set(number, value) if equals else before
                 lost = lost or (number // 10 == _STEPS // 10 or number == _HOMING_DIRECTION) and float(after) != float(before)
-                print(table([f"${number}={after}"], _MOST_AXES)[0] + (_("   (before: {})", before) if equals else ""))
+                print(describe_lines([f"${number}={after}"], _MOST_AXES)[0] + (_("   (before: {})", before) if equals else ""))
     finally:
         if lost:  # also if the board has refused a later one
             print(_("the position is unknown now: home the machine, or set its origin, before it works"))

@@ -402,12 +402,12 @@ def _parse_scale(text):
 
 def _show_settings(client):
     """Print the settings that the window of 2020 had. Raises Failure if the board has no lines about them."""
-    from host_tools.clients.setting_names import table
+    from host_tools.clients.setting_names import describe_lines
 
     kept = _read_settings(client, _WINDOW)
     if kept is None:
         raise Failure("this board has no such word")
-    print("\n".join(table([f"${number}={value:.3f}" for number, value in zip(_WINDOW, kept)])))
+    print("\n".join(describe_lines([f"${number}={value:.3f}" for number, value in zip(_WINDOW, kept)])))
 
 
 @app.command()

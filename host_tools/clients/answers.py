@@ -3,7 +3,7 @@
 from passo.protocols.setting_lines import decimal
 
 
-def complete(text):
+def is_complete(text):
     """True if the text that answers a line ends in its `ok` or `error:N`."""
     if text[-1:] != "\n":
         return False

@@ -24,9 +24,9 @@ class Client:
         if self._log:
             self._log.close()
 
-    def _write(self, data):
+    def _write_bytes(self, data):
         """Send bytes, and log them. Raises LinkError."""
-        self._note(">", data)
+        self._log_bytes(">", data)
         try:
             self._serial.write(data)
         except (OSError, ValueError) as error:
@@ -35,22 +35,22 @@ class Client:
     def _write_now(self, data, cut=False):
         """Send real-time bytes; in frames they overtake what is written, or, if they `cut`, end it. Raises LinkError."""
         if not self.framed:
-            self._write(data)
+            self._write_bytes(data)
             return
-        self._note(">", data)
+        self._log_bytes(">", data)
         try:
             self._serial.urgent(data, cut)
         except OSError as error:
             raise port_error(self.port, error) from error
 
-    def _read(self):
+    def _read_bytes(self):
         """The bytes received, after a short wait if there are none. Raises LinkError."""
         try:
             return self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError, ValueError) as error:
             raise port_error(self.port, error) from error
 
-    def _note(self, arrow, data):
+    def _log_bytes(self, arrow, data):
         if self._log:
             self._log.write(f"{time.time():.3f} {arrow} {self._log_text(data)}\n")
 

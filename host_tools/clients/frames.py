@@ -47,18 +47,18 @@ def offer_frames(port, wait_s=OFFER_S, text=False, patient=False):
         opened = port
     if text:
         opened.write(_PROBE)  # ends the line begun by HELLO, or by another program's frames before it
-        heard, end_ms = b"", _milliseconds() + 1000 * wait_s
-        while not _ENDED.search(heard) and _milliseconds() < end_ms:
+        heard, end_ms = b"", _clock_ms() + 1000 * wait_s
+        while not _ENDED.search(heard) and _clock_ms() < end_ms:
             heard += opened.read(1)
     return opened
 
 
-def _milliseconds():
+def _clock_ms():
     return time.monotonic_ns() // 1_000_000
 
 
 class FramedPort:
-    def __init__(self, port, clock=_milliseconds):
+    def __init__(self, port, clock=_clock_ms):
         """`clock()`: milliseconds."""
         self._port, self._clock = port, clock
         self.timeout, port.timeout = port.timeout, SLICE_S
@@ -88,13 +88,13 @@ class FramedPort:
                 patience_s = max(wait_s, SURE_S) if self._delimited else wait_s
                 if self._clock() - begun_ms >= 1000 * patience_s or text and not self._delimited and _ENDED.search(self._wire):
                     return False
-                if self._offer() and not asked:
+                if self._offer_session() and not asked:
                     asked = True  # once: every answer has to be waited for
                     self._port.write(_PROBE)
-                self._poll()
+                self._poll_wire()
             if self._new:
                 return True
-            self._leave()  # another program's session: end it, and begin anew
+            self._leave_session()  # another program's session: end it, and begin anew
         raise OSError(_("the session of frames that another program has left open does not end"))
 
     # --- the face of a serial port
@@ -102,16 +102,16 @@ class FramedPort:
     @property
     def in_waiting(self):
         """Bytes received and not read. Raises OSError if the board does not answer."""
-        self._poll()
+        self._poll_wire()
         return len(self._received)
 
     def read(self, size=1):
         """Up to `size` bytes of the board's messages; waits for the first at most `timeout` seconds. Raises OSError if the board does not
         answer."""
         end_ms = self._clock() + 1000 * (self.timeout or 0)
-        self._poll()
+        self._poll_wire()
         while not self._received and self._clock() < end_ms:
-            self._poll()
+            self._poll_wire()
         data = bytes(self._received[:size])
         del self._received[:size]
         return data
@@ -120,7 +120,7 @@ class FramedPort:
         """Send one message; returns at once, later calls repeat it until the board has it. Raises OSError if the board does not answer."""
         self._expect_nothing()
         self._sender.put(data)
-        self._pump()
+        self._send_due()
 
     def urgent(self, data, cut=False):
         """Send real-time bytes ahead of written ones. `cut`: the board drops bytes that were written before and have not come."""
@@ -130,37 +130,37 @@ class FramedPort:
             sender.clear(behind)
             data = behind.to_bytes(2, "big") + data
         self._urgents.append((CUT if cut else URGENT, data))
-        self._pump()
+        self._send_due()
 
     def report(self, every_ms, question):
         """Have the board ask itself `question` every `every_ms` ms and send the answer; 0: stop that."""
         self._urgents.append((REPORT, every_ms.to_bytes(2, "big") + question))
-        self._pump()
+        self._send_due()
 
     def reset_input_buffer(self):
-        self._poll()
+        self._poll_wire()
         self._received.clear()
 
     def close(self):
         try:
             end_ms = self._clock() + 1000
             while (self._sender.kept or self._urgents) and self._clock() < end_ms:
-                self._poll()
-            self._leave()
+                self._poll_wire()
+            self._leave_session()
         except OSError:
             pass
         self._port.close()
 
     # --- frames
 
-    def _send(self, kind, number=0, data=b""):
+    def _send_frame(self, kind, number=0, data=b""):
         now_ms, self._owes_ms = self._clock(), None
         wire = codec.delimited(codec.frame(kind, number, self._next, codec.MOST_CREDIT, data))
         follows = self._sender.size == codec.MOST and now_ms - self._sent_ms < _SILENCE_MS
         self._port.write(wire[1:] if follows else wire)
         self._sent_ms = now_ms
 
-    def _offer(self):
+    def _offer_session(self):
         """Send HELLO, if it is time; True if it is."""
         if self._said_ms and self._clock() - self._said_ms < _OFFER_AGAIN_MS:
             return False
@@ -168,17 +168,17 @@ class FramedPort:
         self._port.write(HELLO_WIRE)
         return True
 
-    def _leave(self):
+    def _leave_session(self):
         """End the session: send LEAVE once, then nothing until TAKEN, for at most 50 ms. A board that has taken LEAVE reads the bytes of a
         frame as its language."""
         self._expect_nothing()
         begun_ms = self._clock()
         self._leaving = self._open and begun_ms - self._heard_ms <= _SILENT_MS
         if self._leaving:
-            self._send(LEAVE, self._urgent)
+            self._send_frame(LEAVE, self._urgent)
         self._open, self._urgents, self._urgent_ms, self._owes_ms = False, [], None, None
         while self._leaving and self._clock() - begun_ms < _URGENT_MS - 10:
-            self._poll()
+            self._poll_wire()
         self._leaving, self._said_ms = False, 0
 
     def _expect_nothing(self):
@@ -186,7 +186,7 @@ class FramedPort:
         if not self._sender.kept and self._urgent_ms is None:
             self._heard_ms = self._clock()
 
-    def _pump(self):
+    def _send_due(self):
         """Send what may be sent now."""
         if not self._open:
             return
@@ -197,29 +197,29 @@ class FramedPort:
                 self._pleading_ms = now_ms
             if now_ms - self._pleading_ms > _LOST_MS:
                 raise OSError(_("the board does not answer any more"))
-            self._offer()
+            self._offer_session()
             return
         self._pleading_ms = None
         if self._urgents and (self._urgent_ms is None or now_ms - self._urgent_ms >= _URGENT_MS):
             self._urgent_ms = now_ms
-            self._send(self._urgents[0][0], self._urgent, self._urgents[0][1])
+            self._send_frame(self._urgents[0][0], self._urgent, self._urgents[0][1])
         sender.late(now_ms)
         if not any(kind == CUT for kind, _ in self._urgents):
             while (data := sender.next(now_ms)) is not None:
-                self._send(DATA, sender.number, data)
+                self._send_frame(DATA, sender.number, data)
 
-    def _poll(self):
+    def _poll_wire(self):
         data = self._port.read(max(1, self._port.in_waiting))
         *whole, self._wire = (self._wire + data).split(b"\0")
         self._delimited = self._delimited or bool(whole)
         for chunk in whole:
             if len(chunk) >= codec.HEAD + codec.CHECK:
-                self._understand(bytearray(chunk))
-        self._pump()
+                self._take_frame(bytearray(chunk))
+        self._send_due()
         if self._pleading_ms is None and self._owes_ms is not None and self._clock() - self._owes_ms >= _ACK_MS:
-            self._send(ACK)
+            self._send_frame(ACK)
 
-    def _understand(self, chunk):
+    def _take_frame(self, chunk):
         if not codec.sound(chunk, 0, len(chunk)):
             return self._ask_again()
         self._heard_ms = self._clock()
@@ -228,31 +228,31 @@ class FramedPort:
         if self._leaving:
             self._leaving = kind != TAKEN or number != self._urgent
         elif kind == WELCOME:
-            self._welcome(data, number, ack, credit)
+            self._take_welcome(data, number, ack, credit)
         elif self._open and kind == codec.CLOSED:
             raise OSError(_("answers of the board were lost"))
         elif self._open:
             self._sender.acknowledged(ack, credit, self._heard_ms)
             if kind == DATA:
-                self._take(number, data)
+                self._take_data(number, data)
             elif kind == AGAIN:
                 self._sender.again()
             elif kind == TAKEN and self._urgents and number == self._urgent:
                 self._urgents.pop(0)
                 self._urgent, self._urgent_ms = (self._urgent + 1) % NUMBERS, None
 
-    def _welcome(self, about, number, ack, credit):
+    def _take_welcome(self, about, number, ack, credit):
         new = bool(about[1] & codec.NEW)
         if not self._open:
             self._open, self._new = True, new
             self._next, self._urgent = number, about[3] << 8 | about[4]
             self._sender.clear(ack)
-            self._send(ACK)
+            self._send_frame(ACK)
         elif new and (self._sender.first or self._urgent):
             raise OSError(_("the board has been reset"))
         self._sender.acknowledged(ack, credit, self._heard_ms)
 
-    def _take(self, number, data):
+    def _take_data(self, number, data):
         known = (self._next - number) % NUMBERS
         if known > NUMBERS // 2:
             return self._ask_again()
@@ -265,4 +265,4 @@ class FramedPort:
     def _ask_again(self):
         if self._open and self._pleading_ms is None and self._clock() - self._asked_ms >= 30:
             self._asked_ms = self._clock()
-            self._send(AGAIN)
+            self._send_frame(AGAIN)

@@ -10,7 +10,7 @@ import re
 import time
 
 from host_tools.clients.client import Client
-from host_tools.clients.refusal import Refused, explain
+from host_tools.clients.refusal import Refused, explain_error
 from host_tools.clients.serial_port import LinkError, open_link
 from host_tools.language import _, error_text, line_text
 from host_tools.clients.grbl_wire import fields_of, number_line
@@ -57,21 +57,21 @@ class GrblClient(Client):
 
     def lines(self):
         """Whole lines received; notes status, alarms and banners."""
-        self._buffer += self._read()
+        self._buffer += self._read_bytes()
         *whole, self._buffer = self._buffer.split(b"\n")
         if whole:
             self._heard = time.monotonic()
         said = [line.strip().decode("ascii", "replace") for line in whole]
         for line in said:
-            self._note("<", line.encode())
-            self._notice(line)
+            self._log_bytes("<", line.encode())
+            self._notice_line(line)
         return [line for line in said if line]
 
-    def silent(self):
+    def is_silent(self):
         """True if nothing has come for longer than an answer may take."""
         return time.monotonic() - self._heard > self.timeout_s
 
-    def _notice(self, line):
+    def _notice_line(self, line):
         if line.startswith("<") and line.endswith(">"):
             self.status = fields_of(line)
             self.answered_then = self.answered
@@ -87,7 +87,7 @@ class GrblClient(Client):
         elif line.startswith("Grbl "):
             self.banners += 1
 
-    def _note(self, arrow, data):
+    def _log_bytes(self, arrow, data):
         if self._log:
             now = time.time()
             clock = time.strftime("%H:%M:%S", time.localtime(now)) + f".{int(now * 1000) % 1000:03d}"
@@ -157,7 +157,7 @@ class GrblClient(Client):
         after `timeout_s`. A board that minds its host hears `?` as long as it takes."""
         self.alarm = None
         self.sent = None
-        self._say(line.encode())
+        self._send_line(line.encode())
         asked = time.monotonic()
         deadline = asked + (timeout_s or self.timeout_s)
         said = []
@@ -173,15 +173,15 @@ class GrblClient(Client):
                 if answer == "ok" or answer.startswith("error:"):
                     if self.alarm is not None:
                         raise Refused("{}: alarm {}: {}", line, self.alarm, alarm_text(self.alarm))
-                    raise Refused("{}: {}", line, explain(answer, line.encode()), number=int(answer.partition(":")[2] or 0))
+                    raise Refused("{}: {}", line, explain_error(answer, line.encode()), number=int(answer.partition(":")[2] or 0))
                 said.append(answer)
         raise LinkError("{}: no answer to {!r}", self.port, line)
 
-    def _say(self, line):
+    def _send_line(self, line):
         """Send a line. Raises Refused: bytes beyond ASCII are real-time commands to the board."""
         if not line.isascii():
             raise Refused("{}: only ASCII can be sent", line.decode("utf-8", "backslashreplace"))
-        self._write(line + b"\n")
+        self._write_bytes(line + b"\n")
 
     ask = command  # as the clients of all languages have it
 
@@ -213,9 +213,9 @@ class GrblClient(Client):
         self.answered = self.answered_then = 0
         self.sent = 0
         while waiting or under_way:
-            while waiting and self._room(under_way, waiting[-1][-1], count):
+            while waiting and self._has_room(under_way, waiting[-1][-1], count):
                 under_way.append(waiting.pop())
-                self._say(under_way[-1][-1])
+                self._send_line(under_way[-1][-1])
                 self.sent += 1
             for answer in self.lines():
                 number, line = under_way[0][:2] if under_way else (None, b"")
@@ -224,7 +224,7 @@ class GrblClient(Client):
                     raise Refused("{}: alarm {}: {}", where, self.alarm, alarm_text(self.alarm), number=number)
                 if answer.startswith("error:") and under_way:
                     self.halt()
-                    raise Refused("{}: {}", where, explain(answer, line), number=number)
+                    raise Refused("{}: {}", where, explain_error(answer, line), number=number)
                 if answer.startswith("Grbl "):
                     raise LinkError("{}: the controller was reset", where)
                 if answer == "ok" and under_way:
@@ -242,7 +242,7 @@ class GrblClient(Client):
         self.halt()
         raise Refused("{}: one ok too many: another program sends lines to {}, too; the job has been stopped. Close that program", where, self.port)
 
-    def _room(self, under_way, line, count):
+    def _has_room(self, under_way, line, count):
         if not count:
             return not under_way
         known = sum(len(sent) + 1 for _, _, sent in under_way)

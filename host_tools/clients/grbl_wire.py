@@ -98,9 +98,9 @@ class Wire:
         self._buffer = b""
         for line in lines:
             if line == "ok":
-                self._answer(0, line)
+                self._take_answer(0, line)
             elif line[:6] == "error:" and line[6:].isdigit():
-                self._answer(int(line[6:]), line)
+                self._take_answer(int(line[6:]), line)
             else:
                 resets = []
                 if line[:5] == "Grbl ":
@@ -124,7 +124,7 @@ class Wire:
         for command in resets:
             self._answered(Event(REFUSED, command, LOST))
 
-    def _answer(self, error, line):
+    def _take_answer(self, error, line):
         if not self._under_way:
             self.foreign += 1
             return

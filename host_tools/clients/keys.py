@@ -7,7 +7,7 @@
 import time
 
 from host_tools.clients.client import Client
-from host_tools.clients.answers import complete
+from host_tools.clients.answers import is_complete
 from host_tools.clients.refusal import lines_before_ok
 from host_tools.clients.serial_port import LinkError
 from host_tools.clients.wire import open_port
@@ -24,12 +24,12 @@ class KeysClient(Client):
     def ask(self, line):
         """Send a line about settings; returns the lines before its ok. Raises Refused, and LinkError if nothing answers: a kit of the
         document takes no notice of such a line."""
-        self._read()
-        self._write(line_of(line))
+        self._read_bytes()
+        self._write_bytes(line_of(line))
         text = ""
         deadline = time.monotonic() + _ANSWER_S
-        while not complete(text):
+        while not is_complete(text):
             if time.monotonic() > deadline:
                 raise LinkError("{}: no answer to {}; is it a board of Passo, and its speed?", self.port, line)
-            text += self._read().decode("ascii", "replace")
+            text += self._read_bytes().decode("ascii", "replace")
         return lines_before_ok(line, text)

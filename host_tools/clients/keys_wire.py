@@ -7,7 +7,7 @@ A board of Passo answers `?` by that byte and the number of the last refusal, an
 a few times only.
 """
 
-from host_tools.clients.answers import answer_of, complete, setting_line
+from host_tools.clients.answers import answer_of, is_complete, setting_line
 from passo import errors
 from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.keys.protocol import WHY
@@ -48,22 +48,22 @@ class KeysWire:
             self._buffer = self._buffer[2 if first == WHY else 1 :]
             if first == WHY:
                 self._answers = True
-                self._tell(error[0])
+                self._report_error(error[0])
                 self._overtaken += 1
                 if self._overtaken > _OVERTAKEN:
-                    self._end(errors.NO_ANSWER)
+                    self._end_line(errors.NO_ANSWER)
             elif self._line:
                 self._text += chr(first)
-                if complete(self._text):
-                    self._end(*answer_of(self._text))
+                if is_complete(self._text):
+                    self._end_line(*answer_of(self._text))
 
-    def _end(self, error, told=None):
+    def _end_line(self, error, told=None):
         """The line under way is done with."""
         line, self._line = self._line, None
         if line:
             self._machine.answered(Event(REFUSED if error else ACCEPTED, line, error, told))
 
-    def _tell(self, error):
+    def _report_error(self, error):
         self._machine.report({"state": "alarm" if error >= errors.ALARM_HARD_LIMIT else "idle", "error": error})
 
     def ask(self):
@@ -74,13 +74,13 @@ class KeysWire:
             self._unheard += 1
             self.write(bytes((WHY,)))
         if not self._answers:
-            self._tell(0)
+            self._report_error(0)
 
     def drop(self):
         """Forget whether the board answers, because it has begun anew."""
         self._answers = False
         self._unheard = 0
         self._buffer = b""
-        self._end(errors.NO_ANSWER)
+        self._end_line(errors.NO_ANSWER)
 
     silent = drop

@@ -74,7 +74,7 @@ class PlotterClient:
 
     def hello(self):
         """Raise LinkError if no controller answers, or something else does."""
-        self._deliver("REQUEST", "REQUEST_OK")
+        self._deliver_packet("REQUEST", "REQUEST_OK")
 
     def request(self):
         """hello(), then read the status, which clears an old error."""
@@ -83,15 +83,15 @@ class PlotterClient:
 
     def speed(self, value):
         """Set the drawing speed, 1 … 65535 in the unit of the board file."""
-        self._deliver("SPEED", "SPEED_OK", value)
+        self._deliver_packet("SPEED", "SPEED_OK", value)
 
     def hand_over(self, number=0):
         """Link `number` of the board file commands from now on; 0: this one. Raises Refused while the machine moves."""
-        self._deliver("LINK", "LINK_OK", number)
+        self._deliver_packet("LINK", "LINK_OK", number)
 
     def point(self, pen_down, x, y):
         """Append a point (steps, 0 … 65535) to the object: LINE if the pen goes there down, else MOVE."""
-        self._deliver("LINE" if pen_down else "MOVE", "NEXT", x, y)
+        self._deliver_packet("LINE" if pen_down else "MOVE", "NEXT", x, y)
 
     def end(self, points=None, progress=None):
         """Draw the object and wait until it is drawn. `points`: their number; a lost answer is recognised by it. Calls
@@ -100,11 +100,11 @@ class PlotterClient:
         def has_drawn(status):
             return points is not None and status["drawn"] >= points
 
-        self._perform("END", "DONE", has_drawn, progress)
+        self._perform_packet("END", "DONE", has_drawn, progress)
 
     def origin(self, progress=None):
         """Home the machine and wait until it stands at 0;0."""
-        self._perform("ORIGIN", "ORIGIN_OK", lambda status: False, progress)
+        self._perform_packet("ORIGIN", "ORIGIN_OK", lambda status: False, progress)
 
     home = origin  # as the clients of all languages have it
 
@@ -114,15 +114,15 @@ class PlotterClient:
             raise ValueError(name)
         before = self.status()
         for attempt in range(ATTEMPTS):
-            self._send(name, repeat=attempt > 0)
-            answer = self._await(self.timeout_s)
+            self._send_named(name, repeat=attempt > 0)
+            answer = self._await_answer(self.timeout_s)
             if answer == ANSWER["NEXT"]:
                 return
-            status, seen = self._settle(name)
+            status, seen = self._ask_status(name)
             moved = status["state"] == "jog" or (status["x"], status["y"]) != (before["x"], before["y"])
             if ANSWER["NEXT"] in seen or moved:
                 return
-            self._check(status, name)
+            self._check_status(status, name)
             if answer != RESEND:
                 raise LinkError("{} was not answered and has not moved the machine; it is not sent twice", name)
         raise LinkError("{} was asked for again {} times: the line is too noisy", name, ATTEMPTS)
@@ -136,11 +136,11 @@ class PlotterClient:
             said = None
             for attempt in range(_WORDS_ATTEMPTS):
                 self._send_packet(words, repeat=attempt > 0)
-                said = self._wire.text((timeout_s if number == last else None) or self.timeout_s)
+                said = self._wire.next_text((timeout_s if number == last else None) or self.timeout_s)
                 if said is not None and said[:1] != bytes((RESEND,)):
                     break
             else:
-                self._settle("WORDS")  # which clears the error
+                self._ask_status("WORDS")  # which clears the error
                 raise refusal.Refused("{}: the controller does not understand it", line, number=errors.STATEMENT)
             if number < last and said[:1] != bytes((ANSWER["REQUEST_OK"],)):
                 raise LinkError("{} was cut off: the line is too noisy", line)
@@ -148,12 +148,12 @@ class PlotterClient:
         if answer != "ok":
             number = int(answer[6:] or 0) if answer[:6] == "error:" else None
             self.status()  # clears the error, else the next packet would seem to be refused
-            raise refusal.Refused("{}: {}", line, refusal.explain(answer), number=number)
+            raise refusal.Refused("{}: {}", line, refusal.explain_error(answer), number=number)
         return told
 
     def status(self):
         """The fields of a STATUS answer. Reading clears the controller's error."""
-        return self._settle("STATUS")[0]
+        return self._ask_status("STATUS")[0]
 
     def stop(self):
         """Stop the machine: pen up, object dropped. Returns the status once it stands still. Never raises Cancelled."""
@@ -161,12 +161,12 @@ class PlotterClient:
         deadline = time.monotonic() + _STOP_S + self.timeout_s
         repeat = False
         while time.monotonic() < deadline:
-            self._send("STOP", repeat=repeat)
+            self._send_named("STOP", repeat=repeat)
             repeat = True
-            answer = self._await(self.timeout_s)
+            answer = self._await_answer(self.timeout_s)
             while answer not in (None, RESEND, ANSWER["DONE"]):
-                answer = self._await(self.timeout_s)
-            status, seen = self._settle("STOP", answer)
+                answer = self._await_answer(self.timeout_s)
+            status, seen = self._ask_status("STOP", answer)
             if ANSWER["DONE"] in [answer] + seen and status["state"] in ("idle", "alarm"):
                 return status
         raise LinkError("the machine does not stop: switch it off")
@@ -177,51 +177,51 @@ class PlotterClient:
         self.packets += 1
         self._wire.send(data)
         patient = packet_name(data[-plotter.PACKET :]) in ("END", "ORIGIN")
-        events = [self._event(math.inf if patient else self.timeout_s)]
+        events = [self._next_event(math.inf if patient else self.timeout_s)]
         while events[-1][0]:
-            events.append(self._event(0.3))
+            events.append(self._next_event(0.3))
         return events[:-1]
 
-    def _deliver(self, name, expected_name, x=0, y=0):
+    def _deliver_packet(self, name, expected_name, x=0, y=0):
         """Send a packet that is answered at once; repeat it until it is answered."""
         expected = ANSWER[expected_name]
-        self._send(name, x, y)
-        answer = self._await(self.timeout_s)
+        self._send_named(name, x, y)
+        answer = self._await_answer(self.timeout_s)
         for attempt in range(ATTEMPTS):
             if answer == expected:
                 if attempt:
-                    self._settle(name)
+                    self._ask_status(name)
                 return
-            status, seen = self._settle(name, answer)
-            while expected not in seen and self._withheld(name, status):
-                answer = self._await(POLL_S)
-                status, seen = self._settle(name, answer)
+            status, seen = self._ask_status(name, answer)
+            while expected not in seen and self._holds_back(name, status):
+                answer = self._await_answer(POLL_S)
+                status, seen = self._ask_status(name, answer)
                 seen.append(answer)
             if expected in seen:
                 return
             if name != "REQUEST":
-                self._check(status, name)
-            self._send(name, x, y, repeat=True)
-            answer = self._await(self.timeout_s)
+                self._check_status(status, name)
+            self._send_named(name, x, y, repeat=True)
+            answer = self._await_answer(self.timeout_s)
         raise LinkError("{} was not understood in {} attempts: the line is too noisy", name, ATTEMPTS)
 
-    def _withheld(self, name, status):
+    def _holds_back(self, name, status):
         """True while the controller holds NEXT back because its memory is full: it draws, and there will be room."""
         return name in ("LINE", "MOVE") and status["free"] == 0 and status["state"] != "alarm"
 
-    def _perform(self, name, expected_name, finished, progress):
+    def _perform_packet(self, name, expected_name, finished, progress):
         """Send a packet that is answered when it has been carried out, and wait for that."""
         expected = ANSWER[expected_name]
-        self._send(name)
+        self._send_named(name)
         idle = attempts = 0
         while True:
-            answer = self._await(POLL_S)
+            answer = self._await_answer(POLL_S)
             if answer == expected:
                 return
-            status, seen = self._settle(name, answer)
+            status, seen = self._ask_status(name, answer)
             if expected in seen:
                 return
-            self._check(status, name)
+            self._check_status(status, name)
             if progress:
                 progress(status)
             idle = idle + 1 if status["state"] == "idle" else 0
@@ -231,17 +231,17 @@ class PlotterClient:
                 attempts += 1
                 if attempts == ATTEMPTS:
                     raise LinkError("{} was not carried out in {} attempts: the line is too noisy", name, ATTEMPTS)
-                self._send(name, repeat=True)
+                self._send_named(name, repeat=True)
                 idle = 0
 
-    def _check(self, status, what):
+    def _check_status(self, status, what):
         """Raise Refused if the status tells of an alarm or of a refusal."""
         number = status["error"]
         alarm = status["state"] == "alarm"
         if alarm or (number and number not in _REFUSE_NOTHING):
             raise Refused(what, number, alarm)
 
-    def _send(self, name, x=0, y=0, repeat=False):
+    def _send_named(self, name, x=0, y=0, repeat=False):
         self.repeated_points += repeat and name in ("LINE", "MOVE")
         self._send_packet(plotter.packet(plotter.COMMANDS[name], x, y), repeat)
 
@@ -252,24 +252,24 @@ class PlotterClient:
             self.packets += 1
         self._wire.send(data)
 
-    def _await(self, timeout_s):
+    def _await_answer(self, timeout_s):
         """The next one-byte answer, or None after `timeout_s`. Skips a late STATUS."""
         deadline = time.monotonic() + timeout_s
         while True:
-            kind, value = self._event(max(0.0, deadline - time.monotonic()))
+            kind, value = self._next_event(max(0.0, deadline - time.monotonic()))
             if kind is None:
                 return None
             if kind == "answer":
                 return value
 
-    def _settle(self, name, heard=None):
+    def _ask_status(self, name, heard=None):
         """Ask STATUS until it is answered. Returns it and the one-byte answers that came before it."""
         seen = []
         for _ in range(ATTEMPTS // 2):
             self._wire.send(plotter.packet(plotter.COMMANDS["STATUS"]))
             deadline = time.monotonic() + self.timeout_s
             while True:
-                kind, value = self._event(max(0.0, deadline - time.monotonic()))
+                kind, value = self._next_event(max(0.0, deadline - time.monotonic()))
                 if kind == "status":
                     return value, seen
                 if kind == "answer":
@@ -283,7 +283,7 @@ class PlotterClient:
             raise LinkError("{} answers, but not in the plotter's language (byte {:#04x})", self._wire.port, heard)
         raise LinkError("the controller on {} answers {} but not STATUS", self._wire.port, plotter.ANSWERS[heard])
 
-    def _event(self, timeout_s):
+    def _next_event(self, timeout_s):
         """wire.event in slices, so that cancel() is noticed."""
         deadline = time.monotonic() + timeout_s
         while True:
@@ -291,6 +291,6 @@ class PlotterClient:
                 self._cancelled = False
                 raise Cancelled
             left = deadline - time.monotonic()
-            event = self._wire.event(max(0.0, min(left, 0.2)))
+            event = self._wire.next_event(max(0.0, min(left, 0.2)))
             if event[0] or left <= 0.2:
                 return event

@@ -8,7 +8,7 @@ answered, but not the packet before it, the packet was lost and is sent again; a
 
 from micropython import const
 
-from host_tools.clients.answers import answer_of, complete, setting_line
+from host_tools.clients.answers import answer_of, is_complete, setting_line
 from passo import commands, errors
 from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.page.plotter import PlotterPage, jogs_of
@@ -50,18 +50,18 @@ class PlotterWire:
     def order(self, command):
         """Send a command. Its event follows at the machine; a STOP ends the command under way."""
         if self._command is not None:
-            self._end(errors.NO_ANSWER if self._command.kind == commands.SETTING else 0)  # a STOP overtakes it
+            self._end_command(errors.NO_ANSWER if self._command.kind == commands.SETTING else 0)  # a STOP overtakes it
         self._command = command
         self._attempts = 0
-        self._say()
+        self._send_packets()
 
-    def _say(self):
+    def _send_packets(self):
         command = self._command
         self._asked = self._idle = 0
         if command.kind == commands.SETTING:
             self._packets = words_packets(setting_line(command))
             self._text = None
-            self._say_words()
+            self._send_words()
             return
         if command.kind == commands.POINT:
             data = packet(COMMANDS["LINE" if command.tool else "MOVE"], command.target[0], command.target[1])
@@ -71,12 +71,12 @@ class PlotterWire:
             data = packet(COMMANDS[_NAMES[command.kind]], command.value if command.kind == commands.SPEED else 0)
         self.write(data)
 
-    def _say_words(self):
+    def _send_words(self):
         self.write(self._packets.pop(0))
         if not self._packets:
             self._text = ""
 
-    def _end(self, error, told=None):
+    def _end_command(self, error, told=None):
         """The packet under way is done with."""
         command, self._command = self._command, None
         self._text = None
@@ -90,7 +90,7 @@ class PlotterWire:
         """Give up the command under way: NO_ANSWER."""
         self._buffer = b""
         if self._command is not None:
-            self._end(errors.NO_ANSWER)
+            self._end_command(errors.NO_ANSWER)
 
     silent = drop
 
@@ -107,7 +107,7 @@ class PlotterWire:
             if first != COMMANDS["STATUS"]:
                 self._buffer = self._buffer[1:]
                 if self._text is None or not self._text and first not in _BEGIN:
-                    self._hear(ANSWERS.get(first))
+                    self._take_answer(ANSWERS.get(first))
                 else:
                     self._hear_text(chr(first))
                 continue
@@ -119,38 +119,38 @@ class PlotterWire:
                 self._buffer = self._buffer[1:]
                 continue
             self._buffer = self._buffer[STATUS_LENGTH:]
-            self._report(status)
+            self._take_status(status)
 
     def _hear_text(self, letter):
         self._text += letter
-        if complete(self._text):
+        if is_complete(self._text):
             self._told, told = answer_of(self._text)
-            self._end(self._told, told)
+            self._end_command(self._told, told)
 
-    def _hear(self, answer):
+    def _take_answer(self, answer):
         if self._packets and self._command.kind == commands.SETTING and answer == "REQUEST_OK":
             self._asked = 0
-            self._say_words()
+            self._send_words()
         elif self._command is not None and self._command.kind == commands.SETTING:
             return
         elif self._command is not None and answer == _ANSWER_TO[self._command.kind]:
-            self._end(0)
+            self._end_command(0)
 
-    def _report(self, status):
+    def _take_status(self, status):
         status["position"] = [status["x"], status["y"]]
         if status["error"] == self._told:
             status["error"] = 0
         self._told = 0
         if self._command is not None:
-            self._settle(status["state"], status["error"], status["free"])
+            self._judge_packet(status["state"], status["error"], status["free"])
         self._machine.report(status)
 
-    def _settle(self, name, error, free):
+    def _judge_packet(self, name, error, free):
         """Take from a STATUS whether the packet under way, which has no answer, was refused, held back, done, or lost."""
         kind = self._command.kind
         refused = error if error == errors.STOPPED or error not in PlotterPage.untold else 0
         if refused or name == "alarm" and kind not in (commands.HOME, commands.STOP):
-            self._end(refused or errors.LOCKED)
+            self._end_command(refused or errors.LOCKED)
             return
         self._asked += 1
         self._idle = self._idle + 1 if name in ("idle", "alarm") else 0
@@ -159,7 +159,7 @@ class PlotterWire:
             return
         self._attempts += 1
         if kind == commands.JOG or self._attempts > (_LINE_ATTEMPTS if kind == commands.SETTING else _ATTEMPTS):
-            self._end(errors.NO_ANSWER)
+            self._end_command(errors.NO_ANSWER)
         else:
             self.retries += 1
-            self._say()
+            self._send_packets()

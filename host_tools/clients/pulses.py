@@ -9,7 +9,7 @@
 import time
 
 from host_tools.clients.client import Client
-from host_tools.clients.refusal import Refused, explain
+from host_tools.clients.refusal import Refused, explain_error
 from host_tools.clients.serial_port import LinkError
 from host_tools.clients.wire import open_port
 from host_tools.failure import Failure
@@ -36,18 +36,18 @@ class PulsesClient(Client):
 
     def send(self, data):
         """Send bytes as they are. Raises LinkError if the port has gone away."""
-        self._write(data)
+        self._write_bytes(data)
 
     def lines(self):
         """The lines received since the last call; waits a little for one."""
-        data = self._read()
+        data = self._read_bytes()
         if data:
-            self._note("<", data)
+            self._log_bytes("<", data)
         self.acks += data.count(ACK)
         *whole, self._part = (self._part + data.replace(ACK, b"")).split(b"\n")
         return [line.decode("ascii", "replace").strip() for line in whole]
 
-    def _answer(self, wanted, what, timeout_s=TIMEOUT_S, idle=None, checked=True):
+    def _await_answer(self, wanted, what, timeout_s=TIMEOUT_S, idle=None, checked=True):
         """The next line for which `wanted(line)`; raises Failure at an error. Keeps other lines, and errors with a line and column
         of the file being sent. Calls `idle()` while waiting, which may send commands itself. `checked`: an error is raised, else returned."""
         deadline = time.monotonic() + timeout_s
@@ -75,16 +75,16 @@ class PulsesClient(Client):
     def command(self, *words):
         """Send a control command; raises Failure if it is refused."""
         self.send(frame(*words))
-        return self._answer(lambda line: line == "ok", " ".join(map(str, words)))
+        return self._await_answer(lambda line: line == "ok", " ".join(map(str, words)))
 
     def ask(self, line, timeout_s=TIMEOUT_S):
         """A line about settings, stored jobs or the journal, `$100`, `$F` or `$JR`: the lines before its ok. Raises Refused. An error with a line and
         column is of codes that came before."""
         kept, self.said = self.said, []
         self.send(frame(line))
-        answer = self._answer(lambda heard: heard == "ok", line, timeout_s, None, False)
+        answer = self._await_answer(lambda heard: heard == "ok", line, timeout_s, None, False)
         if answer != "ok":
-            raise Refused("{}: {}", line, explain(answer), number=int(answer[6:]))
+            raise Refused("{}: {}", line, explain_error(answer), number=int(answer[6:]))
         told = [heard for heard in self.said if heard.startswith(_TOLD)]
         self.said = kept + [heard for heard in self.said if not heard.startswith(_TOLD)]
         return told
@@ -92,12 +92,12 @@ class PulsesClient(Client):
     def home(self):
         """Home the machine, which takes its time. Raises Failure."""
         self.send(frame("home"))
-        self._answer(lambda line: line == "ok", "home", HOME_S)
+        self._await_answer(lambda line: line == "ok", "home", HOME_S)
 
     def status(self):
         """The fields of the status line, as texts."""
         self.send(frame("?"))
-        return status_from(self._answer(lambda line: line.startswith("<"), "?"))
+        return status_from(self._await_answer(lambda line: line.startswith("<"), "?"))
 
     def log(self):
         """[(ms, number, who)] of the board's event log, oldest first."""
@@ -145,20 +145,20 @@ class PulsesClient(Client):
                 self._check_plays()
         self.send(frame("end"))  # behind all that is still to be played of a stream
         limit_s = float("inf") if stream else TIMEOUT_S
-        return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, self._looking(idle)).split()[1])
+        return int(self._await_answer(lambda line: line.startswith("ok "), "end", limit_s, self._watch_board(idle)).split()[1])
 
-    def _looking(self, idle):
+    def _watch_board(self, idle):
         """A function that calls `idle`, and asks the board each TIMEOUT_S whether it still answers: a stream may take hours. It raises LinkError."""
         latest = [time.monotonic()]
 
-        def looking():
+        def check_board():
             if idle:
                 idle()
             if time.monotonic() - latest[0] > TIMEOUT_S:
                 self.status()
                 latest[0] = time.monotonic()
 
-        return looking
+        return check_board
 
     def _check_plays(self):
         """A stream that stands may be paused; if the machine is idle, or in alarm, nothing of it is played any more."""

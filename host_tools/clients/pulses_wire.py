@@ -99,7 +99,7 @@ class PulsesWire:
             told, self._told = self._told, []
             self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error, told))
 
-        self._send(words_of(command, self._axes), tell_machine)
+        self._send_words(words_of(command, self._axes), tell_machine)
 
     def ask(self):
         """Ask for the status."""
@@ -107,9 +107,9 @@ class PulsesWire:
 
     def control(self, words, answered):
         """Send a control command, if few are under way."""
-        return len(self._under_way) < _MOST and self._send(words, answered)
+        return len(self._under_way) < _MOST and self._send_words(words, answered)
 
-    def _send(self, words, answered):
+    def _send_words(self, words, answered):
         self._under_way.append((words, answered))
         self._write(frame(*words))
         return True
@@ -149,13 +149,13 @@ class PulsesWire:
             data = data.replace(ACK, b"")
         lines, self._buffer = whole_lines(self._buffer + data)
         for line in lines:
-            self._line(line)
+            self._take_line(line)
 
-    def _line(self, line):
+    def _take_line(self, line):
         if line[:1] == "<":
-            if self._failed and self._first() == END:
+            if self._failed and self._first_words() == END:
                 self._under_way.pop(0)  # it was answered by the file's error
-            if self._first() == _ASK:
+            if self._first_words() == _ASK:
                 self._under_way.pop(0)
             try:
                 report = report_of(status_from(line))
@@ -165,22 +165,22 @@ class PulsesWire:
         elif line[:1] == "$" or line[:3] == "[$:":
             self._told.append(line)
         elif line == "ok" or line[:3] == "ok ":
-            self._answer(0, line)
+            self._take_answer(0, line)
         elif line[:6] == "error:" and line[6:].isdigit() and not self._of_the_file():
-            self._answer(int(line[6:]), line)
+            self._take_answer(int(line[6:]), line)
         else:
             if line[:6] == "error:":
                 self._failed = True
             self._machine.heard(line)
 
-    def _first(self):
+    def _first_words(self):
         return self._under_way[0][0] if self._under_way else None
 
     def _of_the_file(self):
         """True if no command waits that an error may be about."""
         return not [1 for words, _ in self._under_way if words != _ASK]
 
-    def _answer(self, error, line):
+    def _take_answer(self, error, line):
         while True:
             waiting = [each for each in self._under_way if each[0] != _ASK]
             if not waiting:

@@ -18,26 +18,26 @@ class Refused(Failure):
         self.number = number
 
 
-def explain(answer, line=b""):
+def explain_error(answer, line=b""):
     """An `error:N` with its meaning, and its cause if the line shows it."""
     number = re.sub(r"\D", "", answer)
-    return _("error {}, {}", number, meaning(int(number), line)) if number else answer
+    return _("error {}, {}", number, error_meaning(int(number), line)) if number else answer
 
 
 def lines_before_ok(line, text):
     """The lines before the ok of an answer. Raises Refused."""
     *told, last = text.splitlines()
     if last != "ok":
-        raise Refused("{}: {}", line, explain(last), number=int(last[6:]))
+        raise Refused("{}: {}", line, explain_error(last), number=int(last[6:]))
     return told
 
 
-def meaning(error, line):
+def error_meaning(error, line):
     """The meaning of an error, for the line (bytes) that it refuses."""
-    return cause(error, line) or error_text(error)
+    return error_cause(error, line) or error_text(error)
 
 
-def cause(error, line):
+def error_cause(error, line):
     """What in the line (bytes) makes the error, if the line shows it; else ""."""
     if error == errors.LETTER and _CHECKSUM.search(line):
         return _("checksums such as {} are for 3D printers: switch them off in the program that made the file", _CHECKSUM.search(line)[0].decode())

@@ -158,13 +158,13 @@ def _users_of(port):
             continue
         try:
             if any(os.path.realpath(each) == wanted for each in (process / "fd").iterdir()):
-                found.append(f"{_command(process)} (process {process.name})")
+                found.append(f"{_command_line(process)} (process {process.name})")
         except OSError:
             continue  # gone by now, or of another user
     return " and ".join(found)
 
 
-def _command(process):
+def _command_line(process):
     """The command line of a process, about as a person typed it: without the interpreter and its folders."""
     words = (process / "cmdline").read_bytes().decode("utf-8", "replace").split("\0")
     words = [word for word in words if word]

@@ -1,7 +1,7 @@
 """Names, units and bounds of a controller's settings, for people.
 
-    describe("$110=5000.000", axes=3)       # ("x: highest speed", "mm/min", "0.001 … 999999.999")
-    describe("$N0=G54", axes=3)             # ("sent when the board starts", "", "")
+    describe_line("$110=5000.000", axes=3)       # ("x: highest speed", "mm/min", "0.001 … 999999.999")
+    describe_line("$N0=G54", axes=3)             # ("sent when the board starts", "", "")
 
 The bounds are those of the firmware (config/setting_numbers.py; a test compares them). Speed times steps/mm is bounded too, by the
 step rate of the board's player.
@@ -57,7 +57,7 @@ AXIS_NAMES = {
 }
 
 
-def rule(number, axes):
+def rule_of(number, axes):
     """(name, unit, least, most) of a setting on a machine with `axes` axes; None if it is not known."""
     if number in NAMES:
         name, unit, least, most = NAMES[number]
@@ -69,13 +69,13 @@ def rule(number, axes):
     return None
 
 
-def rules(axes):
-    """{number: rule(number, axes)} of all settings."""
-    found = {number: rule(number, axes) for number in [*NAMES, *(first + axis for first in AXIS_NAMES for axis in range(axes))]}
+def all_rules(axes):
+    """{number: rule_of(number, axes)} of all settings."""
+    found = {number: rule_of(number, axes) for number in [*NAMES, *(first + axis for first in AXIS_NAMES for axis in range(axes))]}
     return dict(sorted(found.items()))
 
 
-def describe(line, axes):
+def describe_line(line, axes):
     """(name, unit, bounds) of a line of a back-up, as texts; empty if it is not known."""
     start_up = re.match(r"\$N(\d)=", line)
     if start_up:
@@ -84,7 +84,7 @@ def describe(line, axes):
     if offset:
         return _("origin of {system}", system=f"G{53 + int(offset[1])}"), "", ""
     setting = re.match(r"\$(\d+)=", line)
-    found = rule(int(setting[1]), axes) if setting else None
+    found = rule_of(int(setting[1]), axes) if setting else None
     if not found:
         return "", "", ""
     name, unit, least, most = found
@@ -92,9 +92,9 @@ def describe(line, axes):
     return name, unit, f"{least:g} … {most:.10g}"
 
 
-def table(lines, axes=0):
+def describe_lines(lines, axes=0):
     """The lines of a back-up with their meanings beside them, aligned; `axes`: how many the machine has, 0: as the lines say."""
     axes = axes or sum(1 for line in lines if re.match(r"\$10\d=", line))
-    rows = [(line, *describe(line, axes)) for line in lines]
+    rows = [(line, *describe_line(line, axes)) for line in lines]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]
     return ["  ".join((*(text.ljust(width) for text, width in zip(row, widths)), row[3])).rstrip() for row in rows]

@@ -1,6 +1,6 @@
 """The settings of a running board, whatever its link speaks.
 
-    with connect("torch", "/dev/ttyUSB0") as board:
+    with open_settings("torch", "/dev/ttyUSB0") as board:
         board.numbers()             # [0, 1, 2 …]
         board.get(100)              # "48.000"
         board.set(100, "48.5")      # "48.500", as the board has kept it. Raises Refused
@@ -27,7 +27,7 @@ _BOARDS = ("router_4axis", "torch_manipulator", "plotter_2014", "lpt_router")  #
 
 
 @cache
-def names():
+def setting_numbers():
     """{name: number} of the settings."""
     return {rule[0]: number for name in _BOARDS for number, rule in boards.settings_of(check(boards.load(name))).items()}
 
@@ -37,9 +37,9 @@ def number_of(text):
     digits = text[1:] if text[:1] == "$" else text
     if digits.isascii() and digits.isdigit():
         return int(digits)
-    if text not in names():
-        raise Failure("there is no setting {}; known are {}", text, ", ".join(sorted(names(), key=names().get)))
-    return names()[text]
+    if text not in setting_numbers():
+        raise Failure("there is no setting {}; known are {}", text, ", ".join(sorted(setting_numbers(), key=setting_numbers().get)))
+    return setting_numbers()[text]
 
 
 def value_of(name, text):
@@ -49,7 +49,7 @@ def value_of(name, text):
     return text
 
 
-def connect(language, port, baud=None):
+def open_settings(language, port, baud=None):
     """The settings of the board at a link that speaks `language`. Raises Failure."""
     if language == "grbl":
         return _Lines(GrblClient(port, baud or BAUD["grbl"]))
@@ -76,13 +76,13 @@ class Asked:
         return [int(number) for number in told[3:-1].split(",")]
 
     def get(self, number):
-        return self._value(f"${number}")
+        return self._ask_value(f"${number}")
 
     def set(self, number, value):
         """`value`: a number as text; "": as the board file has it. Returns what the board has kept."""
-        return self._value(f"${number}={value}")
+        return self._ask_value(f"${number}={value}")
 
-    def _value(self, line):
+    def _ask_value(self, line):
         (told,) = self.client.ask(line)
         return told.partition("=")[2]
 
@@ -103,14 +103,14 @@ class _Lines(Asked):
         self.client.be_sure_it_stands()
         return self
 
-    def _all(self):
+    def _read_all(self):
         return dict(line[1:].split("=", 1) for line in self.client.command("$$") if line.startswith("$"))
 
     def numbers(self):
-        return [int(number) for number in self._all()]
+        return [int(number) for number in self._read_all()]
 
     def get(self, number):
-        found = self._all()
+        found = self._read_all()
         if str(number) not in found:
             raise Failure("this board has no setting ${}", number)
         return found[str(number)]

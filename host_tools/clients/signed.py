@@ -2,7 +2,7 @@
 
     bridge = Bridge("passo.local", 23, key, line)       # line: host_tools.sim.serial_line's PtyLine or TcpLine
     while True:
-        bridge.turn(100)                                # at most 100 ms
+        bridge.carry_bytes(100)                         # at most 100 ms
 
 The other end is passo/web/signed.py, which describes the bytes.
 """
@@ -30,11 +30,11 @@ class Bridge:
         try:
             self._socket = socket.create_connection((host, port), _CONNECT_S)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._nonce = self._greeting()
+            self._nonce = self._read_greeting()
         except OSError as error:
             raise Failure("no board answers at {}, port {}: {}", host, port, reason(error)) from error
 
-    def _greeting(self):
+    def _read_greeting(self):
         while b"\n" not in self._rest:
             data = self._socket.recv(_READ)
             if not data:
@@ -46,7 +46,7 @@ class Bridge:
             raise Failure("this is no board of Passo")
         return first[7:-1]
 
-    def turn(self, milliseconds):
+    def carry_bytes(self, milliseconds):
         """Carry bytes both ways; wait for them at most `milliseconds`. Raises Failure when the board hangs up."""
         if self._rest:
             self._line.write(self._rest)
@@ -71,16 +71,16 @@ class Bridge:
             if byte in FREE:
                 out += bytes((byte,))
             elif byte >= 0x80 or byte == 0x7E:
-                out += self._proof(b"*%02x" % byte)
+                out += self._prove_line(b"*%02x" % byte)
             elif byte in b"\r\n":
                 if self._typed or byte == 10:
-                    out += self._proof(self._typed)
+                    out += self._prove_line(self._typed)
                 self._typed = b""
             elif len(self._typed) < _LONGEST:
                 self._typed += bytes((byte,))
         return out
 
-    def _proof(self, body):
+    def _prove_line(self, body):
         self._count += 1
         count = b"%d" % self._count
         proof = self._hmac.hex(self._nonce + b"." + count + b"." + body).encode()

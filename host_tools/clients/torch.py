@@ -13,7 +13,7 @@ import time
 
 from host_tools.clients import refusal
 from host_tools.clients.client import Client
-from host_tools.clients.answers import complete
+from host_tools.clients.answers import is_complete
 from host_tools.clients.refusal import lines_before_ok
 from host_tools.clients.torch_wire import Answers
 from host_tools.clients.serial_port import LinkError
@@ -47,12 +47,12 @@ class TorchClient(Client):
 
     def send(self, data):
         """Send bytes as they are. Raises LinkError if the port has gone away."""
-        self._write(data)
+        self._write_bytes(data)
 
     def _log_text(self, data):
         return data.hex(" ")
 
-    def _listen(self, name, seconds):
+    def _next_answer(self, name, seconds):
         """The fields of the next answer of that name, or None."""
         deadline = time.monotonic() + seconds
         while True:
@@ -60,23 +60,23 @@ class TorchClient(Client):
                 if told == name:
                     del self._said[: at + 1]
                     return fields
-            data = self._read()
+            data = self._read_bytes()
             if data:
-                self._note("<", data)
+                self._log_bytes("<", data)
             self._answers.put(data, int(time.monotonic() * 1000) & 0x1FFFFFFF)
-            while told := self._answers.next():
+            while told := self._answers.next_answer():
                 self._said.append(told)
             if not self._said and time.monotonic() > deadline:
                 return None
 
-    def _ask(self, data, name, seconds):
+    def _ask_board(self, data, name, seconds):
         self._said.clear()
         self.send(data)
-        return self._listen(name, seconds)
+        return self._next_answer(name, seconds)
 
     def counts(self, name="INFO"):
         """(x, y) in steps since the last move or jog, as INFO or STOP is answered."""
-        fields = self._ask(torch.frame(name), name, self.timeout_s)
+        fields = self._ask_board(torch.frame(name), name, self.timeout_s)
         if fields is None:
             raise LinkError("{}: no answer to {}; is it the torch's board, and its speed?", self.port, name)
         return fields["x"], fields["y"]
@@ -85,7 +85,7 @@ class TorchClient(Client):
         """{state, error, ours, x, y, dropped} of a Passo board; None of any other."""
         if self.ours is False:
             return None
-        fields = self._ask(torch.passo(torch.STATUS_OF), "PASSO", self.timeout_s if self.ours else _PASSO_S)
+        fields = self._ask_board(torch.passo(torch.STATUS_OF), "PASSO", self.timeout_s if self.ours else _PASSO_S)
         if fields is None and self.ours:
             raise LinkError("{}: no status any more", self.port)
         if fields is None:
@@ -97,7 +97,7 @@ class TorchClient(Client):
         """[(ms, number, who)] of the board's event log, oldest first; None if the board has no frame for it."""
         entries = []
         while True:
-            fields = self._ask(torch.passo(torch.LOG_OF, len(entries)), "LOG", self.timeout_s if entries else _PASSO_S)
+            fields = self._ask_board(torch.passo(torch.LOG_OF, len(entries)), "LOG", self.timeout_s if entries else _PASSO_S)
             if fields is None and entries:
                 raise LinkError("{}: the log breaks off", self.port)
             if fields is None:
@@ -112,12 +112,12 @@ class TorchClient(Client):
         if self.status() is None:
             raise refusal.Refused("{}: this board is none of Passo, or does not answer", self.port)
         text = ""
-        fields = self._ask(b"".join(torch.passo(torch.LINE_OF, byte) for byte in line_of(line)), "TEXT", self.timeout_s)
+        fields = self._ask_board(b"".join(torch.passo(torch.LINE_OF, byte) for byte in line_of(line)), "TEXT", self.timeout_s)
         while fields is not None:
             text += fields["text"]
-            if complete(text):
+            if is_complete(text):
                 return lines_before_ok(line, text)
-            fields = self._listen("TEXT", self.timeout_s)
+            fields = self._next_answer("TEXT", self.timeout_s)
         self.status()  # this clears the error of the frame that was not understood
         raise refusal.Refused("{}: the board's firmware is older than its settings' lines: flash it anew", line, number=errors.STATEMENT)
 
@@ -150,7 +150,7 @@ class TorchClient(Client):
         """Wait until the machine stands. Calls `show(status)` each time. Raises Refused in an alarm."""
         last = None
         while True:
-            status = self.status() or self._guess(last)
+            status = self.status() or self._guess_status(last)
             last = status
             if show:
                 show(status)
@@ -160,7 +160,7 @@ class TorchClient(Client):
                 return status
             time.sleep(POLL_S)
 
-    def _guess(self, last):
+    def _guess_status(self, last):
         """Wait for a board without a status: it stands when two answers are the same."""
         x, y = self.counts()
         still = last is not None and (x, y) == (last["x"], last["y"])

@@ -7,7 +7,7 @@ The board answers lines about settings only: other commands count as done once s
 
 import struct
 
-from host_tools.clients.answers import answer_of, complete, setting_line
+from host_tools.clients.answers import answer_of, is_complete, setting_line
 from passo import commands, errors
 from passo.commands import ACCEPTED, REFUSED, Event
 from passo.protocols.torch import protocol as torch
@@ -19,7 +19,7 @@ _FRAMES = {commands.STOP: torch.frame("STOP"), commands.ZERO: torch.frame("ORIGI
            commands.RESET: torch.passo(torch.UNLOCK_OF, 1), commands.UNLOCK: torch.passo(torch.UNLOCK_OF, 0)}  # fmt: skip
 
 
-def _run(command):
+def _run_frame(command):
     steps = [part or 0 for part in command.steps]
     if command.when == commands.AS_JOG:
         axis = 0 if steps[0] else 1
@@ -32,7 +32,7 @@ def frame_of(command):
     """The frame, bytes, of a command (passo.commands)."""
     kind = command.kind
     if kind == commands.RUN:
-        return _run(command)
+        return _run_frame(command)
     if kind == commands.CONNECT:
         return torch.frame("CONNECT" if command.value else "DISCONNECT")
     if kind == commands.STILL:  # preferences: (steps of a jog, default steps/s)
@@ -44,7 +44,7 @@ def frame_of(command):
 
 
 class Answers:
-    """Cuts what a board says: next() is (name, fields), None if there are no more."""
+    """Cuts what a board says: next_answer() is (name, fields), None if there are no more."""
 
     def __init__(self):
         self._cutter = torch.answer_cutter()
@@ -53,7 +53,7 @@ class Answers:
         """Take bytes of the board; `now_ms` tells a torn frame from the next one."""
         self._cutter.put(bytes(data), now_ms)
 
-    def next(self):
+    def next_answer(self):
         """The next whole answer, (name, {field: value}), or None. Skips frames that are not understood."""
         while True:
             found = self._cutter.next()
@@ -111,7 +111,7 @@ class TorchWire:
 
     def _hear_line(self, text):
         self._text += text
-        if complete(self._text):
+        if is_complete(self._text):
             self._drop_line(*answer_of(self._text))
 
     silent = drop
@@ -119,7 +119,7 @@ class TorchWire:
     def feed(self, data, now_ms):
         """Take bytes of the board: reports go to the machine, texts end the setting under way."""
         self._answers.put(data, now_ms)
-        told = self._answers.next()
+        told = self._answers.next_answer()
         while told:
             if told[0] == "PASSO":
                 fields = told[1]
@@ -128,4 +128,4 @@ class TorchWire:
                 self._late_line()
             elif told[0] == "TEXT":
                 self._hear_line(told[1]["text"])
-            told = self._answers.next()
+            told = self._answers.next_answer()

@@ -2,7 +2,7 @@
 
     wire = Wire("/dev/ttyACM0", 57600, log="wire.log")
     wire.send(plotter.packet(plotter.COMMANDS["REQUEST"]))
-    kind, value = wire.event(3.0)           # ("answer", 0x6b), ("status", {...}) or (None, None) after 3 s
+    kind, value = wire.next_event(3.0)      # ("answer", 0x6b), ("status", {...}) or (None, None) after 3 s
 
 A STATUS answer is twelve bytes and every other answer one, so a `?` makes the reader wait for eleven more.
 """
@@ -68,33 +68,33 @@ class Wire:
 
     def send(self, data):
         """Write `data` as it is."""
-        self._note(">", data, packet_text(data))
+        self._log_bytes(">", data, packet_text(data))
         try:
             self._serial.write(data)
         except (OSError, ValueError) as error:
             raise port_error(self.port, error) from error
 
-    def event(self, timeout_s):
+    def next_event(self, timeout_s):
         """The next answer: ("answer", byte), ("status", fields), ("torn", bytes) or (None, None) after `timeout_s`."""
         deadline = time.monotonic() + timeout_s
         while not self._buffer:
-            self._read()
+            self._read_bytes()
             if not self._buffer and time.monotonic() >= deadline:
                 return None, None
         if self._buffer[0] != plotter.COMMANDS["STATUS"]:
-            return "answer", self._take(1)[0]
+            return "answer", self._take_bytes(1)[0]
         stalled = time.monotonic() + _STATUS_GAP_S
         while len(self._buffer) < plotter.STATUS_LENGTH:
-            self._read()
+            self._read_bytes()
             if time.monotonic() >= stalled:
-                return "torn", self._take(len(self._buffer))
-        data = self._take(plotter.STATUS_LENGTH)
+                return "torn", self._take_bytes(len(self._buffer))
+        data = self._take_bytes(plotter.STATUS_LENGTH)
         try:
             return "status", plotter.status_from(data)
         except (ValueError, IndexError):
             return "torn", data
 
-    def text(self, timeout_s):
+    def next_text(self, timeout_s):
         """The answer to a packet of WORDS: one byte, or lines of which the last is ok or error; None if they do not come. A RESEND with bytes
         behind it answers the rest of another program's packet."""
         deadline = time.monotonic() + timeout_s
@@ -102,36 +102,36 @@ class Wire:
             if self._buffer and self._buffer[0] == RESEND:
                 quiet = time.monotonic() + _STALE_S
                 while len(self._buffer) == 1 and time.monotonic() < quiet:
-                    self._read()
-                told = self._take(1)
+                    self._read_bytes()
+                told = self._take_bytes(1)
                 if not self._buffer:
                     return told
             lines = bytes(self._buffer).split(b"\n")
             if self._buffer and self._buffer[:1] not in (b"[", b"$", b"o", b"e"):
-                return self._take(1)
+                return self._take_bytes(1)
             if len(lines) > 1 and (lines[-2] == b"ok" or lines[-2].startswith(b"error:")):
                 data = bytes(self._buffer)
                 self._buffer.clear()
-                self._note("<", data, repr(data))
+                self._log_bytes("<", data, repr(data))
                 return data
             if time.monotonic() >= deadline:
                 self._buffer.clear()
                 return None
-            self._read()
+            self._read_bytes()
 
-    def _take(self, count):
+    def _take_bytes(self, count):
         data = bytes(self._buffer[:count])
         del self._buffer[:count]
-        self._note("<", data, f"{answer_text(data):<35} {data.hex(' ')}")
+        self._log_bytes("<", data, f"{answer_text(data):<35} {data.hex(' ')}")
         return data
 
-    def _read(self):
+    def _read_bytes(self):
         try:
             self._buffer += self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError) as error:
             raise port_error(self.port, error) from error
 
-    def _note(self, arrow, data, text):
+    def _log_bytes(self, arrow, data, text):
         if self._log:
             now = time.time()
             clock = time.strftime("%H:%M:%S", time.localtime(now)) + f".{int(now * 1000) % 1000:03d}"

@@ -1,6 +1,6 @@
 """The page of a machine on a cable: the same as its board would serve, but that commands become bytes, and bytes reports.
 
-    class TorchMachine(cabled(TorchPage)): …
+    class TorchMachine(on_cable(TorchPage)): …
         Cabled.__init__(self, tell, TorchWire(write, self), board)
     machine.feed(data, now_ms)              # bytes from the board
     machine.poll(now_ms)                    # some hundred times a second
@@ -9,9 +9,9 @@ A wire (host_tools/clients) says commands in the board's language: takes(command
 silent() and drop(). It tells the machine answered(event) and report(dict). Boards are asked for reports all the time, and are lost when none come.
 """
 
-from host_tools.page.slow_order import at_once
+from host_tools.page.slow_order import run_at_once
 from passo import errors
-from passo.protocols.page.lease import since
+from passo.protocols.page.lease import elapsed_ms
 
 _JOG_ASK_MS = 40  # between two reports, while a jog goes on
 _MOST = 64  # commands that wait for room
@@ -29,17 +29,17 @@ class Told:
         return False
 
 
-def cabled(kind):
+def on_cable(kind):
     """The class of pages `kind` (passo/protocols/page), of a machine on a cable."""
-    return _reported(_said(kind))
+    return _with_reports(_with_wire(kind))
 
 
-def _said(kind):
+def _with_wire(kind):
     """Its commands are said on a wire, as there is room."""
 
     class Said(kind):
         tells = ()
-        beside = staticmethod(at_once)  # beside(work, then): then(work()), later where a loop is not to wait for it
+        beside = staticmethod(run_at_once)  # beside(work, then): then(work()), later where a loop is not to wait for it
         retries = 0  # questions that were asked again
         late = 0  # reports of steps that were not computed in time; grbl has no word for it in its reports
         left = False  # the port has been closed, which may be amid an order: poll() calls lost()
@@ -94,7 +94,7 @@ def _said(kind):
     return Said
 
 
-def _reported(kind):
+def _with_reports(kind):
     """Its board is asked for reports, and lost when none come."""
 
     class Reported(kind):
@@ -119,7 +119,7 @@ def _reported(kind):
                 self.left = False
                 self.lost()
             self.go_on(now_ms)
-            if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
+            if elapsed_ms(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
                 self._asked_ms = now_ms
                 if self._asking:
                     self.retries += 1
@@ -127,7 +127,7 @@ def _reported(kind):
                     self._unanswered_ms = now_ms
                 self._asking = True
                 self.wire.ask()
-            if self.state["link"] and self._asking and since(now_ms, self._unanswered_ms) > self.silent_ms:
+            if self.state["link"] and self._asking and elapsed_ms(now_ms, self._unanswered_ms) > self.silent_ms:
                 self.silent()
             self.say_on()
 

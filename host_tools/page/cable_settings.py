@@ -1,6 +1,6 @@
 """The settings of a board on a cable whose language has no lines of its own: asked for one by one, and set.
 
-    class TorchMachine(with_settings(cabled(TorchPage))): …
+    class TorchMachine(with_settings(on_cable(TorchPage))): …
 
 A page that asks for the settings has them read, while the machine stands and nothing else is said: `$` for their numbers, then each. Its wire
 carries SETTING commands: `$`, `$100` or `$100=48.5` (clients/answers.py). From then on positions and jogs count in the board's own steps/mm.
@@ -18,7 +18,7 @@ _RESTING = ("Idle", "Sleep")
 _MISSES = const(8)  # answers that may get lost
 
 
-def _question(number=None):
+def _make_question(number=None):
     return Command(commands.SETTING, number, None)
 
 
@@ -49,26 +49,26 @@ class Questions:
     def begin(self):
         """Ask for all of them, if that is not under way."""
         if not self._wanted and self._asked is None:
-            self._wanted = [_question()]
+            self._wanted = [_make_question()]
 
     def begin_again(self):
         """Something has been set, which may bound or change others; or another board may answer."""
         if self._wanted is not None:
-            self._wanted = [_question()]
+            self._wanted = [_make_question()]
 
-    def forget(self):
+    def forget_question(self):
         self._asked = None
         self.begin_again()
 
-    def next(self):
+    def next_question(self):
         """The next question; None if there is none, or one waits for its answer."""
         return self._wanted[0] if self._wanted and self._asked is None else None
 
-    def say(self):
+    def pop_question(self):
         self._asked = self._wanted.pop(0)
         return self._asked
 
-    def hear(self, event):
+    def take_answer(self, event):
         """The answer to a SETTING command. Returns all settings once the last has been told, else None."""
         if event.command is not self._asked:
             if not event.error:
@@ -76,22 +76,22 @@ class Questions:
             return None
         self._asked = None
         if event.error:
-            self._missed(event.command)
+            self._ask_again(event.command)
             return None
         for told in event.value or ():
             if told[:3] == "[$:":
                 self._misses = 0
                 self._found = {}
                 self._numbers = [int(number) for number in told[3:-1].split(",")]
-                self._wanted = [_question(number) for number in self._numbers]
+                self._wanted = [_make_question(number) for number in self._numbers]
             elif told[:1] == "$" and "=" in told:
                 number, _, value = told[1:].partition("=")
                 self._found[int(number)] = value
         if event.command.target is not None and event.command.target not in self._found:  # the line has changed a byte
-            self._missed(event.command)
+            self._ask_again(event.command)
         return self._found if not self._wanted and len(self._found) == len(self._numbers) else None
 
-    def _missed(self, command):
+    def _ask_again(self, command):
         """Ask again, as long as the line may be at fault. A board that does not even tell its numbers has no such lines."""
         self._misses += 1
         if command.target is not None and self._misses < _MISSES:
@@ -109,8 +109,8 @@ def with_settings(kind):
         def __init__(self, *arguments):
             kind.__init__(self, *arguments)
             self._questions = Questions()
-            self.kinds[commands.SETTING] = self._hear
-            self.kinds[commands.STILL] = self._hear
+            self.kinds[commands.SETTING] = self._take_setting
+            self.kinds[commands.STILL] = self._take_setting
 
         def told_settings(self):
             self._questions.begin()
@@ -124,18 +124,18 @@ def with_settings(kind):
 
         def poll(self, now_ms):
             kind.poll(self, now_ms)
-            question = self._questions.next()
+            question = self._questions.next_question()
             rests = self.state["link"] and self.state["state"] in _RESTING and not self.jog.active and not self.said and not self.unanswered
             if question and rests and self.wire.takes(question) and not self.still():
-                self.wire.order(self._questions.say())
+                self.wire.order(self._questions.pop_question())
 
-        def _hear(self, event):
-            found = self._questions.hear(event)
+        def _take_setting(self, event):
+            found = self._questions.take_answer(event)
             if found:
                 self.settings = found
-                self._follow_told()
+                self._apply_settings()
 
-        def _follow_told(self):
+        def _apply_settings(self):
             """All have been told: steps/mm, travel and jogs are the board's, as every page sees them."""
             axes = range(len(self.scale))
             self.scale = [float(self.settings[STEPS + axis]) for axis in axes]
@@ -148,6 +148,6 @@ def with_settings(kind):
 
         def silent(self):
             kind.silent(self)
-            self._questions.forget()
+            self._questions.forget_question()
 
     return WithSettings

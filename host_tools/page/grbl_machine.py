@@ -6,7 +6,7 @@ It streams jobs, and lets a guest speak on the same wire.
 """
 
 from host_tools.clients.grbl_wire import FIELDS, GUEST, LOST, PAGE, RX_ROOM, Wire, dwell_ms, fields_of
-from host_tools.page.cable_page import cabled
+from host_tools.page.cable_page import on_cable
 from host_tools.page.guest_sender import GuestSender
 from host_tools.page.job import Job
 from host_tools.page.jobs import with_jobs
@@ -14,11 +14,11 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.grbl import AXES, GrblPage
-from passo.protocols.page.lease import since
+from passo.protocols.page.lease import elapsed_ms
 
 _FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # what a position counts from
 _MOST_DOUBTS = 200  # more than the lines that a board has unanswered
-_Cabled = with_jobs(cabled(GrblPage))
+_Cabled = with_jobs(on_cable(GrblPage))
 
 
 class GrblMachine(_Cabled):
@@ -28,7 +28,7 @@ class GrblMachine(_Cabled):
     def __init__(self, write, tell, guest=None):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
         self.job = Job(self)
-        _Cabled.__init__(self, tell, Wire(write, self._heard, self.answered), None)
+        _Cabled.__init__(self, tell, Wire(write, self._take_line, self.answered), None)
         self.guest = GuestSender(self, guest)
         self._offset = None
         self._waits = b""  # the line that is answered next
@@ -51,17 +51,17 @@ class GrblMachine(_Cabled):
         if self.state["link"] and not self._known and self.stands() and self.wire.room(len(b"$I\n$$")):
             if self.options is None:
                 self.turns = self.rotary = ""
-                self.wire.say(PAGE, b"$I", self._options_known)
-            self._known = self.wire.say(PAGE, b"$$", self._all_known)
+                self.wire.say(PAGE, b"$I", self._take_options)
+            self._known = self.wire.say(PAGE, b"$$", self._note_settings)
         _Cabled.poll(self, now_ms)
 
-    def _options_known(self, error):
+    def _take_options(self, error):
         if not error and self._letters is None and self._doubts < _MOST_DOUBTS:
             self._doubts += 1
         elif not error:
             self.options = self._letters or ""
 
-    def _all_known(self, error):
+    def _note_settings(self, error):
         if error or self.options is None or not self.settings:
             self._known = False
             return
@@ -80,10 +80,10 @@ class GrblMachine(_Cabled):
         self._doubts = 0
         _Cabled.silent(self)
 
-    def _heard(self, line, owner):
+    def _take_line(self, line, owner):
         if line[:1] == "<" and line[-1:] == ">":
             try:
-                self._reported(fields_of(line))
+                self._take_report(fields_of(line))
             except ValueError:  # a byte of it is wrong
                 return
             self.guest.report(line)
@@ -118,17 +118,17 @@ class GrblMachine(_Cabled):
             if line[:8] == "[ROTARY:":
                 self.rotary = line
                 self.turns = line[8:-1].partition(",")[0].lower()
-            self._probed(line)
+            self._tell_touch(line)
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
             self.guest.hear(line)
 
-    def _probed(self, line):
+    def _tell_touch(self, line):
         """[PRB:…:1]: a touch, of whoever has asked to be told."""
         if line[:5] == "[PRB:" and line[-3:] == ":1]" and self.touched and self._offset:
             self.touched([float(part) - offset for part, offset in zip(line[5:-3].split(","), self._offset)])
 
-    def _reported(self, fields):
+    def _take_report(self, fields):
         name, _, sub = fields["state"].partition(":")
         self.report({"state": name.lower(), "substate": sub, "fields": fields})
 
@@ -139,13 +139,13 @@ class GrblMachine(_Cabled):
         number = int(report["fields"].get("Al", "0"))
         return number if number > errors.ALARM_LOCKED else self._record.alarm
 
-    def _show(self, report):
+    def _show_fields(self, report):
         state, fields = self.state, report["fields"]
         name, sub = state["state"], report["substate"]
         if name != "Hold":
             state["why"] = ""
         state["sub"] = sub
-        self._places(fields)
+        self._take_positions(fields)
         speeds = fields.get("FS", fields.get("F", "0")).split(",")
         state["feed"] = float(speeds[0])
         state["rpm"] = float(speeds[1]) if len(speeds) > 1 else 0.0
@@ -171,11 +171,11 @@ class GrblMachine(_Cabled):
             self._waits = line
             self._wait_ms = dwell_ms(line)
         elif self._wait_ms and stands:
-            self._wait_ms = max(0, self._wait_ms - since(self._now_ms, self._counted_ms))
+            self._wait_ms = max(0, self._wait_ms - elapsed_ms(self._now_ms, self._counted_ms))
         self._counted_ms = self._now_ms
         self.state["wait"] = self._wait_ms / 1000 if stands else 0
 
-    def _places(self, fields):
+    def _take_positions(self, fields):
         if "WCO" in fields:
             self._offset = [float(part) for part in fields["WCO"].split(",")]
         told = [float(part) for part in fields.get("MPos", fields.get("WPos", "0")).split(",")]
@@ -191,17 +191,17 @@ class GrblMachine(_Cabled):
         """A line of the page; 0, or why it cannot be said."""
         return 0 if self.wire.say(PAGE, line, answered or self.finished) else errors.TOO_MANY_WAITING
 
-    def _say(self, line):
-        return self.say(line.encode(), self._typed)
+    def _queue_line(self, line):
+        return self.say(line.encode(), self._answer_typed)
 
     def _say_typed(self, line):
         """A line whose answers are shown, those of `$$` and of `?`, too."""
         self._typed_line = typed = line.encode()
-        error = self.say(typed, lambda error: self._typed(error, typed))
+        error = self.say(typed, lambda error: self._answer_typed(error, typed))
         self._asked = not error and line.strip() == "?"
         return error
 
-    def _typed(self, error, line=b""):
+    def _answer_typed(self, error, line=b""):
         self.finished(error)
         if error != LOST:
             text = error and self.cause and self.cause(error, line)
@@ -210,24 +210,24 @@ class GrblMachine(_Cabled):
             self._tell({"t": "said", "text": "error:%d" % error if error else "ok"})
 
     def home(self):
-        return self._begin_anew(lambda: self._or_anew(b"$H"))
+        return self._reset_before(lambda: self._send_or_reset(b"$H"))
 
     def unlock(self):
-        return self._begin_anew(lambda: self._or_anew(b"$X"))
+        return self._reset_before(lambda: self._send_or_reset(b"$X"))
 
-    def _or_anew(self, line):
+    def _send_or_reset(self, line):
         """An alarm from before this page began may want a reset, too: the line is refused then, and said again behind one."""
 
-        def answered(error):
-            if error != errors.LOCKED or self.do(Command(commands.RESET), lambda _: self.say(line, self._typed)):
-                self._typed(error)
+        def take_answer(error):
+            if error != errors.LOCKED or self.do(Command(commands.RESET), lambda _: self.say(line, self._answer_typed)):
+                self._answer_typed(error)
 
-        return self.say(line, answered)
+        return self.say(line, take_answer)
 
     def _jog_to(self, position, speed, counted, answered=None):
-        return self.say(b"$J=" + _FROM[counted] + b"G21" + words(position) + b"F%.1f" % speed, answered)
+        return self.say(b"$J=" + _FROM[counted] + b"G21" + axis_words(position) + b"F%.1f" % speed, answered)
 
-    def _setting(self, number):
+    def _setting_value(self, number):
         return float(self.settings.get(number, "1"))
 
     def set(self, number, text):
@@ -245,7 +245,7 @@ class GrblMachine(_Cabled):
     def leave_check(self):
         """A reset leaves the mode, also behind lines that are still under way; the machine was ready before, and nothing has moved."""
         self.drop_jog()
-        self._behind(Command(commands.RESET), Command(commands.UNLOCK))
+        self._queue_pair(Command(commands.RESET), Command(commands.UNLOCK))
 
     def _may_jog(self, direction):
         return self._known and _Cabled._may_jog(self, direction)
@@ -266,6 +266,6 @@ class GrblMachine(_Cabled):
         return 0
 
 
-def words(position):
+def axis_words(position):
     """X… Y… of {axis: mm}."""
     return b"".join([b"%s%.3f" % (axis.upper().encode(), position[axis]) for axis in AXES if axis in position])

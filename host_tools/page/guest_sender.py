@@ -50,7 +50,7 @@ class GuestSender:
                     self._machine.end_jog()
                     self._machine.wire.write(bytes((byte,)))
             elif byte == 0x7E or byte >= 0x80:
-                if not letter and self._commands():
+                if not letter and self._has_command():
                     self._machine.wire.write(bytes((byte,)))
             elif byte != 0x0D:
                 plain.append(byte)
@@ -69,36 +69,36 @@ class GuestSender:
             if word in _TAKE:
                 if wire.of(GUEST):
                     return
-                self._answer(self._machine.give("guest"))
-            elif not word or self._commands() or word in QUESTIONS:
+                self._send_answer(self._machine.give("guest"))
+            elif not word or self._has_command() or word in QUESTIONS:
                 if not wire.say(GUEST, line):
                     return
             elif wire.of(GUEST):
                 return  # its answer would overtake theirs
             else:
-                self._answer(errors.COMMANDED_ELSEWHERE)
+                self._send_answer(errors.COMMANDED_ELSEWHERE)
             self._lines.pop(0)
 
     def report(self, line):
         """A report: the guest's, if it has asked for one."""
         if self._asked:
             self._asked = False
-            self._say(line)
+            self._send_line(line)
 
     def hear(self, line):
-        self._say(line)
+        self._send_line(line)
 
     def gone(self):
         """It has closed its port: what it has queued is dropped."""
         self._lines = []
         self._buffer = b""
 
-    def _commands(self):
+    def _has_command(self):
         return self._machine.state["owner"] == "guest"
 
-    def _answer(self, error):
-        self._say("error:%d" % error if error else "ok")
+    def _send_answer(self, error):
+        self._send_line("error:%d" % error if error else "ok")
 
-    def _say(self, line):
+    def _send_line(self, line):
         if self._write:
             self._write(line.encode() + b"\r\n")

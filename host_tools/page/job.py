@@ -52,7 +52,7 @@ class Job:
         self._foreign = machine.wire.foreign
         if checked:
             machine.say(b"$C")
-        self._tell("run", 0)
+        self._show_state("run", 0)
         return 0
 
     def poll(self):
@@ -65,7 +65,7 @@ class Job:
             self.abort()
             return
         while self._at < self._most:
-            if not wire.say(PAGE, self._lines[self._at][1], self._answered):
+            if not wire.say(PAGE, self._lines[self._at][1], self._count_answer):
                 return
             self._at += 1
 
@@ -116,9 +116,9 @@ class Job:
             self._pass += 1
             self._at = self._done = 0
             self._most = 0 if self._single else len(self._lines)
-            self._tell("run", 0)
+            self._show_state("run", 0)
         else:
-            self._end("done", 0)
+            self._end_job("done", 0)
 
     def abort(self):
         """Come to a stand on the path, then drop the rest."""
@@ -136,13 +136,13 @@ class Job:
                 self._failed_line = self._lines[self._done][0]  # told before the line that it is of is answered
             elif self._failed in (0, errors.STOPPED) and not self._failed_line:
                 self._failed_line = self._machine.state.get("line") or 0  # where it was; more have been answered
-            self._end("failed", self._failed or error)
+            self._end_job("failed", self._failed or error)
 
     def line(self):
         """Number, in the file, of the line that was refused, or of the one that the board has answered last."""
         return self._failed_line or self._lines[self._done - 1][0] if self._lines and self._done else 0
 
-    def _answered(self, error):
+    def _count_answer(self, error):
         if error == LOST or self._lines is None:
             return
         self._done += 1
@@ -150,19 +150,19 @@ class Job:
             self._failed = error
             self._failed_line = self.line()
             if self._checked:
-                self._end("failed", error)
+                self._end_job("failed", error)
             else:
                 self._machine.finished(error)
                 self.abort()
 
-    def _end(self, how, error):
+    def _end_job(self, how, error):
         checked = self._checked
-        self._tell(how, error)
+        self._show_state(how, error)
         self._lines = None
         if checked:
             self._machine.leave_check()  # $C would be the next line of those under way
 
-    def _tell(self, how, error):
+    def _show_state(self, how, error):
         """What every page gets to know: `how` is run, done or failed."""
         self._machine.state["job"] = self.shown(how, error)
 
@@ -175,4 +175,4 @@ class Job:
     def refresh(self):
         """The state's picture of a job that runs."""
         if self._lines is not None:
-            self._tell("halting" if self._halting else "run", 0)
+            self._show_state("halting" if self._halting else "run", 0)

@@ -1,6 +1,6 @@
 """Pages of machines on cables to which the PC sends jobs.
 
-    class PlotterMachine(with_jobs(cabled(PlotterPage))): …     # sets `job`
+    class PlotterMachine(with_jobs(on_cable(PlotterPage))): …     # sets `job`
 """
 
 from passo import errors

@@ -8,20 +8,20 @@ The state shown is what follows from the keys that this page has sent.
 
 from host_tools.clients.keys_wire import KeysWire
 from host_tools.page.cable_settings import with_settings
-from host_tools.page.cable_page import cabled
+from host_tools.page.cable_page import on_cable
 from passo.protocols.page.keys import KeysPage
 
-_Cabled = with_settings(cabled(KeysPage))
+_Cabled = with_settings(on_cable(KeysPage))
 
 
 class KeysMachine(_Cabled):
     again_ms = 300
-    give = _Cabled._wordless
+    give = _Cabled._refuse_order
 
     def __init__(self, write, tell, board):
         _Cabled.__init__(self, tell, KeysWire(write, self), board)
 
-    def _write(self, key):
+    def _write_key(self, key):
         self.wire.write(key)
 
     def attached(self, is_open):

@@ -6,10 +6,10 @@ another machine. Tool on, run and resume from another computer want somebody at 
 
 from host_tools.page.slow_order import SlowOrder, is_refusal
 from host_tools.page.set_up import SetUp
-from host_tools.page.presence import starts
+from host_tools.page.presence import starts_motion
 from host_tools.page.queue import Queue
 from passo import errors
-from passo.protocols.page.orders import Orders, Wrong, number, text
+from passo.protocols.page.orders import Orders, Wrong, number_field, text_field
 
 _MOST_NUMBER = 0x1FFFFFFF
 _PASSES = 100
@@ -27,13 +27,13 @@ class PanelOrders(Orders):
         self.teach = teach
         self._choose = choose
         if choose:
-            self._orders["machine"] = self._machine
+            self._orders["machine"] = self._order_machine
         self._proving = proving
         if proving:
             self._orders["prove"] = proving.order
         self._own = own
         if own:
-            self._orders["board"] = self._board
+            self._orders["board"] = self._order_board
         self.makes = ()  # what this server computes for the set-up
         if store and machine.language == "grbl":
             made = SetUp(machine, store).orders()
@@ -42,7 +42,7 @@ class PanelOrders(Orders):
         if store:
             self._orders.update({
                 "job_text": self._job_text, "job_about": self._job_about, "job_part": self._job_part,
-                "job_remove": self._job_remove, "run": self._run, "teach": self._teach,
+                "job_remove": self._job_remove, "run": self._order_run, "teach": self._order_teach,
             })  # fmt: skip
         self._stops = 0  # how often somebody has said STOP
         self._queue = None
@@ -76,17 +76,17 @@ class PanelOrders(Orders):
                 self._queue.stopped()
             if self._proving:
                 self._proving.end()
-        error = self.machine.absent() if remote and proven and known and starts(order) else 0
-        answer = self._answer(order["do"], error) if error else self._whole(order, Orders.order(self, order, proven))
+        error = self.machine.absent() if remote and proven and known and starts_motion(order) else 0
+        answer = self._plain_answer(order["do"], error) if error else self._full_answer(order, Orders.order(self, order, proven))
         if known and order.get("do") == "stop" and not answer["error"] and not self.machine.state["link"]:
             answer["error"] = errors.NO_ANSWER  # it is sent if there is a port, but nobody says that it has arrived
         return answer
 
-    def _whole(self, order, found):
+    def _full_answer(self, order, found):
         """An answer of a refusal, see is_refusal()."""
         if "t" in found:
             return found
-        answer = self._answer(order["do"], found["error"])
+        answer = self._plain_answer(order["do"], found["error"])
         answer.update(found)
         return answer
 
@@ -103,44 +103,44 @@ class PanelOrders(Orders):
             found["id"] = answer["id"]
         return found
 
-    def _machine(self, order):
-        return self.machine.still() or self._choose(text(order, "name", 64))
+    def _order_machine(self, order):
+        return self.machine.still() or self._choose(text_field(order, "name", 64))
 
-    def _board(self, order):
+    def _order_board(self, order):
         """A board file of the user's own: `what` is get, new, set, back or remove."""
-        if text(order, "what", 8) != "get" and self.machine.still():
+        if text_field(order, "what", 8) != "get" and self.machine.still():
             return self.machine.still()
         return SlowOrder(lambda: self._own.order(order), self._own.finish)
 
     # --- jobs
 
-    def _jobs(self, order):
+    def _order_jobs(self, order):
         return {"t": "jobs", "jobs": self.store.names() if self.store else []}
 
     def _job_text(self, order):
-        name = text(order, "name", 64)
-        at = int(number(order, "at", 0, _MOST_NUMBER, 0))
+        name = text_field(order, "name", 64)
+        at = int(number_field(order, "at", 0, _MOST_NUMBER, 0))
         found = self.store.text(name, at)
         return found if isinstance(found, int) else {"t": "job_text", "name": name, "at": at, "text": found[0], "size": found[1]}
 
     def _job_about(self, order):
         """What a job will do: only at rest, for it takes a moment."""
-        name = text(order, "name", 64)
+        name = text_field(order, "name", 64)
         settings = dict(self.machine.settings)
 
-        def told(found):
+        def about_answer(found):
             if is_refusal(found) and (isinstance(found, int) or "error" in found):
                 return found
             answer = {"t": "job_about", "name": name}  # MicroPython, in a tab, does not know {**found}
             answer.update(found)
             return answer
 
-        return self.machine.still() or SlowOrder(lambda: self.store.about(name, settings), told, slow=True)
+        return self.machine.still() or SlowOrder(lambda: self.store.about(name, settings), about_answer, slow=True)
 
     def _job_part(self, order):
         """A piece of a job: the first has `at` 0, the last `last`."""
-        name = text(order, "name", 64)
-        at = int(number(order, "at", 0, _MOST_NUMBER))
+        name = text_field(order, "name", 64)
+        at = int(number_field(order, "at", 0, _MOST_NUMBER))
         piece = order.get("text")
         if not isinstance(piece, str):
             raise Wrong("text")
@@ -150,12 +150,12 @@ class PanelOrders(Orders):
 
     def _job_place(self, order):
         """Make a drawing's job anew: its lower left corner there, so wide, in mm."""
-        name = text(order, "name", 64)
-        place = [number(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
+        name = text_field(order, "name", 64)
+        place = [number_field(order, field, least, _MOST_PLACED) for field, least in (("x", -_MOST_PLACED), ("y", -_MOST_PLACED), ("width", 0))]
         return self.machine.still() or SlowOrder(lambda: self.store.place(name, place), job=name, slow=True)
 
     def _job_remove(self, order):
-        return self.machine.still() or self.store.remove(text(order, "name", 64))
+        return self.machine.still() or self.store.remove(text_field(order, "name", 64))
 
     def _look_through(self, name):
         """(lines, the tools they change to or None) of a job, or the number of an error."""
@@ -165,12 +165,12 @@ class PanelOrders(Orders):
     def _run_whole(self, name, lines):
         return self.machine.run(name, lines, 1, False, False)
 
-    def _run(self, order):
-        passes = int(number(order, "passes", 1, _PASSES, 1))
+    def _order_run(self, order):
+        passes = int(number_field(order, "passes", 1, _PASSES, 1))
         error = self.machine.refusal() or self.machine.still()
         if error:
             return error
-        name = text(order, "name", 64)
+        name = text_field(order, "name", 64)
         stops = self._stops
 
         def begin(lines):
@@ -181,16 +181,16 @@ class PanelOrders(Orders):
 
     # --- teach-in
 
-    def _teach(self, order):
+    def _order_teach(self, order):
         """Manual moves from now on are written down; `save`: under a name."""
-        what = text(order, "what", 8)
+        what = text_field(order, "what", 8)
         if self.teach is None or what not in ("begin", "save", "drop"):
             return errors.UNKNOWN_COMMAND
         if what == "begin":
             return self.machine.still() or self.teach.begin()
         if what == "drop":
             return self.teach.drop()
-        name = text(order, "name", 64)
+        name = text_field(order, "name", 64)
         error = self.machine.still() or self.store.name_error(name)
         if error:
             return error

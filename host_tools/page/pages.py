@@ -11,7 +11,7 @@ import json
 
 from passo import errors
 from passo.protocols.page.orders import order_of
-from passo.protocols.page.protocol import at_once
+from passo.protocols.page.protocol import urgent_parts
 from passo.records import COUNT_MASK
 from passo.web.pages import Pages
 
@@ -24,7 +24,7 @@ class ServedPages(Pages):
         said = text
         text, proven = self.open(page, text, now_ms)
         if text is None:
-            return proven and _numbered(proven, said)
+            return proven and _add_number(proven, said)
         try:
             order = order_of(text)
         except ValueError:
@@ -46,7 +46,7 @@ class ServedPages(Pages):
         return {"t": "answer", "do": do if isinstance(do, str) else "", "error": errors.NOT_WRITTEN}
 
 
-def _numbered(answer, said):
+def _add_number(answer, said):
     """An answer to a message that was not looked at, with the message's number: a slower order may be the oldest that waits for one."""
     try:
         order = order_of(said.split(".", 2)[-1])
@@ -96,5 +96,5 @@ class PanelPages(ServedPages):
         state["t"] = "state"
         state["beat"] = self.beat
         state["pages"] = len(self.pages)
-        self.version = at_once(state), state.get("queue"), state.get("recover")
+        self.version = urgent_parts(state), state.get("queue"), state.get("recover")
         return json.dumps(state)

@@ -45,20 +45,20 @@ class PlotterJob:
         if self._machine.still():
             return errors.BUSY
         self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
-        self._begin(0, single)
+        self._begin_at(0, single)
         for at in range(len(lines)):
             if read_line(lines[at][1]) is None:
                 self._at = at + 1
-                self._end("failed", errors.UNKNOWN_COMMAND)
+                self._end_job("failed", errors.UNKNOWN_COMMAND)
                 return errors.UNKNOWN_COMMAND
         if checked or not lines:
             self._at = len(lines)
-            self._end("done", 0)
+            self._end_job("done", 0)
         else:
-            self._go()
+            self._send_next()
         return 0
 
-    def _begin(self, at, single):
+    def _begin_at(self, at, single):
         self._pass = 1
         self._at = at  # the line that is sent next, or under way
         self._first = -1  # line of the object's first point
@@ -71,21 +71,21 @@ class PlotterJob:
 
     # --- forward
 
-    def _go(self):
+    def _send_next(self):
         """Send what comes next, if nothing is under way."""
         if self._lines is None or self._busy:
             return
         if self._backward:
             self._go_back()
         elif self._single and self._open:
-            self._send("END", 0, 0, self._closed)
+            self._send_packet("END", 0, 0, self._take_end)
         elif not self._single or self._granted:
             self._granted = False
-            self._forward()
+            self._send_forward()
         if self._lines is not None:
-            self._tell("run", 0)
+            self._show_state("run", 0)
 
-    def _forward(self):
+    def _send_forward(self):
         while self._single and self._at < len(self._lines) and self._name_at(self._at) == "END":
             self._at += 1  # each point has had its own
         if self._at < len(self._lines):
@@ -94,41 +94,41 @@ class PlotterJob:
                 if not self._open:
                     self._first = self._at
                 self._open += 1
-            self._send(name, x, y, self._answered)
+            self._send_packet(name, x, y, self._take_answer)
         elif self._pass < self._passes:
             self._pass += 1
             self._at = 0
-            self._go()
+            self._send_next()
         else:
-            self._end("done", 0)
+            self._end_job("done", 0)
 
-    def _send(self, name, x, y, answered):
+    def _send_packet(self, name, x, y, answered):
         self._busy = True
         tool = name == "LINE"
         self._machine.do(Command(_KINDS[name], (x, y) if tool or name == "MOVE" else None, x, tool), answered)
 
-    def _failed(self, error):
+    def _ends_with(self, error):
         """True if the job has ended, or does by this answer."""
         self._busy = False
         if self._lines is not None and error:
-            self._end("failed", error)
+            self._end_job("failed", error)
         return self._lines is None
 
-    def _answered(self, error):
-        if not self._failed(error):
+    def _take_answer(self, error):
+        if not self._ends_with(error):
             if self._name_at(self._at) == "END":
-                self._close()
+                self._close_object()
             elif self._open == 1:
                 self._drawn = 0  # reports before this answer count the object before
             self._at += 1
-            self._go()
+            self._send_next()
 
-    def _closed(self, error):
-        if not self._failed(error):
-            self._close()
-            self._go()
+    def _take_end(self, error):
+        if not self._ends_with(error):
+            self._close_object()
+            self._send_next()
 
-    def _close(self):
+    def _close_object(self):
         """The object is drawn."""
         self._open = self._drawn = 0
         self._first = -1
@@ -138,7 +138,7 @@ class PlotterJob:
     def _name_at(self, at):
         return read_line(self._lines[at][1])[0]
 
-    def _before(self, at):
+    def _point_before(self, at):
         """The last line before `at` that has a point, or -1."""
         while at > 0:
             at -= 1
@@ -148,7 +148,7 @@ class PlotterJob:
 
     def _back_to(self):
         """The line of the point before the one at which the machine stands, or -1."""
-        return self._before(self._before(self._at))
+        return self._point_before(self._point_before(self._at))
 
     def _go_back(self):
         to = self._back_to()
@@ -156,18 +156,18 @@ class PlotterJob:
             self._backward = False
             return
         _, x, y = read_line(self._lines[to][1])
-        self._send("MOVE", x, y, self._sent_back)
+        self._send_packet("MOVE", x, y, self._end_back)
 
-    def _sent_back(self, error):
-        if not self._failed(error):
-            self._send("END", 0, 0, self._stands_back)
+    def _end_back(self, error):
+        if not self._ends_with(error):
+            self._send_packet("END", 0, 0, self._arrive_back)
 
-    def _stands_back(self, error):
-        if not self._failed(error):
+    def _arrive_back(self, error):
+        if not self._ends_with(error):
             self._at = self._back_to() + 1
             if self._once:
                 self._backward = False
-            self._go()
+            self._send_next()
 
     # --- orders
 
@@ -186,7 +186,7 @@ class PlotterJob:
             self._granted = what == "step"
             self._backward = not self._granted
             self._once = what == "step_back"
-        self._go()
+        self._send_next()
         return 0
 
     def _at_its_end(self):
@@ -195,10 +195,10 @@ class PlotterJob:
         if lines is None or self._machine.still():
             return False
         self._lines = lines
-        if not self._machine.stands_at(read_line(lines[max(0, self._before(len(lines)))][1])):
+        if not self._machine.stands_at(read_line(lines[max(0, self._point_before(len(lines)))][1])):
             self._lines = self._ended = None
             return False
-        self._begin(len(lines), True)
+        self._begin_at(len(lines), True)
         return True
 
     def pen_is_down(self):
@@ -216,21 +216,21 @@ class PlotterJob:
 
     def refresh(self):
         if self._lines is not None:
-            self._tell("run", 0)
+            self._show_state("run", 0)
 
     def abort(self):
         return self._machine.stop() if self.running() else 0
 
     def fail(self, error):
         if self._lines is not None:
-            self._end("failed", error)
+            self._end_job("failed", error)
 
-    def _end(self, how, error):
-        self._tell(how, error)
+    def _end_job(self, how, error):
+        self._show_state(how, error)
         self._ended = self._lines if how == "done" and not self._checked else None
         self._lines = None
 
-    def _tell(self, how, error):
+    def _show_state(self, how, error):
         at = self._at
         if how == "run" and self._first >= 0:
             at = min(at, self._first + self._drawn)  # what is drawn, of what has been sent

@@ -9,12 +9,12 @@ sent. Where the pen is, is known from that, and from the points drawn that STATU
 
 from host_tools.clients.plotter_wire import PlotterWire
 from host_tools.page.cable_settings import with_settings
-from host_tools.page.cable_page import cabled
+from host_tools.page.cable_page import on_cable
 from host_tools.page.jobs import with_jobs
 from host_tools.page.plotter_job import PlotterJob
 from passo.protocols.page.plotter import PlotterPage
 
-_Cabled = with_settings(with_jobs(cabled(PlotterPage)))
+_Cabled = with_settings(with_jobs(on_cable(PlotterPage)))
 
 
 class PlotterMachine(_Cabled):
@@ -27,10 +27,10 @@ class PlotterMachine(_Cabled):
         self.job = PlotterJob(self)
         _Cabled.__init__(self, tell, PlotterWire(write, board, self), board)
 
-    def _show(self, report):
+    def _show_fields(self, report):
         known = self.state.get("pen", "")
         self.job.report(report["drawn"])
-        PlotterPage._show(self, report)
+        PlotterPage._show_fields(self, report)
         down = self.job.pen_is_down()
         if report["state"] == "hold":
             self.state["pen"] = known

@@ -1,14 +1,14 @@
 """What a page on another computer may do only while somebody is at the machine. A board that serves its own page knows that by its
 links (options/network/control.py).
 
-    starts({"do": "output", "name": "spindle_cw"})      # True
+    starts_motion({"do": "output", "name": "spindle_cw"})      # True
 """
 
 _STARTS = ("run", "resume", "play", "weave", "motor")  # and what only one language has
 _TOOLS = ("spindle_cw", "spindle_ccw", "tool_on")
 
 
-def starts(order):
+def starts_motion(order):
     """Whether an order starts the tool or a program, or goes on with one."""
     name = order.get("do")
     if name == "output":

@@ -64,19 +64,19 @@ class PulsesJob:
         self._at = self._of = self._row = self._column = 0
         self._pass = 1
         self._back = self.paused = False
-        return self._open(False)
+        return self._open_file(False)
 
-    def _open(self, stream):
+    def _open_file(self, stream):
         self._stream = stream
         self._sent = 0
         self._size = len(self._data) * (self._passes if stream else 1)
-        if not self._machine.wire.control(("stream" if stream else "load", self._size), self._opened):
+        if not self._machine.wire.control(("stream" if stream else "load", self._size), self._begin_sending):
             return errors.TOO_MANY_WAITING
         self._phase = _OPENING
-        self._tell("load", 0)
+        self._show_state("load", 0)
         return 0
 
-    def _opened(self, error):
+    def _begin_sending(self, error):
         if error:
             self.fail(error)
         elif self._phase == _OPENING:
@@ -87,7 +87,7 @@ class PulsesJob:
     def poll(self):
         """Send what there is room for."""
         if self._phase == _CHECKING:
-            self._check()
+            self._check_piece()
         if self._phase != _SENDING:
             return
         wire = self._machine.wire
@@ -97,30 +97,30 @@ class PulsesJob:
             piece = data[at : at + min(wire.credit, _PIECE)]
             wire.send(piece)
             self._sent += len(piece)
-        if self._sent == self._size and wire.control(END, self._closed):
+        if self._sent == self._size and wire.control(END, self._take_end):
             self._phase = _CLOSING
 
-    def _closed(self, error):
+    def _take_end(self, error):
         if self._phase != _CLOSING:
             return
         self._phase = _NO_FILE
         if error and error != LOST:
-            self._end("failed", error)
+            self._end_job("failed", error)
         elif self._stream:
             return  # "end" follows
         elif self._checked:
-            self._end("done", 0)
+            self._end_job("done", 0)
         elif self._single:
             self.playing = self.paused = True
         elif not self._machine.wire.control(("run", self._passes), self.went):
-            self._end("failed", errors.TOO_MANY_WAITING)
+            self._end_job("failed", errors.TOO_MANY_WAITING)
 
     def went(self, error):
         """{run} and its kin have been answered."""
         if error and error != LOST:
             self._machine.finished(error)
             if not self.playing:
-                self._end("failed", error)
+                self._end_job("failed", error)
         elif not error:
             self.playing = True
             self.paused = False
@@ -139,10 +139,10 @@ class PulsesJob:
             self._sent = 0
             self._reader = Pulses(self._axes, self._config)
             self._reader.feed(frame("load", self._size) + b"\n", 0)
-        elif self._open(True):
+        elif self._open_file(True):
             self.fail(error)
 
-    def _check(self):
+    def _check_piece(self):
         """Read on here, as the board would."""
         piece = self._data[self._sent : self._sent + _CHECK_PIECE]
         self._sent += len(piece)
@@ -156,18 +156,18 @@ class PulsesJob:
                 return
         if self._sent == self._size:
             self._phase = _NO_FILE
-            self._end("done", 0)
+            self._end_job("done", 0)
 
     def heard(self, line):
         """What the board says unasked of a file that it plays."""
         if line == "end" and self.playing:
             self._at = self._of
-            self._end("done", 0)
+            self._end_job("done", 0)
         elif line == "start":
             self._at = 0
-            self._end("start", 0)
+            self._end_job("start", 0)
         elif line == "oldest":
-            self._end("oldest", 0)
+            self._end_job("oldest", 0)
 
     def refusal(self):
         """0, or why what the board has may not be played."""
@@ -186,7 +186,7 @@ class PulsesJob:
             self.paused = True
         self._idle = self._idle + 1 if state == "idle" and not self.paused and self._phase == _NO_FILE else 0
         if self._idle >= _LOST_END:
-            self._end("done", 0)
+            self._end_job("done", 0)
 
     def abort(self):
         """Stop at the next step; the file is at its start then."""
@@ -196,13 +196,13 @@ class PulsesJob:
         """It has ended, for a reason outside of it."""
         if self.running():
             self._phase = _NO_FILE
-            self._end("failed", error)
+            self._end_job("failed", error)
 
-    def _end(self, how, error):
+    def _end_job(self, how, error):
         self.playing = self.paused = self._stream = False
-        self._tell(how, error)
+        self._show_state(how, error)
 
-    def _tell(self, how, error):
+    def _show_state(self, how, error):
         """What every page gets to know: `how` is load, run, done, start, oldest or failed."""
         sending = how == "load"
         self._machine.state["job"] = {
@@ -215,6 +215,6 @@ class PulsesJob:
     def refresh(self):
         """The state's picture of a job that runs."""
         if self.playing:
-            self._tell("run", 0)
+            self._show_state("run", 0)
         elif self._phase != _NO_FILE:
-            self._tell("load", 0)
+            self._show_state("load", 0)

@@ -10,7 +10,7 @@ from micropython import const
 
 from host_tools.clients.pulses_wire import PulsesWire
 from host_tools.page.cable_settings import with_settings
-from host_tools.page.cable_page import cabled
+from host_tools.page.cable_page import on_cable
 from host_tools.page.jobs import with_jobs
 from host_tools.page.pulses_job import PulsesJob
 from host_tools.page.pulses_teach import PulsesTeach
@@ -18,7 +18,7 @@ from passo import errors
 from passo.protocols.page.pulses import PulsesPage, can_of
 
 _MOST_RUNS = const(200)  # moves by hand that are kept until the machine stands
-_Cabled = with_settings(with_jobs(cabled(PulsesPage)))
+_Cabled = with_settings(with_jobs(on_cable(PulsesPage)))
 
 
 class PulsesMachine(_Cabled):
@@ -48,27 +48,27 @@ class PulsesMachine(_Cabled):
         else:
             self.job.heard(line)
 
-    def _show(self, report):
-        PulsesPage._show(self, report)
+    def _show_fields(self, report):
+        PulsesPage._show_fields(self, report)
         state, name = self.state, report["state"]
         self.job.report(name, report["fields"])
         if name in ("idle", "hold", "alarm"):
-            self._stood()
+            self._record_moves()
         self.teach.on(state["tool"], state["drives"])
         state["teaching"] = self.teach.places()
 
-    def _plays(self, name):
+    def _file_moves(self, name):
         return self.job.playing and not self.job.paused
 
-    def _port(self, program):
+    def _port_image(self, program):
         return program["port"]
 
-    def _went(self, error):
+    def _take_play_answer(self, error):
         self.job.went(error)
 
     # --- moves by hand
 
-    def _stood(self):
+    def _record_moves(self):
         """The machine stands: what was moved by hand since it last did is known now."""
         if self._from is not None and not self.said and not self.wire.waits_for("jog") and not self.jog.waiting:
             made = [self._steps[axis] - self._from[axis] for axis in range(len(self._steps))]
@@ -76,25 +76,25 @@ class PulsesMachine(_Cabled):
             self._runs = []
             self._from = None
 
-    def _by_hand(self, steps, answered):
+    def _move_by_hand(self, steps, answered):
         runs = [(axis, steps[axis]) for axis in range(len(steps)) if steps[axis]]
         if len(self._runs) > _MOST_RUNS:
             return errors.TOO_MANY_WAITING
 
-        def done(error):
+        def take_answer(error):
             if error and runs in self._runs:
                 self._runs.remove(runs)
             (answered or self.finished)(error)
 
         self._from = self._from or self._steps
         self._runs.append(runs)
-        error = PulsesPage._by_hand(self, steps, done)
+        error = PulsesPage._move_by_hand(self, steps, take_answer)
         if error:
             self._runs.remove(runs)
         return error
 
-    def _move(self, steps):
-        return errors.BUSY if self.job.sending() else PulsesPage._move(self, steps)
+    def _move_steps(self, steps):
+        return errors.BUSY if self.job.sending() else PulsesPage._move_steps(self, steps)
 
     def _may_jog(self, direction):
         return PulsesPage._may_jog(self, direction) and not self.job.sending()

@@ -59,9 +59,9 @@ class PulsesTeach:
             if round(speed) != self._speed:
                 self._speed = round(speed)
                 self._parts.append(("+%d" % self._speed, 0))
-            self._put(_CODES[axis][0 if steps > 0 else 1], count)
+            self._add_code(_CODES[axis][0 if steps > 0 else 1], count)
 
-    def _put(self, code, count):
+    def _add_code(self, code, count):
         if self._parts and self._parts[-1][0] == code:
             count += self._parts.pop()[1]
         self._parts.append((code, count))

@@ -11,7 +11,7 @@ Else, and in a language without tools, somebody says so: "run". One that fails o
 
 from host_tools.page.slow_order import SlowOrder, is_refusal
 from passo import errors
-from passo.protocols.page.orders import Wrong, number, text
+from passo.protocols.page.orders import Wrong, number_field, text_field
 
 _MOST = 50
 
@@ -27,26 +27,26 @@ class Queue:
         self._jobs = []
         self._now = ""  # the job of the queue that runs
         self._tool = ""  # in the spindle, as far as the queue's jobs say
-        self._tell("")
+        self._show_state("")
 
-    def _tell(self, waits, tool=""):
+    def _show_state(self, waits, tool=""):
         self._machine.state["queue"] = {"jobs": list(self._jobs), "on": bool(self._now or waits), "waits": waits, "tool": tool}
 
     def order(self, order):
-        what = text(order, "what", 8)
+        what = text_field(order, "what", 8)
         jobs, waits = self._jobs, self._machine.state["queue"]
         if what == "add":
-            name = text(order, "name", 64)
+            name = text_field(order, "name", 64)
             if len(jobs) >= _MOST:
                 return errors.JOB_SIZE
-            return SlowOrder(lambda: self._look(name), lambda found: self._add(name, found), name)
+            return SlowOrder(lambda: self._look(name), lambda found: self._add_job(name, found), name)
         elif what == "run":
-            return self._asked()
+            return self._run_next()
         elif what == "clear":
             jobs.clear()
             waits = {"waits": "", "tool": ""}
         elif what in ("up", "down", "remove"):
-            at = int(number(order, "at", 0, _MOST - 1))
+            at = int(number_field(order, "at", 0, _MOST - 1))
             if at >= len(jobs) or jobs[at] != order.get("name"):  # another page has changed it meanwhile
                 return errors.NO_SUCH_JOB
             name = jobs.pop(at)
@@ -55,29 +55,29 @@ class Queue:
             waits = {"waits": "", "tool": ""}  # another one may be the next: it is asked anew
         else:
             raise Wrong("what")
-        self._tell(waits["waits"], waits["tool"])
+        self._show_state(waits["waits"], waits["tool"])
         return 0
 
-    def _add(self, name, found):
+    def _add_job(self, name, found):
         if is_refusal(found):
             return found
         if len(self._jobs) >= _MOST:
             return errors.JOB_SIZE
         self._jobs.append(name)
         waits = self._machine.state["queue"]
-        self._tell(waits["waits"], waits["tool"])
+        self._show_state(waits["waits"], waits["tool"])
         return 0
 
-    def _asked(self):
+    def _run_next(self):
         machine = self._machine
         if not self._jobs:
             return errors.NO_SUCH_JOB
         name, stops = self._jobs[0], self._stops
         return machine.refusal() or machine.still() or SlowOrder(
-            lambda: self._look(name), lambda found: errors.STOPPED if self._stops != stops else self._begin(name, found), name
+            lambda: self._look(name), lambda found: errors.STOPPED if self._stops != stops else self._begin_job(name, found), name
         )
 
-    def _begin(self, name, found):
+    def _begin_job(self, name, found):
         machine = self._machine
         if is_refusal(found):
             return found
@@ -90,7 +90,7 @@ class Queue:
         self._jobs.pop(0)
         self._now = name
         self._tool = (tools or [self._tool])[-1]
-        self._tell("")
+        self._show_state("")
         return 0
 
     def poll(self):
@@ -98,46 +98,46 @@ class Queue:
         machine = self._machine
         if not self._now or self._reads or machine.job.running() or machine.state["state"] != "Idle":
             if self._now and not machine.state["link"]:
-                self._stop()
+                self._stop_queue()
             return
         done = machine.state["job"]
         if not done or done["name"] != self._now or done["how"] != "done":
-            self._stop()
+            self._stop_queue()
         elif not self._jobs:
-            self._stop()
+            self._stop_queue()
         else:
-            self._next()
+            self._read_next()
 
     def stopped(self):
         """Somebody has said STOP: the one that is being read does not begin."""
         self._stops += 1
 
-    def _stop(self):
+    def _stop_queue(self):
         self._now = ""
-        self._tell("")
+        self._show_state("")
 
-    def _next(self):
+    def _read_next(self):
         name, stops = self._jobs[0], self._stops
         self._reads = True
 
-        def read(found):
+        def take_job(found):
             self._reads = False
             if self._now and self._stops == stops:
                 self._now = ""
-                self._offer(name, found)
+                self._offer_job(name, found)
             else:
-                self._stop()
+                self._stop_queue()
 
-        self._machine.beside(lambda: self._look(name), read)
+        self._machine.beside(lambda: self._look(name), take_job)
 
-    def _offer(self, name, found):
+    def _offer_job(self, name, found):
         """Begin the next one, or say what it waits for."""
         tools = None if is_refusal(found) else found[1]
         if is_refusal(found):
-            self._tell("gone")
+            self._show_state("gone")
         elif self._jobs[:1] != [name] or tools is None or self._machine.absent():
-            self._tell("asks")
+            self._show_state("asks")
         elif tools and tools[0] != self._tool:
-            self._tell("tool", tools[0])
-        elif self._begin(name, found):
-            self._tell("asks")
+            self._show_state("tool", tools[0])
+        elif self._begin_job(name, found):
+            self._show_state("asks")

@@ -14,7 +14,7 @@ from host_tools.programs.height_map import MOST_POINTS, Grid, Unfollowed, level
 from host_tools.programs.surfacing import surface
 from host_tools.page.slow_order import SlowOrder
 from passo import errors
-from passo.protocols.page.orders import number, text
+from passo.protocols.page.orders import number_field, text_field
 
 SURFACE = "surface.gcode"
 PROBING = "height map"
@@ -32,36 +32,36 @@ class SetUp:
         self._grid = None
 
     def orders(self):
-        return {"make": self._make, "map": self._map}
+        return {"make": self._make_surface, "map": self._order_map}
 
-    def _make(self, order):
-        if text(order, "what", 8) != "surface":
+    def _make_surface(self, order):
+        if text_field(order, "what", 8) != "surface":
             return errors.UNKNOWN_COMMAND
-        lines = surface({name: number(order, name, *_SIZES[name]) for name in _SIZES})
+        lines = surface({name: number_field(order, name, *_SIZES[name]) for name in _SIZES})
         if lines is None:
             return errors.JOB_SIZE
-        return self._kept("make", SURFACE, "\n".join(lines) + "\n")
+        return self._keep_job("make", SURFACE, "\n".join(lines) + "\n")
 
-    def _kept(self, do, name, made):
+    def _keep_job(self, do, name, made):
         error = self._machine.still() or self._store.name_error(name) or self._store.put(name, made)
         return error or {"t": "answer", "do": do, "error": 0, "name": name}
 
-    def _map(self, order):
-        what = text(order, "what", 8)
+    def _order_map(self, order):
+        what = text_field(order, "what", 8)
         if what == "probe":
-            return self._probe(order)
+            return self._begin_probing(order)
         if what == "get":
-            return self._told()
+            return self._map_answer()
         if what == "level":
-            return self._level(text(order, "name", 64))
+            return self._level_job(text_field(order, "name", 64))
         if what == "drop":
             self._grid = None
             return 0
         return errors.UNKNOWN_COMMAND
 
-    def _probe(self, order):
-        size = {name: number(order, name, *_GRID[name]) for name in _GRID}
-        touch = {name: number(order, name, *_TOUCH[name]) for name in _TOUCH}
+    def _begin_probing(self, order):
+        size = {name: number_field(order, name, *_GRID[name]) for name in _GRID}
+        touch = {name: number_field(order, name, *_TOUCH[name]) for name in _TOUCH}
         columns, rows = int(size["columns"]), int(size["rows"])
         if size["x1"] <= size["x0"] or size["y1"] <= size["y0"] or columns * rows > MOST_POINTS:
             return errors.ORDER_FIELD
@@ -74,29 +74,29 @@ class SetUp:
         error = machine.run(PROBING, lines, 1, False, False)
         if not error:
             self._grid = grid
-            machine.touched = self._touched
+            machine.touched = self._add_touch
         return error
 
-    def _touched(self, place):
+    def _add_touch(self, place):
         """A touch in work coordinates: one of the map's while its job runs."""
         job = self._machine.job
         if self._grid and job.running() and job.name == PROBING and not self._grid.whole():
             self._grid.heights.append(place[2])
 
-    def _told(self):
+    def _map_answer(self):
         grid = self._grid
         if not grid:
             return {"t": "answer", "do": "map", "error": 0, "heights": None}
         return {"t": "answer", "do": "map", "error": 0, "x0": grid.x0, "y0": grid.y0, "dx": grid.dx, "dy": grid.dy, "columns": grid.columns, "rows": grid.rows,
                 "heights": [round(height, 3) for height in grid.heights], "whole": grid.whole()}  # fmt: skip
 
-    def _level(self, name):
+    def _level_job(self, name):
         grid = self._grid
         if not grid or not grid.whole():
             return errors.NO_SUCH_JOB
-        return SlowOrder(lambda: self._levelled(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._kept("map", *made), name, True)
+        return SlowOrder(lambda: self._follow_map(name, grid), lambda made: made if isinstance(made, (int, dict)) else self._keep_job("map", *made), name, True)
 
-    def _levelled(self, name, grid):
+    def _follow_map(self, name, grid):
         """(name, text) of a second job, which follows `grid`; or why there is none."""
         found, size = "", 1
         while len(found) < size:

@@ -27,6 +27,6 @@ class SlowOrder:
         return bool(name) and (self.job == name or self.job.startswith(name + "."))
 
 
-def at_once(work, then):
+def run_at_once(work, then):
     """As `beside` of a machine (cable_page.py): where nothing runs beside."""
     then(work())

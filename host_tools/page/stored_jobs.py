@@ -35,9 +35,9 @@ class StoredJobs(Job):
         self._quiet = 0  # reports in a row of a machine at rest that know of no job
         self._found = []
         self._free = self._more = 0
-        machine.orders["stored"] = self._order
+        machine.orders["stored"] = self._carry_out
 
-    def _order(self, order):
+    def _carry_out(self, order):
         machine = self._machine
         what, name = order.get("what"), order.get("name")
         error = machine.refusal() or machine.still()
@@ -48,21 +48,21 @@ class StoredJobs(Job):
         if what == "list":
             self._found, self._more = [], 0
             if "F" not in machine.options:
-                self._listed(errors.STATEMENT)
+                self._tell_list(errors.STATEMENT)
                 return 0
-            return 0 if machine.wire.say(PAGE, b"$F", self._listed) else errors.BUSY
+            return 0 if machine.wire.say(PAGE, b"$F", self._tell_list) else errors.BUSY
         if not isinstance(name, str) or not name_fits(name):
             return errors.STORED_NAME
         if what == "delete":
             return machine.say(b"$FD=" + name.encode())
         if what == "run":
-            return self._start(name, "check" if order.get("check") else "run")
+            return self._start_job(name, "check" if order.get("check") else "run")
         if what == "store" and self._packed:
             job = order.get("job")
-            return SlowOrder(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store(name, found), job) if isinstance(job, str) else errors.NO_SUCH_JOB
+            return SlowOrder(lambda: self._packed(job), lambda found: machine.refusal() or machine.still() or self._store_job(name, found), job) if isinstance(job, str) else errors.NO_SUCH_JOB
         return errors.UNKNOWN_COMMAND
 
-    def _listed(self, error):
+    def _tell_list(self, error):
         """`$F` has been answered; a board without jobs does not know it."""
         self._tell_pages({"t": "stored", "jobs": None if error else self._found, "free": self._free, "more": self._more})
 
@@ -82,17 +82,17 @@ class StoredJobs(Job):
             return True
         if line[:9] == "[MSG:Job " and self._kept in ("run", "check"):
             if line[-6:] == " done]":
-                self._finish("done", 0)
+                self._finish_job("done", 0)
             else:
                 words = line[:-1].split(" ")
                 self._line = int(words[-1]) if "line" in words else 0
-                self._finish("failed", int(words[words.index("error") + 1]) if "error" in words else errors.STOPPED)
+                self._finish_job("failed", int(words[words.index("error") + 1]) if "error" in words else errors.STOPPED)
         return False
 
     def report(self, state):
         told = self._machine.state.get("stored")
         if told and not Job.running(self) and self._kept is None:
-            self._begin(told.partition(",")[2], "run")  # begun by a button, or with the board
+            self._begin_job(told.partition(",")[2], "run")  # begun by a button, or with the board
         if self._kept not in ("run", "check"):
             Job.report(self, state)
             return
@@ -100,7 +100,7 @@ class StoredJobs(Job):
         if told:
             self._sent = int(told.partition(",")[0])
         elif self._quiet > _LOST:
-            self._finish("failed", errors.NO_ANSWER)
+            self._finish_job("failed", errors.NO_ANSWER)
             return
         if self._halting and state in ("Hold", "Idle", "Alarm", "Check", "Door"):
             self._machine.stop()
@@ -110,32 +110,32 @@ class StoredJobs(Job):
     def running(self):
         return self._kept is not None or Job.running(self)
 
-    def _begin(self, name, what):
+    def _begin_job(self, name, what):
         self.name = name
         self._kept = what
         self._sent = self._line = self._failed = self._quiet = 0
         self._halting = False
         self._tell_kept("store" if what == "store" else "run", 0)
 
-    def _start(self, name, what):
+    def _start_job(self, name, what):
         machine = self._machine
         if machine.state["state"] not in ("Idle", "Alarm") or not machine.wire.room(len(name) + 8):
             return errors.BUSY
-        self._begin(name, what)
+        self._begin_job(name, what)
         if what == "check":
             machine.say(b"$C")
-        machine.wire.say(PAGE, b"$F=" + name.encode(), self._begun)
+        machine.wire.say(PAGE, b"$F=" + name.encode(), self._take_run_answer)
         return 0
 
-    def _begun(self, error):
+    def _take_run_answer(self, error):
         if error > 0 and self._kept in ("run", "check"):
-            self._finish("failed", error)
+            self._finish_job("failed", error)
 
     def abort(self):
         if self._kept is None:
             return Job.abort(self)
         if self._kept == "store":
-            self._finish("failed", errors.STOPPED)
+            self._finish_job("failed", errors.STOPPED)
             return 0
         self._halting = True
         self._failed = errors.STOPPED
@@ -146,9 +146,9 @@ class StoredJobs(Job):
         if self._kept is None:
             Job.fail(self, error)
         else:
-            self._finish("failed", self._failed or error)
+            self._finish_job("failed", self._failed or error)
 
-    def _finish(self, how, error):
+    def _finish_job(self, how, error):
         kept = self._kept
         if kept is None:
             return
@@ -161,7 +161,7 @@ class StoredJobs(Job):
 
     # --- storing
 
-    def _store(self, name, found):
+    def _store_job(self, name, found):
         if is_refusal(found):
             return found
         size, crc, packed = found
@@ -170,26 +170,26 @@ class StoredJobs(Job):
             self._upload.append(b"$F:" + b2a_base64(packed[at : at + _PIECE]).strip())
         self._upload.append(b"$FE")
         self._waiting = False
-        self._begin(name, "store")
+        self._begin_job(name, "store")
         self._count = len(self._upload)
         return 0
 
     def poll(self):
         Job.poll(self)
         if self._upload and not self._waiting and self._kept == "store":
-            self._waiting = self._machine.wire.say(PAGE, self._upload[0], self._taken)
+            self._waiting = self._machine.wire.say(PAGE, self._upload[0], self._take_piece_answer)
 
-    def _taken(self, error):
+    def _take_piece_answer(self, error):
         self._waiting = False
         if self._kept != "store":
             return
         if error:
-            self._finish("failed", errors.STOPPED if error < 0 else error)
+            self._finish_job("failed", errors.STOPPED if error < 0 else error)
             return
         self._upload.pop(0)
         self._sent = _WHOLE - len(self._upload) * _WHOLE // self._count
         if not self._upload:
-            self._finish("done", 0)
+            self._finish_job("done", 0)
 
     # --- what is told
 

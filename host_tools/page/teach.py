@@ -61,7 +61,7 @@ class Teach:
             self._on = state.get("on", "")
             points.append(position)
             self._count = max(self._count, 1)
-        elif [other for other in way + [position] if not same(other, points[-1])]:
+        elif [other for other in way + [position] if not same_position(other, points[-1])]:
             self._seen += len(way)
             self._full = self._full or len(points) >= _MOST or self._seen > _MOST_SEEN
             if not self._full:
@@ -70,7 +70,7 @@ class Teach:
                 self._count += 1
         if state.get("on", "") != self._on:
             self._on = state["on"]
-            self._flush()
+            self._flush_points()
             self._lines.append("M3" if "S" in self._on else "M4" if "C" in self._on else "M5")
 
     def text(self):
@@ -79,19 +79,19 @@ class Teach:
             return errors.NO_SUCH_JOB
         if self._full:
             return errors.JOB_SIZE
-        self._flush()
+        self._flush_points()
         lines = ["G21 G90 G94 G54", "F%.0f" % (self._feed or 500)] + self._lines + ["M2"]
         self._points = None
         return "\n".join(lines) + "\n"
 
-    def _flush(self):
+    def _flush_points(self):
         if len(self._points) > 1:
             self._lines += self._recognise(self._points, self._ways) if self._recognise else lines_of(self._points)
             self._points = self._points[-1:]
             self._ways = []
 
 
-def same(one, other):
+def same_position(one, other):
     """True if two positions are one, as far as reports tell."""
     return max([abs(one[axis] - other[axis]) for axis in range(len(one))]) <= 0.0005
 
@@ -100,7 +100,7 @@ def lines_of(points):
     """G1 lines from points[0] on; what goes on straight is one line."""
     kept = points[:1]
     for at in range(1, len(points)):
-        if len(kept) > 1 and straight(kept[-2], kept[-1], points[at]):
+        if len(kept) > 1 and is_straight(kept[-2], kept[-1], points[at]):
             kept[-1] = points[at]
         else:
             kept.append(points[at])
@@ -111,7 +111,7 @@ def line_to(point, before):
     return "G1 " + " ".join(["XYZA"[axis] + "%.3f" % point[axis] for axis in range(len(point)) if abs(point[axis] - before[axis]) > 0.0004])
 
 
-def straight(first, middle, last):
+def is_straight(first, middle, last):
     """True if the way first → middle → last goes straight on."""
     way = [last[axis] - first[axis] for axis in range(len(first))]
     part = [middle[axis] - first[axis] for axis in range(len(first))]

@@ -7,11 +7,11 @@ The language does not answer orders. The board counts what it drops and keeps th
 
 from host_tools.clients.torch_wire import TorchWire
 from host_tools.page.cable_settings import with_settings
-from host_tools.page.cable_page import cabled
+from host_tools.page.cable_page import on_cable
 from passo import errors
 from passo.protocols.page.torch import TorchPage
 
-_Cabled = with_settings(cabled(TorchPage))
+_Cabled = with_settings(on_cable(TorchPage))
 
 
 class TorchMachine(_Cabled):
@@ -21,10 +21,10 @@ class TorchMachine(_Cabled):
         _Cabled.__init__(self, tell, TorchWire(write, self), board)
         self._dropped = None  # as the board has counted
 
-    def _show(self, report):
+    def _show_fields(self, report):
         known, self._dropped = self._dropped, report["dropped"]
         if known not in (None, self._dropped):
             report["error"] = report["error"] or errors.BUSY
-        TorchPage._show(self, report)
+        TorchPage._show_fields(self, report)
         if report["error"] and self.jog.active:
             self.end_jog()

@@ -46,7 +46,7 @@ class Port:
         try:
             return self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError, ValueError):
-            self._lose()
+            self._lose_port()
             return b""
 
     def write(self, data):
@@ -54,23 +54,23 @@ class Port:
             try:
                 self._serial.write(data)
             except (OSError, ValueError):
-                self._lose()
+                self._lose_port()
 
     def close(self):
         if self._serial is not None:
-            self._lose()
+            self._lose_port()
 
-    def lend(self):
-        """Leave the port to another program until take()."""
+    def lend_port(self):
+        """Leave the port to another program until take_back()."""
         self._lent = True
         self.close()
 
-    def take(self, name, baud):
+    def take_back(self, name, baud):
         """The board is at this port, and it is free again. It is opened by look(), once it is there."""
         self.name, self.baud = name, baud
         self._lent = False
 
-    def _lose(self):
+    def _lose_port(self):
         opened, self._serial = self._serial, None
         try:
             self._changed(opened.fileno(), False)
@@ -86,9 +86,9 @@ class Demo:
         self.board = board
         self._options = list(options)
         self._process = None
-        self.name = self._start()
+        self.name = self._start_board()
 
-    def _start(self):
+    def _start_board(self):
         stock = ["--stock"] if Stock.can_touch(boards.load(self.board)) else []
         words = [*interpreter.passo(), "board", "--board", self.board, *stock, *self._options]
         # The board ends when this pipe does: also if this program is killed.
@@ -104,7 +104,7 @@ class Demo:
         """Another machine; returns its port."""
         self.close()
         self.board = board
-        self.name = self._start()
+        self.name = self._start_board()
         return self.name
 
     def close(self):

@@ -35,7 +35,7 @@ class Cable:
             except (Failure, BoardError) as error:
                 self.wrong.append(f"{shown}: {error.message() if isinstance(error, Failure) else reason(error)}")
                 continue
-            if chip in (None, table["chip"]) and self._link(table, speaking):
+            if chip in (None, table["chip"]) and self._usable_link(table, speaking):
                 self.files.setdefault(shown, file)
         self._speaking = speaking
 
@@ -47,7 +47,7 @@ class Cable:
         """Make the board another machine. Returns (port, link, board file's table). Raises Failure; the board is as it was then."""
         file = self.files[name]
         table = boards.load(file)
-        link = self._link(table, self._speaking)
+        link = self._usable_link(table, self._speaking)
         port = self._prompt if link["port"] == USB else self._port
         if link["port"] != USB and self._port == self._prompt:
             raise Failure(
@@ -57,7 +57,7 @@ class Cable:
         self._present = name
         return port, link, table
 
-    def _link(self, table, speaking):
+    def _usable_link(self, table, speaking):
         """The link of a board file that the panel can use: one on USB if the panel has no other cable."""
         links = [link for link in table["links"] if link["protocol"] in speaking and link["port"] not in NETWORK_PORTS]
         usb = [link for link in links if link["port"] == USB]

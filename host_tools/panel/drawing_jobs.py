@@ -28,7 +28,7 @@ def words_of(board, machine):
     def write(board, plan):
         return "".join(packet_words(points) for points in plan.objects(_MOST_POINTS))
 
-    return _maker(lambda: as_set(board, machine.settings), SUFFIXES, ".txt", write)
+    return _job_maker(lambda: as_set(board, machine.settings), SUFFIXES, ".txt", write)
 
 
 def gcode_of(board, machine):
@@ -40,7 +40,7 @@ def gcode_of(board, machine):
         cut = gcode.usual(board)
         return "\n".join([*gcode.lines_of(plan, {part.number: cut for part in plan.parts}), ""])
 
-    return _maker(lambda: as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write, _no_program)
+    return _job_maker(lambda: as_set(board, machine.settings), tuple(set(SUFFIXES) - set(GCODE)), ".gcode", write, _no_program)
 
 
 def _no_program(name, text):
@@ -53,10 +53,10 @@ def _no_program(name, text):
     return 0
 
 
-def _maker(board_now, suffixes, suffix, write, read=None):
+def _job_maker(board_now, suffixes, suffix, write, read=None):
     """`read(name, text)`: 0, or why a file that is no drawing is no job."""
 
-    def made(name, text, place=None):
+    def make_job(name, text, place=None):
         if not name.lower().endswith(suffixes):
             return (read(name, text) if read else 0) or (name, text)
         if len(text) > _MOST_BYTES:
@@ -71,15 +71,15 @@ def _maker(board_now, suffixes, suffix, write, read=None):
             try:
                 plan = drawing.load(path, board, Options(keep_order=bool(place)))  # only its size is wanted, to place it
                 if place:
-                    plan = drawing.load(path, board, _placed(plan, *place))
+                    plan = drawing.load(path, board, _place_options(plan, *place))
             except Failure:
                 return errors.DRAWING
         return name + suffix, write(board, plan)
 
-    return made
+    return make_job
 
 
-def _placed(plan, x, y, width):
+def _place_options(plan, x, y, width):
     """Options that put a drawing's outlines elsewhere, and make them so wide."""
     from host_tools.drawings.placement import Options
 

@@ -1,6 +1,6 @@
 """What has been moved by hand, as straight lines and arcs of G-code that stay within a step of it.
 
-    lines = program([(0, 0), (10, 0)], [[(5, 0)]], (320, 320))      # positions in mm, what was seen on the way to each, steps/mm
+    lines = fit_program([(0, 0), (10, 0)], [[(5, 0)]], (320, 320))      # positions in mm, what was seen on the way to each, steps/mm
     # ["G1 X10.000"]
 
 A way whose positions lie on its chord is straight; all others go where they were seen. From each position on, the line or arc that leads
@@ -17,15 +17,15 @@ _SAGITTA = 2.0  # steps; flatter than that is straight
 _PLANES = ((0, 1, 17, "IJ"), (2, 0, 18, "KI"), (1, 2, 19, "JK"))
 
 
-def program(points, ways, scales):
+def fit_program(points, ways, scales):
     """The lines that lead from points[0] on. Needs numpy."""
     path = _Path(points, ways, scales)
     lines, plane, at = [], 17, 0
     while at < len(path.steps) - 1:
-        line = path.line(at)
-        arc = path.arc(at, line)
+        line = path.line_end(at)
+        arc = path.arc_from(at, line)
         if arc is None:
-            lines.append(line_to(path.mm(line), path.mm(at)))
+            lines.append(line_to(path.position_mm(line), path.position_mm(at)))
             at = line
             continue
         end, code, centre, letters, clockwise = arc
@@ -33,7 +33,7 @@ def program(points, ways, scales):
             lines.append(f"G{code}")
             plane = code
         words = "".join(f" {letter}{by:.4f}" for letter, by in zip(letters, centre))
-        target = " ".join(f"{'XYZA'[axis]}{value:.3f}" for axis, value in enumerate(path.mm(end)))
+        target = " ".join(f"{'XYZA'[axis]}{value:.3f}" for axis, value in enumerate(path.position_mm(end)))
         lines.append(f"G{2 if clockwise else 3} {target}{words}")
         at = end
     return [line for line in lines if line != "G1 "] + (["G17"] if plane != 17 else [])
@@ -48,19 +48,19 @@ class _Path:
         self._rests = {0}  # positions in it at which the machine stood
         for at, way in enumerate(ways):
             before, after = points[at], points[at + 1]
-            if self._straight([self._of(position) for position in (before, *way, after)]):
+            if self._is_straight([self._in_steps(position) for position in (before, *way, after)]):
                 way = [[(a + b) / 2 for a, b in zip(before, after)]]
             self._positions += [*way, after]
             self._rests.add(len(self._positions) - 1)
-        self.steps = [self._of(position) for position in self._positions]
+        self.steps = [self._in_steps(position) for position in self._positions]
 
-    def mm(self, at):
+    def position_mm(self, at):
         return self._positions[at]
 
-    def _of(self, position):
+    def _in_steps(self, position):
         return [value * scale for value, scale in zip(position, self._scales)]
 
-    def _farthest(self, first, fits):
+    def _farthest_fit(self, first, fits):
         """The last position up to which fits(end) holds, from `first` on, which is taken to fit: by doubling, then halving. A position at
         which the machine stood, if it comes by one: what goes on behind it is another move."""
         last = len(self.steps) - 1
@@ -74,12 +74,12 @@ class _Path:
             good, bad = (middle, bad) if fits(middle) else (good, middle)
         return next((at for at in range(good, first - 1, -1) if at in self._rests), good)
 
-    def line(self, at):
+    def line_end(self, at):
         """Where the line from `at` ends."""
-        return self._farthest(at + 1, lambda end: self._straight(self.steps[at : end + 1]))
+        return self._farthest_fit(at + 1, lambda end: self._is_straight(self.steps[at : end + 1]))
 
     @staticmethod
-    def _straight(positions):
+    def _is_straight(positions):
         """Whether positions lie on the way from the first to the last, one behind the other."""
         first, last = positions[0], positions[-1]
         way = [b - a for a, b in zip(first, last)]
@@ -96,7 +96,7 @@ class _Path:
             before = max(before, along)
         return True
 
-    def arc(self, at, line):
+    def arc_from(self, at, line):
         """(end, plane's code, centre from the start in mm, its letters, clockwise) of the arc from `at` that leads beyond `line`, or
         None."""
         best = None
@@ -112,7 +112,7 @@ class _Path:
         last = len(self.steps) - 1
         count = least - at
         while at + count <= last:
-            found = self._fitted(at, at + count, plane)
+            found = self._fit_arc(at, at + count, plane)
             if found is None:
                 return None
             if found[2] >= _SAGITTA:
@@ -120,10 +120,10 @@ class _Path:
             count = min(2 * count, last - at) if at + count < last else last + 1
         else:
             return None
-        end = self._farthest(at + count, lambda end: self._fitted(at, end, plane) is not None)
-        return (end, *self._fitted(at, end, plane)[:2])
+        end = self._farthest_fit(at + count, lambda end: self._fit_arc(at, end, plane) is not None)
+        return (end, *self._fit_arc(at, end, plane)[:2])
 
-    def _fitted(self, at, end, plane):
+    def _fit_arc(self, at, end, plane):
         """(centre in mm from the start, clockwise, sagitta in steps) of the arc on which the positions lie, or None."""
         import numpy as np
 
@@ -136,7 +136,7 @@ class _Path:
         found = circle(flat)
         if found is None:
             return None
-        off, centre = min((_off(flat, each), each) for each in near(found[0], 1))
+        off, centre = min((_distance_off(flat, each), each) for each in near(found[0], 1))
         if off > most:
             return None
         spokes = flat - np.array(centre)
@@ -157,7 +157,7 @@ class _Path:
         return [by / fine for by in centre], clockwise, radius * (1 - math.cos(min(turned[-1], math.pi) / 2))
 
 
-def _off(flat, centre):
+def _distance_off(flat, centre):
     """How far the farthest position lies off the circle through 0;0 about `centre`."""
     import numpy as np
 

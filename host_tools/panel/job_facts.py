@@ -1,6 +1,6 @@
 """What a job will do, as far as its lines say: about how long it takes, its tools, and where it waits for somebody.
 
-    gcode(lines, settings)                  # [(number, bytes)], {number: text} → {"lines", "seconds", "parts", "tools", "pauses", "refused"}
+    gcode_facts(lines, settings)            # [(number, bytes)], {number: text} → {"lines", "seconds", "parts", "tools", "pauses", "refused"}
     packets_of(board)(lines, settings)      # the same of a plotter's job
 
 `refused`: [line, error] of the first line that the firmware's parser refuses, or None; machines with a rotary axis are not asked.
@@ -19,15 +19,15 @@ _CHANGE = re.compile(rb"M0*6(?!\d)")
 _PAUSE = re.compile(rb"M0*[01](?!\d)")
 
 
-def gcode(lines, settings):
-    found = {"lines": len(lines), "tools": tools(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
+def gcode_facts(lines, settings):
+    found = {"lines": len(lines), "tools": tools_of(lines), "pauses": sum(1 for _, line in lines if _PAUSE.search(line.upper()))}
     if len(lines) <= MOST_LINES:
         answers = [f"${number}={value}" for number, value in settings.items()]
-        found.update(_times(estimate(lines, Limits.of_settings(answers))), refused=_refused(lines, answers))
+        found.update(_time_fields(estimate(lines, Limits.of_settings(answers))), refused=_first_refusal(lines, answers))
     return found
 
 
-def _refused(lines, answers):
+def _first_refusal(lines, answers):
     from host_tools.programs.replay import RefusedLine, Replay
     from host_tools.programs.replay_machine import Machine
 
@@ -40,7 +40,7 @@ def _refused(lines, answers):
     return None
 
 
-def tools(lines):
+def tools_of(lines):
     """The tools that are changed to, in order: T goes before M6 or beside it."""
     found, chosen = [], ""
     for _, line in lines:
@@ -56,19 +56,19 @@ def tools(lines):
 def packets_of(board):
     times = Estimate(board)
 
-    def packets(lines, settings):
+    def packet_facts(lines, settings):
         found = {"lines": len(lines), "tools": [], "pauses": 0}
         words = [line.split() for _, line in lines]
         if len(lines) <= MOST_LINES:
             points = [(word[0] == b"LINE", int(word[1]), int(word[2])) for word in words if len(word) == 3]
             seconds = iter(times.object_s(points))
-            found.update(_times([next(seconds) if len(word) == 3 else 0.0 for word in words]))
+            found.update(_time_fields([next(seconds) if len(word) == 3 else 0.0 for word in words]))
         return found
 
-    return packets
+    return packet_facts
 
 
-def _times(seconds):
+def _time_fields(seconds):
     until, parts = 0.0, [0.0]
     for index, taken in enumerate(seconds):
         until += taken

@@ -36,20 +36,20 @@ def create(language, board, write, tell, guest=None):
     """`board`: a board file's table; `write(bytes)`, `tell(event)`, `guest(bytes)` as a machine takes them."""
     board = check(board)
     if language == "grbl":
-        return _grbl(board, write, tell, guest)
+        return _create_grbl(board, write, tell, guest)
     about = {"scale": [axis["steps_per_m"] / 1000 for axis in board["axes"]]}
-    return {"pulses": _pulses, "torch": _torch, "plotter": _plotter, "keys": _keys}[language](board, write, tell, about)
+    return {"pulses": _create_pulses, "torch": _create_torch, "plotter": _create_plotter, "keys": _create_keys}[language](board, write, tell, about)
 
 
-def _grbl(board, write, tell, guest):
+def _create_grbl(board, write, tell, guest):
     machine = GrblMachine(write, tell, guest)
-    machine.cause = refusal.cause
+    machine.cause = refusal.error_cause
     machine.can = (*machine.can, "place")
     teach = Teach(
-        lambda points, ways: hand_path.program(points, ways, [float(machine.settings[100 + axis]) for axis in range(len(points[0]))])
+        lambda points, ways: hand_path.fit_program(points, ways, [float(machine.settings[100 + axis]) for axis in range(len(points[0]))])
     )
 
-    def see(state):
+    def record_state(state):
         teach.see(state)
         state["teaching"] = teach.places()
 
@@ -57,11 +57,11 @@ def _grbl(board, write, tell, guest):
         machine.job = RecoverableJobs(machine, tell, store)
         machine.can = (*machine.can, "from")
 
-    machine.watcher = see
-    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join, drawing_jobs.gcode_of(board, machine), job_facts.gcode)
+    machine.watcher = record_state
+    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.all_rules(len(AXES))}, join, drawing_jobs.gcode_of(board, machine), job_facts.gcode_facts)
 
 
-def _pulses(board, write, tell, about):
+def _create_pulses(board, write, tell, about):
     from passo.options.step_program.control_orders import lengths_of
     from host_tools.page.pulses_machine import PulsesMachine
 
@@ -72,13 +72,13 @@ def _pulses(board, write, tell, about):
     return Spoken(machine, machine.teach, lambda path: path.read_bytes(), about)
 
 
-def _torch(board, write, tell, about):
+def _create_torch(board, write, tell, about):
     from host_tools.page.torch_machine import TorchMachine
 
     return Spoken(TorchMachine(write, tell, board), None, None, about)
 
 
-def _plotter(board, write, tell, about):
+def _create_plotter(board, write, tell, about):
     from host_tools.drawings.packets import packet_lines
     from host_tools.page.plotter_machine import PlotterMachine
 
@@ -89,7 +89,7 @@ def _plotter(board, write, tell, about):
     return Spoken(machine, None, packet_lines, about, made=drawing_jobs.words_of(board, machine), facts=job_facts.packets_of(board))
 
 
-def _keys(board, write, tell, about):
+def _create_keys(board, write, tell, about):
     from host_tools.page.keys_machine import KeysMachine
 
     return Spoken(KeysMachine(write, tell, board), None, None, about)

@@ -33,17 +33,17 @@ class Form:
         base = own.get(boards.LIKE)
         self._base = boards.load(base) if base else {}
         self._fields = {}  # key: its field
-        self._absent = {f"{section}.{item['name']}" for section in ("axes", "inputs", "outputs") for item, used in self._items(section) if not used}
-        self._groups = [group for group in (self._speeds(), self._axes(), self._pins("inputs", _INPUTS), self._pins("outputs", _OUTPUTS), self._bits()) if group]
+        self._absent = {f"{section}.{item['name']}" for section in ("axes", "inputs", "outputs") for item, used in self._list_items(section) if not used}
+        self._groups = [group for group in (self._speeds_group(), self._axes_group(), self._pins_group("inputs", _INPUTS), self._pins_group("outputs", _OUTPUTS), self._port_group()) if group]
 
     def groups(self):
         return self._groups
 
     def pins(self):
         """The chip's pins."""
-        return [pin for pin in range(PIN[2], PIN[3] + 1) if self._has(pin)]
+        return [pin for pin in range(PIN[2], PIN[3] + 1) if self._has_pin(pin)]
 
-    def _has(self, pin):
+    def _has_pin(self, pin):
         try:
             check_pin(self._board["chip"], pin, "", False)
         except BoardError:
@@ -52,64 +52,64 @@ class Form:
 
     # --- what it shows
 
-    def _field(self, key, what, kind, value):
+    def _add_field(self, key, what, kind, value):
         self._fields[key] = field = {"key": key, "what": what, "kind": kind, "value": value}
         return field
 
-    def _speeds(self):
+    def _speeds_group(self):
         fields = []
         for section, key, what in _SPEEDS:
-            if key in self._board.get(section, {}) and not (section == "speed" and (fields or self._speaks("grbl"))):
+            if key in self._board.get(section, {}) and not (section == "speed" and (fields or self._first_link_speaks("grbl"))):
                 unit = "_" + self._board["speed"]["unit"] if section == "speed" else ""
-                fields.append(self._field(f"{section}.{key}", what + unit, "number", self._board[section][key]))
+                fields.append(self._add_field(f"{section}.{key}", what + unit, "number", self._board[section][key]))
         if self._board["drive"]["kind"] == "step_dir":
-            fields.append(self._field("drive.step_active", "step_inverted", "box", self._board["drive"].get("step_active", 1) == 0))
+            fields.append(self._add_field("drive.step_active", "step_inverted", "box", self._board["drive"].get("step_active", 1) == 0))
         if self._board["chip"] in CLOCKS_MHZ:  # others have one way to make pulses
-            fields.append(self._field("player", "timer", "box", self._board.get("player") == "timer"))
+            fields.append(self._add_field("player", "timer", "box", self._board.get("player") == "timer"))
         return {"what": "speeds", "rows": [{"name": "", "fields": fields}]} if fields else None
 
-    def _speaks(self, protocol):
+    def _first_link_speaks(self, protocol):
         return self._board["links"][0]["protocol"] == protocol
 
-    def _axes(self):
-        return {"what": "axes", "rows": [self._axis(item, used) for item, used in self._items("axes")]}
+    def _axes_group(self):
+        return {"what": "axes", "rows": [self._axis_row(item, used) for item, used in self._list_items("axes")]}
 
-    def _items(self, section):
+    def _list_items(self, section):
         """(thing, whether the machine has it) of a list, with those of the base that were taken away."""
         here = {item["name"]: item for item in self._board.get(section, [])}
         base = {item["name"]: item for item in self._base.get(section, [])}
         return [(here.get(name, item), name in here) for name, item in {**base, **here}.items()]
 
-    def _axis(self, axis, used):
+    def _axis_row(self, axis, used):
         name = axis["name"]
         start = f"axes.{name}"
-        fields = [self._field(f"{start}.used", "used", "box", used)] if name in [item["name"] for item in self._base.get("axes", [])] else []
-        fields.append(self._field(f"{start}.steps_per_m", "steps_degree" if name in _TURNING else "steps_mm", "thousandth", axis["steps_per_m"] / 1000))
+        fields = [self._add_field(f"{start}.used", "used", "box", used)] if name in [item["name"] for item in self._base.get("axes", [])] else []
+        fields.append(self._add_field(f"{start}.steps_per_m", "steps_degree" if name in _TURNING else "steps_mm", "thousandth", axis["steps_per_m"] / 1000))
         if "max_mm_min" in axis:
-            fields.append(self._field(f"{start}.max_mm_min", "max_mm_min", "number", axis["max_mm_min"]))
+            fields.append(self._add_field(f"{start}.max_mm_min", "max_mm_min", "number", axis["max_mm_min"]))
         two = self._board["drive"]["kind"] == "step_dir" and len(axis["pins"]) == 2
         for at, pin in enumerate(axis["pins"]):
-            fields.append(self._field(f"{start}.pins.{at}", ("step", "dir")[at] if two else f"pin_{at + 1}", "pin", pin))
-        fields.append(self._field(f"{start}.reversed", "reversed", "box", bool(axis.get("reversed"))))
+            fields.append(self._add_field(f"{start}.pins.{at}", ("step", "dir")[at] if two else f"pin_{at + 1}", "pin", pin))
+        fields.append(self._add_field(f"{start}.reversed", "reversed", "box", bool(axis.get("reversed"))))
         return {"name": name.upper(), "fields": fields}
 
-    def _pins(self, section, proposed):
-        rows = [self._pin(f"{section}.{item['name']}", item, used, True) for item, used in self._items(section)]
+    def _pins_group(self, section, proposed):
+        rows = [self._pin_row(f"{section}.{item['name']}", item, used, True) for item, used in self._list_items(section)]
         if section == "outputs" and "tool" in self._board:
-            rows.insert(0, self._pin("tool", {"name": "tool", **self._board["tool"]}, True, False))
+            rows.insert(0, self._pin_row("tool", {"name": "tool", **self._board["tool"]}, True, False))
         there = [row["name"] for row in rows]
         # A list that is empty cannot be added to by name.
         return {"what": section, "rows": rows, "new": section if self._board.get(section) else "", "names": [name for name in proposed if name not in there]}
 
-    def _pin(self, start, item, used, may_lack):
+    def _pin_row(self, start, item, used, may_lack):
         fields = [
-            self._field(f"{start}.pin", "pin", "pin", item["pin"] if used else _ABSENT),
-            self._field(f"{start}.active", "inverted", "box", item.get("active", 1) == 0),
+            self._add_field(f"{start}.pin", "pin", "pin", item["pin"] if used else _ABSENT),
+            self._add_field(f"{start}.active", "inverted", "box", item.get("active", 1) == 0),
         ]
         fields[0]["lacks"] = may_lack
         return {"name": item["name"], "fields": fields}
 
-    def _bits(self):
+    def _port_group(self):
         """The image of the parallel port: at which bit each function is, and whether inverted."""
         program = self._board.get("step_program")
         if not program:
@@ -118,8 +118,8 @@ class Form:
         rows = []
         for at, name in enumerate(_BITS):
             fields = [
-                self._field(f"port.{at}.bit", "bit", "bit", bits[at]),
-                self._field(f"port.{at}.inverted", "inverted", "box", bool(inverted >> 7 - at & 1)),
+                self._add_field(f"port.{at}.bit", "bit", "bit", bits[at]),
+                self._add_field(f"port.{at}.inverted", "inverted", "box", bool(inverted >> 7 - at & 1)),
             ]
             fields[0]["lacks"] = True
             rows.append({"name": "", "what": name, "fields": fields})
@@ -141,7 +141,7 @@ class Form:
             elif value != field["value"] and (last == "used" or field.get("lacks") and _ABSENT in (value, field["value"])):
                 items[start] = {} if value not in (False, _ABSENT) else None
             if last != "used" and not start.startswith("port."):
-                found.update(self._value(found, key, field, value))
+                found.update(self._value_of(found, key, field, value))
         if port and any(key.startswith("port.") for key in changes):
             found["step_program.port_bits"] = "".join(port[:8])
             found["step_program.port_invert"] = sum(bool(port[8 + at]) << 7 - at for at in range(8))
@@ -156,22 +156,22 @@ class Form:
             raise Failure("{}: the page has no such field; load it anew", key)
         return {"kind": "pin", "lacks": True, "value": _ABSENT}
 
-    def _value(self, found, key, field, value):
+    def _value_of(self, found, key, field, value):
         """{path: value} of one field; pins of an axis are one value."""
         start, _, last = key.rpartition(".")
         if start.endswith(".pins"):
             axis = start.split(".")[1]
-            pins = list(found.get(start) or next(item for item, _ in self._items("axes") if item["name"] == axis)["pins"])
-            pins[int(last)] = _number(value)
+            pins = list(found.get(start) or next(item for item, _ in self._list_items("axes") if item["name"] == axis)["pins"])
+            pins[int(last)] = _read_number(value)
             return {start: pins}
         if last == "player":
             return {key: "timer" if value else "pio"}
         if last in ("active", "step_active"):
             return {key: int(not value)}
-        return {key: _number(value, 1000 if field["kind"] == "thousandth" else 1)}
+        return {key: _read_number(value, 1000 if field["kind"] == "thousandth" else 1)}
 
 
-def _number(value, factor=1):
+def _read_number(value, factor=1):
     """The number in a text, an int if it is whole. Other texts are returned as they are: the firmware's check refuses them."""
     if isinstance(value, bool):
         return value

@@ -14,7 +14,7 @@ from host_tools.failure import Failure
 from host_tools.language import LANGUAGES, in_language
 from host_tools.panel.machine_form import Form
 from passo import errors
-from passo.protocols.page.orders import Wrong, text
+from passo.protocols.page.orders import Wrong, text_field
 
 _MOST_VALUES = 200
 _LONGEST = 32
@@ -32,13 +32,13 @@ class OwnBoards:
     def order(self, order):
         """The answer to an order, which touches the disk: beside the panel's loop. Then finish() returns it there."""
         try:
-            name = text(order, "name", 64)
-            do = {"get": self._get, "new": self._new, "set": self._set, "back": self._back, "remove": self._remove}.get(order["what"])
+            name = text_field(order, "name", 64)
+            do = {"get": self._describe_board, "new": self._create_board, "set": self._change_board, "back": self._restore_board, "remove": self._remove_board}.get(order["what"])
             if do is None or name not in self._files:
                 raise Wrong("what")
             with in_language(order.get("language") if order.get("language") in LANGUAGES else None):
                 try:
-                    return do(name, order) or self._get(name, order)
+                    return do(name, order) or self._describe_board(name, order)
                 except Failure as failure:
                     return {"t": "answer", "do": "board", "error": errors.ORDER_FIELD, "text": failure.message().replace(f"{self._folder}{os.sep}", "")}
         except Wrong:
@@ -51,45 +51,45 @@ class OwnBoards:
             self._tell()
         return answer
 
-    def _own(self, name):
+    def _own_file(self, name):
         """The file of a machine of the user's own. Raises Failure."""
         file = Path(self._files[name])
         board_files.check_own(file)
         return file
 
-    def _get(self, name, order):
+    def _describe_board(self, name, order):
         """A message with the fields of a board file; without fields for one of Passo's own."""
         told = {"t": "board", "name": name, "own": name.endswith(".py"), "groups": [], "pins": [], "old": False}
         if told["own"]:
-            file = self._own(name)
+            file = self._own_file(name)
             form = Form(boards.read(file), file)
             told.update(groups=form.groups(), pins=form.pins(), old=board_files.old_of(file).is_file())
         return told
 
-    def _new(self, name, order):
-        made = text(order, "as", _LONGEST)
+    def _create_board(self, name, order):
+        made = text_field(order, "as", _LONGEST)
         board_files.check_name(made)
         self._folder.mkdir(parents=True, exist_ok=True)
         file = self._folder / f"{made}.py"
         board_files.create(file, str(self._files[name]), {})
         self._files[file.name] = str(file)
-        return self._get(file.name, order)
+        return self._describe_board(file.name, order)
 
-    def _set(self, name, order):
+    def _change_board(self, name, order):
         changes = order.get("values")
         if not isinstance(changes, dict) or len(changes) > _MOST_VALUES:
             raise Wrong("values")
         for key in changes:
             if not isinstance(changes[key], bool):
-                text(changes, key, _LONGEST)
-        file = self._own(name)
+                text_field(changes, key, _LONGEST)
+        file = self._own_file(name)
         board_files.change_values(file, Form(boards.read(file), file).values(changes))
 
-    def _back(self, name, order):
-        board_files.go_back(self._own(name))
+    def _restore_board(self, name, order):
+        board_files.go_back(self._own_file(name))
 
-    def _remove(self, name, order):
-        file = self._own(name)
+    def _remove_board(self, name, order):
+        file = self._own_file(name)
         if name == self._present():
             raise Failure("machine {} is the chosen one: choose another first", name)
         board_files.remove_file(file)

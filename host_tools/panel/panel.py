@@ -50,126 +50,126 @@ class Panel:
         link and table of another one, or a Failure: it has the port for itself, and may take a minute; `proved()`: what names the board to
         `passo prove`, None: it cannot be proven; `own`: (folder of the user's board files, {name: board file} of `machines`), None: none is made here."""
         self._loop = None
-        self._port = make_port(self._changed)
+        self._port = make_port(self._note_port)
         self._guest = guest
         self._watched = []
         self._asked = False  # the pages show the guest's request
         self._change = change
         self._changing = None  # the task that has the port: a change of machine, or a proof
-        self._proving = ProveProcess(proved, self._lend, self._tell) if proved else None
+        self._proving = ProveProcess(proved, self._lend_port, self._tell_pages) if proved else None
         self._jobs = jobs
         self._machines = list(machines)
         self._files = own[1] if own else {}
-        self._own = OwnBoards(*own, lambda: self._machines[0], self._list) if own else None
+        self._own = OwnBoards(*own, lambda: self._machines[0], self._list_machines) if own else None
         self.key = page_key.make_key(os.urandom)
-        self._speak(language, board)
+        self._create_machine(language, board)
         self.server = Server(self.api, self.key, names_of(host), str(FOLDER), self._about)
         self._stopped = asyncio.Event()
 
-    def _speak(self, language, board):
+    def _create_machine(self, language, board):
         """Make the machine of a language, and the page's orders to it."""
-        spoken = languages.create(language, board, self._port.write, self._tell, self._guest.write if self._guest else None)
+        spoken = languages.create(language, board, self._port.write, self._tell_pages, self._guest.write if self._guest else None)
         self.machine = spoken.machine
-        self.machine.beside = self._beside
+        self.machine.beside = self._run_beside
         folder = self._jobs if language == "grbl" else self._jobs / language
         store = Store(folder, spoken.read, spoken.made, spoken.facts) if spoken.read else None
         spoken.join(store)
-        self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None, self._proving, self._own)
+        self.api = PanelOrders(self.machine, store, spoken.teach, self._choose_machine if self._change else None, self._proving, self._own)
         self._about = {"machines": self._machines, **spoken.about}
 
-    def _list(self):
+    def _list_machines(self):
         """Update the list of machines, and tell all pages."""
         known = [name for name in self._machines if name in self._files or not name]
         self._machines[:] = known + [name for name in list(self._files) if name not in known]  # list(): an order may add one meanwhile
-        self._tell({"t": "machines", "machines": list(self._machines)})
+        self._tell_pages({"t": "machines", "machines": list(self._machines)})
 
-    def _beside(self, work, then):
-        self.server.beside(work).add_done_callback(lambda done: then(done.result()))
+    def _run_beside(self, work, then):
+        self.server.run_beside(work).add_done_callback(lambda done: then(done.result()))
 
-    def _tell(self, event):
+    def _tell_pages(self, event):
         self.server.pages.tell(event)
 
-    def _changed(self, fd, opened):
+    def _note_port(self, fd, opened):
         """The board's port has come or goes: its bytes are taken as they come."""
         if self._loop is None:
             return
         self.machine.attached(opened)
         if opened:
-            self._loop.add_reader(fd, self._hear)
+            self._loop.add_reader(fd, self._read_board)
         else:
             self._loop.remove_reader(fd)
 
-    def _hear(self):
+    def _read_board(self):
         data = self._port.read()
         if data:
             self.machine.feed(data, clock_ms())
             if self._guest:
                 self.machine.guest.poll()
 
-    def _hear_guest(self):
+    def _read_guest(self):
         if self._guest.consent:
-            self._admit(self._guest.consent)
+            self._admit_guest(self._guest.consent)
         data = self._guest.read()
         if data:
             self.machine.guest.feed(data)
 
-    def _choose(self, name):
+    def _choose_machine(self, name):
         """Another machine. The answer to the order comes before the change: pages are told how it ends."""
         if not name or name not in self._machines:
             return errors.ORDER_FIELD
-        return self._lend(lambda: self._become(name))
+        return self._lend_port(lambda: self._become_machine(name))
 
-    def _lend(self, use=None):
+    def _lend_port(self, use=None):
         """Begin what uses the port, a proof unless said otherwise. 0, or why not: the board does something."""
-        error = errors.BUSY if self._changing else self._unfit()
+        error = errors.BUSY if self._changing else self._restart_refusal()
         if not error:
-            self._changing = asyncio.ensure_future(use() if use else self._prove())
+            self._changing = asyncio.ensure_future(use() if use else self._prove_board())
         return error
 
-    async def _prove(self):
+    async def _prove_board(self):
         """The board measures itself, and goes back to its own work."""
         try:
-            if await self._settled():
+            if await self._wait_and_check():
                 self._proving.end()
             else:
-                self._port.lend()
+                self._port.lend_port()
                 self.machine.lost()
             await self._proving.run()
         finally:
-            self._port.take(self._port.name, self._port.baud)
+            self._port.take_back(self._port.name, self._port.baud)
             self._changing = None
 
-    def _unfit(self):
+    def _restart_refusal(self):
         """0, or why the board may not be stopped and started anew now."""
         if self.machine.state["link"] and self.machine.refusal():
             return self.machine.refusal()
         return errors.BUSY if self.machine.still() or self.machine.state["state"] in _HALF_WAY else 0
 
-    async def _settled(self):
+    async def _wait_and_check(self):
         """0, or why the board may not be stopped after all, which is told: a move that began just before has been reported by now."""
         await asyncio.sleep(SETTLE_S)
-        error = self._unfit()
+        error = self._restart_refusal()
         if error:
             self.machine.note(error)
         return error
 
-    async def _become(self, name):
+    async def _become_machine(self, name):
         try:
-            if await self._settled():
+            if await self._wait_and_check():
                 return
-            self._port.lend()
+            self._port.lend_port()
             self.machine.lost()
-            self._tell({"t": "changing", "name": name})
+            self._tell_pages({"t": "changing", "name": name})
             port, link, board = await self._loop.run_in_executor(None, self._change, name)
         except Failure as failure:
-            self._port.take(self._port.name, self._port.baud)
-            self._tell({"t": "refused", "text": failure.message()})
+            self._port.take_back(self._port.name, self._port.baud)
+            self._tell_pages({"t": "refused", "text": failure.message()})
             return
         finally:
             self._changing = None
         self._machines = [name] + [other for other in self._machines if other not in ("", name)]
-        self._speak(link["protocol"], board)
-        self._port.take(port, link.get("baud") or languages.BAUD[link["protocol"]])
+        self._create_machine(link["protocol"], board)
+        self._port.take_back(port, link.get("baud") or languages.BAUD[link["protocol"]])
         self.server.change(self.api, self._about)
 
     def _watch_guest(self):
@@ -180,15 +180,15 @@ class Panel:
                 self._loop.remove_reader(fd)
         for fd in watched:
             if fd not in self._watched:
-                self._loop.add_reader(fd, self._hear_guest)
+                self._loop.add_reader(fd, self._read_guest)
         self._watched = watched
-        self._hear_guest()
+        self._read_guest()
 
-    def _admit(self, consent):
+    def _admit_guest(self, consent):
         """Who hands the command over on the page lets the sender in; in the terminal one may answer, too."""
         if consent.asked and not self._asked:
             self._asked = True
-            self._tell({"t": "asks", "name": self._guest.name})
+            self._tell_pages({"t": "asks", "name": self._guest.name})
         if self.machine.guest.commanded:
             consent.give_consent()
         consent.poll()
@@ -202,8 +202,8 @@ class Panel:
         self._port.open()
         serving = asyncio.ensure_future(self.server.serve(host, port))
         try:
-            ready(await self.server.listening(serving))
-            await self._turn()
+            ready(await self.server.wait_for_port(serving))
+            await self._run_loop()
         finally:
             self.machine.end_jog()
             serving.cancel()
@@ -217,7 +217,7 @@ class Panel:
         """Serve no more."""
         self._stopped.set()
 
-    async def _turn(self):
+    async def _run_loop(self):
         pushed = clock_ms()
         while not self._stopped.is_set():
             now = clock_ms()

@@ -13,7 +13,7 @@ import json
 from host_tools import interpreter
 from host_tools.language import LANGUAGES
 from passo import errors
-from passo.protocols.page.orders import text
+from passo.protocols.page.orders import text_field
 
 _LINE_BYTES = 1 << 20
 _END_S = 20  # for the board to be let go
@@ -33,7 +33,7 @@ class ProveProcess:
         self._shown = {"t": "prove", "how": ""}
 
     def order(self, order):
-        what = text(order, "what", 8)
+        what = text_field(order, "what", 8)
         if what == "get":
             return dict(self._shown)
         if what == "end":
@@ -41,14 +41,14 @@ class ProveProcess:
             return 0
         if what != "begin":
             return errors.UNKNOWN_COMMAND
-        language = text(order, "language", 8)
+        language = text_field(order, "language", 8)
         if language not in LANGUAGES:
             return errors.ORDER_FIELD
         error = self._lend()
         if not error:
             self._asked = bool(order.get("pins")), language
             self._given_up = False
-            self._show(t="prove", how=RUNS, part="", number=0, of=1, rows=[], header="", said="", summary=[], report="")
+            self._show_progress(t="prove", how=RUNS, part="", number=0, of=1, rows=[], header="", said="", summary=[], report="")
         return error
 
     def end(self):
@@ -62,12 +62,12 @@ class ProveProcess:
         pins, language = self._asked
         try:
             if not self._given_up:
-                await self._measured(["--lang", language, "prove", "--lines", *self._board(), *["--yes-drivers"] * pins])
+                await self._run_process(["--lang", language, "prove", "--lines", *self._board(), *["--yes-drivers"] * pins])
         finally:
             self._process = None
-            self._show(how=DONE if self._shown["report"] else ENDED if self._given_up else FAILED)
+            self._show_progress(how=DONE if self._shown["report"] else ENDED if self._given_up else FAILED)
 
-    async def _measured(self, words):
+    async def _run_process(self, words):
         pipe = asyncio.subprocess.PIPE
         self._process = process = await asyncio.create_subprocess_exec(
             *interpreter.passo(), *words, stdin=pipe, stdout=pipe, stderr=asyncio.subprocess.STDOUT, limit=_LINE_BYTES
@@ -76,19 +76,19 @@ class ProveProcess:
             if self._given_up:
                 self.end()
             async for line in process.stdout:
-                self._hear(line.decode("utf-8", "replace").strip())
+                self._take_row(line.decode("utf-8", "replace").strip())
             await asyncio.wait_for(process.wait(), _END_S)
         finally:
             if process.returncode is None:
                 process.kill()
                 await process.wait()
 
-    def _hear(self, line):
+    def _take_row(self, line):
         told = json.loads(line) if line[:1] == "{" else {"said": line.removeprefix("passo: ")}
         if "what" in told:
             told = {"rows": [*self._shown["rows"], {name: told[name] for name in ("key", "what", "found", "promised", "verdict", "advice")}]}
-        self._show(**told)
+        self._show_progress(**told)
 
-    def _show(self, **changes):
+    def _show_progress(self, **changes):
         self._shown = {**self._shown, **changes}
         self._tell(self._shown)

@@ -44,7 +44,7 @@ class RecoverableJobs(StoredJobs):
         self._position = None  # where it waits for the answer
         self._plan_number = 0  # of what is looked for beside the machine: what was asked before is too late
         machine.state["recover"] = None
-        machine.orders["recover"] = self._recover
+        machine.orders["recover"] = self._order_recovery
 
     def heard(self, line):
         if self._collects is not None and line[:5] != "[MSG:":
@@ -61,7 +61,7 @@ class RecoverableJobs(StoredJobs):
             self._asked = "J" not in machine.options
             if not self._asked and machine.wire.room(len(b"$JR")):
                 self._collects = []
-                self._asked = machine.wire.say(PAGE, b"$JR", self._journal)
+                self._asked = machine.wire.say(PAGE, b"$JR", self._take_journal)
         StoredJobs.report(self, state)
 
     def fail(self, error):
@@ -76,7 +76,7 @@ class RecoverableJobs(StoredJobs):
 
     # --- what is offered
 
-    def _journal(self, error):
+    def _take_journal(self, error):
         said, self._collects = self._collects or [], None
         offer = self._machine.state["recover"]
         if error == LOST or not error and not any(line.startswith("[JOURNAL:") for line in said):  # or an answer to who spoke here before
@@ -84,26 +84,26 @@ class RecoverableJobs(StoredJobs):
         elif not offer or "held" not in offer:
             self._plan_number += 1
             if error:
-                self._offered(None)
+                self._set_offer(None)
             else:
-                self._beside(lambda: self._offer(said), self._offered)
+                self._run_beside(lambda: self._find_offer(said), self._set_offer)
 
-    def _beside(self, work, then):
+    def _run_beside(self, work, then):
         """then(work()), but if meanwhile a job has begun, something has failed or stopped, or another place is looked for."""
         number = self._plan_number
 
-        def done(result):
+        def take_result(result):
             if self._plan_number == number and not self.running():
                 then(result)
             else:
                 self._asked = False
 
-        self._machine.beside(work, done)
+        self._machine.beside(work, take_result)
 
-    def _offered(self, offer):
+    def _set_offer(self, offer):
         self._machine.state["recover"] = offer
 
-    def _offer(self, said):
+    def _find_offer(self, said):
         for name, lines, crc in self._files.programs():
             try:
                 number, _, known = resume_point(said, lines, crc)
@@ -113,9 +113,9 @@ class RecoverableJobs(StoredJobs):
             if (name, number) != self._left and number > lines[0][0] and any(letter in left for letter in b"XYZA"):  # else only outputs were left, and are off
                 return {"name": name, "line": number, "known": known, "next": ""}
             return None
-        return self._elsewhere(said)
+        return self._absent_offer(said)
 
-    def _elsewhere(self, said):
+    def _absent_offer(self, said):
         """The offer of a job that is not among those here, but that this PC has begun; None if there is none, or it has been done."""
         try:
             record = Record.of(said)
@@ -128,18 +128,18 @@ class RecoverableJobs(StoredJobs):
 
     # --- orders
 
-    def _recover(self, order):
+    def _order_recovery(self, order):
         machine = self._machine
         what, offer = order.get("what"), machine.state["recover"]
         error = machine.refusal() or machine.still()
         if error:
             return error
         if what == "from":
-            return self._look_at(orders.text(order, "name", 64), int(orders.number(order, "line", 1, _MOST_LINE)))
+            return self._look_at(orders.text_field(order, "name", 64), int(orders.number_field(order, "line", 1, _MOST_LINE)))
         if offer is None:
             return errors.NO_SUCH_JOB
         if what == "drop" or what == "forget":
-            return self._drop() if what == "drop" else self._forget()
+            return self._drop_job() if what == "drop" else self._forget_offer()
         if machine.state["state"] != "Idle":
             return errors.LOCKED
         if "absent" in offer:
@@ -147,18 +147,18 @@ class RecoverableJobs(StoredJobs):
         if what == "begin":
             return self._begin_again(bool(order.get("unverified")) or offer["known"])
         if what == "down" and self._stage == "ask":
-            return self._down()
+            return self._go_down()
         return errors.ORDER_FIELD
 
-    def _drop(self):
+    def _drop_job(self):
         machine = self._machine
         known = machine.state["recover"]["known"]
-        self._forget()
+        self._forget_offer()
         homing, ways = (int(machine.settings.get(number, 0)) for number in (_HOMING, _HOMING_WAYS))
         rises = known and homing and not ways >> 2 & 1 and len(machine.axes) > 2 and machine.state["state"] == "Idle"
         return (machine.say(b"G53G0Z0") if rises else 0) or machine.say(b"M5") or machine.say(b"M9")
 
-    def _forget(self):
+    def _forget_offer(self):
         """It is offered no more; nothing moves. Behind a line that was chosen, the journal may have another offer."""
         offer = self._machine.state["recover"]
         if "held" in offer:
@@ -172,7 +172,7 @@ class RecoverableJobs(StoredJobs):
     def _begin_again(self, sure):
         if not sure:
             return errors.NOT_HOMED
-        return self._ask_board(self._told, "held" not in self._machine.state["recover"])
+        return self._ask_board(self._plan_from, "held" not in self._machine.state["recover"])
 
     def _ask_board(self, told, journal):
         """Collect what the board says of its offsets, and of its journal; then `told(error)`."""
@@ -193,20 +193,20 @@ class RecoverableJobs(StoredJobs):
         if isinstance(self._files.text(name, 0), int):
             return errors.NO_SUCH_JOB
 
-        def told(error):
+        def plan_offer(error):
             said, self._collects = self._collects or [], None
             if not error:
                 self._plan_number += 1
-                self._beside(lambda: _or_failure(lambda: self._from_line(name, line, said)[0].held), offer)
+                self._run_beside(lambda: _or_failure(lambda: self._from_line(name, line, said)[0].held), set_offer)
 
-        def offer(held):
+        def set_offer(held):
             if isinstance(held, Failure):
                 self._tell_all({"t": "refused", "text": held.message()})
                 return
             self._stage = ""
             machine.state["recover"] = {"name": name, "line": line, "known": False, "next": "", "held": held}
 
-        return self._ask_board(told, False)
+        return self._ask_board(plan_offer, False)
 
     def _from_line(self, name, line, said):
         """(Replay, stages, rest) of a line of a job. Raises Failure."""
@@ -215,12 +215,12 @@ class RecoverableJobs(StoredJobs):
         found = replay.Replay(Machine.of_answers(settings, said, [self._machine.rotary]), lines)
         return (found, *found.from_line(line))
 
-    def _told(self, error):
+    def _plan_from(self, error):
         said, self._collects = self._collects or [], None
         offer = self._machine.state["recover"]
         if not error and offer is not None:
             self._plan_number += 1
-            self._beside(lambda: _or_failure(lambda: self._plan(offer, said)), lambda planned: self._go_over(offer, planned))
+            self._run_beside(lambda: _or_failure(lambda: self._plan_recovery(offer, said)), lambda planned: self._go_over(offer, planned))
 
     def _go_over(self, offer, planned):
         if isinstance(planned, Failure):
@@ -232,7 +232,7 @@ class RecoverableJobs(StoredJobs):
         if not StoredJobs.run(self, offer["name"], lead, 1, False):
             self._stage = "over"
 
-    def _plan(self, offer, said):
+    def _plan_recovery(self, offer, said):
         """(lines up to where the operator is asked, those behind, what comes next). Raises Failure."""
         name = offer["name"]
         if "held" in offer:
@@ -250,11 +250,11 @@ class RecoverableJobs(StoredJobs):
         parts, next_ = ([], []), ""
         for what, sent in stages:
             if what == asks:
-                next_ = " ".join(_text(line) for line in sent)
-            parts[bool(next_)].extend((number, _text(line).encode()) for line in [*sent, "G4P0"])
+                next_ = " ".join(_as_text(line) for line in sent)
+            parts[bool(next_)].extend((number, _as_text(line).encode()) for line in [*sent, "G4P0"])
         return parts[0], parts[1] + self._files.numbered(rest), next_
 
-    def _down(self):
+    def _go_down(self):
         if self._machine.position != self._position:
             return errors.COMMANDED_ELSEWHERE  # it has been moved since
         offer = self._machine.state["recover"]
@@ -269,7 +269,7 @@ class RecoverableJobs(StoredJobs):
 
     def run(self, name, lines, passes, checked, single=False):
         machine = self._machine
-        said = b"" if checked or not self._keeps() else b"$JR=%08x" % self._number(name, lines)
+        said = b"" if checked or not self._has_journal() else b"$JR=%08x" % self._job_number(name, lines)
         error = machine.still() or (0 if machine.wire.room(len(said)) else errors.BUSY) or StoredJobs.run(self, name, lines, passes, checked, single)
         if error:
             return error
@@ -278,33 +278,33 @@ class RecoverableJobs(StoredJobs):
         machine.state["recover"] = None
         self._announcing = bool(said)
         if said:
-            machine.wire.say(PAGE, said, self._announced)
+            machine.wire.say(PAGE, said, self._note_announcement)
         return 0
 
-    def _keeps(self):
+    def _has_journal(self):
         """The board has a journal, or has not said yet that it has none."""
         return self._machine.options is None or "J" in self._machine.options
 
-    def _number(self, name, lines):
+    def _job_number(self, name, lines):
         """Of a job that is not among those looked through, a number by which it is not found: it is not offered, and no other is in its place."""
         return next((program_names.remember_program(text, name) for found, text, _ in self._files.programs() if found == name), None) or number_of(lines)
 
-    def _announced(self, error):
+    def _note_announcement(self, error):
         self._announcing = False
         if error and error != LOST and "J" in (self._machine.options or "") and self.running():
             self.fail(error)  # its lines would be taken for those of the job before
 
-    def _begin(self, name, what):
+    def _begin_job(self, name, what):
         if what == "run":
             self._left = None
-        StoredJobs._begin(self, name, what)
+        StoredJobs._begin_job(self, name, what)
 
     def poll(self):
         if not self._announcing:
             StoredJobs.poll(self)
 
-    def _end(self, how, error):
-        StoredJobs._end(self, how, error)
+    def _end_job(self, how, error):
+        StoredJobs._end_job(self, how, error)
         offer = self._machine.state["recover"]
         if self._stage == "over" and offer and how == "done":
             self._stage = "ask"
@@ -322,5 +322,5 @@ def _or_failure(work):
         return failure
 
 
-def _text(line):
+def _as_text(line):
     return line if isinstance(line, str) else line.decode()

@@ -72,7 +72,7 @@ class Bounded:
         self.heard_ms = clock_ms()  # when something has come
         self.asked = False  # for a sign of life
 
-    async def _within(self, coroutine, count):
+    async def _read_in_time(self, coroutine, count):
         if self.open:
             data = await coroutine
             self.heard_ms = clock_ms()
@@ -87,13 +87,13 @@ class Bounded:
         return data
 
     async def readline(self):
-        return await self._within(self._reader.readline(), 0)
+        return await self._read_in_time(self._reader.readline(), 0)
 
     async def readexactly(self, count):
-        return await self._within(self._reader.readexactly(count), count)
+        return await self._read_in_time(self._reader.readexactly(count), count)
 
     async def read(self, count=-1):
-        return await self._within(self._reader.read(count), count)
+        return await self._read_in_time(self._reader.read(count), count)
 
 
 class App(Microdot):
@@ -123,7 +123,7 @@ class App(Microdot):
         bounded = Bounded(reader, transport)
         self._connections.append(bounded)
         try:
-            await self._handle(bounded, writer)
+            await self._handle_request(bounded, writer)
         except (Exception, asyncio.CancelledError):  # of one connection: torn, late, oversized. It ends, and nothing else does
             pass
         finally:
@@ -134,7 +134,7 @@ class App(Microdot):
             except OSError:
                 pass
 
-    async def _handle(self, reader, writer):
+    async def _handle_request(self, reader, writer):
         request = await Request.create(self, reader, writer, writer.get_extra_info("peername"))
         if request is None:
             return
@@ -165,30 +165,30 @@ class Server:
         Request.max_content_length = Request.max_body_length = _BODY_BYTES
         Request.max_readline = _HEAD_BYTES // 4
         WebSocket.max_message_length = _MESSAGE_BYTES
-        self._routes()
+        self._add_routes()
 
     # --- requests
 
-    def _routes(self):
+    def _add_routes(self):
         app = self.app
 
         @app.before_request
-        async def look(request):
-            if not self._known(request):
+        async def check_host(request):
+            if not self._is_own_request(request):
                 return "wrong host", 403
 
         @app.after_request
-        async def harden(request, response):
+        async def add_headers(request, response):
             for name in HEADERS:
                 response.headers[name] = HEADERS[name]
 
         @app.get("/")
-        async def index(request):
-            return self._file("index.html")
+        async def send_index(request):
+            return self._file_response("index.html")
 
         @app.get("/ws")
-        async def socket(request):
-            return await self._socket(request)
+        async def open_socket(request):
+            return await self._serve_page(request)
 
         @app.post("/stop")
         async def stop(request):
@@ -198,28 +198,28 @@ class Server:
             return self.api.finish(answer, await asyncio.to_thread(later.work)) if isinstance(later, SlowOrder) else answer
 
         @app.get("/errors.json")
-        async def texts(request):
+        async def list_errors(request):
             return error_list()
 
         @app.get("/<name>")
-        async def file(request, name):
-            return self._file(name)
+        async def send_file(request, name):
+            return self._file_response(name)
 
-    def _known(self, request):
+    def _is_own_request(self, request):
         host, origin = [request.headers.get(name, "").lower().encode() or None for name in ("Host", "Origin")]
         return known(host, origin, self._names, request.path == "/ws")
 
-    def _file(self, name):
-        data = self._data(name)
+    def _file_response(self, name):
+        data = self._file_data(name)
         if data is None:
             return "not here", 404
         return Response(data, 200, {"Content-Type": _TYPES[name.split(".")[-1]]})
 
-    def _data(self, name):
+    def _file_data(self, name):
         """The bytes of a file, as they are now; None: there is no such file."""
         if name in offline.NAMES and not self._as_they_are:
             if not self._offline:
-                served = {each: self._data(each) for each in self._files}
+                served = {each: self._file_data(each) for each in self._files}
                 self._offline = offline.make_files({**served, "errors.json": json.dumps(error_list()).encode()}, "network")
             return self._offline[name]
         path = self._files.get(name)
@@ -233,7 +233,7 @@ class Server:
 
     # --- a page
 
-    async def _socket(self, request):
+    async def _serve_page(self, request):
         if self.pages.full() and not self._drop_unproven():
             return "too many pages", 503
         socket = await websocket_upgrade(request)
@@ -243,7 +243,7 @@ class Server:
             answer = page and page.hello
             while answer is not None:
                 if isinstance(answer.get("error"), SlowOrder):
-                    task = asyncio.ensure_future(self._finish(page, answer))
+                    task = asyncio.ensure_future(self._finish_order(page, answer))
                     self._late.add(task)
                     task.add_done_callback(self._late.discard)
                 else:
@@ -257,7 +257,7 @@ class Server:
                 self.pages.leave(page)
         return Response.already_handled
 
-    def beside(self, work):
+    def run_beside(self, work):
         """A future of work(), which is done while the loop goes on."""
         return asyncio.get_running_loop().run_in_executor(self._worker, work)
 
@@ -267,7 +267,7 @@ class Server:
             waits = [future for name, future in self._making if later.waits_for(name)]
             if waits:
                 await asyncio.wait(waits)
-            return await self.beside(later.work)
+            return await self.run_beside(later.work)
         made = later.job, asyncio.get_running_loop().run_in_executor(self._maker, later.work)
         self._making.append(made)
         try:
@@ -275,7 +275,7 @@ class Server:
         finally:
             self._making.remove(made)
 
-    async def _finish(self, page, answer):
+    async def _finish_order(self, page, answer):
         """Answer an order once its work is done; meanwhile the page may say something else."""
         try:
             try:
@@ -285,22 +285,22 @@ class Server:
             if answer is not None:
                 await page.socket.send(json.dumps(answer))
         except BaseException:
-            self._drop(page)
+            self._drop_page(page)
             raise
 
     def _drop_unproven(self):
         """The oldest page that has proven nothing makes room. False if there is none."""
         for page in self.pages.pages:
             if not page.session.opened:
-                self._drop(page)
+                self._drop_page(page)
                 return True
         return False
 
-    def _drop(self, page):
+    def _drop_page(self, page):
         page.socket.request.sock[0].transport.abort()
         self.pages.leave(page)
 
-    def _alive(self, page, now_ms):
+    def _is_alive(self, page, now_ms):
         """False if a page has given no sign of life for long; it has been asked for one."""
         reader, writer = page.socket.request.sock[:2]
         silent_ms = (now_ms - reader.heard_ms) & COUNT_MASK
@@ -333,8 +333,8 @@ class Server:
         for page in list(self.pages.pages):
             writer = page.socket.request.sock[1]
             transport = getattr(writer, "transport", None)
-            if transport is not None and transport.get_write_buffer_size() > _UNSENT or not self._alive(page, now_ms):
-                self._drop(page)
+            if transport is not None and transport.get_write_buffer_size() > _UNSENT or not self._is_alive(page, now_ms):
+                self._drop_page(page)
                 continue
             told, page.told = page.told, []
             for each in [text] * page.pace.due(self.pages.version, now_ms) + [json.dumps(event) for event in told]:
@@ -347,7 +347,7 @@ class Server:
         """Listen, and go on for ever; `started` follows in `self.app.server`."""
         await self.app.start_server(host=host, port=port)
 
-    async def listening(self, serving):
+    async def wait_for_port(self, serving):
         """Wait until `serving`, the task of serve(), listens, and return its port. Raises what serve() has raised."""
         while not getattr(self.app, "server", None):
             if serving.done():

@@ -10,7 +10,7 @@ import re
 from threading import Lock
 
 from host_tools.clients.grbl_wire import number_line
-from host_tools.clients.refusal import cause
+from host_tools.clients.refusal import error_cause
 from host_tools.failure import Failure
 from host_tools.page.slow_order import is_refusal
 from host_tools.panel import job_facts
@@ -34,7 +34,7 @@ def gcode_lines(path):
     return Store.numbered(gcode_file.read(path, job=True))
 
 
-def refusal(failure):
+def not_a_job(failure):
     """Why a file is no job, as an order is answered."""
     return {"error": errors.NOT_A_JOB, "text": failure.message()}
 
@@ -65,7 +65,7 @@ class Store:
         good = _NAME.fullmatch(name) and not _RESERVED.fullmatch(name) and not name.endswith((".", " "))
         return 0 if good else errors.JOB_NAME
 
-    def _path(self, name):
+    def _path_of(self, name):
         """The file of a job that exists, or the number of an error."""
         error = self.name_error(name)
         if error:
@@ -75,13 +75,13 @@ class Store:
 
     def lines(self, name):
         """What `read` makes of the job, or the number of an error."""
-        path = self._path(name)
+        path = self._path_of(name)
         if isinstance(path, int):
             return path
         try:
             return self._read(path)
         except Failure as failure:
-            return refusal(failure)
+            return not_a_job(failure)
         except OSError:
             return errors.NO_SUCH_JOB
 
@@ -91,23 +91,23 @@ class Store:
         if is_refusal(lines):
             return lines
         found = self._facts(lines, settings) if self._facts else {}
-        source = self._source(name)
+        source = self._source_path(name)
         if found.get("refused"):
             number, error = found["refused"]
-            found["advice"] = cause(error, dict(lines)[number]) or advice_of(source if source.is_file() else self._path(name))
+            found["advice"] = error_cause(error, dict(lines)[number]) or advice_of(source if source.is_file() else self._path_of(name))
         return {**found, "placed": True} if source.is_file() else found
 
     def tools(self, lines):
         """The tools that a job's lines change to, in order; None: its language has none."""
-        return job_facts.tools(lines) if self._facts is job_facts.gcode else None
+        return job_facts.tools_of(lines) if self._facts is job_facts.gcode_facts else None
 
     def programs(self):
         """[(name, lines, CRC-32 as a stored job)] of the jobs by which a board's journal may know one: the newest, up to a bound. Lines
         are gcode_file.read()'s."""
         with self._reading:
-            return self._known_programs()
+            return self._read_programs()
 
-    def _known_programs(self):
+    def _read_programs(self):
         paths = sorted((path for path in (self._folder / name for name, _ in self.names())), key=lambda path: -path.stat().st_mtime_ns)
         found, bytes_ = [], 0
         for path in paths:
@@ -129,7 +129,7 @@ class Store:
 
     def program(self, name):
         """The lines of a job of G-code, as gcode_file.read() has them. Raises Failure."""
-        path = self._path(name)
+        path = self._path_of(name)
         if isinstance(path, int):
             raise Failure("{} has gone", name)
         return gcode_file.read(path, job=True)
@@ -141,7 +141,7 @@ class Store:
 
     def packed(self, name):
         """(bytes, CRC-32, the packed bytes) of a job as a board stores it, or the number of an error."""
-        path = self._path(name)
+        path = self._path_of(name)
         if isinstance(path, int):
             return path
         if path.stat().st_size > _MOST_STORED:
@@ -149,12 +149,12 @@ class Store:
         try:
             data = stored_job.gcode_job(path)
         except Failure as failure:
-            return refusal(failure)
+            return not_a_job(failure)
         return len(data), stored_job.crc(data), stored_job.pack(data)
 
     def text(self, name, at):
         """(text from byte `at` on, at most 32 kB, and how many bytes there are), or the number of an error."""
-        path = self._path(name)
+        path = self._path_of(name)
         if isinstance(path, int):
             return path
         with open(path, "rb") as file:
@@ -171,7 +171,7 @@ class Store:
         before = self._coming.get(name)
         if before is None or len(before) != at:
             return errors.JOB_PIECE
-        if last or self._full(name, at + len(piece)):
+        if last or self._is_full(name, at + len(piece)):
             self._coming.pop(name, None)
             return self.put(name, before + piece) if last else errors.JOB_SIZE
         self._coming[name] = before + piece
@@ -179,19 +179,19 @@ class Store:
 
     def put(self, name, text):
         """Keep a job under a name, whole or not at all."""
-        error = self.name_error(name) or (errors.JOB_SIZE if self._full(name, len(text)) else 0) or text_error(text)
+        error = self.name_error(name) or (errors.JOB_SIZE if self._is_full(name, len(text)) else 0) or text_error(text)
         if error:
             return error
         found = self._made(name, text) if self._made else (name, text)
         if is_refusal(found):
             return found
         made, job = found
-        error = self._write(made, latin_bytes(job))
-        source = self._source(made)
+        error = self._write_file(made, latin_bytes(job))
+        source = self._source_path(made)
         source.unlink(missing_ok=True)
-        return error or (self._write(source.name, text.encode()) if made != name else 0)
+        return error or (self._write_file(source.name, text.encode()) if made != name else 0)
 
-    def _write(self, name, data):
+    def _write_file(self, name, data):
         path = self._folder / name
         fresh = self._folder / f".{name}.new"
         try:
@@ -203,30 +203,30 @@ class Store:
             return errors.JOB_SIZE
         return 0
 
-    def _source(self, name):
+    def _source_path(self, name):
         """Where the file lies from which a job was made; no job has such a name."""
         return self._folder / f".{name}.from"
 
     def place(self, name, place):
         """Make a job anew from its file, elsewhere; 0 or the number of an error."""
-        path = self._path(name)
+        path = self._path_of(name)
         if isinstance(path, int):
             return path
         try:
-            text = self._source(name).read_text(encoding="utf-8")
+            text = self._source_path(name).read_text(encoding="utf-8")
         except OSError:
             return errors.NO_SUCH_JOB
         found = self._made(name.rpartition(".")[0], text, place)
-        return found if is_refusal(found) else self._write(name, latin_bytes(found[1]))
+        return found if is_refusal(found) else self._write_file(name, latin_bytes(found[1]))
 
     def remove(self, name):
-        path = self._path(name)
+        path = self._path_of(name)
         if isinstance(path, int):
             return path
         path.unlink()
-        self._source(name).unlink(missing_ok=True)
+        self._source_path(name).unlink(missing_ok=True)
         return 0
 
-    def _full(self, name, size):
+    def _is_full(self, name, size):
         others = [bytes_ for other, bytes_ in self.names() if other != name]
         return len(others) >= _MOST_JOBS or sum(others) + size > MOST_BYTES

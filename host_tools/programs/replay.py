@@ -13,7 +13,7 @@ import itertools
 import re
 from dataclasses import replace
 
-from host_tools.clients.grbl import explain
+from host_tools.clients.grbl import explain_error
 from host_tools.clients.grbl_wire import number_line
 from host_tools.failure import Failure
 from host_tools.programs.replay_machine import AXES, ENDLESS, NM, Board, Memory, commands_of, exact
@@ -42,7 +42,7 @@ class RefusedLine(Failure):
     """The parser refuses line `number` of the file, by the number `error`."""
 
     def __init__(self, text, number, line, error):
-        super().__init__(text, number, line.decode("ascii", "replace"), explain(f"error:{error}", line))
+        super().__init__(text, number, line.decode("ascii", "replace"), explain_error(f"error:{error}", line))
         self.number = number
         self.error = error
 

@@ -40,21 +40,21 @@ class _Board:
         self._lock = threading.RLock()
         self.state_topics = StateTopics()
         self._port = make_port(lambda fd, opened: changed(self, fd, opened))
-        self._machine = languages.create(language, board, self._port.write, self._hear).machine
+        self._machine = languages.create(language, board, self._port.write, self._take_event).machine
         self._machine.ask_ms = max(self._machine.ask_ms, _ASK_MS)
         self._shop = ""  # its nonce
         self.work = None
         if key and language == "grbl":
             from host_tools.shop.work import Work
 
-            self.work = Work(key, name, about, self._machine, self._hear, link.parcel)
+            self.work = Work(key, name, about, self._machine, self._take_event, link.parcel)
         self._pressed = True  # one that is closed as the link begins may be stuck: it counts once it has been seen open
         self._begun_s = None  # not looked at yet
         self._told_s = 0.0
         self._grbl = self._logs = language == "grbl"
         self._log_due = True  # behind each motion
         link.stopped = self.stop
-        link.doubled = self._yield
+        link.doubled = self._yield_machine
 
     def stop(self):
         """Somebody at the broker says so, from the thread of the connection; or at the machine. Returns False if no board answers."""
@@ -65,16 +65,16 @@ class _Board:
             self.state_topics.count_stop()
             return bool(self._machine.state["link"])
 
-    def _yield(self, text):
+    def _yield_machine(self, text):
         """Another agent speaks for the machine, as `text` says."""
         with self._lock:
             if self.work:
-                self.work.yields(text)
+                self.work.yield_machine(text)
 
     def note_port(self, opened):
         self._machine.attached(opened)
 
-    def _hear(self, event):
+    def _take_event(self, event):
         """Take an event that the machine sends to its pages."""
         if event["t"] == "log":
             for number in event["log"]:
@@ -84,7 +84,7 @@ class _Board:
             self.work.note_refusal(event["text"])
         elif event["t"] == "said" and event["text"].startswith(_LOGGED):
             late = _LATE.search(event["text"])
-            self.state_topics.late(int(late[1]) if late else 0)
+            self.state_topics.note_late(int(late[1]) if late else 0)
 
     @complain_of_errors
     def read(self):
@@ -96,7 +96,7 @@ class _Board:
     @complain_of_errors
     def poll(self, now_s):
         with self._lock:
-            self._poll(now_s)
+            self._poll_board(now_s)
 
     def complain(self, text):
         self._link.complain(text)
@@ -111,35 +111,35 @@ class _Board:
         with self._lock:
             return self.work.act(what)
 
-    def _poll(self, now_s):
+    def _poll_board(self, now_s):
         self._begun_s = self._begun_s or now_s
         self._port.look()
         self._machine.poll(clock_ms())
         if self.work:
-            self._work(now_s)
+            self._poll_work(now_s)
         if now_s - self._told_s < _TELL_S:
             return
         self._told_s = now_s
         shown = self._machine.shown()
         if not shown["link"] and now_s - self._begun_s < _FIRST_S:
             return
-        self._count(shown)
+        self._count_events(shown)
         topics = self.state_topics.look(shown, now_s)
         for event in self.state_topics.events(time.time()):
-            self._link.log(event)
+            self._link.add_event(event)
         if self.work:
             topics = {**topics, "work": self.work.message_for(self._shop)}
-        self._link.tell(topics)
+        self._link.publish_topics(topics)
 
-    def _count(self, shown):
+    def _count_events(self, shown):
         """Fill in the counters that no report has. Asks a board that speaks grbl behind each motion how often its steps were late; other languages
         report it."""
         machine, state_topics = self._machine, self.state_topics
-        state_topics.scale = self._scale(machine)
+        state_topics.scale = self._axis_scale(machine)
         state_topics.counters["retries"] = machine.retries + getattr(machine.wire, "retries", 0)
         state_topics.counters["connections"] = max(self._link.connections - 1, 0)
         if not self._grbl:
-            state_topics.late(machine.late)
+            state_topics.note_late(machine.late)
         elif not shown["link"] or not machine.stands():
             self._log_due = True
         elif self._logs and self._log_due and machine.options is not None and machine.settings and not machine.wire.of(0):
@@ -149,11 +149,11 @@ class _Board:
         self._logs = error <= 0  # else a grbl without a log
         self._log_due = error < 0
 
-    def _scale(self, machine):
+    def _axis_scale(self, machine):
         """Steps/mm of each axis; (): not known yet."""
         return [float(machine.settings[number]) for number in range(100, 104) if number in machine.settings] if self._grbl else machine.scale
 
-    def _work(self, now_s):
+    def _poll_work(self, now_s):
         for what, text in self._link.take_orders():
             if what == SHOP:
                 self._shop = text
@@ -162,7 +162,7 @@ class _Board:
         state = self._machine.state
         pressed = _BUTTON in state.get("pins", "")
         if pressed and not self._pressed:
-            self.work.press()
+            self.work.press_button()
         self._pressed = pressed or not state["link"]
         self.work.poll(now_s)
 
@@ -184,7 +184,7 @@ class Agent:
         added = _Board(name, language, board, make_port, link, self._watch_port, key, about or {})
         self._boards.append(added)
         if self._figures:
-            self._figures.watch(name, added.state_topics)
+            self._figures.watch_machine(name, added.state_topics)
 
     def machines(self):
         """The entries of the page at the machine: [{"name", "how", "job", "text", "state", "alarm", "progress", "left"}] of the machines that take

@@ -26,7 +26,7 @@ from host_tools.language import _
 from host_tools.shop.job_table import BEGUN, GIVEN, LEFT, OPEN, WAITING, JobTableError
 from host_tools.shop.link import FILE, ORDER, PIECE, ROOT, SHOP, STOP, complain_of_errors, wrong_message
 from host_tools.shop.machines import Machines
-from host_tools.shop.signed import sign
+from host_tools.shop.signed import sign_message
 from host_tools.shop.signed import SHOP as FROM_SHOP
 from host_tools.shop.state_topics import GONE, LOST, TOPICS
 from passo import errors
@@ -46,7 +46,7 @@ LASER_CLASSES = "1", "1C", "1M", "2", "2M", "3R", "3B", "4"  # of IEC 60825-1, t
 _AWAY = GONE, LOST
 
 
-def fits(job, machine):
+def job_fits(job, machine):
     """True if a machine, as it tells of itself, can draw a job."""
     wants = job.wants
     area, room = wants.get("area") or [0, 0], machine.get("area") or [0, 0]
@@ -98,13 +98,13 @@ class Dispatcher:
         self._trying = None  # the thread that tries again
         self._closed = threading.Event()
         self._complained = ""
-        self._client = broker.client(f"{ROOT}-shop-{os.urandom(4).hex()}")
+        self._client = broker.make_client(f"{ROOT}-shop-{os.urandom(4).hex()}")
         self._client.on_connect = self._on_connect
-        self._client.on_message = self._hear
-        broker.connect(self._client)
+        self._client.on_message = self._take_message
+        broker.connect_client(self._client)
 
     @property
-    def up(self):
+    def is_up(self):
         return self._client.is_connected()
 
     def close(self):
@@ -121,7 +121,7 @@ class Dispatcher:
 
     def stop_all(self):
         """Stop all machines. Returns 0 once the broker has the message, else NOT_SENT; waits for that, _LEFT_S at most."""
-        if not self.up:
+        if not self.is_up:
             return errors.NOT_SENT  # sent once it is there again, it would stop machines that somebody has started meanwhile
         told = self._client.publish(f"{ROOT}/{STOP}", "shop", 1)
         try:
@@ -134,32 +134,32 @@ class Dispatcher:
     def _on_connect(self, client, userdata, flags, code, properties):
         if code.is_failure:
             return
-        self._subscribe()
+        self._subscribe_topics()
         client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
         with self._lock:  # the broker may have forgotten all
             for name, text in self._ordered.items():
                 client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)
             for sha in self._files:
-                self._bring(_PIECES, sha)
+                self._do_or_retry(_PIECES, sha)
 
-    def _subscribe(self):
+    def _subscribe_topics(self):
         self._client.subscribe([(f"{ROOT}/+/work", 1)] + [(f"{ROOT}/+/{topic}", 0) for topic in (*TOPICS, "language")])
 
     # --- the book
 
-    def _bring(self, what, name):
+    def _do_or_retry(self, what, name):
         """Do what wants the book: at once, or once it can be written again."""
-        if not self._again and self._done(what, name):
+        if not self._again and self._try_task(what, name):
             return
         self._again.add((what, name))
         if self._trying is None:
             self._trying = threading.Thread(target=self._try_again, daemon=True)
             self._trying.start()
 
-    def _done(self, what, name):
+    def _try_task(self, what, name):
         """False if the book cannot be written now."""
         try:
-            {_WORD: self._answer, _QUEUE: self._give, _PIECES: self._put}[what](name)
+            {_WORD: self._compare_book, _QUEUE: self._give_jobs, _PIECES: self._publish_file}[what](name)
         except JobTableError:
             return False
         except Exception as error:  # of this one only: the others go on
@@ -172,7 +172,7 @@ class Dispatcher:
             with self._lock:
                 while self._again:
                     first = next(iter(self._again))
-                    if not self._done(*first):
+                    if not self._try_task(*first):
                         break
                     self._again.discard(first)
                 else:
@@ -182,12 +182,12 @@ class Dispatcher:
     # --- what machines tell
 
     @complain_of_errors
-    def _hear(self, client, userdata, message):
+    def _take_message(self, client, userdata, message):
         _root, name, topic = message.topic.split("/")
         text = message.payload.decode(errors="replace")
         with self._lock:
             if topic != "work":
-                before = self._heard.put(name, topic, text)
+                before = self._heard.note_topic(name, topic, text)
                 if topic == "state" and before in _AWAY:  # it may have been released meanwhile, or have said so before it said that it is back
                     self.look(name)
                 return
@@ -196,39 +196,39 @@ class Dispatcher:
             if told:
                 self._told[name] = told
                 self.machines[name].update(told)
-                self._bring(_WORD, name)
+                self._do_or_retry(_WORD, name)
             if self._heard.missed:  # the broker tells all again
                 self._heard.missed = False
-                self._subscribe()
+                self._subscribe_topics()
             if self._heard.stale and not self._renewing:
-                self._renewing = threading.Timer(_RENEW_S, self._renew)
+                self._renewing = threading.Timer(_RENEW_S, self._renew_nonce)
                 self._renewing.daemon = True
                 self._renewing.start()
 
     @complain_of_errors
-    def _renew(self):
+    def _renew_nonce(self):
         with self._lock:
             self._renewing = None
             self._nonce = nonce()
             self._heard.renew(self._nonce)
             self._client.publish(f"{ROOT}/{SHOP}", self._nonce, 1, True)
 
-    def _answer(self, name):
+    def _compare_book(self, name):
         book, told = self._book, self._told[name]
         for job_id in (told["job"], *(told["ended"] or ())[:1]):
             book.reopen(job_id, name)
         job = book.open_of(name)
         if told["ended"] and job and told["ended"][0] == job.id:
             book.end(job, *told["ended"][1:])
-            self._forget(name, job)
+            self._forget_order(name, job)
             job = None
         if job and told["job"] == job.id:
-            self._forget(name)
+            self._forget_order(name)
             book.follow(job, _STATES.get(told["how"], GIVEN), told["line"], told["text"])
         elif job:
-            self._order(name, job, told["nonce"])
+            self._order_job(name, job, told["nonce"])
         elif told["how"] == "free":
-            self._give(name)
+            self._give_jobs(name)
 
     def end(self, job_id):
         """End a job whose machine is not reached, for somebody who has looked at it: 0 or an error."""
@@ -239,42 +239,42 @@ class Dispatcher:
             if is_reached(self.machines.get(job.machine)):
                 return errors.BUSY
             self._book.end(job, LEFT, job.line, _("ended on the shop's page: {} was not reached", job.machine))
-            self._forget(job.machine, job)
+            self._forget_order(job.machine, job)
         return 0
 
     def look(self, only=None):
         """Give jobs to the machines that are released: to one, or after the queue has grown."""
         with self._lock:
-            self._bring(_QUEUE, only)
+            self._do_or_retry(_QUEUE, only)
 
-    def _give(self, only):
+    def _give_jobs(self, only):
         for name, told in self.machines.items():
             if only in (None, name) and told.get("how") == "free" and told.get("state") not in _AWAY:
-                job = self._book.give(name, told["nonce"], lambda job, told=told: fits(job, told))
+                job = self._book.give(name, told["nonce"], lambda job, told=told: job_fits(job, told))
                 if job:
-                    self._order(name, job, told["nonce"])
+                    self._order_job(name, job, told["nonce"])
 
     # --- orders
 
-    def _order(self, name, job, to):
-        parts = -(-len(self._book.data(job.sha)) // PIECE)
+    def _order_job(self, name, job, to):
+        parts = -(-len(self._book.file_data(job.sha)) // PIECE)
         if job.sha not in self._files:
-            self._put(job.sha)
+            self._publish_file(job.sha)
             self._files.add(job.sha)
         body = {"id": job.id, "name": job.name, "sha": job.sha, "parts": parts, "again": to != job.nonce, "begun": job.begun is not None}
-        text = self._ordered[name] = sign(self._key, FROM_SHOP, to, 1, body)
+        text = self._ordered[name] = sign_message(self._key, FROM_SHOP, to, 1, body)
         self._client.publish(f"{ROOT}/{name}/{ORDER}", text, 1, True)
 
-    def _forget(self, name, job=None):
+    def _forget_order(self, name, job=None):
         """The machine has taken its order; with the job's end nobody wants its file, unless another machine does."""
         if self._ordered.pop(name, None) is not None:
             self._client.publish(f"{ROOT}/{name}/{ORDER}", "", 1, True)
         if job and not self._book.has_open_job(job.sha):
-            for number in range(-(-len(self._book.data(job.sha)) // PIECE)):
+            for number in range(-(-len(self._book.file_data(job.sha)) // PIECE)):
                 self._client.publish(f"{ROOT}/{FILE}/{job.sha}/{number}", b"", 1, True)
             self._files.discard(job.sha)
 
-    def _put(self, sha):
-        data = self._book.data(sha)
+    def _publish_file(self, sha):
+        data = self._book.file_data(sha)
         for number in range(-(-len(data) // PIECE)):
             self._client.publish(f"{ROOT}/{FILE}/{sha}/{number}", data[number * PIECE : (number + 1) * PIECE], 1, True)

@@ -37,7 +37,7 @@ class Figures(Collector):
     def __init__(self):
         self._machines = {}
 
-    def watch(self, name, state_topics):
+    def watch_machine(self, name, state_topics):
         self._machines[name] = state_topics
 
     def collect(self):

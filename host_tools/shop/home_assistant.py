@@ -1,6 +1,6 @@
 """Home Assistant's MQTT discovery of a machine: a retained message for each thing that it shows.
 
-    for topic, text in discovery("homeassistant", "passo/", "plotter-3").items(): …
+    for topic, text in discovery_messages("homeassistant", "passo/", "plotter-3").items(): …
 
 https://www.home-assistant.io/integrations/mqtt/#mqtt-discovery
 """
@@ -23,7 +23,7 @@ _SHOWN = (
 )
 
 
-def discovery(prefix, root, name):
+def discovery_messages(prefix, root, name):
     """{topic: text} of the machine `name`, whose topics begin with `root` and that name."""
     own = f"{root}{name}/"
     identity = "passo_" + "".join(letter if letter.isalnum() or letter in "_-" else "_" for letter in name)

@@ -62,7 +62,7 @@ class Job(NamedTuple):
     ended: Optional[float]
 
 
-def _job(row):
+def _job_of(row):
     return Job(*row[:4], json.loads(row[4]), *row[5:])
 
 
@@ -97,19 +97,19 @@ class JobTable:
                 self._failed = str(error), time.monotonic()
                 raise JobTableError(errno.EIO, str(error)) from error
 
-    def _ask(self, text, *values):
+    def _read_rows(self, text, *values):
         with self._open_base() as base:
             return base.execute(text, values).fetchall()
 
-    def _write(self, text, *values):
+    def _change_rows(self, text, *values):
         with self._open_base() as base:
             self.changed += 1
             count = base.execute(text, values).rowcount
             self._failed = "", 0.0
             return count
 
-    def _jobs(self, text, *values):
-        return [_job(row) for row in self._ask("select * from jobs " + text, *values)]
+    def _select_jobs(self, text, *values):
+        return [_job_of(row) for row in self._read_rows("select * from jobs " + text, *values)]
 
     # --- the queue
 
@@ -119,14 +119,14 @@ class JobTable:
         with self._open_base() as base:
             base.execute("begin immediate")
             try:
-                self._write("insert or ignore into files values (?, ?)", sha, data)
-                number = self._ask("select coalesce(max(number), 0) from jobs")[0][0]
+                self._change_rows("insert or ignore into files values (?, ?)", sha, data)
+                number = self._read_rows("select coalesce(max(number), 0) from jobs")[0][0]
                 ids = []
                 while len(ids) < copies:
                     new = os.urandom(4).hex()
                     if int(new, 16) and not self.job(new):
                         ids.append(new)
-                        self._write(
+                        self._change_rows(
                             "insert into jobs (id, number, name, sha, wants, state, added) values (?, ?, ?, ?, ?, ?, ?)",
                             new, number + len(ids), name, sha, json.dumps(wants), QUEUED, time.time(),
                         )  # fmt: skip
@@ -143,10 +143,10 @@ class JobTable:
             if self.open_of(machine):
                 return None
             with contextlib.closing(base.execute("select * from jobs where state = ? order by number", (QUEUED,))) as waiting:
-                job = next((job for job in map(_job, waiting) if fits(job)), None)  # without reading the rest of a long queue
+                job = next((job for job in map(_job_of, waiting) if fits(job)), None)  # without reading the rest of a long queue
             if job is None:
                 return None
-            self._write("update jobs set state = ?, machine = ?, nonce = ? where id = ? and state = ?", GIVEN, machine, nonce, job.id, QUEUED)
+            self._change_rows("update jobs set state = ?, machine = ?, nonce = ? where id = ? and state = ?", GIVEN, machine, nonce, job.id, QUEUED)
             return self.job(job.id)
 
     def follow(self, job, state, line, text):
@@ -156,7 +156,7 @@ class JobTable:
             with self._open_base() as base:
                 base.execute("pragma synchronous=normal")
                 try:
-                    self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, begun, job.id)
+                    self._change_rows("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?) where id = ?", state, line, text, begun, job.id)
                 finally:
                     base.execute("pragma synchronous=full")
 
@@ -165,42 +165,42 @@ class JobTable:
         if job.state in OPEN:
             now = time.time()
             begun = now if how == DONE else None
-            self._write("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?), ended = ? where id = ?", how, line, text, begun, now, job.id)
+            self._change_rows("update jobs set state = ?, line = ?, text = ?, begun = coalesce(begun, ?), ended = ? where id = ?", how, line, text, begun, now, job.id)
 
     def reopen(self, job_id, machine):
         """A machine tells of a job that was ended on the page: it was not gone for good, and has it as before."""
         job = job_id and self.job(job_id)
         if job and job.state == LEFT and job.machine == machine and not self.open_of(machine):
-            self._write("update jobs set state = ?, text = '', ended = null where id = ?", BEGUN if job.begun else GIVEN, job_id)
+            self._change_rows("update jobs set state = ?, text = '', ended = null where id = ?", BEGUN if job.begun else GIVEN, job_id)
 
     def withdraw(self, job_id):
         """Remove a job from the queue. Return False if a machine has it already."""
-        return self._write("delete from jobs where id = ? and state = ?", job_id, QUEUED) > 0
+        return self._change_rows("delete from jobs where id = ? and state = ?", job_id, QUEUED) > 0
 
     # --- reading
 
     def job(self, job_id):
-        return next(iter(self._jobs("where id = ?", job_id)), None)
+        return next(iter(self._select_jobs("where id = ?", job_id)), None)
 
     def open_of(self, machine):
-        return next(iter(self._jobs("where machine = ? and " + _IS_OPEN, machine)), None)
+        return next(iter(self._select_jobs("where machine = ? and " + _IS_OPEN, machine)), None)
 
     def has_open_job(self, sha):
         """True if a machine has a job of this file."""
-        return bool(self._jobs(f"where sha = ? and {_IS_OPEN} limit 1", sha))
+        return bool(self._select_jobs(f"where sha = ? and {_IS_OPEN} limit 1", sha))
 
     def jobs(self, most=500):
         """Those that are not ended, then the newest others."""
-        return self._jobs("order by state in ('queued', 'given', 'begun', 'waiting') desc, ended desc, number limit ?", most)
+        return self._select_jobs("order by state in ('queued', 'given', 'begun', 'waiting') desc, ended desc, number limit ?", most)
 
     def counts(self):
         """{state: how many jobs}"""
-        return dict(self._ask("select state, count(*) from jobs group by state"))
+        return dict(self._read_rows("select state, count(*) from jobs group by state"))
 
     def times_of_materials(self):
         """[[material, jobs done, seconds from begin to end]] of the jobs that are done."""
-        return self._ask("select coalesce(json_extract(wants, '$.material'), ''), count(*), sum(max(ended - begun, 0)) from jobs where state = 'done' group by 1 order by 1")
+        return self._read_rows("select coalesce(json_extract(wants, '$.material'), ''), count(*), sum(max(ended - begun, 0)) from jobs where state = 'done' group by 1 order by 1")
 
-    def data(self, sha):
+    def file_data(self, sha):
         """The bytes of a job's file."""
-        return self._ask("select data from files where sha = ?", sha)[0][0]
+        return self._read_rows("select data from files where sha = ?", sha)[0][0]

@@ -1,13 +1,13 @@
 """A machine's connection to the broker, MQTT 5: its state retained, its last will, its log.
 
     link = Link(Broker("192.168.1.20"), "plotter-3")
-    link.tell({"state": "idle", …})         # publishes the topics that have changed, all of them behind each connection
-    link.log({"what": "alarm", …})          # not retained; waits while there is no connection, the oldest are dropped
+    link.publish_topics({"state": "idle", …})   # publishes the topics that have changed, all of them behind each connection
+    link.add_event({"what": "alarm", …})    # not retained; waits while there is no connection, the oldest are dropped
     link.doubled = function                 # called with a text if another agent speaks for the machine
     link.stopped = function                 # called for each STOP, for this machine or for all, from the connection's own thread
     link.take_orders()                      # the shop's messages, [(SHOP or ORDER, text)], if the machine takes jobs
-    link.parcel.ask(sha, parts)             # a file that the shop has put on the broker
-    link.parcel.data()                      # its bytes, once they are all there and right
+    link.parcel.ask_file(sha, parts)        # a file that the shop has put on the broker
+    link.parcel.file_data()                 # its bytes, once they are all there and right
     link.close()                            # "gone", as the last will says if this process dies
 
 Topics are passo/NAME/… A connection each: a last will belongs to one.
@@ -61,13 +61,13 @@ def complain_of_errors(handler):
     with it."""
 
     @functools.wraps(handler)
-    def handle(self, *arguments):
+    def handle_safely(self, *arguments):
         try:
             return handler(self, *arguments)
         except Exception as error:
             self.complain(wrong_message(error))
 
-    return handle
+    return handle_safely
 
 
 def wrong_message(error):
@@ -84,7 +84,7 @@ class Broker(NamedTuple):
     password: str = ""
     ca: Optional[str] = None
 
-    def client(self, name):
+    def make_client(self, name):
         """A client of paho, not connected. Raises Failure if the authority's file cannot be used."""
         client = mqtt.Client(CallbackAPIVersion.VERSION2, name, protocol=mqtt.MQTTv5)
         if self.user:
@@ -96,7 +96,7 @@ class Broker(NamedTuple):
                 raise Failure("{}: no certificate of an authority: {}", self.ca, reason(error)) from error
         return client
 
-    def connect(self, client):
+    def connect_client(self, client):
         """Connect it, and again whenever the connection is lost, in a thread of its own."""
         client.reconnect_delay_set(*_AGAIN_S)
         client.connect_async(self.host, self.port or (_TLS_PORT if self.ca else _PORT), _KEEP_ALIVE_S)
@@ -112,7 +112,7 @@ class Parcel:
         self._fresh = False  # a piece has come since the file was looked at
         self.wrong = False  # all pieces are there, and are another file
 
-    def ask(self, sha, parts):
+    def ask_file(self, sha, parts):
         self.drop()
         self._fresh = self.wrong = False
         self._sha, self._pieces = sha, [None] * parts
@@ -123,13 +123,13 @@ class Parcel:
         if self._topic:
             self.client.subscribe(self._topic + "+", 1)
 
-    def hear(self, topic, data):
+    def take_piece(self, topic, data):
         number = topic[len(self._topic) :]
         if self._topic and topic.startswith(self._topic) and _NUMBER.fullmatch(number) and int(number) < len(self._pieces):
             self._pieces[int(number)] = data
             self._fresh = True
 
-    def data(self):
+    def file_data(self):
         """All bytes, once; None: they are not all there, or others than the shop has signed, see wrong."""
         if not self._fresh or None in self._pieces:
             return None
@@ -170,26 +170,26 @@ class Link:
         self._lock = threading.RLock()  # of the change from one connection to the next
         self._client = self._listener = self._make_listener()  # None: this agent speaks for the machine
         self.parcel = Parcel(self._client)
-        broker.connect(self._client)
+        broker.connect_client(self._client)
 
     def _make_client(self, name, connected):
-        client = self._broker.client(name)
+        client = self._broker.make_client(name)
         client.on_connect = connected
-        client.on_message = self._hear
+        client.on_message = self._take_message
         client.on_connect_fail = self._on_connect_fail
         client.on_disconnect = self._on_disconnect
         return client
 
     def _make_listener(self):
-        return self._make_client(f"{ROOT}-{self._name}-{self._own}", self._listens)
+        return self._make_client(f"{ROOT}-{self._name}-{self._own}", self._on_listener_connect)
 
     # --- who speaks for the machine
 
     @complain_of_errors
-    def _listens(self, client, userdata, flags, code, properties):
+    def _on_listener_connect(self, client, userdata, flags, code, properties):
         """Connected without the machine's name: hear STOP, and ask for another agent if none is known of yet."""
         if code.is_failure:
-            self._fail(_("the broker refuses: {}", code))
+            self._complain_once(_("the broker refuses: {}", code))
             return
         self._hear_stop(client)
         with self._lock:
@@ -202,12 +202,12 @@ class Link:
             client.publish(self._topic + WHO, self._own, 1)
             if self._asking:
                 self._asking.cancel()
-            self._asking = threading.Timer(_ANSWER_S, self._speak)
+            self._asking = threading.Timer(_ANSWER_S, self._speak_for_machine)
             self._asking.daemon = True
             self._asking.start()
 
     @complain_of_errors
-    def _speak(self):
+    def _speak_for_machine(self):
         """Nobody else does."""
         with self._lock:
             self._asking = None
@@ -215,10 +215,10 @@ class Link:
                 return
             self._client = self.parcel.client = self._make_client(f"{ROOT}-{self._name}", self._on_connect)
             self._client.will_set(self._topic + "state", GONE, 1, True)
-            self._broker.connect(self._client)
+            self._broker.connect_client(self._client)
 
     @complain_of_errors
-    def _yield(self):
+    def _yield_machine(self):
         """Another agent speaks for the machine."""
         with self._lock:
             if self._double or not self._listener:
@@ -230,7 +230,7 @@ class Link:
             self._client = self._listener
             self._heard.clear()
         if spoke:
-            _end(spoke)
+            _end_connection(spoke)
         self._refused(self._double)
         self.doubled(self._double)
 
@@ -239,7 +239,7 @@ class Link:
         options = SubscribeOptions(qos=1, retainHandling=SubscribeOptions.RETAIN_DO_NOT_SEND)
         client.subscribe([(f"{ROOT}/{STOP}", options), (self._topic + STOP, options)])
 
-    def _answer(self, asks):
+    def _answer_agent(self, asks):
         """Another agent asks. Of two that ask at the same time one stays."""
         with self._lock:
             if asks == self._own or self._double:
@@ -248,18 +248,18 @@ class Link:
             if stays:
                 self._client.publish(self._topic + AGENT, asks, 1)
         if not stays:
-            self._yield()
+            self._yield_machine()
 
     # --- the connection
 
     @complain_of_errors
     def _on_connect_fail(self, client, userdata):
-        self._fail(_("no broker answers: {}", reason(sys.exc_info()[1])))
+        self._complain_once(_("no broker answers: {}", reason(sys.exc_info()[1])))
 
     @complain_of_errors
     def _on_connect(self, client, userdata, flags, code, properties):
         if code.is_failure:
-            self._fail(_("the broker refuses: {}", code))
+            self._complain_once(_("the broker refuses: {}", code))
             return
         self._why = ""
         self.connections += 1
@@ -268,7 +268,7 @@ class Link:
         with self._lock:
             listener, self._listener = self._listener, None
         if listener:
-            _end(listener)
+            _end_connection(listener)
         if self._works:
             client.subscribe([(f"{ROOT}/{SHOP}", 1), (self._topic + ORDER, 1)])
             self.parcel.subscribe()
@@ -281,37 +281,37 @@ class Link:
             if client is self._client and client is not self._listener and not self._closing:  # another one may have taken it: ask again
                 ended = [client] + [self._listener] * bool(self._listener)
                 self._client = self.parcel.client = self._listener = self._make_listener()
-                self._broker.connect(self._client)
+                self._broker.connect_client(self._client)
         for each in ended:
-            _end(each)
+            _end_connection(each)
         if code.is_failure:
-            self._fail(_("the connection to the broker is lost: {}", code))
+            self._complain_once(_("the connection to the broker is lost: {}", code))
 
-    def _fail(self, why):
+    def _complain_once(self, why):
         if why != self._why:
             self._why = why
             self._refused(why)
 
-    complain = _fail
+    complain = _complain_once
 
     @complain_of_errors
-    def _hear(self, client, userdata, message):
+    def _take_message(self, client, userdata, message):
         what = message.topic.rpartition("/")[2]
         if what == STOP:
             self.stopped()
         elif what == WHO:
-            self._answer(message.payload.decode(errors="replace"))
+            self._answer_agent(message.payload.decode(errors="replace"))
         elif what == AGENT:
             if message.payload.decode(errors="replace") == self._own:
-                self._yield()
+                self._yield_machine()
         elif what == STATE:
             own = ("by", self._own) in getattr(message.properties, "UserProperty", [])
             if client is self._client and client is self._listener and not own and message.payload not in (b"", GONE.encode()):
-                self._yield()
+                self._yield_machine()
         elif what in (SHOP, ORDER):
             self._heard.append((what, message.payload.decode(errors="replace")))
         else:
-            self.parcel.hear(message.topic, message.payload)
+            self.parcel.take_piece(message.topic, message.payload)
 
     def take_orders(self):
         found = []
@@ -320,11 +320,11 @@ class Link:
         return found
 
     @property
-    def up(self):
+    def is_up(self):
         return self._client is not self._listener and self._client.is_connected()
 
-    def tell(self, topics):
-        if not self.up:
+    def publish_topics(self, topics):
+        if not self.is_up:
             return
         if self._fresh.is_set():
             self._fresh.clear()
@@ -338,7 +338,7 @@ class Link:
         while self._waiting:
             self._client.publish(self._topic + "log", self._waiting.popleft(), 1)
 
-    def log(self, event):
+    def add_event(self, event):
         self._waiting.append(json.dumps(event, ensure_ascii=False))
 
     def close(self):
@@ -349,10 +349,10 @@ class Link:
             if self._asking:
                 self._asking.cancel()
         for client in clients:
-            _end(client)
+            _end_connection(client)
 
 
-def _end(client):
+def _end_connection(client):
     """End a connection, with its last will, and its thread."""
     with_will = ReasonCode(PacketTypes.DISCONNECT, "Disconnect with will message")
     client.disconnect(with_will, Properties(PacketTypes.DISCONNECT))

@@ -36,7 +36,7 @@ def make_app(key, machines, do, stop):
     guard = Guard(_NAMES, key, nonce(), lambda peer: False)
     Request.max_content_length = Request.max_body_length = _MOST_BYTES
 
-    def header(request, name):
+    def request_header(request, name):
         return request.headers.get(name, "").lower().encode() or None
 
     def file_response(name):
@@ -45,19 +45,19 @@ def make_app(key, machines, do, stop):
         return Response((_FILES[name] / name).read_bytes(), 200, {"Content-Type": _TYPES[name.split(".")[-1]]})
 
     @app.before_request
-    async def look(request):
-        if not known(header(request, "Host"), header(request, "Origin"), _NAMES, request.method == "POST"):
+    async def check_host(request):
+        if not known(request_header(request, "Host"), request_header(request, "Origin"), _NAMES, request.method == "POST"):
             return "wrong host", 403
 
     @app.after_request
-    async def harden(request, response):
+    async def add_headers(request, response):
         response.headers.update(HEADERS)
         for line in guard.headers().decode().splitlines():
             name, _, value = line.partition(": ")
             response.headers[name] = value
 
     @app.get("/")
-    async def index(request):
+    async def send_index(request):
         return file_response("machine.html")
 
     @app.get("/machines")
@@ -66,11 +66,11 @@ def make_app(key, machines, do, stop):
         return json.dumps(found), 200, {"Content-Type": "application/json"}
 
     @app.get("/<name>")
-    async def file(request, name):
+    async def send_file(request, name):
         return file_response(name)
 
     @app.post("/do")
-    async def order(request):
+    async def carry_out(request):
         try:
             body = order_of(request.body.decode())
             name, what = body["name"], body["do"]

@@ -1,7 +1,7 @@
 """The shop's knowledge of machines. Any client of the broker may name one; a machine that has proven the shop's key always has room.
 
     machines = Machines(key, nonce)
-    machines.put(name, "state", "idle")     # the text before; None: there was none, or there is no room for another stranger
+    machines.note_topic(name, "state", "idle")     # the text before; None: there was none, or there is no room for another stranger
     machines.open(name, text)               # what a machine tells, signed, a dict; None: not signed for this nonce, or told before
     machines.stale                          # True: one was signed right, but is older than the last
     machines.renew(nonce)
@@ -32,7 +32,7 @@ class Machines:
         self._openers = dict.fromkeys(self._openers)
         self.stale = False
 
-    def put(self, name, topic, text):
+    def note_topic(self, name, topic, text):
         if len(text) > _MOST_LETTERS or name not in self.known and not self._has_room(name):
             return None
         told = self.known.setdefault(name, {})

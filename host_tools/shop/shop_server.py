@@ -22,7 +22,7 @@ from host_tools.shop.dispatcher import LASER_CLASSES, is_reached
 from host_tools.shop.link import wrong_message
 from microdot import Response
 from passo import errors
-from passo.protocols.page.orders import Wrong, number, text
+from passo.protocols.page.orders import Wrong, number_field, text_field
 
 _OWN = Path(__file__).parent / "page"
 _SHARED = ("panel.css", "titles.js", "words.js", "link.js", "sha256.js", "gcode_path.js", "program.js", "icon.svg")
@@ -45,7 +45,7 @@ class ShopPages(ServedPages):
         self._shop = shop
 
     def about(self, more):
-        return {"kinds": uploads.kinds()}
+        return {"kinds": uploads.list_kinds()}
 
     def order(self, page, order, proven):
         return self._shop.begin(order, proven, page)
@@ -62,7 +62,7 @@ class ShopPages(ServedPages):
 class Shop:
     def __init__(self, dispatcher, book, key, host):
         self.dispatcher, self.book = dispatcher, book
-        self._orders = {"drop": self._drop, "withdraw": self._withdraw, "again": self._again, "end": self._end}
+        self._orders = {"drop": self._take_piece, "withdraw": self._withdraw_job, "again": self._queue_again, "end": self._end_job}
         self._coming = {}  # (page, name of the file): its text so far
         self._tasks = set()
         self._checks = asyncio.Lock()  # one file after the other: their order is that of the queue
@@ -77,10 +77,10 @@ class Shop:
             return {number: in_languages(text) for number, text in error_list().items()}
 
         @self.server.app.get("/job/<job_id>")
-        async def program(request, job_id):
+        async def send_program(request, job_id):
             try:
                 job = book.job(job_id)
-                data = job and book.data(job.sha)
+                data = job and book.file_data(job.sha)
             except JobTableError as error:
                 return reason(error), 503
             if job is None:
@@ -111,12 +111,12 @@ class Shop:
     def finish(self, answer, result):
         return {**answer, "error": answer["error"].then(result) or 0}
 
-    def _drop(self, order, page):
+    def _take_piece(self, order, page):
         """Take a piece of a file. The last piece starts the check, whose result goes to the pages."""
         name, piece = order["name"], order["text"]
         if not isinstance(name, str) or not isinstance(piece, str) or len(piece) > _PIECE:
             raise Wrong("text")
-        at = int(number(order, "at", 0, uploads.MOST_BYTES))
+        at = int(number_field(order, "at", 0, uploads.MOST_BYTES))
         so_far = self._coming.get((page, name), "") if at else ""
         if len(so_far) != at:
             return errors.JOB_PIECE
@@ -127,25 +127,25 @@ class Shop:
         if len(self._coming) > _PAGES:  # of pages that have gone: the one that has waited longest for its next piece
             del self._coming[next(iter(self._coming))]
         if order.get("last"):
-            kind, copies = text(order, "kind", 40), int(number(order, "copies", 1, _MOST_COPIES))
-            if kind not in uploads.kinds():
+            kind, copies = text_field(order, "kind", 40), int(number_field(order, "copies", 1, _MOST_COPIES))
+            if kind not in uploads.list_kinds():
                 raise Wrong("kind")
             laser = order.get("laser", "")
             if laser not in ("", *LASER_CLASSES):
                 raise Wrong("laser")
-            wants = {"kind": kind, "tool": text(order, "tool", 40), "laser": laser, "material": str(order.get("material", ""))[:40]}
-            task = asyncio.ensure_future(self._queue(name, self._coming.pop((page, name)), wants, copies))
+            wants = {"kind": kind, "tool": text_field(order, "tool", 40), "laser": laser, "material": str(order.get("material", ""))[:40]}
+            task = asyncio.ensure_future(self._queue_file(name, self._coming.pop((page, name)), wants, copies))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
         return 0
 
-    async def _queue(self, name, said, wants, copies):
+    async def _queue_file(self, name, said, wants, copies):
         """Check a file and put it into the book. Send the pages the result, or the error."""
         why = ""
         try:
             async with self._checks:
                 made, data, facts = await asyncio.to_thread(uploads.job_of, name, said.encode("utf-8", "replace"), wants["kind"])
-            await self._add(data, made, {**wants, **facts}, copies)
+            await self._add_to_book(data, made, {**wants, **facts}, copies)
         except Failure as failure:
             why = failure.message()
         except Exception as error:  # a full disk, a file on which a reader fails
@@ -154,7 +154,7 @@ class Shop:
         if not why:
             self.dispatcher.look()
 
-    async def _add(self, data, name, wants, copies):
+    async def _add_to_book(self, data, name, wants, copies):
         """Raises JobTableError if the book cannot be written for some seconds."""
         for left in reversed(range(_TRIES)):
             try:
@@ -164,42 +164,42 @@ class Shop:
                     raise
             await asyncio.sleep(_AGAIN_S)
 
-    def _withdraw(self, order, page):
-        return 0 if self.book.withdraw(text(order, "job", 8)) else errors.NO_SUCH_JOB
+    def _withdraw_job(self, order, page):
+        return 0 if self.book.withdraw(text_field(order, "job", 8)) else errors.NO_SUCH_JOB
 
-    def _again(self, order, page):
+    def _queue_again(self, order, page):
         """A job that has ended is queued once more, as a new one."""
-        job = self.book.job(text(order, "job", 8))
+        job = self.book.job(text_field(order, "job", 8))
         if job is None:
             return errors.NO_SUCH_JOB
-        self.book.add(self.book.data(job.sha), job.name, job.wants)
+        self.book.add(self.book.file_data(job.sha), job.name, job.wants)
         self.dispatcher.look()
         return 0
 
-    def _end(self, order, page):
+    def _end_job(self, order, page):
         """A job whose machine is not reached, because it has another name now, or is no more."""
-        return self.dispatcher.end(text(order, "job", 8))
+        return self.dispatcher.end(text_field(order, "job", 8))
 
     # --- what is shown
 
     def state(self):
-        self._look()
+        self._read_book()
         trouble = self.book.trouble
         machines = [
             {"name": name, **{key: told.get(key, "") for key in _TOLD}, **{key: in_languages(told.get(key, "")) for key in _SAID}}
             for name, told in sorted(list(self.dispatcher.machines.items())) if told.get("state") or told.get("how")
         ]  # fmt: skip
         return {
-            "machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.dispatcher.up,
-            "adrift": self._adrift() if self.dispatcher.up and time.monotonic() - self._begun_s > _HEARD_S else [],
+            "machines": machines, "jobs": self._jobs, "counts": self._counts, "used": self._used, "broker": self.dispatcher.is_up,
+            "adrift": self._jobs_adrift() if self.dispatcher.is_up and time.monotonic() - self._begun_s > _HEARD_S else [],
             "trouble": in_languages(_("The book of jobs cannot be written: {}. The shop tries again each second.", trouble) if trouble else ""),
         }  # fmt: skip
 
-    def _adrift(self):
+    def _jobs_adrift(self):
         """Numbers of jobs that no machine has any more: an order of the page may end them."""
         return [job["id"] for job in self._jobs if job["state"] in OPEN and not is_reached(self.dispatcher.machines.get(job["machine"]))]
 
-    def _look(self):
+    def _read_book(self):
         """Read the book, if it has changed."""
         book, now_s = self.book, time.monotonic()
         if self._seen == book.changed or now_s < self._look_s:
@@ -215,7 +215,7 @@ class Shop:
             for job in jobs
         ]  # fmt: skip
 
-    async def _push(self):
+    async def _push_state(self):
         try:
             await self.server.push(clock_ms())
         except Exception as error:  # a machine may send anything: keep STOP working
@@ -228,9 +228,9 @@ class Shop:
             loop.add_signal_handler(signal_, stopped.set)
         serving = asyncio.ensure_future(self.server.serve(host, port))
         try:
-            ready(await self.server.listening(serving))
+            ready(await self.server.wait_for_port(serving))
             while not stopped.is_set():
-                await self._push()
+                await self._push_state()
                 await asyncio.sleep(4 * PUSH_MS / 1000)
         finally:
             serving.cancel()

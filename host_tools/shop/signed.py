@@ -1,6 +1,6 @@
 """Messages between a shop and its machines, signed as the orders of a page are (passo/web/session.py): by a key that both know and nobody sends.
 
-    text = sign(key, SHOP, nonce, 1, {"job": …})
+    text = sign_message(key, SHOP, nonce, 1, {"job": …})
     Opener(key, SHOP, nonce).open(text)     # the dict; None: without the key, altered, or received before
 
 The receiver chooses the nonce. Messages of machines and orders of a shop are signed for different ends, so neither passes for the other.
@@ -14,23 +14,23 @@ MACHINE = "machine"  # a machine tells the shop; the nonce is the shop's, with t
 SHOP = "shop"  # the shop orders; the nonce is the machine's
 
 
-def _session(key, end, nonce):
+def _make_session(key, end, nonce):
     return Session(key, f"{end} {nonce}")
 
 
-def sign(key, end, nonce, count, body):
+def sign_message(key, end, nonce, count, body):
     text = json.dumps(body, ensure_ascii=False)
-    return f"{count}.{_session(key, end, nonce).proof(str(count), text)}.{text}"
+    return f"{count}.{_make_session(key, end, nonce).proof(str(count), text)}.{text}"
 
 
 class Opener:
     def __init__(self, key, end, nonce):
         self._about = key, end, nonce
-        self._session = _session(key, end, nonce)
+        self._session = _make_session(key, end, nonce)
 
     def is_older(self, text):
         """True if a message is signed right, and counted lower than the last: it is repeated, or the clock of its PC has been set back."""
-        fresh = _session(*self._about)
+        fresh = _make_session(*self._about)
         return fresh.open(text) is not None and fresh.count < self._session.count
 
     def open(self, text):

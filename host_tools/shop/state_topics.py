@@ -37,16 +37,16 @@ class StateTopics:
 
     def look(self, shown, now_s):
         state = shown["state"].lower() if shown["link"] and shown["state"] else LOST
-        self._count(shown, state, now_s)
+        self._count_motion(shown, state, now_s)
         name, share = self._job_of(shown)
-        self._follow(name, shown, now_s)
+        self._follow_job(name, shown, now_s)
         alarm = shown["alarm"]
         if alarm and alarm != self._alarm:
             self.counters["alarms"] += 1
-            self._event("alarm", number=alarm, text=error_text(alarm))
+            self._add_event("alarm", number=alarm, text=error_text(alarm))
         self._alarm = alarm
         if state != self._state:
-            self._event("state", before=self._state, state=state)
+            self._add_event("state", before=self._state, state=state)
             self._state = state
         left = "" if share is None or share < _SURE or not self._job else round((now_s - self._job[1]) * (100 - share) / share)
         self.full = shown.get("full")
@@ -74,21 +74,21 @@ class StateTopics:
     def count_stop(self):
         """Count a STOP that came from the broker."""
         self.counters["stops"] += 1
-        self._event("stop")
+        self._add_event("stop")
 
     def count_refusal(self, number):
         """Count an order that the board refused, or an error of its log."""
         self.counters["refused"] += 1
-        self._event("refused", number=number, text=error_text(number))
+        self._add_event("refused", number=number, text=error_text(number))
 
-    def late(self, count):
+    def note_late(self, count):
         """So often the board's steps have come late since its start, when the motion paused. Counts those since the last time; a board that has begun
         anew counts from 0."""
         if self._late is not None:
             self.counters["late"] += count - self._late if count >= self._late else count
         self._late = count
 
-    def _event(self, what, **more):
+    def _add_event(self, what, **more):
         self._events.append({"what": what, **more})
 
     @staticmethod
@@ -100,19 +100,19 @@ class StateTopics:
         share, comma, name = stored.partition(",")
         return (name.rstrip("?"), int(share)) if comma and share.isdigit() else ("", None)
 
-    def _follow(self, name, shown, now_s):
+    def _follow_job(self, name, shown, now_s):
         """Note the beginning and the end of a job."""
         if self._job and self._job[0] != name:
             job = shown.get("job")
             failed = shown["alarm"] or bool(job and job["name"] == self._job[0] and job["how"] == "failed")
             self.counters["failed" if failed else "jobs"] += 1
-            self._event("failed" if failed else "done", job=self._job[0], seconds=round(now_s - self._job[1], 1))
+            self._add_event("failed" if failed else "done", job=self._job[0], seconds=round(now_s - self._job[1], 1))
             self._job = None
         if name and not self._job:
             self._job = name, now_s
-            self._event("begun", job=name)
+            self._add_event("begun", job=name)
 
-    def _count(self, shown, state, now_s):
+    def _count_motion(self, shown, state, now_s):
         """Time in motion, the way of X, Y and Z, and all axes' steps: a straight line from each report to the next."""
         place = shown.get("m")
         if self._then_s is not None and state in _MOVES:

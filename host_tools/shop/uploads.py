@@ -50,7 +50,7 @@ def job_of(name, data, kind):
     return name, text.encode(), {"seconds": round(job.seconds, 1), "area": area}
 
 
-def kinds():
+def list_kinds():
     """Board files that take jobs of the shop."""
     found = []
     for name in boards.names():

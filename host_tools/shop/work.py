@@ -25,7 +25,7 @@ from host_tools.panel.store import Store
 from host_tools.programs import gcode_file
 from host_tools.programs.job_record import Record
 from host_tools.shop.job_table import DONE
-from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
+from host_tools.shop.signed import MACHINE, SHOP, Opener, sign_message
 from passo import errors
 from passo.web.guard import nonce
 
@@ -92,8 +92,8 @@ class _Job(RecoverableJobs):
         self._asked = False
         self.record = None
 
-    def _journal(self, error):
-        RecoverableJobs._journal(self, error)
+    def _take_journal(self, error):
+        RecoverableJobs._take_journal(self, error)
         self._asked = self._asked and self.record is not None  # without it no job begins or goes on
 
     def run(self, name, lines, passes, checked, single=False):
@@ -107,15 +107,15 @@ class _Job(RecoverableJobs):
         """It runs, or the board is asked how it would go on."""
         return self.running() or self._collects is not None
 
-    def _number(self, name, lines):
+    def _job_number(self, name, lines):
         return self.files.programs()[0][2]
 
-    def _offer(self, said):
+    def _find_offer(self, said):
         try:
             self.record = Record.of(said)
         except Failure:
             return None
-        offer = RecoverableJobs._offer(self, said)
+        offer = RecoverableJobs._find_offer(self, said)
         return None if offer and "absent" in offer else offer
 
 
@@ -138,9 +138,9 @@ class Work:
         self._said = ("", None, "")
         self._why = ""
         self._count = 0
-        self._renew()
+        self._renew_nonce()
 
-    def _renew(self):
+    def _renew_nonce(self):
         """Choose another nonce: orders signed for the old one are void."""
         self._nonce = nonce()
         self._opener = Opener(self._key, SHOP, self._nonce)
@@ -150,13 +150,13 @@ class Work:
     def message_for(self, shop):
         body = {
             "how": self.how, "job": self._order["id"] if self._order else "", "nonce": self._nonce, "line": self.line, "text": self.text,
-            "ended": self._ended, "area": self._area(), **self._about,
+            "ended": self._ended, "area": self._travel_mm(), **self._about,
         }  # fmt: skip
         if not shop:
             return ""
         if (shop, body) != self._said[:2]:
             self._count = max(self._count + 1, int(time.time() * _COUNTS_S) % _MOST_COUNT)
-            self._said = shop, body, sign(self._key, MACHINE, f"{shop} {self._name}", self._count, body)
+            self._said = shop, body, sign_message(self._key, MACHINE, f"{shop} {self._name}", self._count, body)
         return self._said[2]
 
     def page_row(self):
@@ -164,7 +164,7 @@ class Work:
         name = self._order["name"] if self._order else ""
         return {"how": self.how, "file": name, "line": self.line, "text": self.text or self._yields, "ended": self._ended, "down": self._job.waits_to_go_down()}
 
-    def _area(self):
+    def _travel_mm(self):
         settings = self._machine.settings
         return [round(float(settings.get(number, 0)), 3) for number in (130, 131)]
 
@@ -173,22 +173,22 @@ class Work:
         order = self._opener.open(text)
         if order is None or self._yields or self._order or self.how not in (REST, FREE) or not _is_order(order):
             return
-        self._parcel.ask(order["sha"], order["parts"])
+        self._parcel.ask_file(order["sha"], order["parts"])
         self._released, self._held_up = self.how == FREE and not order["again"], _("the agent has begun anew")
         self._begun = order.get("begun") is True
         self._order = order
-        self._become(FETCH)
+        self._change_state(FETCH)
 
     # --- who stands at the machine
 
     def act(self, what):
-        return {"release": self._release, "withdraw": self._withdraw, "go": self._go, "give up": self._give_up}.get(what, lambda: _("no such order"))()
+        return {"release": self._release_machine, "withdraw": self._withdraw_release, "go": self._go_ahead, "give up": self._give_up}.get(what, lambda: _("no such order"))()
 
-    def press(self):
+    def press_button(self):
         """The machine's button: go on if a job waits, else release the machine."""
-        return self._go() if self.how == WAITS else self._release()
+        return self._go_ahead() if self.how == WAITS else self._release_machine()
 
-    def _release(self):
+    def _release_machine(self):
         machine = self._machine
         if self._yields:
             return self._yields
@@ -202,20 +202,20 @@ class Work:
             return _("the machine is at work")
         self._tries = 0
         self._released = True
-        self._become(GOES)
+        self._change_state(GOES)
         return ""
 
-    def _withdraw(self):
+    def _withdraw_release(self):
         if self.how == FETCH:
-            self._end(REFUSED, _("taken back at the machine before it began"))
+            self._end_job(REFUSED, _("taken back at the machine before it began"))
         elif self.how in (FREE, GOES) and not self._order:
-            self._renew()
-            self._become(REST)
+            self._renew_nonce()
+            self._change_state(REST)
         else:
             return _("nothing is released")
         return ""
 
-    def _go(self):
+    def _go_ahead(self):
         if self._yields:
             return self._yields
         if self.how != WAITS:
@@ -223,7 +223,7 @@ class Work:
         if self._machine.state["state"] not in ("Idle", "Alarm"):
             return _("the machine is at work")
         self._tries = 0
-        self._become(GOES)
+        self._change_state(GOES)
         return ""
 
     def _give_up(self):
@@ -231,7 +231,7 @@ class Work:
             return _("nothing waits")
         if self._machine.state["state"] == "Idle":
             self._machine.say(b"M5")
-        self._end(GIVEN_UP, self.text)
+        self._end_job(GIVEN_UP, self.text)
         return ""
 
     def note_stop(self):
@@ -242,7 +242,7 @@ class Work:
         elif self.how in (FREE, GOES):
             self._fall_back(text)
 
-    def yields(self, text):
+    def yield_machine(self, text):
         """Take no more orders, because another agent speaks for the machine. A job that has not begun does not begin here; one that runs goes on."""
         self._yields = text
         if self.how == FETCH or not self._order and self.how in (FREE, GOES):
@@ -250,8 +250,8 @@ class Work:
                 self._parcel.drop()
             self._order = None
             self._job.keep()
-            self._renew()
-            self._become(REST)
+            self._renew_nonce()
+            self._change_state(REST)
         elif self.how == GOES:
             self._fall_back(text)
 
@@ -266,28 +266,28 @@ class Work:
         if machine.wire.of(0) or machine.said:
             self._quiet_s = now_s
         if self.how == FREE and (not state["link"] or state["state"] != "Idle" or now_s - self._since_s > _RELEASED_S):
-            self._renew()
-            self._become(REST)
+            self._renew_nonce()
+            self._change_state(REST)
         elif self.how == FETCH:
-            self._fetch()
+            self._fetch_file()
         elif self.how == RUN and not self._job.busy():
             self._judge_stop()
         elif self.how == GOES and not self._job.busy() and now_s - self._quiet_s > _SETTLE_S:
             self._go_on()
         elif self.how == WAITS:
-            self._look()
+            self._look_at_journal()
         if not self._since_s:
             self._since_s = now_s
 
-    def _become(self, how, text="", line=0):
+    def _change_state(self, how, text="", line=0):
         self.how, self.text, self.line = how, text, line
         self._since_s = 0.0
         self._quiet_s = time.monotonic()
 
-    def _fetch(self):
+    def _fetch_file(self):
         if self._job.record is None:
             return
-        data = self._parcel.data()
+        data = self._parcel.file_data()
         if self._parcel.wrong:
             self.text = _("the file at the broker is not the one that the shop has signed")
         if data is None:
@@ -295,50 +295,50 @@ class Work:
         try:
             lines = _lines_of(data)
         except Failure as failure:
-            self._end(REFUSED, failure.message())
+            self._end_job(REFUSED, failure.message())
             return
         except OSError as error:  # its disk is full
-            self._end(REFUSED, _("the PC beside the machine cannot keep the job's file: {}", reason(error)))
+            self._end_job(REFUSED, _("the PC beside the machine cannot keep the job's file: {}", reason(error)))
             return
         known = self._job.record.job
         number = int(self._order["id"], 16)
         self._job.keep(self._order["name"], lines, number)
         if not self._released or known == number:
             strange = self._begun and known != number
-            self._become(WAITS, _("this job was begun, but this board's journal does not know it: look whether another machine draws it. Go on begins at its first line") if strange else self._held_up)
-        elif self._machine.state["state"] != "Idle" or self._begin():
-            self._become(WAITS, _("the machine was not ready"))
+            self._change_state(WAITS, _("this job was begun, but this board's journal does not know it: look whether another machine draws it. Go on begins at its first line") if strange else self._held_up)
+        elif self._machine.state["state"] != "Idle" or self._begin_job():
+            self._change_state(WAITS, _("the machine was not ready"))
 
-    def _begin(self):
+    def _begin_job(self):
         """From the first line. Returns 0 or an error."""
         name, lines, _number = self._job.files.programs()[0]
         error = self._machine.run(name, Store.numbered(lines), 1, False, False)
         if not error:
-            self._become(RUN)
+            self._change_state(RUN)
         return error
 
     def _judge_stop(self):
         job = self._machine.state["job"]
         if self._job.waits_to_go_down():
-            self._become(WAITS, _("over the place where it stopped: next the tool goes down"), self.line)
+            self._change_state(WAITS, _("over the place where it stopped: next the tool goes down"), self.line)
         elif job and job["how"] == "done":
-            self._end(DONE)
+            self._end_job(DONE)
         else:
             why, self._why = self._why, ""
-            self._become(WAITS, why or (error_text(job["error"]) if job and job["error"] else _("it was stopped")), self.line)
+            self._change_state(WAITS, why or (error_text(job["error"]) if job and job["error"] else _("it was stopped")), self.line)
 
-    def _look(self):
+    def _look_at_journal(self):
         """See where the job stands, once the board's journal has told. Returns True if it is done."""
         record, number = self._job.record, int(self._order["id"], 16)
         if record is None or record.job != number or self._job.waits_to_go_down():
             return False
         self.line = record.line
-        done = record.line >= self._last() and record.done
+        done = record.line >= self._last_line() and record.done
         if done:
-            self._end(DONE)
+            self._end_job(DONE)
         return done
 
-    def _last(self):
+    def _last_line(self):
         """The last line that may move; looked for from the end, for a machine that waits asks again and again."""
         lines = self._job.files.programs()[0][1]
         return next((number for number, line in reversed(lines) if any(letter in line.upper() for letter in b"XYZ")), 0)
@@ -352,25 +352,25 @@ class Work:
                 self._fall_back(_("the board does not answer"))
             return
         if state["state"] == "Alarm":
-            self._ready(machine.unlock if offer and offer["known"] and not self._tries else machine.home)
+            self._make_ready(machine.unlock if offer and offer["known"] and not self._tries else machine.home)
         elif state["state"] != "Idle":
             self._fall_back(_("the machine is at work"))
         elif not self._order:
-            self._renew()
-            self._become(FREE)
-        elif self._look():
+            self._renew_nonce()
+            self._change_state(FREE)
+        elif self._look_at_journal():
             pass
         elif self._job.waits_to_go_down():
-            self._step("down")
+            self._recover_step("down")
         elif offer:
             if offer["known"]:
-                self._step("begin")
+                self._recover_step("begin")
             else:
-                self._ready(machine.home)
-        elif self._begin():
+                self._make_ready(machine.home)
+        elif self._begin_job():
             self._fall_back(_("the machine was not ready"))
 
-    def _ready(self, order):
+    def _make_ready(self, order):
         self._tries += 1
         if self._tries > _TRIES:
             self._fall_back(_("the machine is in alarm"))
@@ -379,29 +379,29 @@ class Work:
             self._job.ask_again()
         self._quiet_s = time.monotonic()
 
-    def _step(self, what):
+    def _recover_step(self, what):
         machine = self._machine
         machine.state["job"] = None  # how the one before ended
         error = machine.orders["recover"]({"do": "recover", "what": what})
         if error:
             self._fall_back(error_text(error))
         else:
-            self._become(RUN, "", self.line)
+            self._change_state(RUN, "", self.line)
 
     def _fall_back(self, text):
         if self._order:
-            self._become(WAITS, text, self.line)
+            self._change_state(WAITS, text, self.line)
         else:
-            self._renew()
-            self._become(REST, text)
+            self._renew_nonce()
+            self._change_state(REST, text)
 
-    def _end(self, how, text=""):
+    def _end_job(self, how, text=""):
         self._ended = [self._order["id"], how, self.line, text]
         self._order = None
         self._parcel.drop()
         self._job.keep()
-        self._renew()
-        self._become(REST)
+        self._renew_nonce()
+        self._change_state(REST)
 
 
 def _is_order(order):

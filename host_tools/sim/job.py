@@ -26,7 +26,7 @@ import numpy as np
 
 from host_tools import boards, interpreter, language
 from host_tools.build.pc_kernels import use_compiled
-from host_tools.clients.refusal import meaning
+from host_tools.clients.refusal import error_meaning
 from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
 from host_tools.sim import job_runner
@@ -136,7 +136,7 @@ class VirtualJob:
         if kind in (job_runner.NOTE_REFUSED, job_runner.NOTE_ALARM):
             self.error_count += 1
             refused = kind == job_runner.NOTE_REFUSED
-            what = _("error {}, {}", code, meaning(code, text.encode())) if refused else _("alarm {}, {}", code - 200, error_text(code))
+            what = _("error {}, {}", code, error_meaning(code, text.encode())) if refused else _("alarm {}, {}", code - 200, error_text(code))
             if code == errors.UNSUPPORTED and (missing := self._missing_axis(text)):
                 what = _("{} (this machine has no axis {})", what, missing) if missing != "Z" else _("{} (this machine has no Z: --drop-z, --z-pen)", what)
             found, row = self.errors, (number, text, what)

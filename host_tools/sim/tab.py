@@ -17,7 +17,7 @@ from host_tools.sim.tab_jobs import Jobs
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.virtual import COARSE_TICKS, FINE_TICKS, MemoryLine, VirtualPort
-from passo.protocols.page.protocol import at_once
+from passo.protocols.page.protocol import urgent_parts
 from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.web.pace import Pace
 
@@ -172,7 +172,7 @@ class Tab:
             state["pages"] = 1
             if self._teach:
                 state["teaching"] = self._teach.places()
-            if self._pace.due(at_once(state), now):
+            if self._pace.due(urgent_parts(state), now):
                 self._send_event(state)
         if (now - self._shown_ms) & COUNT_MASK >= _SHOW_MS:
             self._shown_ms = now

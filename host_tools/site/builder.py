@@ -112,7 +112,7 @@ def build(out, files):
 
     if out.exists() and not (out / "firmware.json").is_file() and any(out.iterdir()):
         raise Failure("{} is not empty, and holds no site of Passo: name another folder", out)
-    firmware, machines = tab_texts(), {"boards": demo_jobs(), "rules": setting_names.rules(_MOST_AXES)}
+    firmware, machines = tab_texts(), {"boards": demo_jobs(), "rules": setting_names.all_rules(_MOST_AXES)}
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
     _write_json(out, "firmware.json", firmware)  # first: by it a folder that was broken off is known

@@ -3,7 +3,7 @@
 import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
-from host_tools.clients.answers import complete
+from host_tools.clients.answers import is_complete
 from passo.protocols.torch import protocol as torch
 from passo.protocols.typed_words import line_of
 
@@ -34,7 +34,7 @@ def say(machine, line):
         said += machine.take()
         whole = range(0, len(said) // ANSWER * ANSWER, ANSWER)
         text = "".join(torch.answer_from(said[at : at + ANSWER])[1]["text"] for at in whole)
-        return complete(text)
+        return is_complete(text)
 
     machine.run_until(told, 3000)
     return text.splitlines()

@@ -67,7 +67,7 @@ def check_a_lease(events):
     for what, number, wait in events:
         at += wait
         now = (now + wait) & 0x1FFFFFFF
-        lease.beat(at + 1, now)
+        lease.note_beat(at + 1, now)
         alive = newest and at <= until
         if not alive:
             newest = 0
@@ -85,14 +85,14 @@ def check_a_lease(events):
             lease.end()
             newest = 0
         else:
-            assert bool(lease.alive(now)) == bool(alive)
+            assert bool(lease.is_alive(now)) == bool(alive)
 
 
 def check_what_was_held_up_counts_for_nothing():
     lease = Lease()
-    lease.beat(1, 1000)
+    lease.note_beat(1, 1000)
     assert not lease.begin(1, 1, 1001 + FRESH_MS)
-    lease.beat(2, 2000)
+    lease.note_beat(2, 2000)
     assert not lease.begin(1, 2, 2000), "its number is used up"
     assert lease.begin(2, 2, 2000)
     assert not lease.renew(2, 1, 2100), "it has not seen the newest reports"

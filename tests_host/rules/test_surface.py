@@ -80,7 +80,7 @@ TEXTS = {
     "HTTP path": (("firmware/passo/web", "firmware/passo/protocols/torch"), "*.py", r'b?"(/[A-Za-z.]*)"'),
     "panel path": (("host_tools/panel",), "*.py", r'app\.(?:get|post)\("([^"]*)"'),
     "page order": (PAGES, "*.py", r'"([a-z_]+)"(?:: |\] = )self\._[a-z]\w*[,}\n]'),
-    "page order field": (PAGES, "*.py", r'(?:(?:number|text|positions)\(order, |order\.get\()"(\w+)"'),
+    "page order field": (PAGES, "*.py", r'(?:(?:number_field|text_field|positions_field)\(order, |order\.get\()"(\w+)"'),
     "page message": (PAGES, "*.py", r'"t": "(\w+)"'),
     "page card": (("firmware/passo/web/page",), "*.html", r'id="card-(\w+)"'),
 }

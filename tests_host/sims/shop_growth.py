@@ -40,7 +40,7 @@ class Machine:
 
     def poll(self, now):
         from host_tools.shop import link as topics
-        from host_tools.shop.signed import MACHINE, sign
+        from host_tools.shop.signed import MACHINE, sign_message
 
         for what, text in self.link.take_orders():
             if what == topics.SHOP:
@@ -59,7 +59,7 @@ class Machine:
         if self.shop and (self.shop, body) != self.said:
             self.count += 1
             self.said = self.shop, body
-            self.text = sign(self.key, MACHINE, f"{self.shop} {self.name}", self.count, body)
+            self.text = sign_message(self.key, MACHINE, f"{self.shop} {self.name}", self.count, body)
         self.link.tell({"state": "run" if self.how == "run" else "idle", **({"work": self.text} if self.said else {})})
 
 

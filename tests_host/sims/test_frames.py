@@ -70,7 +70,7 @@ def spoilt(wire, count):
 def test_a_bad_wire_is_not_taken_for_a_board_without_frames(side):
     """HELLO, or WELCOME, is damaged again and again."""
     pair = Pair()
-    pair.port._leave()
+    pair.port._leave_session()
     port = pair.opened()
     spoilt(pair.wires[side], 6)
     assert port.begin(SURE_S if side == 0 else OFFER_S, side == 1)
@@ -85,21 +85,21 @@ def test_a_session_that_was_left_open_is_ended_on_a_bad_wire():
     while not pair.port.read(10):
         pass
     port = pair.opened()
-    send, left = port._send, [4]
+    send, left = port._send_frame, [4]
 
     def lost(kind, *rest):
         if kind != codec.LEAVE or not left[0]:
             return send(kind, *rest)
         left[0] -= 1
 
-    port._send = lost
+    port._send_frame = lost
     assert port.begin(OFFER_S) and not left[0]
-    port._send = lambda kind, *rest: None if kind == codec.LEAVE else send(kind, *rest)
+    port._send_frame = lambda kind, *rest: None if kind == codec.LEAVE else send(kind, *rest)
     port.write(b"G1\n")
     while not port.read(10):
         pass
     other = pair.opened()
-    other._leave = lambda: None
+    other._leave_session = lambda: None
     with pytest.raises(OSError, match="another program"):
         other.begin(OFFER_S)
 
@@ -120,7 +120,7 @@ def test_nothing_is_sent_behind_leave():
             pair.port.read(100)
         said = []
         pair.wires[0].put = said.append
-        pair.port._leave()
+        pair.port._leave_session()
         assert [kind_of(wire) for wire in said] == [codec.LEAVE], seed
 
 

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from host_tools.panel.hand_path import program
+from host_tools.panel.hand_path import fit_program
 from panel_desk import Desk
 from test_whole_turns import swept
 
@@ -26,36 +26,36 @@ def around(count, turn, radius=10.0, depth=0.0):
 def test_an_arc_a_helix_and_a_turn():
     for turn, depth, end in ((1.5, 0, "X9.975 Y9.294 Z0.000"), (1.5, -3, "X9.975 Y9.294 Z-3.000"), (2 * math.pi, 0, "X0.000 Y0.000 Z0.000")):
         places = around(40, turn, depth=depth)
-        assert program([places[0], places[-1]], [places[1:-1]], SCALES) == [f"G3 {end} I0.0000 J10.0000"]
+        assert fit_program([places[0], places[-1]], [places[1:-1]], SCALES) == [f"G3 {end} I0.0000 J10.0000"]
         back = places[::-1]
-        assert program([back[0], back[-1]], [back[1:-1]], SCALES)[0].startswith("G2 X0.000 Y0.000")
+        assert fit_program([back[0], back[-1]], [back[1:-1]], SCALES)[0].startswith("G2 X0.000 Y0.000")
 
 
 @pytest.mark.parametrize("beyond", [-0.004, -0.0005, 0.0003, 0.0005, 0.001, 0.02])
 def test_a_turn_that_ends_beside_its_start_is_not_lost(beyond):
     """A circle by hand, left or closed some steps too early or too late, both ways."""
     for places in (around(40, math.tau + beyond), around(40, math.tau + beyond)[::-1]):
-        lines = ["G1 X{:.3f} Y{:.3f}".format(*places[0]), *program([places[0], places[-1]], [places[1:-1]], SCALES)]
+        lines = ["G1 X{:.3f} Y{:.3f}".format(*places[0]), *fit_program([places[0], places[-1]], [places[1:-1]], SCALES)]
         assert sum(swept([(line + " F100").replace(" ", "").encode() for line in lines], [STEPS] * 3)) > 6.0, lines
 
 
 def test_places_near_to_each_other_are_an_arc_and_those_far_from_each_other_are_none():
     near, far = around(200, 1.5), around(6, 1.5)
-    assert len(program(near, [[] for _ in near[1:]], SCALES)) == 1
-    assert [line[:2] for line in program(far, [[] for _ in far[1:]], SCALES)] == ["G1"] * 6
+    assert len(fit_program(near, [[] for _ in near[1:]], SCALES)) == 1
+    assert [line[:2] for line in fit_program(far, [[] for _ in far[1:]], SCALES)] == ["G1"] * 6
 
 
 def test_an_arc_in_another_plane():
     places = [(y, 0.0, x) for x, y, _ in around(40, 1.5)]
     for z in (STEPS, 400):
-        lines = program([places[0], places[-1]], [places[1:-1]], (STEPS, STEPS, z))
+        lines = fit_program([places[0], places[-1]], [places[1:-1]], (STEPS, STEPS, z))
         assert lines == ["G18", "G3 X9.294 Y0.000 Z9.975 K0.0000 I10.0000", "G17"]
 
 
 @pytest.fixture(scope="module")
 def taught():
     """(path by hand, path of the program, its text): places in steps."""
-    desk = Desk(recognise=program)
+    desk = Desk(recognise=fit_program)
     start = desk.place()
     assert desk.order("teach", what="begin") == 0
     desk.run_ms(100)

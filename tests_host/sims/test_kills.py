@@ -125,7 +125,7 @@ def test_a_line_that_another_program_has_not_ended_is_not_carried_out(framed, tm
     with pc:
         with GrblClient("memory") as client:
             client.command("$X")
-            client._write(b"G1F600X2")
+            client._write_bytes(b"G1F600X2")
             bench.machine.run_ms(100)
             pc.dead = True  # its port is never closed in order
         pc.revive(bench)

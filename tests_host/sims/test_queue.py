@@ -13,7 +13,7 @@ JOBS = {"plain.gcode": "G21G91\nG0X1\n", "one.gcode": "G21G91\nT1M6\nG0X1\n", "a
 
 
 class Bench:
-    def __init__(self, folder, facts=job_facts.gcode):
+    def __init__(self, folder, facts=job_facts.gcode_facts):
         self.desk = made = Desk()
         self.store = Store(folder / "jobs", gcode_lines, facts=facts)
         for name, text in JOBS.items():

@@ -250,8 +250,8 @@ def test_what_is_forgotten_is_offered_again_once_it_has_begun_again(tmp_path):
     assert made.order("recover", what="forget") == 0
     home(made)
     assert made.machine.state["recover"] is None
-    job._begin("part.gcode", "run")
-    job._finish("failed", errors.STOPPED)
+    job._begin_job("part.gcode", "run")
+    job._finish_job("failed", errors.STOPPED)
     home(made)
     assert made.machine.state["recover"] == offer
 

@@ -19,8 +19,8 @@ from host_tools import boards, interpreter
 from host_tools.cli import agent as command
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
-from host_tools.shop.home_assistant import discovery
-from host_tools.shop.signed import SHOP, sign
+from host_tools.shop.home_assistant import discovery_messages
+from host_tools.shop.signed import SHOP, sign_message
 from host_tools.shop.state_topics import GONE, LOST, TOPICS, StateTopics
 
 MOSQUITTO = shutil.which("mosquitto", path=os.environ.get("PATH", "") + ":/usr/sbin")
@@ -156,13 +156,13 @@ def test_answers_to_an_agent_that_was_killed_are_no_answers_to_the_next_one(line
     port.stale = {line: stale}
     run(lambda: board.work._job.record and board._machine.options is not None)
     assert board._machine.options == "J" and board._machine.settings[130] == "100" and board.work._job.record.job == 7
-    assert board.work._release() == ""
+    assert board.work._release_machine() == ""
 
 
 def test_the_journal_is_asked_behind_a_homing_that_no_report_has_shown():
     board, port, run = agent_of(Late)
     run(lambda: board.work._job.record)
-    board.work._ready(board._machine.home)
+    board.work._make_ready(board._machine.home)
     assert board.work._job.record is None
     run(lambda: board.work._job.record)
     assert b"$JR" in port.lines[port.lines.index(b"$H") :]
@@ -197,7 +197,7 @@ def test_the_button_releases_once_and_only_if_it_was_seen_open():
     run(lambda: board.work.how == "free")
     # A job waits, and the button sticks while the board has no power.
     board.work._order = {"id": "1", "name": "a"}
-    board.work._become("waits")
+    board.work._change_state("waits")
     port.pins = b""
     report()
     port.restart()
@@ -315,10 +315,10 @@ def test_a_machine_that_waits_does_not_read_its_job_again_and_again():
     board.work._order = {"id": "7", "name": "a"}
     board.work._job.files.keep("a", lines, 7)
     board.work._job.record = record
-    board.work._become("waits")
+    board.work._change_state("waits")
     for _poll in range(50):
         board.work.poll(time.monotonic())
-    assert board.work._last() == 10_000 and 0 < lines.looks < 200
+    assert board.work._last_line() == 10_000 and 0 < lines.looks < 200
 
 
 def test_a_report_with_a_wrong_byte_is_left_out():
@@ -615,14 +615,14 @@ def scraped():
     state_topics = StateTopics()
     state_topics.scale = [80, 80]
     for count in (7, 9):
-        state_topics.late(count)
+        state_topics.note_late(count)
     state_topics.counters["retries"] = 4
     state_topics.look(shown(state="Run", job=job("run", 100), full=30), 0)
     state_topics.look(shown(state="Run", job=job("run", 150), full=30, m=[1.0, 1002.0]), 60)
     state_topics.count_refusal(2)
     figures = Figures()
-    figures.watch("a", state_topics)
-    figures.watch("not yet heard of", StateTopics())
+    figures.watch_machine("a", state_topics)
+    figures.watch_machine("not yet heard of", StateTopics())
     registry = CollectorRegistry()
     registry.register(figures)
     return generate_latest(registry).decode()
@@ -690,7 +690,7 @@ TAKEN = {"sensor": _COMMON | {"state_topic", "value_template", "state_class", "u
 
 
 def test_discovery():
-    found = {topic: json.loads(text) for topic, text in discovery("homeassistant", "passo/", "mill.2").items()}
+    found = {topic: json.loads(text) for topic, text in discovery_messages("homeassistant", "passo/", "mill.2").items()}
     assert len({config["unique_id"] for config in found.values()}) == len(found) == 6
     for topic, config in found.items():
         # <discovery_prefix>/<component>/<node_id>/<object_id>/config: letters, digits, '_' and '-'.
@@ -752,11 +752,11 @@ def test_an_agent_that_is_taken_over_says_so_takes_no_orders_and_hears_stop(shop
     said_of, doubled, stops, links = {"one": [], "two": []}, {"one": [], "two": []}, [], {}
     try:
         links["one"] = link("one")
-        shop.until(lambda: links["one"].up)
+        shop.until(lambda: links["one"].is_up)
         links["one"].tell({"state": "run"})
-        links["one"]._answer = lambda asks: None
+        links["one"]._answer_agent = lambda asks: None
         links["two"] = link("two")
-        shop.until(lambda: links["two"].up and doubled["one"])
+        shop.until(lambda: links["two"].is_up and doubled["one"])
         assert "another agent speaks for a" in said_of["one"][-1] and not doubled["two"]
         shop.until(lambda: links["one"]._client.is_connected())
         links["two"].tell({"state": "idle"})
@@ -765,7 +765,7 @@ def test_an_agent_that_is_taken_over_says_so_takes_no_orders_and_hears_stop(shop
         heard = []
         shop.until(lambda: heard.extend(links["two"].take_orders()) or ("order", "x") in heard)
         time.sleep(1.5)
-        assert not links["one"].take_orders() and not links["one"].up and links["two"].up and not doubled["two"], "no fight for the connection"
+        assert not links["one"].take_orders() and not links["one"].is_up and links["two"].is_up and not doubled["two"], "no fight for the connection"
         assert shop.told["passo/a/state"] == "idle"
         shop.client.publish("passo/stop", "x", 1)
         shop.until(lambda: sorted(stops) == ["one", "two"])
@@ -792,8 +792,8 @@ def test_a_board_that_speaks_for_itself_keeps_its_name(shop):
         link.doubled = said.append
         shop.until(lambda: said)
         stops = []
-        link.stopped = lambda: stops.append(link.up)
-        shop.until(lambda: board.is_connected() and not link.up and shop.told.get("passo/a/state") == "idle")
+        link.stopped = lambda: stops.append(link.is_up)
+        shop.until(lambda: board.is_connected() and not link.is_up and shop.told.get("passo/a/state") == "idle")
         connections = link.connections
         shop.until(lambda: link._client.is_connected())
         shop.until(lambda: stops or shop.client.publish("passo/stop", "x", 1).wait_for_publish(LIMIT_S))  # it hears STOP all the same
@@ -817,7 +817,7 @@ def test_an_agent_that_lost_its_connection_knows_its_own_state(shop):
     link.doubled = doubled.append
     try:
         for count in (1, 2):
-            shop.until(lambda: link.up and link.connections >= count)
+            shop.until(lambda: link.is_up and link.connections >= count)
             link.tell({"state": f"run {count}"})
             shop.until(lambda: shop.told.get("passo/a/state") == f"run {count}")
             link._client.socket().shutdown(socket.SHUT_RDWR)
@@ -832,14 +832,14 @@ def test_what_has_not_begun_does_not_begin_at_a_machine_for_which_another_agent_
     run(lambda: board.work._job.record)
     work = board.work
     assert work.act("release") == ""
-    board._yield("another one")
+    board._yield_machine("another one")
     assert work.how == "rest" and work.act("release") == "another one" and work.page_row()["text"] == "another one"
-    work.order(sign("KEY", SHOP, work._nonce, 1, {"id": "1", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}))
+    work.order(sign_message("KEY", SHOP, work._nonce, 1, {"id": "1", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}))
     assert work.how == "rest"
     for how, order, then in (("free", None, "rest"), ("fetch", {"id": "1", "name": "a"}, "rest"), ("goes", {"id": "1", "name": "a"}, "waits"), ("run", {"id": "1", "name": "a"}, "run")):
         work._order, work._parcel = order, SimpleNamespace(drop=lambda: None)
-        work._become(how)
-        board._yield("another one")
+        work._change_state(how)
+        board._yield_machine("another one")
         assert work.how == then, how
-    work._become("waits")
+    work._change_state("waits")
     assert work.act("go") == "another one" and work.act("give up") == ""

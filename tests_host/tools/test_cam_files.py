@@ -87,7 +87,7 @@ def test_a_cycle_is_held_and_goes_on():
             client.connect()
             client.command("$X")
             client.command("G91")
-            client._write(b"G99 G83 X1 Z-2.5 R1 Q0.5 F1500\n")
+            client._write_bytes(b"G99 G83 X1 Z-2.5 R1 Q0.5 F1500\n")
             running.until(lambda: running.world.steps > 900)
             client.real_time(b"!")
             running.until(running.standing)

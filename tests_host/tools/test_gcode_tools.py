@@ -134,11 +134,11 @@ def test_where_the_queue_was_empty_is_told(board, capsys, monkeypatch):
     with GrblClient(board.line.name) as client:
         panel = stream.Panel(client, [(number, b"X1") for number in range(1, 100)])
         panel._asks = False
-        client._notice("[OPT:VNMZJ,96,512]")
+        client._notice_line("[OPT:VNMZJ,96,512]")
         for done, free in ((1, 96), (10, 40), (20, 95), (30, 94), (35, 40), (40, 94), (50, 10)):
             while panel._done < done:
                 panel.count_line(panel._done + 1)
-            client._notice("<Run|MPos:0,0,0|Bf:%d,512|Ln:%d|FS:1,0>" % (free, done))
+            client._notice_line("<Run|MPos:0,0,0|Bf:%d,512|Ln:%d|FS:1,0>" % (free, done))
             panel._asked = 0.0
             panel._asks = True
             panel.poll_keys()

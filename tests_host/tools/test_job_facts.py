@@ -17,7 +17,7 @@ def numbered(text):
 
 @given(st.lists(st.integers(-50, 50), max_size=200))
 def test_the_parts_are_those_of_the_whole(places):
-    found = job_facts.gcode(numbered("G21 G90 F1200\n" + "\n".join(f"G1 X{place}" for place in places)), SETTINGS)
+    found = job_facts.gcode_facts(numbered("G21 G90 F1200\n" + "\n".join(f"G1 X{place}" for place in places)), SETTINGS)
     assert len(found["parts"]) == 33 and found["parts"] == sorted(found["parts"])
     assert found["parts"][0] == 0 and found["parts"][-1] == found["seconds"]
     length = sum(abs(to - at) for at, to in zip([0, *places], places))
@@ -25,12 +25,12 @@ def test_the_parts_are_those_of_the_whole(places):
 
 
 def test_tools_and_pauses():
-    found = job_facts.gcode(numbered("T1 M6\nG0 X1\nM0\nM00\nT2\nM06\nM30\nM60\nT2 M6\nm1"), SETTINGS)
+    found = job_facts.gcode_facts(numbered("T1 M6\nG0 X1\nM0\nM00\nT2\nM06\nM30\nM60\nT2 M6\nm1"), SETTINGS)
     assert (found["tools"], found["pauses"]) == (["T1", "T2"], 3)
 
 
 def test_a_long_job_is_not_estimated():
-    found = job_facts.gcode([(1, b"G0 X1")] * (job_facts.MOST_LINES + 1), SETTINGS)
+    found = job_facts.gcode_facts([(1, b"G0 X1")] * (job_facts.MOST_LINES + 1), SETTINGS)
     assert "seconds" not in found and found["lines"] == job_facts.MOST_LINES + 1
 
 

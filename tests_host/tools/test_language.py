@@ -294,9 +294,9 @@ def test_errors_and_settings_in_portuguese(portuguese):
     for number in sorted(error_texts.TEXTS):
         assert language.error_text(number) == language.load_catalogue("pt").words.get(error_texts.text(number), error_texts.text(number))
     assert language.error_text(errors.BUSY) != error_texts.text(errors.BUSY)
-    assert setting_names.describe("$110=500", 3)[0].startswith("x: ") and "highest" not in setting_names.describe("$110=500", 3)[0]
-    assert setting_names.describe("$20=1", 3)[0] != setting_names.NAMES[20][0]
-    assert setting_names.describe("G10L2P2X1", 3)[0] == "origem de G55"
+    assert setting_names.describe_line("$110=500", 3)[0].startswith("x: ") and "highest" not in setting_names.describe_line("$110=500", 3)[0]
+    assert setting_names.describe_line("$20=1", 3)[0] != setting_names.NAMES[20][0]
+    assert setting_names.describe_line("G10L2P2X1", 3)[0] == "origem de G55"
 
 
 def test_a_failure_is_english_until_it_is_told(portuguese):
@@ -358,4 +358,4 @@ def test_nothing_changes_in_english():
     from passo import error_texts, errors
 
     assert language.error_text(errors.BUSY) == error_texts.text(errors.BUSY)
-    assert setting_names.describe("$20=1", 3)[0] == setting_names.NAMES[20][0]
+    assert setting_names.describe_line("$20=1", 3)[0] == setting_names.NAMES[20][0]

@@ -155,7 +155,7 @@ def test_lines_for_programs(tmp_path):
     for line in ('{"header": "Passo on a board"}', '{"part": "link", "number": 3, "of": 8, "said": ""}',
                  json.dumps({"key": "ask_ms", "what": "asked", "found": "1 ms", "promised": "", "verdict": "better", "advice": "", "figures": {"ask_ms": 1}}),
                  "press reset"):  # fmt: skip
-        proving._hear(line)
+        proving._take_row(line)
     assert told[-1]["said"] == "press reset" and told[-1]["number"] == 3 and told[-1]["how"] == "runs"
     assert told[-1]["rows"] == [{"key": "ask_ms", "what": "asked", "found": "1 ms", "promised": "", "verdict": "better", "advice": ""}]
     proving.end()

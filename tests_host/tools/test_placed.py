@@ -79,7 +79,7 @@ LASER = Machine(s30="500", s32="1", s100="80.000", s101="80.000", s130="300.000"
                                                  (Machine(), "G1 Z0 F300", "XYZ")])  # fmt: skip
 def test_any_drawing_is_a_program_of_a_laser_a_pen_or_a_router(tmp_path, name, machine, down, axes):
     """By the machine's settings: those of router_3axis hold only until they are known."""
-    store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), machine), job_facts.gcode)
+    store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), machine), job_facts.gcode_facts)
     assert store.add(name, 0, DRAWINGS[name], True) == 0
     ((made, _),) = store.names()
     text = (tmp_path / "jobs" / made).read_text()
@@ -93,7 +93,7 @@ def test_any_drawing_is_a_program_of_a_laser_a_pen_or_a_router(tmp_path, name, m
 
 
 def test_g_code_is_a_router_s_own_language(tmp_path):
-    store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), LASER), job_facts.gcode)
+    store = Store(tmp_path / "jobs", gcode_lines, gcode_of(check(boards.load("router_3axis")), LASER), job_facts.gcode_facts)
     assert store.add("map.nc", 0, GCODE, True) == 0
     assert (tmp_path / "jobs" / "map.nc").read_text() == GCODE and "placed" not in store.about("map.nc", {})
     assert store.add("none.dxf", 0, "hello", True) == errors.DRAWING and store.add("none.plt", 0, "", True) == errors.NOT_A_JOB

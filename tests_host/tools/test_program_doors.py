@@ -118,7 +118,7 @@ def test_letters_in_comments_cost_nothing(part, store, tmp_path):
     assert Jobs({"a.nc": MINUS}, "grbl").lines("a.nc") == {"error": errors.JOB_LINE, "line": 3, "text": ""}
     for line in (b"G1X1\xe2\x88\x92", "$I=Fräse".encode()):
         with pytest.raises(Refused, match="only ASCII"):
-            GrblClient._say(None, line)
+            GrblClient._send_line(None, line)
 
 
 # --- the page's own reader

@@ -7,7 +7,7 @@ those of files that people keep: LightBurn's `GRBL device profile, absolute coor
 
 import pytest
 
-from host_tools.panel.job_facts import tools
+from host_tools.panel.job_facts import tools_of
 from host_tools.panel.store import gcode_lines
 from host_tools.programs import gcode_file
 from host_tools.sim.job import VirtualJob
@@ -132,7 +132,7 @@ def test_each_line_is_taken(tmp_path, name, board, text, low, high):
     path.write_text(text, newline="\r\n")
     job = VirtualJob(board)
     job.run(gcode_file.lines(path))
-    assert job.errors == [] and tools(gcode_lines(path)) == []
+    assert job.errors == [] and tools_of(gcode_lines(path)) == []
     assert [round(value, 2) for value in job.low[: len(low)]] == pytest.approx(list(low), abs=0.02)
     assert [round(value, 2) for value in job.high[: len(high)]] == pytest.approx(list(high), abs=0.02)
 

@@ -52,7 +52,7 @@ def test_a_port_in_use_is_refused_and_its_user_named(line, holder, client):
 ])  # fmt: skip
 def test_a_program_is_named_as_it_was_typed(tmp_path, words, said):
     (tmp_path / "cmdline").write_bytes(words.replace(" ", "\0").encode() + b"\0")
-    assert serial_port._command(tmp_path) == said
+    assert serial_port._command_line(tmp_path) == said
 
 
 def test_the_first_program_notices_nothing(line):

@@ -19,7 +19,7 @@ def test_every_setting_has_a_name_and_the_bounds_of_the_firmware(name):
     for number, (_, places, _, least, most) in boards.settings_of(board).items():
         if number in of_options:
             continue  # a folder that was added has the names of its own, or none
-        title, _, *bounds = setting_names.rule(number, len(board["axes"]))
+        title, _, *bounds = setting_names.rule_of(number, len(board["axes"]))
         scale = 1000 if places == DECIMAL else 1
         own = [least / scale, most / scale]
         assert title and bounds[0] <= own[0] <= own[1] <= bounds[1], number
@@ -29,7 +29,7 @@ def test_every_setting_has_a_name_and_the_bounds_of_the_firmware(name):
 
 def test_lines_with_what_they_mean():
     lines = ["$3=1", "$11=0.010", "$100=320.000", "$101=320.000", "$112=1500.000", "$N0=G54", "G10L2P2X1.000Y0.000", "$777=1"]
-    shown = setting_names.table(lines)
+    shown = setting_names.describe_lines(lines)
     assert [text.split("  ")[0].strip() for text in shown] == lines
     assert "direction pin high" in shown[0] and shown[0].endswith("0 … 3")
     assert "mm " in shown[1] and shown[1].endswith("0 … 10")

@@ -5,7 +5,7 @@ from test_board_command import Board
 from typer.testing import CliRunner
 
 from host_tools.cli.main import app
-from host_tools.clients.settings import names, number_of
+from host_tools.clients.settings import setting_numbers, number_of
 from host_tools.failure import Failure
 
 BOARDS = {"torch": "torch_manipulator", "plotter": "plotter_2014", "pulses": "lpt_router", "keys": "two_motor_kit", "grbl": "router_3axis"}
@@ -23,7 +23,7 @@ def passo(*words):
 
 def test_names_and_numbers():
     assert number_of("x_steps_mm") == number_of("100") == number_of("$100") == 100 and number_of("interval_us") == 181
-    assert len(set(names().values())) == len(names()) > 40
+    assert len(set(setting_numbers().values())) == len(setting_numbers()) > 40
     with pytest.raises(Failure, match="there is no setting x_speed; known are"):
         number_of("x_speed")
 

@@ -25,9 +25,9 @@ from host_tools.language import error_text
 from host_tools.panel.panel import FOLDER
 from host_tools.shop import uploads
 from host_tools.shop.job_table import JobTable
-from host_tools.shop.dispatcher import LASER_CLASSES, Dispatcher, fits
+from host_tools.shop.dispatcher import LASER_CLASSES, Dispatcher, job_fits
 from host_tools.shop.machines import MOST_STRANGERS
-from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
+from host_tools.shop.signed import MACHINE, SHOP, Opener, sign_message
 from passo import errors
 from passo.web import session
 
@@ -58,7 +58,7 @@ def test_a_job_is_given_once_whatever_is_asked_for_again(book, tmp_path):
     assert book.give("m3", "nonce", lambda job: True) is None
     book.follow(job, "begun", 3, "")
     with pytest.raises(sqlite3.IntegrityError):
-        book._write("update jobs set machine = 'm2' where id = ?", one)
+        book._change_rows("update jobs set machine = 'm2' where id = ?", one)
     again = JobTable(tmp_path / "shop.sqlite")
     assert again.open_of("m1").line == 3 and again.open_of("m1").begun
     again.end(again.open_of("m1"), "done", 9, "")
@@ -73,16 +73,16 @@ def test_jobs_are_given_in_their_order_to_machines_that_fit(book):
     book.add(b"2", "red", {"kind": "k", "tool": "red"})
     book.add(b"3", "any", {"kind": "k", "tool": ""})
     blue = {"kind": "k", "tool": "blue", "area": [200, 200]}
-    assert book.give("blue", "n", lambda job: fits(job, blue)).name == "any"
-    assert book.give("red", "n", lambda job: fits(job, {**blue, "tool": "red"})).name == "red"
-    assert not fits(book.jobs()[0], {**blue, "kind": "another"})
-    assert book.give("big", "n", lambda job: fits(job, {"kind": "k", "area": [300, 100]})).name == "big"
+    assert book.give("blue", "n", lambda job: job_fits(job, blue)).name == "any"
+    assert book.give("red", "n", lambda job: job_fits(job, {**blue, "tool": "red"})).name == "red"
+    assert not job_fits(book.jobs()[0], {**blue, "kind": "another"})
+    assert book.give("big", "n", lambda job: job_fits(job, {"kind": "k", "area": [300, 100]})).name == "big"
 
 
 def test_a_laser_is_given_what_may_be_burnt_by_its_class_and_no_other(book):
     def takes(most, **machine):
         book.add(b"1", "cut", {"kind": "k", "laser": most})
-        job = book.give("m", "n", lambda job: fits(job, {"kind": "k", **machine}))
+        job = book.give("m", "n", lambda job: job_fits(job, {"kind": "k", **machine}))
         if job:
             book.end(job, "done", 1, "")
         else:
@@ -94,7 +94,7 @@ def test_a_laser_is_given_what_may_be_burnt_by_its_class_and_no_other(book):
     assert not takes("4", laser="") and not takes("4"), "nobody has said what it is"
     assert all(takes("", laser=has) for has in ("", *LASER_CLASSES))
     book.add(b"1", "of an older shop", {"kind": "k"})
-    assert fits(book.jobs()[0], {"kind": "k", "laser": "4"})
+    assert job_fits(book.jobs()[0], {"kind": "k", "laser": "4"})
 
 
 def test_a_job_that_is_done_before_its_machine_could_say_more_began(book):
@@ -109,14 +109,14 @@ def test_a_job_that_is_done_before_its_machine_could_say_more_began(book):
 
 
 def test_an_order_is_good_once_for_its_end_its_nonce_and_as_it_was():
-    text = sign(KEY, SHOP, "nonce", 1, {"id": "1"})
+    text = sign_message(KEY, SHOP, "nonce", 1, {"id": "1"})
     opener = Opener(KEY, SHOP, "nonce")
     assert opener.open(text.replace('"1"', '"2"')) is None
     assert opener.open(text) == {"id": "1"}
     assert opener.open(text) is None, "heard before"
     for other in (Opener(KEY, MACHINE, "nonce"), Opener(KEY, SHOP, "other"), Opener("B" * 16, SHOP, "nonce")):
         assert other.open(text) is None
-    for noise in ("", "..", "1", "1.2.3", "9" * 40 + ".a.b", sign(KEY, SHOP, "nonce", 2, [1]), "2.é.{}"):
+    for noise in ("", "..", "1", "1.2.3", "9" * 40 + ".a.b", sign_message(KEY, SHOP, "nonce", 2, [1]), "2.é.{}"):
         assert opener.open(noise) is None
 
 
@@ -141,7 +141,7 @@ def test_a_file_is_checked_before_it_is_queued():
             uploads.job_of(name, data, "corexy_plotter")
     with pytest.raises(Failure, match="journal"):
         uploads.job_of("a.gcode", b"G0X1", "plotter_2014")
-    assert "corexy_plotter" in uploads.kinds()
+    assert "corexy_plotter" in uploads.list_kinds()
 
 
 # --- one machine, a real broker
@@ -272,7 +272,7 @@ def test_what_was_heard_before_altered_or_told_by_strangers_does_nothing(bench):
     assert sum(1 for topic, _text, _kept in bench.heard if topic == "passo/m/order") > 1
     bench.until(lambda: bench.machine()["state"] == "idle" and bench.do("release").json()["text"] == "" or bench.how() != "rest")
     job = bench.book.jobs()[0]
-    for text in (order, order.replace(bench.book.jobs()[-1].id, job.id), sign("B" * 16, SHOP, "x", 1, {"id": job.id})):
+    for text in (order, order.replace(bench.book.jobs()[-1].id, job.id), sign_message("B" * 16, SHOP, "x", 1, {"id": job.id})):
         bench.client.publish("passo/m/order", text, 1, retain=True)
     bench.until(lambda: bench.book.counts().get("done") == 2)
     assert bench.drawn() == ([1, 2], 0, [])
@@ -303,16 +303,16 @@ def test_a_file_that_another_has_put_on_the_broker_is_not_drawn(bench):
     bench.start_agent()
     right = shop_load.program(9)
     bench.book.add(right, "9.gcode", {"kind": shop_load.KIND})
-    put = bench.dispatcher._put
+    put = bench.dispatcher._publish_file
     topic = "passo/file/" + hashlib.sha256(right).hexdigest() + "/0"
-    bench.dispatcher._put = lambda sha: bench.client.publish(topic, shop_load.program(10), 1, True).wait_for_publish(30)
+    bench.dispatcher._publish_file = lambda sha: bench.client.publish(topic, shop_load.program(10), 1, True).wait_for_publish(30)
     bench.release()
     bench.until(lambda: bench.machine()["text"])
     time.sleep(1)
     told = bench.machine()
     assert told["how"] == "fetch" and "is not the one" in told["text"]["en"] and "não é o" in told["text"]["pt"]
     assert bench.book.counts() == {"given": 1} and bench.dispatcher.machines["m"]["text"] == told["text"]["en"]
-    bench.dispatcher._put = put
+    bench.dispatcher._publish_file = put
     put(hashlib.sha256(right).hexdigest())
     bench.until(lambda: bench.book.counts().get("done") == 1)
     assert bench.drawn() == ([9], 0, [])
@@ -378,13 +378,13 @@ def test_a_machine_that_is_released_before_it_is_back_gets_its_job(book):
     dispatcher = Dispatcher(broker, KEY, book)
 
     def hear(topic, text):
-        dispatcher._hear(None, None, SimpleNamespace(topic=f"passo/m/{topic}", payload=text.encode()))
+        dispatcher._take_message(None, None, SimpleNamespace(topic=f"passo/m/{topic}", payload=text.encode()))
 
     body = {"how": "free", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k"}
     book.add(b"G0X1", "a", {"kind": "k"}, 2)
     for state in ("gone", "lost"):
         hear("state", state)
-        hear("work", sign(KEY, MACHINE, f"{dispatcher._nonce} m", 1 + len(broker.published), body))
+        hear("work", sign_message(KEY, MACHINE, f"{dispatcher._nonce} m", 1 + len(broker.published), body))
         assert not book.open_of("m")
         hear("state", "idle")
         job = book.open_of("m")
@@ -401,11 +401,11 @@ def heard(book):
     dispatcher = Dispatcher(broker, KEY, book)
 
     def hear(name, topic, text):
-        dispatcher._hear(None, None, SimpleNamespace(topic=f"passo/{name}/{topic}", payload=text.encode()))
+        dispatcher._take_message(None, None, SimpleNamespace(topic=f"passo/{name}/{topic}", payload=text.encode()))
 
     def told(name, count, **fields):
         body = {"how": "rest", "job": "", "nonce": "n", "line": 0, "text": "", "ended": None, "area": [9, 9], "kind": "k", **fields}
-        hear(name, "work", sign(KEY, MACHINE, f"{dispatcher._nonce} {name}", count, body))
+        hear(name, "work", sign_message(KEY, MACHINE, f"{dispatcher._nonce} {name}", count, body))
 
     yield dispatcher, broker, hear, told
     dispatcher.close()

@@ -18,7 +18,7 @@ from host_tools.shop import uploads, shop_server
 from host_tools.shop.job_table import JobTable, JobTableError
 from host_tools.shop.dispatcher import Dispatcher
 from host_tools.shop.link import Broker, Link
-from host_tools.shop.signed import MACHINE, SHOP, Opener, sign
+from host_tools.shop.signed import MACHINE, SHOP, Opener, sign_message
 from host_tools.shop.work import FETCH, FREE, REST
 from passo import errors
 from passo.web.session import Session
@@ -78,11 +78,11 @@ def escaped(end, nonce, count, body):
 
 
 def hear(dispatcher, topic, payload):
-    dispatcher._hear(None, None, SimpleNamespace(topic=topic, payload=payload))
+    dispatcher._take_message(None, None, SimpleNamespace(topic=topic, payload=payload))
 
 
 def word(dispatcher, count, name="m", **more):
-    hear(dispatcher, f"passo/{name}/work", sign(KEY, MACHINE, f"{dispatcher._nonce} {name}", count, {**WORD, **more}).encode())
+    hear(dispatcher, f"passo/{name}/work", sign_message(KEY, MACHINE, f"{dispatcher._nonce} {name}", count, {**WORD, **more}).encode())
 
 
 def until(condition):
@@ -160,7 +160,7 @@ def test_an_order_and_a_dropped_file_that_meet_a_disk_error_are_answered(book, d
     def full(*_more, **_named):
         raise JobTableError(5, "database or disk is full")
 
-    monkeypatch.setattr(book, "_write", full)
+    monkeypatch.setattr(book, "_change_rows", full)
     for order in ({"do": "withdraw", "job": job}, {"do": "again", "job": job}):
         assert shop.order(order, True)["error"] == errors.NOT_WRITTEN
 
@@ -168,7 +168,7 @@ def test_an_order_and_a_dropped_file_that_meet_a_disk_error_are_answered(book, d
         import asyncio
 
         page.told.clear()
-        asyncio.run(shop._queue("a.gcode", "G21 G90\nG1 X5 F600\n", {"kind": "corexy_plotter"}, 1))
+        asyncio.run(shop._queue_file("a.gcode", "G21 G90\nG1 X5 F600\n", {"kind": "corexy_plotter"}, 1))
         return page.told[-1]
 
     assert "disk is full" in dropped()["text"]["en"] and book.counts() == {"queued": 1}
@@ -235,7 +235,7 @@ def test_stop_of_the_page_and_a_broker_that_goes_away(tmp_path):
     thread = threading.Thread(target=loop.run_forever)
     thread.start()
     try:
-        bench.until(lambda: dispatcher.up)
+        bench.until(lambda: dispatcher.is_up)
 
         def stop():
             return requests.post(f"http://127.0.0.1:{port}/stop", timeout=10).json()["error"]
@@ -273,7 +273,7 @@ def test_a_stop_takes_a_release_back():
     order = {"id": "0000000a", "name": "a", "sha": "0" * 64, "parts": 1, "again": False}
     board.stop()
     assert board.work.how == REST
-    board.work.order(sign("KEY", SHOP, nonce, 1, order))
+    board.work.order(sign_message("KEY", SHOP, nonce, 1, order))
     assert board.work.how == REST, "it was for the release"
     assert b"\x18" in b"".join(port.lines)
 
@@ -355,8 +355,8 @@ def test_no_message_ends_an_agent_s_connection(topic, payload):
     link = Link(Unconnected(), "m", works=True)
     link.stopped = lambda: stops.append(True) or 1 / 0
     link.parcel.ask("0" * 64, 3)
-    link._hear(None, None, SimpleNamespace(topic=f"passo/{topic}", payload=payload))
-    link._hear(None, None, SimpleNamespace(topic="passo/stop", payload=b""))
+    link._take_message(None, None, SimpleNamespace(topic=f"passo/{topic}", payload=payload))
+    link._take_message(None, None, SimpleNamespace(topic="passo/stop", payload=b""))
     assert stops
 
 

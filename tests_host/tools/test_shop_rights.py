@@ -44,7 +44,7 @@ class Guarded(Shop):
 
     def as_user(self, user, password=None, ca=None):
         broker = Broker("127.0.0.1", self.port, user, password or self.passwords.get(user, ""), str(ca or self.folder / "ca.crt"))
-        return broker.client("")
+        return broker.make_client("")
 
     def agent_as(self, user, *words):
         secret = self.folder / f"{user}.password"

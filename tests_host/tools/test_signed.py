@@ -40,14 +40,14 @@ class Sender:
 
     def say(self, data):
         self.line.said += data
-        self.bridge.turn(0)
+        self.bridge.carry_bytes(0)
 
     def until(self, wanted):
         """Read up to `wanted` and return the text before it."""
         deadline = time.monotonic() + LIMIT_S
         while wanted not in self.line.heard:
             assert time.monotonic() < deadline, self.line.heard
-            self.bridge.turn(10)
+            self.bridge.carry_bytes(10)
         head, _, self.line.heard = self.line.heard.partition(wanted)
         return head
 
@@ -57,7 +57,7 @@ class Sender:
         deadline = time.monotonic() + LIMIT_S
         while not (found := re.search(rb"(ok|error:\d+)\r\n", self.line.heard)):
             assert time.monotonic() < deadline, self.line.heard
-            self.bridge.turn(10)
+            self.bridge.carry_bytes(10)
         self.line.heard = self.line.heard[found.end() :]
         return found[1]
 
@@ -141,7 +141,7 @@ def raw(port, data, wanted=rb"error:178"):
 def test_without_the_key_nothing_moves(port):
     sender = Sender(port)
     assert sender.ask(b"$LINK=0") == b"ok" and sender.ask(b"$X") == b"ok" and sender.ask(b"G91") == b"ok"
-    spoken = sender.bridge._proof(b"G1 X5 F600")  # heard on the wire, and not yet used
+    spoken = sender.bridge._prove_line(b"G1 X5 F600")  # heard on the wire, and not yet used
     place = sender.place()
     sender.bridge.close()
     time.sleep(0.2)

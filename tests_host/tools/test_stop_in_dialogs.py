@@ -239,7 +239,7 @@ def test_the_shop_s_page(driver, tmp_path):
     thread = threading.Thread(target=loop.run_forever)
     thread.start()
     try:
-        port = asyncio.run_coroutine_threadsafe(shop.server.listening(serving), loop).result(30)
+        port = asyncio.run_coroutine_threadsafe(shop.server.wait_for_port(serving), loop).result(30)
         driver.get(f"http://127.0.0.1:{port}/#key={KEY}")
         until(lambda: driver.find_element("id", "copies").is_displayed())
         esc_and_click(driver, "copies")

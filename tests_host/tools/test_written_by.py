@@ -75,7 +75,7 @@ def test_a_sender_says_what_to_choose(tmp_path, capsys):
 
 def test_the_panel_says_what_to_choose(tmp_path):
     """Beside the first line at which a job would stop; a job that runs has no such words."""
-    store = Store(tmp_path, gcode_lines, facts=job_facts.gcode)
+    store = Store(tmp_path, gcode_lines, facts=job_facts.gcode_facts)
     settings = {100: "80", 101: "80", 102: "80", 110: "6000", 111: "6000", 112: "3000", 120: "500", 121: "500", 122: "300"}
     for name, text in (("c.nc", REFUSED["FreeCAD centroid"][1]), ("n.nc", "G21 G90\nG1 X1 F600\nM25\n"), ("g.nc", PROGRAMS["FreeCAD grbl"][1])):
         written(tmp_path, name, text)

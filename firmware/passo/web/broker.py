@@ -59,7 +59,7 @@ class Wire:
         self.said[self.used : self.used + count] = data[:count]
         self.used += count
 
-    def sent(self, count):
+    def drop_sent(self, count):
         """Drop `count` bytes, which have gone."""
         left = self.used - count
         self.said[:left] = self.said[count : self.used]
@@ -100,9 +100,9 @@ class Broker:
         if self._socket is None:
             if self._tried_ms < 0 or (now_ms - self._tried_ms) & COUNT_MASK >= _AGAIN_MS:
                 self._tried_ms = now_ms
-                self._guarded(self._begin, now_ms)
+                self._close_on_error(self._connect_broker, now_ms)
             return False
-        self._guarded(self._exchange, now_ms)
+        self._close_on_error(self._exchange_bytes, now_ms)
         if self._socket is None or (now_ms - self._looked_ms) & COUNT_MASK < _LOOK_MS:
             return False
         self._looked_ms = now_ms
@@ -117,13 +117,13 @@ class Broker:
             self._socket.close()
             self._socket = None
 
-    def _guarded(self, work, now_ms):
+    def _close_on_error(self, work, now_ms):
         try:
             work(now_ms)
         except OSError:
             self.close()
 
-    def _begin(self, now_ms):
+    def _connect_broker(self, now_ms):
         made = self._socket = socket.socket()
         made.setblocking(False)
         try:
@@ -144,9 +144,9 @@ class Broker:
         for number, topic in ((1, b"passo/"), (2, self._own)):
             wire.expected = bytes((_SUBACK, 3, 0, number, 0))
             client.subscribe(topic + b"stop")
-        self._publish(b"language", self._language)
+        self._publish_topic(b"language", self._language)
 
-    def _exchange(self, now_ms):
+    def _exchange_bytes(self, now_ms):
         """Send and read what the network takes and has. Raises OSError if the connection is of no use any more."""
         wire = self._wire
         if (now_ms - self._heard_ms) & COUNT_MASK >= _SILENT_MS:
@@ -156,7 +156,7 @@ class Broker:
             self._client.ping()
         try:
             if wire.used:
-                wire.sent(self._socket.send(memoryview(wire.said)[: wire.used]))
+                wire.drop_sent(self._socket.send(memoryview(wire.said)[: wire.used]))
             data = self._socket.recv(_READ)
         except OSError as error:
             if error.errno in AGAIN:
@@ -166,9 +166,9 @@ class Broker:
             raise OSError(0)
         self._heard_ms = now_ms
         for byte in data:
-            self._hear(byte)
+            self._parse_byte(byte)
 
-    def _hear(self, byte):
+    def _parse_byte(self, byte):
         """A byte of a packet: its kind, its length in sevens of bits, what it says."""
         if not self._kind:
             self._kind = byte
@@ -198,16 +198,16 @@ class Broker:
         state = json.loads(text)
         share, comma, job = (state.get("stored") or "").partition(",")
         alarm = state["alarm"] or (errors.LOCKED if state["state"] == "Alarm" else 0)
-        self._guarded(self._publish_all, (
+        self._close_on_error(self._publish_all, (
             (b"state", state["state"].lower()), (b"job", job.rstrip("?") if comma else ""), (b"progress", share if comma else ""),
             (b"place", json.dumps(state["w"]) if state.get("w") else ""), (b"alarm", self._text_of(alarm) if alarm else ""),
         ))  # fmt: skip
 
     def _publish_all(self, topics):
         for topic, text in topics:
-            self._publish(topic, text.encode())
+            self._publish_topic(topic, text.encode())
 
-    def _publish(self, topic, text):
+    def _publish_topic(self, topic, text):
         """Retained, if it has changed and there is room; else the next state will do."""
         if self._told.get(topic) != text and self._wire.used + len(self._own) + len(topic) + len(text) + _HEADS <= _ROOM:
             self._told[topic] = text

@@ -171,14 +171,14 @@ class Connection:
             self._file = open(path, "rb")
             self._file.seek(start)
             self._left = size
-        self._begin(status, kind, more + b"Content-Length: %d\r\n" % (len(body) + size))
+        self._begin_answer(status, kind, more + b"Content-Length: %d\r\n" % (len(body) + size))
         if body:
             self._rest.append(body)
         self.state = ANSWERED
 
     def begin_events(self):
-        """Send server-sent events from now on, see event()."""
-        self._begin(200, b"text/event-stream", b"")
+        """Send server-sent events from now on, see send_event()."""
+        self._begin_answer(200, b"text/event-stream", b"")
         self.state = EVENTS
 
     def begin_socket(self, owner):
@@ -191,18 +191,18 @@ class Connection:
         )
         self.state = SOCKET
 
-    def event(self, data):
+    def send_event(self, data):
         """Send one, if the one before has been sent. False if not."""
         if self._out or self._rest:
             return False
         self._out = b"data: " + data + b"\n\n"
         return True
 
-    def _begin(self, status, kind, more):
+    def _begin_answer(self, status, kind, more):
         self._out = b"HTTP/1.1 %d %s\r\nContent-Type: %s\r\n" % (status, _STATUS[status], kind)
         self._rest = [_HEADERS, more + b"\r\n"]
 
-    def sending(self):
+    def is_sending(self):
         return bool(self._out) or bool(self._rest) or self._file is not None
 
     def send(self, now_ms, data=b""):

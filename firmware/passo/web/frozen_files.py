@@ -20,13 +20,13 @@ class FrozenFiles:
         return iter([(name, 0x8000, 0, len(data)) for name, data in self._files.items()])
 
     def stat(self, path):
-        return 0x8000, 0, 0, 0, 0, 0, len(self._found(path)), 0, 0, 0
+        return 0x8000, 0, 0, 0, 0, 0, len(self._bytes_of(path)), 0, 0, 0
 
     def open(self, path, mode):
         """Reads where the bytes are: they are not copied."""
-        return BytesIO(self._found(path))
+        return BytesIO(self._bytes_of(path))
 
-    def _found(self, path):
+    def _bytes_of(self, path):
         try:
             return self._files[path.lstrip("/")]
         except KeyError:

@@ -91,7 +91,7 @@ class Server:
         if number == _PUSHED:
             self._pushing = False
             for connection in self.connections:
-                if connection.state == EVENTS and connection.event(data):
+                if connection.state == EVENTS and connection.send_event(data):
                     self.send(connection)
             return
         for connection in self.connections:
@@ -116,25 +116,25 @@ class Server:
         while self._found:
             found = self._found.pop()
             if found is self._listener or found == self._listener_fd:
-                self._accept(now_ms)
+                self._accept_connection(now_ms)
             elif steps:
                 steps -= 1
                 for connection in self.connections:
                     if connection.socket is found or connection.fd == found:
-                        self._advance(connection, now_ms)
+                        self._advance_connection(connection, now_ms)
                         break
         if (now_ms - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
             self._looked_ms = now_ms
             for connection in self.connections:
-                if self._late(connection, now_ms):
+                if self._takes_too_long(connection, now_ms):
                     self.drop(connection)
                     break
-        if self._gets and not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
+        if self._gets and not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._count_pages():
             self._pushed_ms = now_ms
             self._pushing = True
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
 
-    def _late(self, connection, now_ms):
+    def _takes_too_long(self, connection, now_ms):
         """True if it takes too long."""
         waited = (now_ms - connection.since_ms) & COUNT_MASK
         if connection.state == SOCKET:
@@ -142,9 +142,9 @@ class Server:
             if silent > _ALIVE_MS and not connection.asked:
                 connection.asked = True
                 self.send(connection, frame(PING, b""))
-            return silent > _GONE_MS or waited > _SENT_MS and connection.sending()
+            return silent > _GONE_MS or waited > _SENT_MS and connection.is_sending()
         if connection.state == EVENTS:
-            return waited > _SENT_MS and connection.sending()
+            return waited > _SENT_MS and connection.is_sending()
         return waited > (_SENT_MS if connection.state == ANSWERED else _WHOLE_MS)
 
     def watched(self):
@@ -156,10 +156,10 @@ class Server:
             self.drop(connection)
         self._listener.close()
 
-    def _pages(self):
+    def _count_pages(self):
         return len([1 for each in self.connections if each.state == EVENTS])
 
-    def _accept(self, now_ms):
+    def _accept_connection(self, now_ms):
         """Take a connection. It waits if all that there are are being answered."""
         if len([1 for each in self.connections if each.state < EVENTS]) >= SLOTS:  # the others are pages
             for connection in self.connections:
@@ -179,14 +179,14 @@ class Server:
         connection = Connection(socket, address[0], now_ms)
         self.connections.append(connection)
         self._poll.register(socket, POLLIN)
-        self._advance(connection, now_ms)
+        self._advance_connection(connection, now_ms)
 
-    def _advance(self, connection, now_ms):
+    def _advance_connection(self, connection, now_ms):
         """Do the next work of a connection."""
         try:
             if connection.state in (HEAD, BODY):
                 if connection.receive():
-                    self._asked(connection, now_ms)
+                    self._answer_request(connection, now_ms)
             elif connection.state == SOCKET:
                 for kind, data in connection.receive():
                     connection.heard_ms = now_ms
@@ -199,7 +199,7 @@ class Server:
                     self.send(connection)
             elif connection.state == ASKED:
                 return  # the answer is still to come; send() notices a client that has gone
-            elif connection.sending():
+            elif connection.is_sending():
                 self.send(connection)
             else:
                 connection.socket.recv(64)  # of events only the end is of interest
@@ -232,52 +232,52 @@ class Server:
 
     # --- a request that is whole
 
-    def _asked(self, connection, now_ms):
+    def _answer_request(self, connection, now_ms):
         path = connection.path
         owner = self.sockets.get(path)
         status = connection.wrong or self._guard.wrong(connection, owner and owner.browser)
         if status:
-            self._say(connection, status)
+            self._answer_status(connection, status)
         elif path in self._posts or path in self._gets:
-            self._ask(connection, path, now_ms)
+            self._queue_request(connection, path, now_ms)
         elif path in self.calls and connection.method == b"POST":
             connection.answer(200, b"application/json", self.calls[path](connection.body))
             self.send(connection)
         elif owner and connection.key:
-            self._open(connection, owner, now_ms)
+            self._open_socket(connection, owner, now_ms)
         else:
-            self._show(connection, path, now_ms)
+            self._answer_file(connection, path, now_ms)
 
-    def _open(self, connection, owner, now_ms):
+    def _open_socket(self, connection, owner, now_ms):
         hello = owner.open(connection, now_ms)
         if hello is None:
-            self._say(connection, 503)
+            self._answer_status(connection, 503)
             return
         connection.begin_socket(owner)
         connection.since_ms = connection.heard_ms = now_ms
         self.send(connection, hello)
 
-    def _show(self, connection, path, now_ms):
+    def _answer_file(self, connection, path, now_ms):
         found = self.files.find(path)
         if not found and not (self._gets and path in (b"/", b"/EVENTS")):
-            self._say(connection, 404)
+            self._answer_status(connection, 404)
         elif connection.method != b"GET":
-            self._say(connection, 405)
+            self._answer_status(connection, 405)
         elif found:
             kind, more, file, start, size = found
             connection.answer(200, kind, b"", more, file, start, size)
             self.send(connection)
         elif path == b"/":
-            self._ask(connection, self._gets[0], now_ms)
-        elif self._pages() >= PAGES:
-            self._say(connection, 503)
+            self._queue_request(connection, self._gets[0], now_ms)
+        elif self._count_pages() >= PAGES:
+            self._answer_status(connection, 503)
         else:
             connection.begin_events()
             self.send(connection)
 
-    def _ask(self, connection, path, now_ms):
+    def _queue_request(self, connection, path, now_ms):
         if (connection.method == b"POST") != (path in self._posts) or connection.method not in (b"POST", b"GET"):
-            self._say(connection, 405)
+            self._answer_status(connection, 405)
             return
         if (now_ms - self._second_ms) & COUNT_MASK >= 1000:
             self._second_ms = now_ms
@@ -286,7 +286,7 @@ class Server:
         if not free:
             self._count += 1
         if len(self._requests) >= SLOTS + 1 or self._count > _MOST_S and not free:
-            self._say(connection, 503)
+            self._answer_status(connection, 503)
             return
         self._number = self._number % (_PUSHED - 1) + 1
         connection.number = self._number
@@ -296,12 +296,12 @@ class Server:
         request = bytes((self._number, flags)) + path + b" " + connection.body
         if free:
             if path in self._posts:
-                self._overtake(connection, now_ms)
+                self._refuse_older(connection, now_ms)
             self._requests.insert(0, request)
         else:
             self._requests.append(request)
 
-    def _overtake(self, connection, now_ms):
+    def _refuse_older(self, connection, now_ms):
         """Refuse all proven requests that came before this STOP. If it has a proof, those still under way count as old, too."""
         if connection.proof:
             self._guard.proven(connection, now_ms)
@@ -310,12 +310,12 @@ class Server:
             if request[1] & REQUEST_PROVEN:
                 for each in self.connections:
                     if each.number == request[0] and each.state == ASKED:
-                        self._say(each, 409, _STOPPED)
+                        self._answer_status(each, 409, _STOPPED)
                         break
             else:
                 self._requests.append(request)
 
-    def _say(self, connection, status, body=b""):
+    def _answer_status(self, connection, status, body=b""):
         body = body or (_BUSY if status == 503 else b"%d\n" % status)
         connection.answer(status, b"text/plain", body)
         self.send(connection)

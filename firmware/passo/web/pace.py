@@ -10,7 +10,7 @@ A jog wants reports that are fresh (lease.py): a page that has them rarely asks 
 from micropython import const
 
 from passo import errors
-from passo.protocols.page.lease import since
+from passo.protocols.page.lease import elapsed_ms
 
 _MOST_MS = const(10_000)
 _EARLY_MS = const(5)  # a report this near to its time goes now, not a push later
@@ -33,7 +33,7 @@ class Pace:
 
     def due(self, version, now_ms):
         """Return whether the page gets the state now. `version`: another one if more than positions have changed: then at once."""
-        if version == self._told and (not self._every_ms or since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
+        if version == self._told and (not self._every_ms or elapsed_ms(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
             return False
         self._told = version
         self._told_ms = now_ms

@@ -15,7 +15,7 @@ from passo import errors
 from passo.protocols.page.orders import order_of
 from passo.protocols.page.protocol import ALL, FIRST, FREE, GONE, MOST, PROVEN, TOLD
 from passo.records import COUNT_MASK
-from passo.web.pages import Pages, refused
+from passo.web.pages import Pages, refusal_answer
 from passo.web.websocket import TEXT, frame
 
 _PUSH_MS = const(190)  # between two states, whatever a pass of the main loop takes: five a second
@@ -38,7 +38,7 @@ class PageLine:
         self._broker = None
         self.pages = Pages(key, _PAGES)
         server.sockets[b"/ws"] = self
-        server.calls[b"/stop"] = self._stop
+        server.calls[b"/stop"] = self._stop_machine
 
     def join(self, link, controller):
         self._language = link.protocol
@@ -74,7 +74,7 @@ class PageLine:
         for message in bytes(data).split(b"\n"):
             number = message[0]
             if number == ALL:
-                self._push(message[1], frame(TEXT, message[2:]))
+                self._push_state(message[1], frame(TEXT, message[2:]))
                 if self._broker:
                     self._broker.tell(message[2:])
             elif number == TOLD:
@@ -95,10 +95,10 @@ class PageLine:
 
     # --- the pages'
 
-    def _push(self, version, state):
+    def _push_state(self, version, state):
         now_ms = self._clock_ms()
         for page in list(self.pages.pages):
-            if page.socket.sending():
+            if page.socket.is_sending():
                 continue  # it is slower than this: the next state is as good
             said = b"".join(page.told)
             page.told = []
@@ -119,7 +119,7 @@ class PageLine:
             return None
         page.number = FIRST + self._number
         self._number = (self._number + 1) % MOST
-        hello = packed(page.hello)
+        hello = message_frame(page.hello)
         page.hello = None  # it has done its duty
         return hello
 
@@ -129,14 +129,14 @@ class PageLine:
         if page is None:
             return False
         text, proven = self.pages.open(page, data.decode(), now_ms)
-        answer = proven if text is None else self._looked(page, text) if '"look"' in text else None
+        answer = proven if text is None else self._answer_look(page, text) if '"look"' in text else None
         if answer is not None:
-            self._messages.append((connection, packed(answer)))
+            self._messages.append((connection, message_frame(answer)))
         elif text is not None:
             self._messages.append((None, bytes((page.number, PROVEN if proven else FREE)) + text.encode()))
         return answer is not None or text is not None
 
-    def _looked(self, page, text):
+    def _answer_look(self, page, text):
         """Return the answer, if the order sets how often the page gets the state."""
         try:
             return self.pages.look(page, order_of(text))
@@ -150,25 +150,25 @@ class PageLine:
             self._messages.append((None, bytes((page.number, GONE))))
 
     def stop(self, *_):
-        self._stop(b"")
+        self._stop_machine(b"")
 
-    def _stop(self, body):
+    def _stop_machine(self, body):
         """STOP by a request of its own: refuse the orders that pages sent before it."""
         self.pages.overtake(body)
-        self._messages = [message for message in [self._before(*message) for message in self._messages] if message]
+        self._messages = [message for message in [self._rest_after_stop(*message) for message in self._messages] if message]
         self._messages.insert(0, (None, bytes((FIRST + MOST, FREE)) + _STOP))
         return _STOPPED
 
-    def _before(self, connection, message):
+    def _rest_after_stop(self, connection, message):
         """Return the rest of a message that a STOP has overtaken; None: there is none."""
         if connection is not None or message[1] != PROVEN:
             return connection, message
         for page in self.pages.pages:
             if page.number == message[0]:
-                return page.socket, packed(refused(errors.STOPPED))
+                return page.socket, message_frame(refusal_answer(errors.STOPPED))
         return None
 
 
-def packed(message):
+def message_frame(message):
     """The frame of a message, a dict."""
     return frame(TEXT, json.dumps(message).encode())

@@ -25,7 +25,7 @@ _DIGITS = const(8)  # of a count
 _UNDER_WAY = const(100)  # orders of a page that has not proven them yet, at most: a STOP that names a later one is not the page's
 
 
-def refused(error):
+def refusal_answer(error):
     """The answer to an order that has not been looked at: without its number, the oldest is meant."""
     return {"t": "answer", "do": "", "error": error}
 
@@ -90,9 +90,9 @@ class Pages:
         text = page.session.open(text)
         if text is None:
             page.wrong += 1
-            return None, refused(errors.NO_SESSION) if page.wrong < WRONG else None
+            return None, refusal_answer(errors.NO_SESSION) if page.wrong < WRONG else None
         if page.session.count <= page.before:
-            return None, refused(errors.STOPPED)
+            return None, refusal_answer(errors.STOPPED)
         return text, True
 
     def overtake(self, said):

@@ -20,17 +20,17 @@ _PORTS = {"http": "http_port", "tcp": "tcp_port"}
 _BACKLOG = const(4)
 
 
-def _letters(key):
+def _count_letters(key):
     """How many letters of a key's alphabet (host_tools/clients/page_key.py) are in it."""
     return len([code for code in key.encode() if 50 <= code <= 57 or 65 <= code <= 90 and code not in b"IO"])
 
 
-def saved():
+def read_wifi_file():
     """Return the contents of the file of `passo wifi`, or None if there is none that can be used."""
     try:
         with open(FILE) as file:
             found = json.load(file)
-        good = found["mode"] in ("access", "station") and found["name"] and len(found["passphrase"]) >= _LEAST and _letters(found["key"]) >= _KEY
+        good = found["mode"] in ("access", "station") and found["name"] and len(found["passphrase"]) >= _LEAST and _count_letters(found["key"]) >= _KEY
         return found if good else None
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return None
@@ -44,7 +44,7 @@ class Radio:
         self._access = False
         self.key = None
         self.names = ()
-        wanted = saved()
+        wanted = read_wifi_file()
         if wanted:
             self._start(wanted)
 

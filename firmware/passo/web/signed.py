@@ -35,10 +35,10 @@ class SignedLine:
             server.sockets[b"/grbl"] = self
         self._socket = self._connection = None  # one of them at most
         self._said = b""
-        self._drop()
+        self._drop_connection()
         self._gone = False  # a connection has ended, and the language does not know yet
 
-    def _drop(self):
+    def _drop_connection(self):
         if self._socket is not None:
             self._socket.close()
         connection = self._connection
@@ -54,16 +54,16 @@ class SignedLine:
 
     def read(self):
         """Bytes for the language."""
-        said = self._said + (self._receive() if self._socket is not None else b"")
+        said = self._said + (self._receive_bytes() if self._socket is not None else b"")
         self._said = b""
-        self._accept()  # after it: a client that has gone makes room
+        self._accept_socket()  # after it: a client that has gone makes room
         if self._gone:
             self._gone = False
             said += _JOG_CANCEL  # a client's jog ends with its connection
         return said
 
-    def _receive(self):
-        self._send()
+    def _receive_bytes(self):
+        self._send_rest()
         if self._socket is None:
             return b""
         data = b""
@@ -73,9 +73,9 @@ class SignedLine:
             if error.errno in AGAIN:
                 return b""
         if not data:
-            self._drop()
+            self._drop_connection()
             return b""
-        return self._understood(data)
+        return self._parse_bytes(data)
 
     def write(self, data):
         """Send the language's answer; lost without a connection."""
@@ -83,69 +83,69 @@ class SignedLine:
             self._server.send(self._connection, frame(TEXT, data))
         elif self._socket is not None and len(self._out) < UNSENT:
             self._out += bytes(data)
-            self._send()
+            self._send_rest()
 
     def watched(self):
         return [socket for socket in (self._listener, self._socket) if socket]
 
     def close(self):
-        self._drop()
+        self._drop_connection()
         if self._listener:
             self._listener.close()
 
-    def _accept(self):
+    def _accept_socket(self):
         try:
             socket, _ = self._listener.accept() if self._listener else (None, None)
         except OSError:
             return
         if socket is None:
             return
-        if self._taken():
+        if self._is_taken():
             socket.close()
             return
         socket.setblocking(False)
-        greeting = self._begin()
+        greeting = self._begin_session()
         self._socket = socket
         self.write(greeting)
 
-    def _taken(self):
+    def _is_taken(self):
         """True if there is a connection that has proven the key."""
         return self._session is not None and self._session.opened
 
-    def _begin(self):
+    def _begin_session(self):
         """A new session in the place of the one before. Return its first bytes for the other end."""
-        self._drop()
+        self._drop_connection()
         self._session = Session(self._key, nonce())
         return b"[PASSO:%s]\r\n" % self._session.nonce.encode()
 
     # --- as a WebSocket: see http.py
 
     def open(self, connection, now_ms):
-        if self._taken():
+        if self._is_taken():
             return None
-        greeting = self._begin()
+        greeting = self._begin_session()
         self._connection = connection
         return frame(TEXT, greeting)
 
     def heard(self, connection, data, now_ms):
         if len(self._said) + len(data) <= UNSENT:
-            self._said += self._understood(data)
+            self._said += self._parse_bytes(data)
         return connection is self._connection
 
     def gone(self, connection):
         if connection is self._connection:
             self._connection = None
-            self._drop()
+            self._drop_connection()
 
-    def _send(self):
+    def _send_rest(self):
         try:
             if self._out:
                 self._out = self._out[self._socket.send(self._out) :]
         except OSError as error:
             if error.errno not in AGAIN:
-                self._drop()
+                self._drop_connection()
 
-    def _understood(self, data):
+    def _parse_bytes(self, data):
         said = b""
         for byte in data:
             if byte in FREE:
@@ -154,13 +154,13 @@ class SignedLine:
                 if len(self._line) <= _LINE:
                     self._line += bytes((byte,))
             else:
-                said += self._proven(self._line.rstrip(b"\r"))
+                said += self._signed_body(self._line.rstrip(b"\r"))
                 self._line = b""
                 if self._session is None:
                     break
         return said
 
-    def _proven(self, line):
+    def _signed_body(self, line):
         """Return the body of a whole line that is signed, or b""."""
         try:
             body = self._session.open(line.decode()) if len(line) <= _LINE else None
@@ -170,7 +170,7 @@ class SignedLine:
             self._wrong += 1
             self.write(b"error:%d\r\n" % errors.NOT_ADMITTED)
             if self._wrong >= WRONG:
-                self._drop()
+                self._drop_connection()
             return b""
         if body[:1] == "*":
             try:

@@ -256,7 +256,7 @@ def check_a_stop_that_overtakes_orders():
     for _ in range(20):  # both wait behind each other
         board.server._server.poll(int(board.now_ms()))
     assert len(board.server._messages) == 2
-    assert board.server._stop(b"") and len(board.server._messages) == 3
+    assert board.server._stop_machine(b"") and len(board.server._messages) == 3
     board.run_ms(500)
     assert [[told["error"] for told in each.told if told["t"] == "answer"][-1] for each in (page, other)] == [errors.STOPPED] * 2
     assert list(board.world.place) == [before[0] + 5 * MM] + before[1:]

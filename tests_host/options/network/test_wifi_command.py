@@ -49,14 +49,14 @@ def test_a_board_gets_its_network(board, monkeypatch):
     assert len(saved["key"]) == 16 and page_key.in_groups(saved["key"]) in said and "good passphrase" not in said
     assert passo("show") == f"access point tocha\nkey: {page_key.in_groups(saved['key'])}\n"
     monkeypatch.chdir(board)
-    assert radio.saved() == saved  # the board can use it
+    assert radio.read_wifi_file() == saved  # the board can use it
     passo("station", "workshop", "--passphrase", "another passphrase")
     again = json.loads((board / "wifi.json").read_text())
     assert again["mode"] == "station" and again["key"] == saved["key"]
     passo("station", "workshop", "--passphrase", "another passphrase", "--new-key")
     assert json.loads((board / "wifi.json").read_text())["key"] != saved["key"]
     passo("off")
-    assert radio.saved() is None and passo("show") == "the radio is off\n"
+    assert radio.read_wifi_file() is None and passo("show") == "the radio is off\n"
 
 
 @pytest.mark.parametrize(
@@ -77,4 +77,4 @@ def test_what_is_weak_or_impossible_is_refused(board, name, passphrase):
 def test_a_board_without_whole_data_keeps_its_radio_off(text, tmp_path, monkeypatch):
     (tmp_path / "wifi.json").write_text(text)
     monkeypatch.chdir(tmp_path)
-    assert radio.saved() is None
+    assert radio.read_wifi_file() is None

@@ -17,7 +17,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.options.jobs.config_names import name_fits
-from passo.protocols.page.orders import Wrong, number, text
+from passo.protocols.page.orders import Wrong, number_field, text_field
 
 PIECE = const(300)  # bytes of an upload in a message: with its proof some 600, of which a Pico W has several pieces at any time
 _BASE64 = const(400)  # letters of it
@@ -34,101 +34,101 @@ class StoredJobs:
         self._name = ""  # of the upload under way
         self._sent = self._size = 0
         self._closing = self._ran = False
-        machine.keep_jobs(self._order, self._heard)
+        machine.keep_jobs(self._carry_out, self._take_event)
 
-    def _order(self, order):
+    def _carry_out(self, order):
         machine = self._machine
-        what = text(order, "what", 8)
+        what = text_field(order, "what", 8)
         error = machine.refusal() or machine.still() or (errors.BUSY if self._closing else 0)
         if error:
             return error
         if what == "list":
-            return self._ask(commands.JOB_LIST)
-        name = text(order, "name", 64)
+            return self._queue_job_command(commands.JOB_LIST)
+        name = text_field(order, "name", 64)
         if not name_fits(name):
             return errors.STORED_NAME
         if what == "run" or what == "delete":
-            return self._ask(commands.JOB_RUN if what == "run" else commands.JOB_DELETE, name)
+            return self._queue_job_command(commands.JOB_RUN if what == "run" else commands.JOB_DELETE, name)
         if what == "begin":
-            return self._begin(order, name)
+            return self._begin_upload(order, name)
         if name != self._name:
             return errors.JOB_UPLOAD
         if what == "piece":
-            return self._piece(order)
-        return self._close() if what == "end" else errors.UNKNOWN_COMMAND
+            return self._store_piece(order)
+        return self._end_upload() if what == "end" else errors.UNKNOWN_COMMAND
 
-    def _ask(self, what, target=None, answered=None):
-        return self._machine.do(Command(commands.JOB, target, what), answered or self._refused)
+    def _queue_job_command(self, what, target=None, answered=None):
+        return self._machine.do(Command(commands.JOB, target, what), answered or self._ignore_answer)
 
-    def _refused(self, error):
+    def _ignore_answer(self, error):
         """The answer to the order says so."""
 
     # --- uploads
 
-    def _begin(self, order, name):
-        size = int(number(order, "size", 1, _MOST_BYTES))
-        stored = int(number(order, "stored", 1, _MOST_BYTES))
+    def _begin_upload(self, order, name):
+        size = int(number_field(order, "size", 1, _MOST_BYTES))
+        stored = int(number_field(order, "stored", 1, _MOST_BYTES))
         try:
-            crc = int(text(order, "crc", 8), 16)
+            crc = int(text_field(order, "crc", 8), 16)
         except ValueError:
             raise Wrong("crc")
         self._name = ""
 
-        def opened(error):
+        def begin_pieces(error):
             if not error:
                 self._name, self._sent, self._size = name, 0, stored
 
-        return self._ask(commands.JOB_OPEN, (name, self._language, size, crc, stored), opened)
+        return self._queue_job_command(commands.JOB_OPEN, (name, self._language, size, crc, stored), begin_pieces)
 
-    def _piece(self, order):
-        if number(order, "at", 0, _MOST_BYTES) != self._sent:
+    def _store_piece(self, order):
+        if number_field(order, "at", 0, _MOST_BYTES) != self._sent:
             return errors.JOB_PIECE
         try:
-            data = a2b_base64(text(order, "data", _BASE64))
+            data = a2b_base64(text_field(order, "data", _BASE64))
         except ValueError:
             raise Wrong("data")
 
-        def taken(error):
+        def count_piece(error):
             if not error:
                 self._sent += len(data)
-                self._show("store", self._name, self._sent * _PER_CENT // self._size)
+                self._show_job("store", self._name, self._sent * _PER_CENT // self._size)
 
-        return self._ask(commands.JOB_DATA, data, taken)
+        return self._queue_job_command(commands.JOB_DATA, data, count_piece)
 
-    def _close(self):
+    def _end_upload(self):
         self._closing = True
-        return self._ask(commands.JOB_CLOSE)
+        return self._queue_job_command(commands.JOB_CLOSE)
 
     # --- what the machine says
 
-    def _heard(self, event):
+    def _take_event(self, event):
         what = event.command.value
         if what == commands.JOB_CLOSE and self._closing:
             self._closing = False
-            self._show("failed" if event.error else "kept", self._name, _PER_CENT, event.error)
+            self._show_job("failed" if event.error else "kept", self._name, _PER_CENT, event.error)
             self._name = ""
         elif event.kind == commands.ACCEPTED and what == commands.JOB_LIST:
             found, (free, more) = event.value
             self._tell({"t": "stored", "jobs": [[entry[0], entry[2]] for entry in found], "free": free, "more": more, "piece": PIECE})
         elif event.kind == commands.ACCEPTED and what == commands.JOB_STATE:
             if len(event.value) == 2:
-                self._show("run", event.value[0], event.value[1])
+                self._show_job("run", event.value[0], event.value[1])
             else:
                 name, error, line = event.value
-                self._show("failed" if error else "done", name, _PER_CENT, error, line)
+                self._show_job("failed" if error else "done", name, _PER_CENT, error, line)
 
     def poll(self):
         """Follow a job that runs, and an upload whose end is read back: a stop ends that without a word."""
         machine = self._machine
         if self._closing and not machine.busy_with(commands.JOB):
             self._closing = False
-            self._show("failed", self._name, _PER_CENT, errors.JOB_STOPPED)
+            self._show_job("failed", self._name, _PER_CENT, errors.JOB_STOPPED)
         runs = machine.runs_stored()
         if runs or self._ran:
             self._ran = runs
-            self._ask(commands.JOB_STATE)
+            self._queue_job_command(commands.JOB_STATE)
 
-    def _show(self, how, name, done, error=0, line=0):
+    def _show_job(self, how, name, done, error=0, line=0):
         self._machine.state["job"] = {
             "name": name, "how": how, "error": error, "line": line, "lines": _PER_CENT, "done": done,
             "pass": 1, "passes": 1, "checked": False, "single": False, "stored": True,
@@ -136,4 +136,4 @@ class StoredJobs:
 
 
 def extend(protocol, board):
-    protocol.keep(StoredJobs)
+    protocol.add_jobs(StoredJobs)

@@ -120,13 +120,13 @@ class GrblPage(PageMachine):
 
     # --- what the machine says
 
-    def _show(self, report):
+    def _show_fields(self, report):
         state = self.state
         name = report["state"]
         sub = report["substate"] if name in ("hold", "door") else ""
         if name == "alarm" and report["slows"]:  # on its way to the alarm's stand it is held
             name, sub = "hold", 1
-        state["state"] = self._name(name)
+        state["state"] = self._state_word(name)
         state["sub"] = str(sub)
         if state["alarm"] == errors.ALARM_LOCKED:
             state["alarm"] = 0  # nothing is wrong
@@ -178,18 +178,18 @@ class GrblPage(PageMachine):
         return self.do(Command(commands.RESET))
 
     def home(self):
-        return self._begin_anew(lambda: self._say("$H"))
+        return self._reset_before(lambda: self._queue_line("$H"))
 
     def unlock(self):
-        return self._begin_anew(lambda: self.do(Command(commands.UNLOCK)))
+        return self._reset_before(lambda: self.do(Command(commands.UNLOCK)))
 
-    def _begin_anew(self, say):
+    def _reset_before(self, say):
         """Of an alarm that only a reset ends, reset the board first, and say it behind that."""
         if self._record.alarm not in errors.NEED_RESET:
             return say()
         return self.do(Command(commands.RESET), lambda error: say())
 
-    def _say(self, line):
+    def _queue_line(self, line):
         """A line of the page's link."""
         if self._typing:
             return errors.TOO_MANY_WAITING
@@ -199,19 +199,19 @@ class GrblPage(PageMachine):
 
     def zero(self, axes):
         """Work zero of the axes named is here."""
-        return self.still() or self._say("G10L20P0" + "".join([axis.upper() + "0" for axis in axes]))
+        return self.still() or self._queue_line("G10L20P0" + "".join([axis.upper() + "0" for axis in axes]))
 
     def output(self, name, rpm):
         word = OUTPUTS.get(name)
         if word is None:
             return errors.NUMBER
-        return self.still() or self._say(word + ("S%d" % rpm if name[:9] == "spindle_c" else ""))
+        return self.still() or self._queue_line(word + ("S%d" % rpm if name[:9] == "spindle_c" else ""))
 
     def set(self, number, text):
-        return self.still() or self._say("$%d=%s" % (number, text))
+        return self.still() or self._queue_line("$%d=%s" % (number, text))
 
     def line(self, text):
-        return self.still() or self._say(text)
+        return self.still() or self._queue_line(text)
 
     def override(self, what, to):
         command = override_of(what, to)
@@ -238,11 +238,11 @@ class GrblPage(PageMachine):
 
     def _limits(self):
         axes = range(len(self.position))
-        return Limits(*[[self._setting(first + axis) for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
+        return Limits(*[[self._setting_value(first + axis) for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
 
-    def _setting(self, number):
+    def _setting_value(self, number):
         return self._settings.value(number) / 1000
 
-    def _say_jog(self, position, speed):
+    def _queue_jog(self, position, speed):
         target = {AXES[axis]: position[axis] for axis in range(len(position))}
         return not self._jog_to(target, speed, _MACHINE, self.jog_answered)

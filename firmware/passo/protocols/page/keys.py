@@ -10,7 +10,7 @@ language has it.
 from passo import errors
 from passo.commands import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
 from passo.protocols.page.page_machine import PageMachine
-from passo.protocols.page.orders import Wrong, number, text
+from passo.protocols.page.orders import Wrong, number_field, text_field
 
 # The byte of each task, by motor; 0: both.
 _ON = (b"I", b"C", b"D")
@@ -28,16 +28,16 @@ class Kit:
         self._motors = [{"on": False, "back": False, "speed": 1} for _ in range(KIT_MOTORS)]
         self._held = 0  # the motor that turns while a button is held
 
-    def turns(self):
+    def is_turning(self):
         return bool([motor for motor in self._motors if motor["on"]])
 
-    def shown(self):
+    def motor_states(self):
         return [
             {"on": motor["on"], "back": motor["back"], "speed": motor["speed"], "rate": round(1000 / (KIT_STEP_MS * motor["speed"]), 1)}
             for motor in self._motors
         ]
 
-    def _say(self, key, which, name, value):
+    def _send_key(self, key, which, name, value):
         """Send the key of a task of motor `which`, 0: both, and note its effect."""
         self._write(key)
         for motor in range(KIT_MOTORS):
@@ -46,25 +46,25 @@ class Kit:
         return 0
 
     def switch_off(self):
-        return self._say(_OFF[0], 0, "on", False)
+        return self._send_key(_OFF[0], 0, "on", False)
 
-    def order(self, order, machine):
+    def carry_out(self, order, machine):
         """`motor` 1 or 2, 0: both; `what`: on, off, reverse, speed; `speed`: 1, the fastest, to 127."""
-        which = int(number(order, "motor", 0, KIT_MOTORS))
-        what = text(order, "what", 8)
+        which = int(number_field(order, "motor", 0, KIT_MOTORS))
+        what = text_field(order, "what", 8)
         error = machine.refusal()
         if error or what == "off":
-            return error or self._say(_OFF[which], which, "on", False)
+            return error or self._send_key(_OFF[which], which, "on", False)
         if machine.jog.active:
             return errors.BUSY
         if what == "on":
-            return self._say(_ON[which], which, "on", True)
+            return self._send_key(_ON[which], which, "on", True)
         if not which or what not in ("reverse", "speed"):
             raise Wrong("what")
         if what == "reverse":
-            return self._say(_REVERSE[which], which, "back", not self._motors[which - 1]["back"])
-        value = int(number(order, "speed", 1, KIT_SLOWEST))
-        return self._say(_SPEED[which] + bytes((value,)), which, "speed", value)
+            return self._send_key(_REVERSE[which], which, "back", not self._motors[which - 1]["back"])
+        value = int(number_field(order, "speed", 1, KIT_SLOWEST))
+        return self._send_key(_SPEED[which] + bytes((value,)), which, "speed", value)
 
     # --- while a button is held
 
@@ -72,15 +72,15 @@ class Kit:
         turned = [axis for axis in range(len(direction)) if direction[axis]]
         return len(turned) == 1 and turned[0] < KIT_MOTORS and not self._motors[turned[0]]["on"]
 
-    def hold(self, direction):
+    def hold_motor(self, direction):
         axis = 0 if direction[0] else 1
         self._held = axis + 1
         if self._motors[axis]["back"] != (direction[axis] < 0):
-            self._say(_REVERSE[self._held], self._held, "back", direction[axis] < 0)
-        self._say(_ON[self._held], self._held, "on", True)
+            self._send_key(_REVERSE[self._held], self._held, "back", direction[axis] < 0)
+        self._send_key(_ON[self._held], self._held, "on", True)
 
     def let_go(self):
-        self._say(_OFF[self._held], self._held, "on", False)
+        self._send_key(_OFF[self._held], self._held, "on", False)
 
 
 class KeysPage(PageMachine):
@@ -93,10 +93,10 @@ class KeysPage(PageMachine):
         PageMachine.__init__(self, record, number, board, tell)
         self._spoken = spoken
         self._keys = b""
-        self._kit = Kit(self._write)
-        self.orders = {"motor": self._motor}
+        self._kit = Kit(self._write_key)
+        self.orders = {"motor": self._order_motor}
 
-    def _write(self, key):
+    def _write_key(self, key):
         self._keys += key
 
     def commands(self):
@@ -109,31 +109,31 @@ class KeysPage(PageMachine):
     def pending(self):
         return self._keys or PageMachine.pending(self)
 
-    def _name(self, state):
-        return "Jog" if self.jog.active else "Run" if self._kit.turns() else "Idle"
+    def _state_word(self, state):
+        return "Jog" if self.jog.active else "Run" if self._kit.is_turning() else "Idle"
 
-    def _show(self, report):
-        self.state["motors"] = self._kit.shown()
+    def _show_fields(self, report):
+        self.state["motors"] = self._kit.motor_states()
         self._tell_error(report)
 
     # --- orders
 
-    hold = resume = home = unlock = PageMachine._wordless
+    hold = resume = home = unlock = PageMachine._refuse_order
 
     def stop(self):
         """Both off."""
         self.drop_jog()
         return self._kit.switch_off()
 
-    def _motor(self, order):
-        return self._kit.order(order, self)
+    def _order_motor(self, order):
+        return self._kit.carry_out(order, self)
 
     def _may_jog(self, direction):
         return not self.jog.active and self._kit.may_hold(direction)
 
     def _start_jog(self, direction, speed):
         self.jog.active = True
-        self._kit.hold(direction)
+        self._kit.hold_motor(direction)
 
     def _brake(self):
         self._kit.let_go()

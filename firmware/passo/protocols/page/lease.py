@@ -19,7 +19,7 @@ _BEATS = const(16)  # times of beats that are kept
 _HALF = const(0x10000000)
 
 
-def since(now_ms, then_ms):
+def elapsed_ms(now_ms, then_ms):
     """Milliseconds from then to now, of a clock modulo 2²⁹."""
     return (now_ms - then_ms) & COUNT_MASK
 
@@ -31,25 +31,25 @@ class Lease:
         self._held = False
         self._beats = [(0, 0)]  # (number, ms), the newest last
 
-    def beat(self, number, now_ms):
+    def note_beat(self, number, now_ms):
         """Report `number` has been sent."""
         self._beats.append((number, now_ms))
         if len(self._beats) > _BEATS:
             self._beats.pop(0)
 
-    def fresh(self, number, now_ms):
+    def is_fresh(self, number, now_ms):
         """True if report `number` was sent within FRESH_MS."""
         for beat, ms in self._beats:
             if beat == number:
-                return since(now_ms, ms) <= FRESH_MS
+                return elapsed_ms(now_ms, ms) <= FRESH_MS
         return False
 
     def begin(self, number, beat, now_ms):
         """True if the lease `number` begins: higher than any before, none under way, and fresh."""
-        if self.alive(now_ms) or number <= self.number:
+        if self.is_alive(now_ms) or number <= self.number:
             return False
         self.number = number  # used up, whatever comes of it
-        if not self.fresh(beat, now_ms):
+        if not self.is_fresh(beat, now_ms):
             return False
         self._held = True
         self._until_ms = (now_ms + LEASE_MS) & COUNT_MASK
@@ -57,7 +57,7 @@ class Lease:
 
     def renew(self, number, beat, now_ms):
         """True if lease `number` lives, which holds for LEASE_MS from now."""
-        if number != self.number or not self.alive(now_ms) or not self.fresh(beat, now_ms):
+        if number != self.number or not self.is_alive(now_ms) or not self.is_fresh(beat, now_ms):
             return False
         self._until_ms = (now_ms + LEASE_MS) & COUNT_MASK
         return True
@@ -65,8 +65,8 @@ class Lease:
     def end(self):
         self._held = False
 
-    def alive(self, now_ms):
+    def is_alive(self, now_ms):
         """Whether it lasts. Once it does not, it has ended for good."""
-        if self._held and since(self._until_ms, now_ms) >= _HALF:
+        if self._held and elapsed_ms(self._until_ms, now_ms) >= _HALF:
             self._held = False
         return self._held

@@ -55,7 +55,7 @@ def order_of(text):
     return json.loads(text)
 
 
-def number(order, name, least, most, otherwise=None):
+def number_field(order, name, least, most, otherwise=None):
     """A number of `order` between bounds. Raises Wrong."""
     value = order.get(name, otherwise)
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not least <= value <= most:
@@ -63,7 +63,7 @@ def number(order, name, least, most, otherwise=None):
     return value
 
 
-def text(order, name, most):
+def text_field(order, name, most):
     """A text of `order`, printable ASCII. Raises Wrong."""
     value = order.get(name)
     if not isinstance(value, str) or len(value) > most or [code for code in value.encode("utf-8", "surrogatepass") if not 32 <= code <= 126]:
@@ -71,7 +71,7 @@ def text(order, name, most):
     return value
 
 
-def positions(order, name, axes):
+def positions_field(order, name, axes):
     """{axis: mm}. Raises Wrong."""
     value = order.get(name)
     if not isinstance(value, dict) or not value:
@@ -79,7 +79,7 @@ def positions(order, name, axes):
     for axis in value:
         if not isinstance(axis, str) or len(axis) != 1 or axis not in axes:  # MicroPython takes JSON whose keys are no texts
             raise Wrong(name)
-        number(value, axis, -_MOST_MM, _MOST_MM)
+        number_field(value, axis, -_MOST_MM, _MOST_MM)
     return value
 
 
@@ -87,10 +87,10 @@ class Orders:
     def __init__(self, machine):
         self.machine = machine
         self._orders = {
-            "hold": self._hold, "resume": self._resume, "home": self._home, "unlock": self._unlock, "zero": self._zero,
-            "goto": self._goto, "step": self._step, "jog": self._jog, "keep": self._keep, "release": self._release,
-            "override": self._override, "output": self._output, "set": self._set, "line": self._line, "give": self._give,
-            "jobs": self._jobs, "abort": self._abort, "log": self._log, "settings": self._settings, "play": self._play,
+            "hold": self._order_hold, "resume": self._order_resume, "home": self._order_home, "unlock": self._order_unlock, "zero": self._order_zero,
+            "goto": self._order_goto, "step": self._order_step, "jog": self._order_jog, "keep": self._order_keep, "release": self._order_release,
+            "override": self._order_override, "output": self._order_output, "set": self._order_set, "line": self._order_line, "give": self._order_give,
+            "jobs": self._order_jobs, "abort": self._order_abort, "log": self._order_log, "settings": self._order_settings, "play": self._order_play,
         }  # fmt: skip
 
     def can(self):
@@ -107,108 +107,108 @@ class Orders:
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
             self.machine.lease.number += 1  # every page sees the new number, and ends what it does line by line
-            return self._answer("stop", self.machine.stop())
+            return self._plain_answer("stop", self.machine.stop())
         do = (self._orders.get(name) or self.machine.orders.get(name)) if isinstance(name, str) else None
         if do is None:
-            return self._answer("", errors.UNKNOWN_COMMAND)
+            return self._plain_answer("", errors.UNKNOWN_COMMAND)
         if not proven:
-            return self._answer(name, errors.NO_SESSION)
+            return self._plain_answer(name, errors.NO_SESSION)
         try:
             found = do(order)
         except Wrong:
-            return self._answer(name, errors.ORDER_FIELD)
+            return self._plain_answer(name, errors.ORDER_FIELD)
         return found if isinstance(found, dict) else {"t": "answer", "do": name, "error": found}
 
-    def _answer(self, name, error):
+    def _plain_answer(self, name, error):
         return {"t": "answer", "do": name, "error": error}
 
     # --- motion
 
-    def _hold(self, order):
+    def _order_hold(self, order):
         return self.machine.hold()
 
-    def _resume(self, order):
+    def _order_resume(self, order):
         return self.machine.refusal() or self.machine.resume()
 
-    def _home(self, order):
+    def _order_home(self, order):
         return self.machine.refusal() or self.machine.still() or self.machine.home()
 
-    def _unlock(self, order):
+    def _order_unlock(self, order):
         return self.machine.refusal() or self.machine.unlock()
 
-    def _zero(self, order):
-        axes = text(order, "axes", 4)
+    def _order_zero(self, order):
+        axes = text_field(order, "axes", 4)
         if not axes or [axis for axis in axes if axis not in self.machine.axes]:
             raise Wrong("axes")
         return self.machine.refusal() or self.machine.zero(axes)
 
-    def _goto(self, order):
-        position = positions(order, "to", self.machine.axes)
-        speed = number(order, "speed", 0.1, _MOST_SPEED)
+    def _order_goto(self, order):
+        position = positions_field(order, "to", self.machine.axes)
+        speed = number_field(order, "speed", 0.1, _MOST_SPEED)
         return self.machine.refusal(by_hand=True) or self.machine.go(position, speed)
 
-    def _step(self, order):
-        way = positions(order, "by", self.machine.axes)
-        speed = number(order, "speed", 0.1, _MOST_SPEED)
+    def _order_step(self, order):
+        way = positions_field(order, "by", self.machine.axes)
+        speed = number_field(order, "speed", 0.1, _MOST_SPEED)
         return self.machine.refusal(by_hand=True) or self.machine.step(way, speed)
 
-    def _jog(self, order):
-        lease = number(order, "lease", 1, _MOST_NUMBER)
-        beat = number(order, "beat", 0, _MOST_NUMBER)
-        way = positions(order, "way", self.machine.axes)
+    def _order_jog(self, order):
+        lease = number_field(order, "lease", 1, _MOST_NUMBER)
+        beat = number_field(order, "beat", 0, _MOST_NUMBER)
+        way = positions_field(order, "way", self.machine.axes)
         direction = [way.get(axis, 0) for axis in self.machine.axes]
         most = max([abs(part) for part in direction])
         if most < _LEAST_WAY:
             raise Wrong("way")
         direction = [part / most if abs(part) >= most * _LEAST_WAY else 0 for part in direction]
-        speed = number(order, "speed", 0.1, _MOST_SPEED)
+        speed = number_field(order, "speed", 0.1, _MOST_SPEED)
         return self.machine.refusal(by_hand=True) or self.machine.begin_jog(lease, beat, direction, speed)
 
-    def _keep(self, order):
-        lease = number(order, "lease", 1, _MOST_NUMBER)
-        beat = number(order, "beat", 0, _MOST_NUMBER)
+    def _order_keep(self, order):
+        lease = number_field(order, "lease", 1, _MOST_NUMBER)
+        beat = number_field(order, "beat", 0, _MOST_NUMBER)
         return 0 if self.machine.renew(lease, beat) else errors.LEASE
 
-    def _release(self, order):
+    def _order_release(self, order):
         self.machine.end_jog()
         return 0
 
-    def _override(self, order):
-        return self.machine.refusal() or self.machine.override(text(order, "what", 8), text(order, "to", 4))
+    def _order_override(self, order):
+        return self.machine.refusal() or self.machine.override(text_field(order, "what", 8), text_field(order, "to", 4))
 
-    def _output(self, order):
-        rpm = number(order, "rpm", 0, 1_000_000, 0)
-        return self.machine.refusal() or self.machine.output(text(order, "name", 16), rpm)
+    def _order_output(self, order):
+        rpm = number_field(order, "rpm", 0, 1_000_000, 0)
+        return self.machine.refusal() or self.machine.output(text_field(order, "name", 16), rpm)
 
-    def _line(self, order):
-        return self.machine.refusal() or self.machine.line(text(order, "line", _LINE))
+    def _order_line(self, order):
+        return self.machine.refusal() or self.machine.line(text_field(order, "line", _LINE))
 
-    def _give(self, order):
+    def _order_give(self, order):
         return self.machine.give("guest" if order.get("to") == "guest" else "page")
 
     # --- settings and log
 
-    def _settings(self, order):
+    def _order_settings(self, order):
         return {"t": "settings", "axes": self.machine.axes, "settings": self.machine.told_settings()}
 
-    def _set(self, order):
-        which = number(order, "number", 0, 999)
+    def _order_set(self, order):
+        which = number_field(order, "number", 0, 999)
         if which != int(which):
             raise Wrong("number")
-        value = number(order, "value", -1e9, 1e9)
+        value = number_field(order, "value", -1e9, 1e9)
         return self.machine.refusal() or self.machine.set(int(which), ("%.3f" % value).rstrip("0").rstrip("."))
 
-    def _log(self, order):
+    def _order_log(self, order):
         return {"t": "log", "log": self.machine.log(), "all": True}
 
     # --- jobs
 
-    def _jobs(self, order):
+    def _order_jobs(self, order):
         return {"t": "jobs", "jobs": []}
 
-    def _play(self, order):
+    def _order_play(self, order):
         """Go on with a job in another way: a step at a time, backward."""
-        return self.machine.refusal() or self.machine.play(text(order, "what", 16))
+        return self.machine.refusal() or self.machine.play(text_field(order, "what", 16))
 
-    def _abort(self, order):
+    def _order_abort(self, order):
         return self.machine.abort()

@@ -15,7 +15,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.jog import Jog, Limits
-from passo.protocols.page.lease import Lease, since
+from passo.protocols.page.lease import Lease, elapsed_ms
 from passo.protocols.setting_lines import decimal, thousandths
 
 _MOST_LOG = const(100)
@@ -58,7 +58,7 @@ class PageMachine:
         self._number = number
         self._tell = tell
         self.lease = Lease()
-        self.jog = Jog(self._say_jog)
+        self.jog = Jog(self._queue_jog)
         self.settings = {}
         self.orders = {}  # name: function of an order that only this language has
         self.said = []  # (command, answered) to be carried out; answered(error): its result
@@ -78,7 +78,7 @@ class PageMachine:
         self.said.append((command, answered))
         return 0
 
-    def _behind(self, first, second):
+    def _queue_pair(self, first, second):
         """Have `second` carried out once `first` has been: which may drop commands given after it."""
         return self.do(first, lambda error: self.finished(error) if error else self.do(second))
 
@@ -130,7 +130,7 @@ class PageMachine:
         record = self._record
         commander = record.commander if record.lender < 0 else record.lender
         self.state["owner"] = "page" if commander == self._number else "guest"
-        self.state["state"] = self._name(record.state)
+        self.state["state"] = self._state_word(record.state)
         self.state["alarm"] = record.alarm
         self._now_ms = now_ms
         if self.jog.active:
@@ -139,10 +139,10 @@ class PageMachine:
     def go_on(self, now_ms):
         """It is `now_ms`: a jog that nobody holds any more ends."""
         self._now_ms = now_ms
-        if self.jog.active and not self.lease.alive(now_ms):
+        if self.jog.active and not self.lease.is_alive(now_ms):
             self.end_jog()
 
-    def _name(self, state):
+    def _state_word(self, state):
         """The state's word on the page."""
         return state[:1].upper() + state[1:]
 
@@ -153,13 +153,13 @@ class PageMachine:
         if settings and self._settings_of != settings.version:
             self._settings_of = settings.version
             self._follow_settings(settings)
-        state["state"] = self._name(report["state"])
+        state["state"] = self._state_word(report["state"])
         if "job" in report:
             state["stored"] = report["job"] or ""
         state["more"] = [[word, str(report[key])] for key, word in commands.STATUS_WORDS if report.get(key) is not None]
-        self._show(report)
+        self._show_fields(report)
 
-    def _show(self, report):
+    def _show_fields(self, report):
         """Add the fields of this machine alone."""
 
     def _follow_settings(self, settings):
@@ -177,7 +177,7 @@ class PageMachine:
         """A report of a machine that tells no speed: its position in mm, and the speed since the one before."""
         axes = range(len(self.scale))
         self.position = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]
-        passed = since(self._now_ms, self._measured_ms)
+        passed = elapsed_ms(self._now_ms, self._measured_ms)
         if self._measured and passed:
             far = sum([((steps[axis] - self._measured[axis]) / self.scale[axis]) ** 2 for axis in axes]) ** 0.5
             self.state["feed"] = round(far * 60_000 / passed)
@@ -211,7 +211,7 @@ class PageMachine:
 
     def beat(self, number):
         """Report `number` goes out to the pages."""
-        self.lease.beat(number, self._now_ms)
+        self.lease.note_beat(number, self._now_ms)
 
     def shown(self):
         """The state that pages get."""
@@ -282,11 +282,11 @@ class PageMachine:
         """Come to a stand, and give up the job that is streamed: there is none."""
         return 0
 
-    def _wordless(self, *_):
+    def _refuse_order(self, *_):
         """The language has no word for it."""
         return errors.UNKNOWN_COMMAND
 
-    zero = go = step = override = output = line = play = run = _wordless
+    zero = go = step = override = output = line = play = run = _refuse_order
 
     def set(self, number, text):
         """Set and keep a setting, of a board's own page."""
@@ -341,7 +341,7 @@ class PageMachine:
         """Of a machine that goes at any of its speeds at once."""
         return Limits([_HUGE] * len(self.position), [_HUGE] * len(self.position))
 
-    def _say_jog(self, position, speed):
+    def _queue_jog(self, position, speed):
         """Queue a straight jog to machine coordinates in mm; return False if it cannot be queued now."""
         return False
 

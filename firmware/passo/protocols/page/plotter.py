@@ -8,7 +8,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.page_machine import PageMachine
-from passo.protocols.page.orders import number
+from passo.protocols.page.orders import number_field
 
 MOST_PLACE = const(65535)  # steps, as the language of packets has it
 
@@ -21,7 +21,7 @@ def jogs_of(board):
     return {(x, y): "UP", (-x, -y): "DOWN", (y, -x): "RIGHT", (-y, x): "LEFT"}
 
 
-def signs(direction):
+def signs_of(direction):
     return tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])
 
 
@@ -37,7 +37,7 @@ class PlotterPage(PageMachine):
         self._take_travel()
         self._steps = None
         self._way = None
-        self.orders = {"pace": self._pace}
+        self.orders = {"pace": self._set_pace}
 
     def _take_travel(self):
         self._travel = [min(axis["travel_steps"], MOST_PLACE) for axis in self._board["axes"]]
@@ -46,7 +46,7 @@ class PlotterPage(PageMachine):
         PageMachine._follow_settings(self, settings)
         self._take_travel()
 
-    def _show(self, report):
+    def _show_fields(self, report):
         self._steps = list(report["position"][:2])
         self._show_position(self._steps)
         state = self.state
@@ -57,13 +57,13 @@ class PlotterPage(PageMachine):
 
     # --- orders
 
-    hold = resume = unlock = PageMachine._wordless
+    hold = resume = unlock = PageMachine._refuse_order
 
-    def _pace(self, order):
+    def _set_pace(self, order):
         """The drawing speed, in the unit of the board file."""
-        return self.refusal() or self.still() or self.do(Command(commands.SPEED, value=int(number(order, "speed", 1, MOST_PLACE))))
+        return self.refusal() or self.still() or self.do(Command(commands.SPEED, value=int(number_field(order, "speed", 1, MOST_PLACE))))
 
-    def _move(self, wanted):
+    def _move_pen(self, wanted):
         """Go to a position in steps, pen up: an object of one point."""
         error = self.still()
         if error:
@@ -77,25 +77,25 @@ class PlotterPage(PageMachine):
         """{axis: mm} from here."""
         if self._steps is None:
             return errors.BUSY
-        return self._move([at + by for at, by in zip(self._steps, self._steps_by(way))])
+        return self._move_pen([at + by for at, by in zip(self._steps, self._steps_by(way))])
 
     def go(self, position, speed):
         """{axis: mm}."""
         if self._steps is None:
             return errors.BUSY
-        return self._move(self._steps_to(position, self._steps))
+        return self._move_pen(self._steps_to(position, self._steps))
 
     # --- the jog
 
     def _may_jog(self, direction):
-        return signs(direction) in self._jogs and self._steps is not None and not self.unanswered
+        return signs_of(direction) in self._jogs and self._steps is not None and not self.unanswered
 
     def _start_jog(self, direction, speed):
-        self._way = signs(direction)
+        self._way = signs_of(direction)
         self.jog.active = True
-        self._jogged(0)
+        self._repeat_jog(0)
 
-    def _jogged(self, error):
+    def _repeat_jog(self, error):
         """One after the other, as long as it is held."""
         if not self.jog.active:
             return
@@ -103,7 +103,7 @@ class PlotterPage(PageMachine):
             self.drop_jog()
             self.finished(error)
         else:
-            self.do(Command(commands.JOG, self._way), self._jogged)
+            self.do(Command(commands.JOG, self._way), self._repeat_jog)
 
     def _brake(self):
         self.said = []

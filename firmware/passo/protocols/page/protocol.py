@@ -18,7 +18,7 @@ from micropython import const
 
 from passo import errors
 from passo.commands import ACCEPTED, HELLO, STATUS, Command, Event
-from passo.protocols.page.lease import since
+from passo.protocols.page.lease import elapsed_ms
 from passo.protocols.page.orders import Orders, order_of
 from passo.records import COUNT_MASK
 
@@ -55,7 +55,7 @@ class Page:
         self._orders = Orders(self._machine)
         self.hello = self._orders.hello  # hello(): a page's first message, a dict
 
-    def keep(self, jobs_of):
+    def add_jobs(self, jobs_of):
         """The board stores jobs."""
         self._jobs = jobs_of(self._machine, self.tell, self._language)
 
@@ -72,19 +72,19 @@ class Page:
             return ()
         machine.now(now_ms)
         if not data:
-            return self._go_on(now_ms)
+            return self._new_commands(now_ms)
         number, what = data[0], data[1]
         if number == ALL:
             self._pages = what
             self._wanted = True
-            return self._look()
+            return self._poll_state()
         if what != GONE:
             return self._carry_out(number, bytes(data[2:]), what == PROVEN)
         if number == self._lease_of:
             machine.end_jog()
-        return self._go_on(now_ms)
+        return self._new_commands(now_ms)
 
-    def _look(self):
+    def _poll_state(self):
         """Yield the status command for the pages' state; before it the commands of a stored job."""
         if self._jobs:
             self._jobs.poll()
@@ -116,10 +116,10 @@ class Page:
         self._messages.append(bytes((number, FREE)) + json.dumps(answer).encode())
         yield self._hello
 
-    def _go_on(self, now_ms):
+    def _new_commands(self, now_ms):
         """Yield the new commands, and those of a jog."""
         machine = self._machine
-        if machine.jog.active and since(now_ms, self._asked_ms) >= _JOG_ASK_MS:
+        if machine.jog.active and elapsed_ms(now_ms, self._asked_ms) >= _JOG_ASK_MS:
             self._asked_ms = now_ms
             yield self._status
         for command in machine.commands():
@@ -132,7 +132,7 @@ class Page:
     def reply(self, event):
         command = event.command
         if command is self._status:
-            self._report(event.value)
+            self._show_report(event.value)
         elif command is not self._hello:
             error = self._machine.answered(event)
             if command is self._ordered:
@@ -151,7 +151,7 @@ class Page:
         self._machine.drop(event)
         return b""
 
-    def _report(self, report):
+    def _show_report(self, report):
         """Show a report, and tell it if pages want it."""
         machine = self._machine
         machine.report(report)
@@ -164,14 +164,14 @@ class Page:
         state["t"] = "state"
         state["beat"] = self._beat
         state["pages"] = self._pages
-        shown = at_once(state)
+        shown = urgent_parts(state)
         if shown != self._shown:
             self._shown = shown
             self._version = (self._version + 1) % MOST
         self._messages.append(bytes((ALL, FIRST + self._version)) + json.dumps(state).encode())
 
 
-def at_once(state):
+def urgent_parts(state):
     """Return the parts of a state that pages get at once, however rarely they want reports: all but places."""
     job = state["job"]
     return state["state"], state["link"], state["alarm"], state.get("owner"), job and (job["name"], job["how"], job["pass"])

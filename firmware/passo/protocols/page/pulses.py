@@ -11,7 +11,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.page_machine import PageMachine
-from passo.protocols.page.orders import number
+from passo.protocols.page.orders import number_field
 
 _MOST_STEPS = const(999_999)  # of one axis in one jog
 _FASTEST = const(900_000)  # mm/min
@@ -45,15 +45,15 @@ class PulsesPage(PageMachine):
         self._cut = False  # a jog was cut: its hold is to be taken off
         self._releasing = False  # asked for, and not answered
         self._playing = False  # the motion is that of the file
-        self.orders = {"pace": self._pace}
+        self.orders = {"pace": self._set_pace}
 
     # --- what the machine says
 
-    def _show(self, report):
+    def _show_fields(self, report):
         state = self.state
         program = report["step_program"]
         name = report["state"]
-        if not self._plays(name) and name == "run":
+        if not self._file_moves(name) and name == "run":
             state["state"] = "Jog"
         self._steps = list(report["position"])
         self.position = state["m"] = state["w"] = [round(self._steps[axis] / self.scale[axis], 4) for axis in range(len(self._steps))]
@@ -61,28 +61,28 @@ class PulsesPage(PageMachine):
         state["wait"] = program["wait_ms"] / 1000
         state["tool"], state["drives"] = bool(program["tool"]), bool(program["drives"])
         state["ours"] = report.get("ours", True)
-        state["port"] = self._port(program)
+        state["port"] = self._port_image(program)
         state["manual"] = program["manual"]
         state["asked"] = bool(program["asked"])
         if self._cut and name == "hold" and not self.jog.waiting:
             self._cut = False
             self._releasing = True
-            self._by_hand([0] * len(self.axes), self._hold_released)
+            self._move_by_hand([0] * len(self.axes), self._hold_released)
         if self.jog.active:
             self.jog.report(self.position)
 
-    def _plays(self, name):
+    def _file_moves(self, name):
         """True if what moves is the file; `name`: of the state."""
         if name != "run" and name != "hold":
             self._playing = False
         return self._playing or self.runs_stored()
 
-    def _port(self, program):
+    def _port_image(self, program):
         return self._image(program["moving"] | program["negative"] << 4, program["tool"], program["drives"], self._config)
 
     # --- moves by hand
 
-    def _by_hand(self, steps, answered):
+    def _move_by_hand(self, steps, answered):
         """Move each axis by its `steps`, one axis after the other."""
         if max([abs(part) for part in steps]) > _MOST_STEPS:
             return errors.TRAVEL
@@ -98,21 +98,21 @@ class PulsesPage(PageMachine):
             self.finished(error)
         self._releasing = False
 
-    def _move(self, steps):
+    def _move_steps(self, steps):
         if self.state["state"] not in ("Idle", "Hold") or self.jog.active:
             return errors.BUSY
-        return self._by_hand(steps, None) if [part for part in steps if part] else 0
+        return self._move_by_hand(steps, None) if [part for part in steps if part] else 0
 
     def step(self, way, speed):
         """{axis: mm} from here."""
-        return self._move(self._steps_by(way))
+        return self._move_steps(self._steps_by(way))
 
     def go(self, position, speed):
         """{axis: mm}, one axis after the other."""
         if self._steps is None:
             return errors.BUSY
         wanted = self._steps_to(position, self._steps)
-        return self._move([to - at for to, at in zip(wanted, self._steps)])
+        return self._move_steps([to - at for to, at in zip(wanted, self._steps)])
 
     def _may_jog(self, direction):
         one = len([part for part in direction if part]) == 1
@@ -127,10 +127,10 @@ class PulsesPage(PageMachine):
         limits.speeds = [self.state["feed"]] * len(self.position)
         return limits
 
-    def _say_jog(self, position, speed):
+    def _queue_jog(self, position, speed):
         steps = [round(position[axis] * self.scale[axis]) - self._begun[axis] for axis in range(len(position))]
         self._ahead = steps
-        return not self._by_hand(steps, self.jog_answered)
+        return not self._move_by_hand(steps, self.jog_answered)
 
     def jog_answered(self, error):
         if not error:
@@ -160,16 +160,16 @@ class PulsesPage(PageMachine):
         verb, _, back = ("run_back" if what == "back" else what).partition("_")
         if verb not in _PLAYS or back not in ("", "back"):
             return errors.UNKNOWN_COMMAND
-        return self.do(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), self._went)
+        return self.do(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), self._take_play_answer)
 
-    def _went(self, error):
+    def _take_play_answer(self, error):
         self._playing = self._playing or not error
         self.finished(error)
 
-    def _pace(self, order):
+    def _set_pace(self, order):
         """mm/min from now on, up to the file's next speed."""
         command = Command(commands.STEP_PROGRAM, None, commands.STEPS_PACE)
-        command.feed = int(number(order, "speed", 1, _FASTEST))
+        command.feed = int(number_field(order, "speed", 1, _FASTEST))
         return self.refusal() or self.do(command)
 
     def output(self, name, rpm):

@@ -11,8 +11,8 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import AS_JOG, AT_REST, Command, Motion, Run
 from passo.protocols.page.page_machine import PageMachine
-from passo.protocols.page.lease import since
-from passo.protocols.page.orders import Wrong, number, positions, text
+from passo.protocols.page.lease import elapsed_ms
+from passo.protocols.page.orders import Wrong, number_field, positions_field, text_field
 
 REPEAT_MS = const(40)  # between two jogs of one that is held
 _MOST_JOG_MM = 100.0
@@ -31,7 +31,7 @@ def can_of(board):
     return tuple(words)
 
 
-def straight(steps, scale, speed):
+def straight_speeds(steps, scale, speed):
     """Steps/s of both axes that lead `steps` straight, at `speed` mm/min; None: there is no way to go."""
     way = [steps[axis] / scale[axis] for axis in range(2)]
     length = sum([part * part for part in way]) ** 0.5
@@ -40,25 +40,25 @@ def straight(steps, scale, speed):
 
 def _speed_of(order, name, scale):
     """A speed of `order` in mm/min, as steps/s."""
-    return max(1, round(number(order, name, 0.1, 50_000) * scale / 60))
+    return max(1, round(number_field(order, name, 0.1, 50_000) * scale / 60))
 
 
 def move_of(order, scale):
     """(steps, steps/s) of a move with a speed of each axis, in mm/min."""
-    by = positions(order, "by", "xy")
+    by = positions_field(order, "by", "xy")
     return [round(by.get("xy"[axis], 0) * scale[axis]) for axis in range(2)], [_speed_of(order, "xy"[axis] + "v", scale[axis]) for axis in range(2)]
 
 
 def preferences_of(order, scale):
     """(steps of a jog, default steps/s) of both axes: mm, and mm/min."""
-    jogs = [round(number(order, "jog" + "xy"[axis], 0.001, _MOST_JOG_MM) * scale[axis]) for axis in range(2)]
+    jogs = [round(number_field(order, "jog" + "xy"[axis], 0.001, _MOST_JOG_MM) * scale[axis]) for axis in range(2)]
     speeds = [_speed_of(order, "xy"[axis] + "v", scale[axis]) for axis in range(2)]
     if [jog for jog in jogs if not jog]:
         raise Wrong("jogx")
     return jogs, speeds
 
 
-def preferences(jogs, speeds, scale):
+def preferences_message(jogs, speeds, scale):
     """Return them as a page's message."""
     return {
         "t": "preferences", "do": "preferences", "error": 0, "scale": scale[:2],
@@ -70,15 +70,15 @@ def preferences(jogs, speeds, scale):
 def seam_of(order, scale):
     """(spec of a weave, steps to the end from here, µm/s, steps to the centre or (0, 0)) of a seam to (x, y) mm; `centre`: it is an arc
     about that position, also from here."""
-    if text(order, "shape", 12) not in _SHAPES:
+    if text_field(order, "shape", 12) not in _SHAPES:
         raise Wrong("shape")
-    to = positions(order, "to", "xy")
-    centre = positions(order, "centre", "xy") if "centre" in order else {}
+    to = positions_field(order, "to", "xy")
+    centre = positions_field(order, "centre", "xy") if "centre" in order else {}
     spec = (
-        _SHAPES.index(order["shape"]) + 1, round(number(order, "amplitude", 0.001, 100) * 1000), round(number(order, "pitch", 0.1, 1000) * 1000),
-        int(number(order, "left", 0, 60_000, 0)), int(number(order, "right", 0, 60_000, 0)), 1 if order.get("along") else 0,
+        _SHAPES.index(order["shape"]) + 1, round(number_field(order, "amplitude", 0.001, 100) * 1000), round(number_field(order, "pitch", 0.1, 1000) * 1000),
+        int(number_field(order, "left", 0, 60_000, 0)), int(number_field(order, "right", 0, 60_000, 0)), 1 if order.get("along") else 0,
     )  # fmt: skip
-    speed = max(1, min(_MOST_UM_S, round(number(order, "speed", 0.1, 50_000) * 1000 / 60)))
+    speed = max(1, min(_MOST_UM_S, round(number_field(order, "speed", 0.1, 50_000) * 1000 / 60)))
     ends = [[round(position.get("xy"[axis], 0) * scale[axis]) for axis in range(2)] for position in (to, centre)]
     return spec, ends[0], speed, ends[1]
 
@@ -99,7 +99,7 @@ class TorchPage(PageMachine):
         self._way = None  # the jog that is held: axis and sign
         self._repeated_ms = 0
         self._dropped = 0
-        self.orders = {"move": self._move, "configure": self._configure, "origin": self._origin, "weave": self._weave, "preferences": self._told}
+        self.orders = {"move": self._order_move, "configure": self._set_preferences, "origin": self._set_origin, "weave": self._weave_seam, "preferences": self._tell_preferences}
         self.scale = self.scale[:2]
 
     def _take_jogs(self, settings):
@@ -110,7 +110,7 @@ class TorchPage(PageMachine):
         PageMachine._follow_settings(self, settings)
         self._take_jogs(settings)
 
-    def _show(self, report):
+    def _show_fields(self, report):
         self._steps = list(report["position"][:2])
         self._show_position(self._steps)
         self.state["ours"] = report["ours"]
@@ -124,10 +124,10 @@ class TorchPage(PageMachine):
 
     # --- orders
 
-    hold = resume = home = PageMachine._wordless
+    hold = resume = home = PageMachine._refuse_order
 
     def unlock(self):
-        return self._behind(Command(commands.RESET), Command(commands.UNLOCK))
+        return self._queue_pair(Command(commands.RESET), Command(commands.UNLOCK))
 
     def output(self, name, rpm):
         if name not in ("motors_on", "motors_off"):
@@ -137,66 +137,66 @@ class TorchPage(PageMachine):
             return error
         if name == "motors_off":
             return self.do(Command(commands.CONNECT, value=0))
-        return self._behind(Command(commands.HAND_OVER), Command(commands.CONNECT, value=1))
+        return self._queue_pair(Command(commands.HAND_OVER), Command(commands.CONNECT, value=1))
 
-    def _run(self, steps, speeds, when, answered=None):
+    def _run_axes(self, steps, speeds, when, answered=None):
         """Run `steps` of each axis, 0: not at all."""
         error = 0 if max([abs(part) for part in steps]) < commands.FOREVER else errors.TRAVEL
         return error or self.do(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when), answered)
 
-    def _straight(self, steps, speed):
+    def _run_straight(self, steps, speed):
         if self.still() or self._steps is None:
             return errors.BUSY
-        speeds = straight(steps, self.scale, speed)
-        return self._run(steps, speeds, AT_REST) if speeds else 0
+        speeds = straight_speeds(steps, self.scale, speed)
+        return self._run_axes(steps, speeds, AT_REST) if speeds else 0
 
     def step(self, way, speed):
         """{axis: mm} from here."""
-        return self._straight(self._steps_by(way), speed)
+        return self._run_straight(self._steps_by(way), speed)
 
     def go(self, position, speed):
         """{axis: mm}, straight."""
         if self._steps is None:
             return errors.BUSY
         wanted = [round(position.get("xy"[axis], self.position[axis]) * self.scale[axis]) for axis in range(2)]
-        return self._straight([wanted[axis] - self._steps[axis] for axis in range(2)], speed)
+        return self._run_straight([wanted[axis] - self._steps[axis] for axis in range(2)], speed)
 
-    def _move(self, order):
+    def _order_move(self, order):
         steps, speeds = move_of(order, self.scale)
-        return self.refusal() or self.still() or self._run(steps, speeds, AT_REST)
+        return self.refusal() or self.still() or self._run_axes(steps, speeds, AT_REST)
 
-    def _configure(self, order):
-        scale = [number(order, "s" + "xy"[axis], 0.001, _MOST_SCALE, self.scale[axis]) for axis in range(2)]
+    def _set_preferences(self, order):
+        scale = [number_field(order, "s" + "xy"[axis], 0.001, _MOST_SCALE, self.scale[axis]) for axis in range(2)]
         found = preferences_of(order, scale)
         error = self.refusal() or self.still()
         if error:
             return error
         said = [Command(commands.SETTING, _X_SCALE + axis, round(1000 * scale[axis])) for axis in range(2) if scale[axis] != self.scale[axis]]
-        self._keep(said + [Command(commands.STILL, value=found)], scale, found)
+        self._send_preferences(said + [Command(commands.STILL, value=found)], scale, found)
         return 0
 
-    def _keep(self, said, scale, found):
+    def _send_preferences(self, said, scale, found):
         """Say the commands one by one, as long as none is refused; then all of it counts."""
 
-        def answered(error):
+        def take_answer(error):
             if error:
                 self.finished(error)
             elif said[1:]:
-                self._keep(said[1:], scale, found)
+                self._send_preferences(said[1:], scale, found)
             else:
                 self.scale = scale
                 self._jogs, self._speeds = found
 
-        self.do(said[0], answered)
+        self.do(said[0], take_answer)
 
-    def _told(self, order):
+    def _tell_preferences(self, order):
         """The preferences as this page knows them."""
-        return preferences(self._jogs, self._speeds, self.scale)
+        return preferences_message(self._jogs, self._speeds, self.scale)
 
-    def _origin(self, order):
+    def _set_origin(self, order):
         return self.refusal() or self.still() or self.do(Command(commands.ZERO))
 
-    def _weave(self, order):
+    def _weave_seam(self, order):
         spec, to, speed, centre = seam_of(order, self.scale)
         if max([abs(part) for part in to + centre]) >= commands.FOREVER:
             return errors.TRAVEL
@@ -217,24 +217,24 @@ class TorchPage(PageMachine):
         axis = 0 if direction[0] else 1
         self._way = axis, 1 if direction[axis] > 0 else -1
         self.jog.active = True
-        self._repeat()
+        self._repeat_jog()
 
-    def _repeat(self):
+    def _repeat_jog(self):
         axis, sign = self._way
         self._repeated_ms = self._now_ms
         steps = [0, 0]
         steps[axis] = sign * self._jogs[axis]
-        self._run(steps, self._speeds, AS_JOG, self._jogged)
+        self._run_axes(steps, self._speeds, AS_JOG, self._take_jog_answer)
 
-    def _jogged(self, error):
+    def _take_jog_answer(self, error):
         if error:
             self.finished(error)
             self.end_jog()
 
     def go_on(self, now_ms):
         PageMachine.go_on(self, now_ms)
-        if self.jog.active and since(now_ms, self._repeated_ms) >= REPEAT_MS:
-            self._repeat()
+        if self.jog.active and elapsed_ms(now_ms, self._repeated_ms) >= REPEAT_MS:
+            self._repeat_jog()
 
     def _brake(self):
         if not self._ramps:
